@@ -1,0 +1,1 @@
+//! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab

@@ -1,0 +1,1 @@
+//! Linear elasticity that moves the mesh: stiffness models, matrix-free operator, preconditioners

@@ -1,0 +1,1 @@
+//! Topology and curved geometry of quadrilateral and hexahedral meshes

@@ -1,0 +1,1 @@
+//! Pointwise physics of a compressible gas: fluxes, boundary conditions, exact states

@@ -1,0 +1,1 @@
+//! Newton-Krylov on vectors: FGMRES, CG, inexact Newton, pseudo-transient continuation

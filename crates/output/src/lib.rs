@@ -1,0 +1,1 @@
+//! Results on disk: VTKHDF, exact coefficients, checkpoint, history, summary

@@ -1,0 +1,1 @@
+//! The stsolve command: case files, progress, reports

@@ -1,0 +1,2 @@
+//! The `stsolve` command.
+fn main() {}

@@ -1,0 +1,25 @@
+//! Numbers for kernels.
+//!
+//! A point function (a flux, a law, a boundary state) and a pointwise step of a kernel are written once, generic in a
+//! number type, and run as
+//!
+//! * `f64` — a value, for tests and for data that are prepared once;
+//! * [`Lanes`] — the same value in several cells at once, one cell per SIMD lane;
+//! * [`Dual`] of either — a value with its derivative in one direction, so that the action of a Jacobian is the same source.
+//!
+//! [`Real`] is what all of them can do. [`Over`] says that one number may be combined with another that carries fewer
+//! derivatives: a state that is differentiated on a mesh that is not.
+//!
+//! Nothing here loops over cells or allocates.
+
+mod dual;
+mod lanes;
+mod real;
+mod small;
+
+pub use dual::Dual;
+pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};
+pub use real::{Over, Real, Transcendental};
+pub use small::{cofactor, determinant, dot, matrix_from_columns, norm};
+
+pub use pulp;

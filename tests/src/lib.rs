@@ -1,0 +1,1 @@
+//! Verification, regression, command-line and restart tests of stsolve.
