@@ -1,1 +1,35 @@
-//! One-dimensional nodes, quadrature and polynomials, and their tensor products by sum factorisation
+//! One-dimensional nodes, quadrature and polynomials, and their tensor products by sum factorisation.
+//!
+//! In space everything lives on the reference line [-1, 1], in time on the slab [0, 1]. A space of **order** N has N functions
+//! of degree N - 1. What a basis knows is handed out as a small dense [`Matrix`] of values or derivatives at points; the kernels
+//! see only those matrices, and [`contract`] applies them, axis by axis, to batches of cells.
+//!
+//! | module | mathematics |
+//! |---|---|
+//! | `jacobi` | Jacobi polynomials and their roots |
+//! | `quadrature` | Gauss, Gauss-Lobatto and right-Radau rules |
+//! | `lagrange` | nodal basis |
+//! | `modified` | hierarchical C0 basis |
+//! | `time` | basis of a slab: Lagrange polynomials at right-Radau nodes |
+//! | `sum_factorisation` | one matrix along one axis of a tensor, in SIMD lanes |
+//! | `tensor_product` | one matrix along each axis |
+
+mod jacobi;
+mod lagrange;
+mod matrix;
+mod modified;
+mod quadrature;
+mod sum_factorisation;
+mod tensor_product;
+mod time;
+
+pub use lagrange::{Lagrange, equidistant_points};
+pub use matrix::Matrix;
+pub use modified::{ModifiedBasis, reversal_sign};
+pub use quadrature::{Rule, gauss, gauss_lobatto, right_radau};
+pub use sum_factorisation::{contract, contract_add};
+pub use tensor_product::{apply_all_axes, apply_all_axes_add, apply_axis, apply_axis_add, scratch_length};
+pub use time::RadauTime;
+
+#[cfg(test)]
+mod testing;

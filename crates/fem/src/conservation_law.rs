@@ -65,6 +65,11 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         v: &[G; D],
     ) -> [T; M];
 
+    /// A number that is positive exactly where `u` is admissible (the smaller of density and pressure, say).
+    fn margin<T: Real>(&self, u: &[T; M]) -> T {
+        u[0].constant(1.0)
+    }
+
     /// What makes `u` inadmissible, if anything: the name of the quantity and its value.
     fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)>;
 

@@ -1,7 +1,40 @@
 //! Space-time slab spaces and the kernels of a conservation law on a moving mesh.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `conservation_law` | what the kernels ask of a physics |
+//! | `field` | prescribed functions of position and time |
+//! | `layout` | the layout of unknowns |
+//! | `tables` | one-dimensional matrices, quadrature that conserves |
+//! | `tensor_product` | values and gradients at points, and their transposes |
+//! | `mode` | what is differentiated |
+//! | `cell`, `facet` | the kernels |
+//! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
+//! | `operator` | the residual of a slab and its derivatives |
+//! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
+mod batches;
+mod cell;
 mod conservation_law;
+mod facet;
 mod field;
+mod layout;
+mod linearisation;
+mod mode;
+mod moving_mesh;
+mod operator;
+mod pool;
+mod prescribed;
+mod tables;
+mod tensor_product;
+mod traces;
+mod violation;
 
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
+pub use layout::Layout;
+pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
+pub use moving_mesh::MovingMesh;
+pub use operator::{BoundaryCondition, Problem, SlabOperator, Violation};
+pub use pool::Pool;
+pub use tables::{Instant, Line, Orders, Quadrature, Tables};

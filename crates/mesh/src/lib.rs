@@ -1,1 +1,39 @@
-//! Topology and curved geometry of quadrilateral and hexahedral meshes
+//! Topology and curved geometry of quadrilateral and hexahedral meshes.
+//!
+//! A [`Mesh`] is a list of cells, each with the numbers of its 2^D vertices (who is whose neighbour) and the positions of its
+//! N^D Gauss-Lobatto nodes (where it is). Everything else follows: facets with the [`Orientation`] in which two lattices meet,
+//! the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that it is invertible.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `facet` | faces of a cell, their lattices and signs; orientation of two lattices |
+//! | `mesh` | the mesh |
+//! | `topology` | facets from vertex numbers and names |
+//! | `periodic` | boundaries that are translates of each other |
+//! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
+//! | `numbering` | C0 numbering of nodes |
+//! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `validity` | lower bounds of det J over a cell and a slab |
+//! | `generate` | meshes of a box |
+
+mod errors;
+mod facet;
+pub mod generate;
+mod geometry;
+mod lattice;
+mod mesh;
+mod numbering;
+mod periodic;
+mod random;
+mod scramble;
+mod topology;
+mod validity;
+
+pub use errors::MeshError;
+pub use facet::{BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, face_nodes, outward_sign, tangent_sign};
+pub use generate::{BoxMesh, Curving};
+pub use geometry::CellMap;
+pub use mesh::{Mesh, ORDERS};
+pub use numbering::NodeNumbering;
+pub use periodic::PeriodicPair;
+pub use validity::{Bound, SlabPoint, Validity, ValidityCheck};

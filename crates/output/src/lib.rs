@@ -1,1 +1,47 @@
-//! Results on disk: VTKHDF, exact coefficients, checkpoint, history, summary
+//! Results on disk: VTKHDF, exact coefficients, checkpoint, history, summary.
+//!
+//! This crate is the only link to libhdf5 and holds no formula: it stores arrays, it does not compute them.
+//! What lies where in `result.vtkhdf` is documented in `FORMAT.md` beside this crate's manifest.
+//!
+//! * [`RunDirectory`] is the directory of one run, locked against a second one;
+//! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state a restart needs;
+//! * [`History`] is `history.csv`, a row per slab;
+//! * [`Summary`] is `summary.json`, what a script reads when the run is over;
+//! * [`inspect`] tells what a result file holds.
+//!
+//! # A run killed at any moment
+//!
+//! A reader never sees a file that is being written. Steps are appended to a private copy, `result.vtkhdf.partial`;
+//! a checkpoint closes the copy, forces it to the disk and renames it over `result.vtkhdf`, which is atomic. A killed
+//! run therefore leaves the result of its last checkpoint, whole, and at most one unfinished copy that the next run
+//! removes. A program that already reads the old file keeps reading the old file.
+
+mod checksum;
+mod directory;
+mod error;
+mod files;
+mod format;
+mod hdf;
+mod history;
+mod inspect;
+mod lagrange;
+mod layout;
+mod result_file;
+mod state;
+mod summary;
+mod vtkhdf;
+
+pub use checksum::Checksum;
+pub use directory::{LockOwner, RunDirectory};
+pub use error::OutputError;
+pub use files::write_atomically;
+pub use format::{FORMAT_VERSION, Metadata};
+pub use history::{HISTORY_FILE, History};
+pub use inspect::{CheckpointInfo, ResultInfo, inspect};
+pub use lagrange::{vtk_node, vtk_order};
+pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
+pub use state::SolverState;
+pub use summary::{
+    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Summary, Unknowns, Wall,
+};

@@ -155,6 +155,10 @@ impl<T: Real> Over<T> for Dual<T> {
         Dual::new(self.value * g, self.derivative * g)
     }
     #[inline(always)]
+    fn scale_add(self, g: T, term: Self) -> Self {
+        Dual::new(self.value.mul_add(g, term.value), self.derivative.mul_add(g, term.derivative))
+    }
+    #[inline(always)]
     fn minus(self, g: T) -> Self {
         Dual::new(self.value - g, self.derivative)
     }

@@ -164,6 +164,12 @@ pub trait LaneNumber<S: Simd>: Real {
     fn load(simd: S, array: &[Pack], block: usize, i: usize, part: usize) -> Self;
     /// Writes entry `i` of the blocks of length `block`, register `part`.
     fn store(self, array: &mut [Pack], block: usize, i: usize, part: usize);
+    /// `self` times a register without derivatives.
+    fn times(self, factor: Lanes<S>) -> Self;
+    /// The value, derivatives dropped.
+    fn primal(self) -> Lanes<S>;
+    /// What a kernel hands on: the value, or of a dual the derivative. Results have one block.
+    fn result(self) -> Lanes<S>;
 }
 
 impl<S: Simd> LaneNumber<S> for Lanes<S> {
@@ -175,6 +181,18 @@ impl<S: Simd> LaneNumber<S> for Lanes<S> {
     #[inline(always)]
     fn store(self, array: &mut [Pack], _block: usize, i: usize, part: usize) {
         self.write(&mut array[i], part);
+    }
+    #[inline(always)]
+    fn times(self, factor: Lanes<S>) -> Self {
+        self * factor
+    }
+    #[inline(always)]
+    fn primal(self) -> Lanes<S> {
+        self
+    }
+    #[inline(always)]
+    fn result(self) -> Lanes<S> {
+        self
     }
 }
 
@@ -188,5 +206,17 @@ impl<S: Simd> LaneNumber<S> for Dual<Lanes<S>> {
     fn store(self, array: &mut [Pack], block: usize, i: usize, part: usize) {
         self.value.write(&mut array[i], part);
         self.derivative.write(&mut array[block + i], part);
+    }
+    #[inline(always)]
+    fn times(self, factor: Lanes<S>) -> Self {
+        Dual::new(self.value * factor, self.derivative * factor)
+    }
+    #[inline(always)]
+    fn primal(self) -> Lanes<S> {
+        self.value
+    }
+    #[inline(always)]
+    fn result(self) -> Lanes<S> {
+        self.derivative
     }
 }

@@ -56,6 +56,8 @@ pub trait Over<G>: Real {
     fn lift(g: G) -> Self;
     /// `self * g`.
     fn scale(self, g: G) -> Self;
+    /// `self * g + term`.
+    fn scale_add(self, g: G, term: Self) -> Self;
     /// `self - g`.
     fn minus(self, g: G) -> Self;
     /// `self + g`.
@@ -70,6 +72,10 @@ impl<T: Real> Over<T> for T {
     #[inline(always)]
     fn scale(self, g: T) -> Self {
         self * g
+    }
+    #[inline(always)]
+    fn scale_add(self, g: T, term: T) -> Self {
+        self.mul_add(g, term)
     }
     #[inline(always)]
     fn minus(self, g: T) -> Self {

@@ -1,0 +1,230 @@
+//! Matrices along the axes of a batched tensor.
+//!
+//! A tensor of `components` lies as `[component][axis D-1]...[axis 0]`, axis 0 fastest. With the value matrix of a basis on every axis
+//! [`apply_all_axes`] interpolates to the points of a tensor rule; with the transposed matrices it integrates against the test functions.
+//! The gradient along axis a takes the derivative matrix on axis a and value matrices on the others. Where a quadrature rule has at least as
+//! many points as the basis has nodes it is cheaper, and exact, to interpolate first and to differentiate at the points: one
+//! [`apply_axis`] with the derivative matrix of the Lagrange polynomials of the points.
+
+use crate::{Matrix, contract, contract_add};
+use pulp::Simd;
+use tensor::Pack;
+
+/// output = (matrices[D-1] x ... x matrices[0]) input for each of `components`.
+///
+/// `input` holds components * prod cols packs, `output` components * prod rows, `scratch` at least [`scratch_length`].
+pub fn apply_all_axes<S: Simd>(
+    simd: S,
+    matrices: &[&Matrix],
+    components: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+    scratch: &mut [Pack],
+) {
+    if let Some((last, intermediate, outer, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
+        contract(simd, last, outer, inner, intermediate, output);
+    }
+}
+
+/// As [`apply_all_axes`], but added to `output`.
+pub fn apply_all_axes_add<S: Simd>(
+    simd: S,
+    matrices: &[&Matrix],
+    components: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+    scratch: &mut [Pack],
+) {
+    if let Some((last, intermediate, outer, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
+        contract_add(simd, last, outer, inner, intermediate, output);
+    }
+}
+
+/// Applies all matrices but the last and says how to apply that one: (matrix, input, outer, inner).
+fn all_but_last_axis<'a, S: Simd>(
+    simd: S,
+    matrices: &[&'a Matrix],
+    components: usize,
+    mut input: &'a [Pack],
+    mut scratch: &'a mut [Pack],
+) -> Option<(&'a Matrix, &'a [Pack], usize, usize)> {
+    let (last, others) = matrices.split_last()?;
+    let mut outer = components * matrices.iter().map(|m| m.cols()).product::<usize>();
+    let mut inner = 1;
+    for matrix in others {
+        outer /= matrix.cols();
+        let (output, rest) = scratch.split_at_mut(outer * matrix.rows() * inner);
+        contract(simd, matrix, outer, inner, input, output);
+        inner *= matrix.rows();
+        (input, scratch) = (output, rest);
+    }
+    Some((last, input, outer / last.cols(), inner))
+}
+
+/// The number of packs that [`apply_all_axes`] needs in between.
+pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
+    let after = |axes: usize| -> usize {
+        let extent = |(a, m): (usize, &&Matrix)| if a < axes { m.rows() } else { m.cols() };
+        components * matrices.iter().enumerate().map(extent).product::<usize>()
+    };
+    (1..matrices.len()).map(after).sum()
+}
+
+/// `matrix` along `axis` of a tensor of `extents` (axis 0 first; extents[axis] = matrix.cols()) for each of `components`.
+pub fn apply_axis<S: Simd>(
+    simd: S,
+    matrix: &Matrix,
+    axis: usize,
+    extents: &[usize],
+    components: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+) {
+    let (outer, inner) = around(axis, extents, components);
+    contract(simd, matrix, outer, inner, input, output);
+}
+
+/// As [`apply_axis`], but added to `output`.
+pub fn apply_axis_add<S: Simd>(
+    simd: S,
+    matrix: &Matrix,
+    axis: usize,
+    extents: &[usize],
+    components: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+) {
+    let (outer, inner) = around(axis, extents, components);
+    contract_add(simd, matrix, outer, inner, input, output);
+}
+
+/// The numbers of entries outside and inside `axis`.
+fn around(axis: usize, extents: &[usize], components: usize) -> (usize, usize) {
+    (components * extents[axis + 1..].iter().product::<usize>(), extents[..axis].iter().product())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{self, OnEveryMachine};
+    use crate::{Lagrange, Rule, gauss};
+    use tensor::{WIDTH, zeroed};
+
+    /// A polynomial of the degree of the basis in every direction, different in every component and lane.
+    fn polynomial(component: usize, lane: usize, degree: usize, x: &[f64]) -> f64 {
+        let factor = |(a, &x): (usize, &f64)| (0.3 + a as f64 + 0.7 * x).powi(degree as i32) - component as f64 + 0.1 * lane as f64;
+        x.iter().enumerate().map(factor).product()
+    }
+    fn derivative(axis: usize, component: usize, lane: usize, degree: usize, x: &[f64]) -> f64 {
+        let others: Vec<f64> = x.iter().enumerate().map(|(a, &x)| if a == axis { 1e5 } else { x }).collect();
+        let base = (0.3 + axis as f64 + 0.7 * 1e5_f64).powi(degree as i32) - component as f64 + 0.1 * lane as f64;
+        let slope = 0.7 * degree as f64 * (0.3 + axis as f64 + 0.7 * x[axis]).powi(degree as i32 - 1);
+        polynomial(component, lane, degree, &others) / base * slope
+    }
+
+    /// f(component, lane, x) at the lattice of the points of each axis, axis 0 fastest.
+    fn sample(axes: &[&[f64]], components: usize, f: impl Fn(usize, usize, &[f64]) -> f64) -> Vec<Pack> {
+        let count: usize = axes.iter().map(|points| points.len()).product();
+        let mut packs = zeroed(components * count);
+        for k in 0..components * count {
+            let mut rest = k % count;
+            let coordinate = |points: &&[f64]| {
+                let x = points[rest % points.len()];
+                rest /= points.len();
+                x
+            };
+            let x: Vec<f64> = axes.iter().map(coordinate).collect();
+            for lane in 0..WIDTH {
+                packs[k].0[lane] = f(k / count, lane, &x);
+            }
+        }
+        packs
+    }
+
+    struct Interpolation<'a>(Vec<&'a Matrix>, usize, Vec<Pack>);
+    impl OnEveryMachine for Interpolation<'_> {
+        fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
+            let Interpolation(matrices, components, input) = self;
+            let mut output = zeroed(components * matrices.iter().map(|m| m.rows()).product::<usize>());
+            let mut scratch = zeroed(scratch_length(matrices, *components));
+            apply_all_axes(simd, matrices, *components, input, &mut output, &mut scratch);
+            output
+        }
+    }
+
+    /// Orders and rules that differ from axis to axis.
+    fn bases() -> ([Lagrange; 3], [Rule; 3]) {
+        ([4, 5, 6].map(Lagrange::gauss_lobatto), [7, 5, 6].map(gauss))
+    }
+
+    #[test]
+    fn values_and_gradients_of_polynomials_in_every_dimension() {
+        let (bases, rules) = bases();
+        for dimension in 1..=3 {
+            let nodes: Vec<&[f64]> = bases[..dimension].iter().map(|b| b.nodes()).collect();
+            let points: Vec<&[f64]> = rules[..dimension].iter().map(|r| r.points.as_slice()).collect();
+            let values: Vec<Matrix> = (0..dimension).map(|a| bases[a].value_matrix(points[a])).collect();
+            let input = sample(&nodes, 2, |c, lane, x| polynomial(c, lane, 3, x));
+            let exact = sample(&points, 2, |c, lane, x| polynomial(c, lane, 3, x));
+            testing::on_every_machine(&Interpolation(values.iter().collect(), 2, input.clone()), &exact, 1e-12);
+            for axis in 0..dimension {
+                let slope = bases[axis].derivative_matrix(points[axis]);
+                let matrices = (0..dimension).map(|a| if a == axis { &slope } else { &values[a] }).collect();
+                let exact = sample(&points, 2, |c, lane, x| derivative(axis, c, lane, 3, x));
+                testing::on_every_machine(&Interpolation(matrices, 2, input.clone()), &exact, 1e-11);
+            }
+        }
+    }
+
+    struct AtPoints(usize, Matrix, Vec<usize>, Vec<Pack>);
+    impl OnEveryMachine for AtPoints {
+        fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
+            let AtPoints(axis, matrix, extents, input) = self;
+            let mut output = zeroed(input.len());
+            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output);
+            let fresh = output.clone();
+            apply_axis_add(simd, matrix, *axis, extents, 2, input, &mut output);
+            (0..output.len()).for_each(|i| (0..WIDTH).for_each(|lane| output[i].0[lane] -= fresh[i].0[lane]));
+            output
+        }
+    }
+
+    #[test]
+    fn differentiating_at_the_points_is_exact_too() {
+        let (_, rules) = bases();
+        let points: Vec<&[f64]> = rules.iter().map(|r| r.points.as_slice()).collect();
+        let input = sample(&points, 2, |c, lane, x| polynomial(c, lane, 3, x));
+        for axis in 0..3 {
+            let slope = Lagrange::new(points[axis].to_vec()).derivative_matrix(points[axis]);
+            let exact = sample(&points, 2, |c, lane, x| derivative(axis, c, lane, 3, x));
+            testing::on_every_machine(&AtPoints(axis, slope, vec![7, 5, 6], input.clone()), &exact, 1e-11);
+        }
+    }
+
+    struct Adjoint<'a>(Vec<&'a Matrix>, Vec<Pack>);
+    impl OnEveryMachine for Adjoint<'_> {
+        /// Twice into the same output: A^T y + A^T y.
+        fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
+            let Adjoint(matrices, input) = self;
+            let mut output = zeroed(matrices.iter().map(|m| m.rows()).product());
+            let mut scratch = zeroed(scratch_length(matrices, 1));
+            apply_all_axes_add(simd, matrices, 1, input, &mut output, &mut scratch);
+            apply_all_axes_add(simd, matrices, 1, input, &mut output, &mut scratch);
+            output
+        }
+    }
+
+    /// int l_j over the cube, from the transposed value matrices and the weights at the points, is the weight of the Gauss-Lobatto rule.
+    #[test]
+    fn transposed_matrices_integrate_against_the_basis() {
+        let (bases, rules) = bases();
+        let transposed: Vec<Matrix> = (0..3).map(|a| bases[a].value_matrix(&rules[a].points).transpose()).collect();
+        let weights: Vec<&[f64]> = rules.iter().map(|r| r.weights.as_slice()).collect();
+        let lobatto: Vec<Rule> = [4, 5, 6].map(crate::gauss_lobatto).into();
+        let expected: Vec<&[f64]> = lobatto.iter().map(|r| r.weights.as_slice()).collect();
+        let product = |w: &[f64]| w.iter().product::<f64>();
+        let input = sample(&weights, 1, |_, lane, w| lane as f64 * product(w));
+        let exact = sample(&expected, 1, |_, lane, w| 2.0 * lane as f64 * product(w));
+        testing::on_every_machine(&Adjoint(transposed.iter().collect(), input), &exact, 1e-13);
+    }
+}

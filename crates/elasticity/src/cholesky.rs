@@ -1,0 +1,157 @@
+//! Sparse symmetric positive definite matrices, factored by faer.
+
+use crate::ElasticityError;
+use crate::pool::Pool;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side, Spec};
+
+/// A symmetric matrix of D x D blocks, one block per pair of neighbouring nodes. Only the lower triangle is stored, by columns.
+pub(crate) struct BlockMatrix<const D: usize> {
+    /// For each node, the node itself and its neighbours of larger number, increasing.
+    neighbours: Vec<Vec<usize>>,
+    columns: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl<const D: usize> BlockMatrix<D> {
+    /// The zero matrix for the couplings `neighbours`: for each node any nodes that it is coupled with, in any order, with repetitions;
+    /// itself and nodes of smaller number may be missing.
+    pub(crate) fn new(mut neighbours: Vec<Vec<usize>>) -> Self {
+        let (mut columns, mut rows) = (vec![0], Vec::new());
+        for (node, list) in neighbours.iter_mut().enumerate() {
+            list.retain(|&neighbour| neighbour > node);
+            list.push(node);
+            list.sort_unstable();
+            list.dedup();
+            for j in 0..D {
+                rows.extend((j..D).map(|i| node * D + i));
+                rows.extend(list[1..].iter().flat_map(|&neighbour| (0..D).map(move |i| neighbour * D + i)));
+                columns.push(rows.len());
+            }
+        }
+        let values = vec![0.0; rows.len()];
+        BlockMatrix { neighbours, columns, rows, values }
+    }
+
+    /// Adds `block[i][j]` to row (`row`, i), column (`column`, j). Blocks above the diagonal are the transposes of those below, and are
+    /// left out.
+    pub(crate) fn add(&mut self, row: usize, column: usize, block: &[[f64; D]; D]) {
+        if row < column {
+            return;
+        }
+        let place = self.neighbours[column].binary_search(&row).expect("the pattern holds every pair of nodes of a cell");
+        for j in 0..D {
+            // Column (column, j) begins at row (column, j): its diagonal block has D - j rows.
+            let start = self.columns[column * D + j];
+            for i in (if place == 0 { j } else { 0 })..D {
+                self.values[start + place * D + i - j] += block[i][j];
+            }
+        }
+    }
+
+    /// A = L L^T, with the approximate minimum degree ordering.
+    pub(crate) fn factor(&self) -> Result<Cholesky, ElasticityError> {
+        let n = self.columns.len() - 1;
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);
+        Cholesky::new(SparseColMatRef::new(pattern, &self.values))
+    }
+}
+
+/// The factor L of a sparse matrix A = L L^T.
+#[derive(Debug)]
+pub(crate) struct Cholesky {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+    scratch: Pool<MemBuffer>,
+}
+
+/// faer's kernels would split their work by the number of threads; on one thread the bits are always the same.
+const SEQUENTIAL: Par = Par::Seq;
+
+impl Cholesky {
+    fn new(matrix: SparseColMatRef<'_, usize, f64>) -> Result<Self, ElasticityError> {
+        let failed = |cause: &dyn std::fmt::Debug| ElasticityError::NotDefinite { cause: format!("{cause:?}") };
+        let (ordering, parameters) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
+        let symbolic =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, parameters).map_err(|e| failed(&e))?;
+        let mut values = vec![0.0; symbolic.len_val()];
+        let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(SEQUENTIAL, Spec::default()));
+        let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
+        symbolic
+            .factorize_numeric_llt(&mut values, matrix, Side::Lower, regularization, SEQUENTIAL, stack, Spec::default())
+            .map_err(|e| failed(&e))?;
+        Ok(Cholesky { symbolic, values, scratch: Pool::new() })
+    }
+
+    /// The number of unknowns.
+    pub(crate) fn len(&self) -> usize {
+        self.symbolic.nrows()
+    }
+
+    /// Stored entries of L.
+    pub(crate) fn entries(&self) -> usize {
+        self.values.len()
+    }
+
+    /// x = A^{-1} x for one right-hand side.
+    pub(crate) fn solve(&self, x: &mut [f64]) {
+        let n = self.len();
+        let mut memory = self.scratch.take(|| MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(1, SEQUENTIAL)));
+        let right_hand_side = MatMut::from_column_major_slice_mut(x, n, 1);
+        let factor = LltRef::new(&self.symbolic, &self.values);
+        factor.solve_in_place_with_conj(Conj::No, right_hand_side, SEQUENTIAL, MemStack::new(&mut memory));
+        self.scratch.give(memory);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// A chain of five nodes with 2 x 2 blocks, every block given in full, in both orders of its nodes.
+    fn chain(diagonal: f64) -> BlockMatrix<2> {
+        let mut matrix = BlockMatrix::<2>::new((0..5).map(|i| vec![i + 1, i.saturating_sub(1), i + 1]).map(|mut l: Vec<usize>| {
+            l.retain(|&k| k < 5);
+            l
+        }).collect());
+        for node in 0..5 {
+            matrix.add(node, node, &[[diagonal, 1.0], [1.0, diagonal]]);
+        }
+        for node in 1..5 {
+            matrix.add(node, node - 1, &[[-1.0, 0.5], [0.25, -1.0]]);
+            matrix.add(node - 1, node, &[[-1.0, 0.25], [0.5, -1.0]]);
+        }
+        matrix
+    }
+
+    fn product(diagonal: f64, x: &[f64]) -> Vec<f64> {
+        let at = |node: i32, i: usize| if (0..5).contains(&node) { x[2 * node as usize + i] } else { 0.0 };
+        (0..5)
+            .flat_map(|n| {
+                let low = [-at(n - 1, 0) + 0.5 * at(n - 1, 1), 0.25 * at(n - 1, 0) - at(n - 1, 1)];
+                let high = [-at(n + 1, 0) + 0.25 * at(n + 1, 1), 0.5 * at(n + 1, 0) - at(n + 1, 1)];
+                [diagonal * at(n, 0) + at(n, 1) + low[0] + high[0], at(n, 0) + diagonal * at(n, 1) + low[1] + high[1]]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn solution_satisfies_the_equations() {
+        let b: Vec<f64> = (0..10).map(|i| (i as f64).sin()).collect();
+        let mut x = b.clone();
+        chain(5.0).factor().unwrap().solve(&mut x);
+        assert!(product(5.0, &x).iter().zip(&b).all(|(ax, b)| (ax - b).abs() < 1e-14));
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_an_error() {
+        assert!(matches!(chain(1.0).factor(), Err(ElasticityError::NotDefinite { .. })));
+    }
+}

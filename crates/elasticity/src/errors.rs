@@ -1,0 +1,60 @@
+//! What can be wrong with an elastic mesh.
+
+use thiserror::Error;
+
+/// Why an elastic mesh cannot be built or solved.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ElasticityError {
+    /// A material constant is outside its range.
+    #[error("{constant} of the mesh material is {value}, expected {accepted}")]
+    Material {
+        /// Which constant.
+        constant: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that a material can have.
+        accepted: &'static str,
+    },
+    /// The stiffness model gives a modulus that is not a positive number.
+    #[error("the stiffness in cell {cell} at {position:?} is {value}: it must be positive and finite")]
+    Stiffness {
+        /// The cell.
+        cell: usize,
+        /// The physical point.
+        position: Vec<f64>,
+        /// The modulus there.
+        value: f64,
+    },
+    /// The cell between neighbouring Gauss-Lobatto nodes is inverted, although the curved cell that contains it may be valid.
+    #[error(
+        "cell {cell}: the sub-cell of its Gauss-Lobatto nodes at {position:?} is inverted (det = {determinant:e}), so the \
+         low-order preconditioner does not exist: curve the cell less, or take more cells"
+    )]
+    SubCell {
+        /// The cell.
+        cell: usize,
+        /// A corner of the sub-cell.
+        position: Vec<f64>,
+        /// The determinant of the edges there.
+        determinant: f64,
+    },
+    /// An array does not have the length that mesh and order imply.
+    #[error("{array} has {found} entries, expected {expected}")]
+    Length {
+        /// Which array.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// What mesh and order imply.
+        expected: usize,
+    },
+    /// Nothing holds the mesh: rigid motions cost no energy.
+    #[error("no node of the mesh is constrained: prescribe the displacement on at least one boundary")]
+    Unconstrained,
+    /// The factorisation of the low-order matrix met a pivot that is not positive.
+    #[error("the stiffness matrix is not positive definite ({cause}): prescribe the displacement on more of the boundary, or check the stiffness")]
+    NotDefinite {
+        /// What the factorisation said.
+        cause: String,
+    },
+}

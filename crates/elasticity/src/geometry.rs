@@ -1,0 +1,100 @@
+//! The reference mesh and its stiffness at points of the cells.
+
+use crate::{ElasticityError, Stiffness};
+use mesh::{CellMap, Mesh};
+use tensor::{cofactor, determinant};
+
+/// Gauss points per direction that integrate K.
+///
+/// A linear displacement has constant stress, and K maps it to zero inside (the patch test) where `int grad_xi w . cof J` is exact, of
+/// degree D (N - 1) - 1 per direction. N + 1 points, which integrate affine cells with two degrees to spare, do that in 2-D, and in
+/// 3-D up to N = 5; beyond, it takes more.
+pub(crate) fn quadrature_points(dimension: usize, order: usize) -> usize {
+    (dimension * (order - 1)).div_ceil(2).max(order + 1)
+}
+
+/// The reference map and the stiffness at one point of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<const D: usize> {
+    pub(crate) position: [f64; D],
+    /// det J, J = dx/dxi.
+    pub(crate) determinant: f64,
+    /// G = J^{-1}, `[a][j]` = d xi_a / d x_j.
+    pub(crate) inverse_jacobian: [[f64; D]; D],
+    /// The factor on Young's modulus.
+    pub(crate) stiffness: f64,
+}
+
+/// Samples every cell at the same grid of reference points.
+pub(crate) struct Sampler<'a, const D: usize> {
+    mesh: &'a Mesh<D>,
+    stiffness: Stiffness<'a, D>,
+    mean_determinant: f64,
+    map: CellMap<D>,
+}
+
+impl<'a, const D: usize> Sampler<'a, D> {
+    /// For the grid with the coordinates `points` along every axis.
+    pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, points: &[f64]) -> Self {
+        let reference_volume = (mesh.n_cells() << D) as f64;
+        let mean_determinant = mesh.volume() / reference_volume;
+        Sampler { mesh, stiffness, mean_determinant, map: CellMap::on_grid(mesh.order(), points) }
+    }
+
+    /// The samples of `cell`, axis 0 fastest.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Stiffness`] where the modulus is not positive and finite.
+    pub(crate) fn cell(&self, cell: usize) -> Result<Vec<Sample<D>>, ElasticityError> {
+        let nodes = self.mesh.cell_coordinates(cell);
+        let points = self.map.positions(nodes).into_iter().zip(self.map.jacobians(nodes));
+        points.map(|(position, jacobian)| self.sample(cell, position, &jacobian)).collect()
+    }
+
+    fn sample(&self, cell: usize, position: [f64; D], jacobian: &[[f64; D]; D]) -> Result<Sample<D>, ElasticityError> {
+        let (determinant, inverse_jacobian) = determinant_and_inverse(jacobian);
+        let stiffness = self.stiffness.at(&position, determinant / self.mean_determinant);
+        if !(stiffness > 0.0 && stiffness.is_finite()) {
+            return Err(ElasticityError::Stiffness { cell, position: position.to_vec(), value: stiffness });
+        }
+        Ok(Sample { position, determinant, inverse_jacobian, stiffness })
+    }
+}
+
+/// det J and J^{-1}.
+pub(crate) fn determinant_and_inverse<const D: usize>(jacobian: &[[f64; D]; D]) -> (f64, [[f64; D]; D]) {
+    let cofactor = cofactor(jacobian);
+    let determinant = determinant(jacobian, &cofactor);
+    // cofactor / det is J^{-T}
+    (determinant, std::array::from_fn(|a| std::array::from_fn(|j| cofactor[j][a] / determinant)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn enough_points_for_the_patch_test() {
+        for order in 2..=16 {
+            for dimension in [2, 3] {
+                let n = quadrature_points(dimension, order);
+                assert!(n > order, "affine cells");
+                assert!(2 * n - 1 >= dimension * (order - 1) - 1, "patch test");
+            }
+        }
+        assert_eq!([2, 5, 6, 8, 16].map(|order| quadrature_points(3, order)), [3, 6, 8, 11, 23]);
+    }
+
+    #[test]
+    fn inverse_of_a_shear_in_space() {
+        let jacobian = [[2.0, 1.0, 0.0], [0.0, 4.0, 3.0], [0.5, 0.0, 1.0]];
+        let (det, inverse) = determinant_and_inverse(&jacobian);
+        assert_eq!(det, 9.5);
+        for i in 0..3 {
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| jacobian[i][k] * inverse[k][j]).sum();
+                assert!((product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-15);
+            }
+        }
+    }
+}

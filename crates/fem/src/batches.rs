@@ -1,0 +1,93 @@
+//! Cells and facets in batches of one per SIMD lane, and how facets and cells find each other.
+
+use mesh::{Mesh, Orientation, Side};
+use std::collections::BTreeMap;
+use tensor::{Pack, WIDTH};
+
+/// How the nodes of the plus side are reordered into the lattice of the minus side: entry i is the plus index of minus node i.
+pub struct Permutation {
+    /// For the nodes of the flow.
+    pub flow: Vec<usize>,
+    /// For the nodes of the mesh.
+    pub mesh: Vec<usize>,
+}
+
+/// Up to [`WIDTH`] facets that are treated alike. Unused lanes repeat the last facet.
+pub struct FacetBatch {
+    /// Facets in use.
+    pub count: usize,
+    /// Minus sides.
+    pub minus: [Side; WIDTH],
+    /// Plus sides and their permutations (index into [`Facets::permutations`]); on a boundary repeats `minus`.
+    pub plus: [(Side, usize); WIDTH],
+    /// The boundary, if it is one.
+    pub boundary: Option<usize>,
+    /// See [`crate::facet::FacetScratch::normal_sign`].
+    pub normal_sign: Pack,
+}
+
+/// All facets of a mesh in batches.
+pub struct Facets {
+    /// Interior batches first.
+    pub batches: Vec<FacetBatch>,
+    /// The permutations that occur; number 0 is the identity.
+    pub permutations: Vec<Permutation>,
+    /// For `[cell][face]`: the slot of the facet (batch * WIDTH + lane) and the side (0 minus, 1 plus) that the face is.
+    pub of_face: Vec<(u32, u8)>,
+}
+
+impl Facets {
+    /// Batches the facets of `mesh` for a flow and a mesh of the given orders.
+    pub fn new<const D: usize>(mesh: &Mesh<D>, flow_order: usize, mesh_order: usize) -> Self {
+        let mut permutations = Vec::new();
+        let mut known: BTreeMap<Orientation, usize> = BTreeMap::new();
+        let identity = Orientation::default();
+        let mut number = |orientation: Orientation| {
+            *known.entry(orientation).or_insert_with(|| {
+                let map = |n: usize| (0..n.pow(D as u32 - 1)).map(|i| orientation.plus_index(D - 1, n, i)).collect();
+                permutations.push(Permutation { flow: map(flow_order), mesh: map(mesh_order) });
+                permutations.len() - 1
+            })
+        };
+        let same = number(identity);
+        let interior: Vec<_> = mesh.interior_facets().iter().map(|f| (f.minus, (f.plus, number(f.orientation)), None)).collect();
+        let boundary: Vec<_> = mesh.boundary_facets().iter().map(|f| (f.side, (f.side, same), Some(f.boundary))).collect();
+        let mut batches: Vec<FacetBatch> = interior.chunks(WIDTH).map(batch::<D>).collect();
+        batches.extend(boundary.chunk_by(|a, b| a.2 == b.2).flat_map(|same| same.chunks(WIDTH)).map(batch::<D>));
+        let of_face = faces_to_facets(&batches, mesh.n_cells() * 2 * D, 2 * D);
+        Facets { batches, permutations, of_face }
+    }
+}
+
+fn batch<const D: usize>(facets: &[(Side, (Side, usize), Option<usize>)]) -> FacetBatch {
+    let at = |lane: usize| &facets[lane.min(facets.len() - 1)];
+    // The last column of cofactors is the cross product of the tangents in 3-D and the negative turn of the tangent in 2-D.
+    let turn = if D == 2 { -1.0 } else { 1.0 };
+    FacetBatch {
+        count: facets.len(),
+        minus: std::array::from_fn(|lane| at(lane).0),
+        plus: std::array::from_fn(|lane| at(lane).1),
+        boundary: facets[0].2,
+        normal_sign: Pack(std::array::from_fn(|lane| turn * mesh::tangent_sign(at(lane).0.face))),
+    }
+}
+
+fn faces_to_facets(batches: &[FacetBatch], faces: usize, per_cell: usize) -> Vec<(u32, u8)> {
+    let mut of_face = vec![(u32::MAX, 0); faces];
+    for (b, batch) in batches.iter().enumerate() {
+        for lane in 0..batch.count {
+            let slot = (b * WIDTH + lane) as u32;
+            let (minus, plus) = (batch.minus[lane], batch.plus[lane].0);
+            if batch.boundary.is_none() {
+                of_face[plus.cell * per_cell + plus.face] = (slot, 1);
+            }
+            of_face[minus.cell * per_cell + minus.face] = (slot, 0);
+        }
+    }
+    of_face
+}
+
+/// The cells of batch `batch`, the last one repeated where there are fewer than [`WIDTH`].
+pub fn cells_of(batch: usize, cells: usize) -> [usize; WIDTH] {
+    std::array::from_fn(|lane| (batch * WIDTH + lane).min(cells - 1))
+}

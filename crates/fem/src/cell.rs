@@ -1,0 +1,396 @@
+//! The volume terms of a batch of cells.
+//!
+//! ```text
+//! R_a += - int_I int_K ( phi_a' w u + phi_a grad_x w . (F_c - u v - F_v) + phi_a w s ) J  +  [ phi_a int_K w u J ]_top      (volume)
+//! ```
+//!
+//! The integral over the slab is a sum over its Gauss points; at each of them the terms are those of a problem in space.
+
+use crate::conservation_law::ConservationLaw;
+use crate::mode::Mode;
+use crate::tables::{Instant, Tables};
+use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
+use basis::{Matrix, contract, contract_add};
+use std::marker::PhantomData;
+use tensor::pulp::{Simd, WithSimd};
+use tensor::{LaneNumber, Lanes, Over, Pack, Real, WIDTH, cofactor, determinant, zeroed};
+
+/// Packs of one batch of cells, kept by a thread from one batch to the next.
+///
+/// `b` counts blocks (values, derivatives), `p` points, `i` space nodes, `a` time nodes, `m` components of the state.
+pub struct CellScratch {
+    /// State in the slab, `[b][a][m][i]`.
+    pub state: Vec<Pack>,
+    /// Bottom position and velocities of the mesh, `[b][slot][d][i]`.
+    pub mesh: Vec<Pack>,
+    /// Residual, `[a][m][i]`.
+    pub residual: Vec<Pack>,
+    /// State at one time, `[b][m][i]`.
+    pub state_now: Vec<Pack>,
+    /// Position at one time, `[b][d][i]`.
+    pub position_now: Vec<Pack>,
+    /// Velocity at one time, `[b][d][i]`.
+    pub velocity_now: Vec<Pack>,
+    /// Flux terms at one time, `[m][i]`.
+    pub flux_now: Vec<Pack>,
+    /// Moments of the state at one time, int w u J, `[m][i]`.
+    pub moments_now: Vec<Pack>,
+    /// Positions at points, `[b][d][p]`: read by sources.
+    pub x: Vec<Pack>,
+    /// Source at points, `[b][m][p]`.
+    pub source: Vec<Pack>,
+    /// One where a state or a Jacobian determinant of the lane was inadmissible.
+    pub violated: Pack,
+    u: Vec<Pack>,
+    gradient: Vec<Pack>,
+    jacobian: Vec<Pack>,
+    v: Vec<Pack>,
+    flux: Vec<Pack>,
+    moments: Vec<Pack>,
+    scratch: Scratch,
+}
+
+impl CellScratch {
+    /// Room for any mode.
+    pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
+        let (n_t, points) = (tables.orders.time, tables.volume_points());
+        let nodes = tables.orders.flow.pow(D as u32);
+        let mesh_nodes = tables.orders.mesh.pow(D as u32);
+        let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
+        CellScratch {
+            state: zeroed(2 * n_t * M * nodes),
+            mesh: zeroed(2 * (n_t + 1) * D * mesh_nodes),
+            residual: zeroed(n_t * M * nodes),
+            state_now: zeroed(2 * M * nodes),
+            position_now: zeroed(2 * D * mesh_nodes),
+            velocity_now: zeroed(2 * D * mesh_nodes),
+            flux_now: zeroed(M * nodes),
+            moments_now: zeroed(M * nodes),
+            x: zeroed(2 * D * points),
+            source: zeroed(2 * M * points),
+            violated: Pack::ZERO,
+            u: zeroed(2 * M * points),
+            gradient: zeroed(D * 2 * M * points),
+            jacobian: zeroed(D * 2 * D * points),
+            v: zeroed(2 * D * points),
+            flux: zeroed(D * M * points),
+            moments: zeroed(M * points),
+            scratch: Scratch::new(D, 2 * M, widest),
+        }
+    }
+}
+
+/// Fills the source at points from positions at points: `(time, x [b][d][p], source [b][m][p])`.
+pub type SourceAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
+
+/// What the kernels of a slab share.
+pub struct CellContext<'a, const D: usize, const M: usize, L> {
+    /// One-dimensional tables.
+    pub tables: &'a Tables<D>,
+    /// The conservation law.
+    pub law: &'a L,
+    /// Length of the slab.
+    pub dt: f64,
+    /// Time at the bottom of the slab.
+    pub start: f64,
+    /// Rows that give positions at the Gauss points in time, and at the top.
+    pub position_rows: &'a [Matrix],
+    /// The source s, if there is one.
+    pub source: Option<SourceAt<'a>>,
+}
+
+/// The volume terms of a slab: reads `state` and `mesh` of the scratch, overwrites `residual`.
+pub struct SlabCells<'a, 'c, const D: usize, const M: usize, L, K> {
+    /// Shared data.
+    pub context: &'c CellContext<'a, D, M, L>,
+    /// This thread's packs.
+    pub scratch: &'c mut CellScratch,
+    /// Values or derivatives.
+    pub mode: PhantomData<K>,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd for SlabCells<'_, '_, D, M, L, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let SlabCells { context, scratch, .. } = self;
+        let tables = context.tables;
+        let nodes = tables.orders.flow.pow(D as u32);
+        scratch.residual.fill(Pack::ZERO);
+        scratch.violated = Pack::ZERO;
+        for (q, instant) in tables.instants.iter().enumerate() {
+            at_instant::<D, M, K, S>(simd, tables, instant, &context.position_rows[q], scratch);
+            space_terms::<D, M, L, K, S>(simd, context, instant, context.dt * instant.weight, instant.weight, scratch);
+            contract_add(simd, &instant.test, 1, M * nodes, &scratch.flux_now, &mut scratch.residual);
+            contract_add(simd, &instant.test_rate, 1, M * nodes, &scratch.moments_now, &mut scratch.residual);
+        }
+        at_instant::<D, M, K, S>(simd, tables, &tables.top, &context.position_rows[tables.instants.len()], scratch);
+        moments::<D, M, K, S>(simd, tables, scratch);
+        contract_add(simd, &tables.top.test, 1, M * nodes, &scratch.moments_now, &mut scratch.residual);
+    }
+}
+
+/// The terms of space alone at one time: reads `state_now`, `position_now`, `velocity_now`, overwrites `flux_now` (scaled
+/// by `flux_weight`) and `moments_now` (scaled by `moment_weight`).
+pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
+    /// Shared data.
+    pub context: &'c CellContext<'a, D, M, L>,
+    /// The time.
+    pub instant: &'c Instant,
+    /// This thread's packs.
+    pub scratch: &'c mut CellScratch,
+    /// Values or derivatives.
+    pub mode: PhantomData<K>,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd for SpaceCells<'_, '_, D, M, L, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.scratch.violated = Pack::ZERO;
+        space_terms::<D, M, L, K, S>(simd, self.context, self.instant, 1.0, 1.0, self.scratch);
+    }
+}
+
+/// Moments int w u J of a state at one time: reads `state_now` and `position_now`, overwrites `moments_now`.
+pub struct CellMoments<'a, 'c, const D: usize, const M: usize> {
+    /// One-dimensional tables.
+    pub tables: &'a Tables<D>,
+    /// This thread's packs.
+    pub scratch: &'c mut CellScratch,
+}
+
+impl<const D: usize, const M: usize> WithSimd for CellMoments<'_, '_, D, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        moments::<D, M, crate::mode::Values, S>(simd, self.tables, self.scratch);
+    }
+}
+
+/// State, position and velocity at one time of the slab.
+#[inline(always)]
+fn at_instant<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    instant: &Instant,
+    position_row: &Matrix,
+    scratch: &mut CellScratch,
+) {
+    let nodes = tables.orders.flow.pow(D as u32);
+    let mesh_nodes = tables.orders.mesh.pow(D as u32);
+    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
+    contract(simd, &instant.values, b, M * nodes, &scratch.state, &mut scratch.state_now);
+    contract(simd, position_row, g, D * mesh_nodes, &scratch.mesh, &mut scratch.position_now);
+    contract(simd, &instant.velocities, g, D * mesh_nodes, &scratch.mesh, &mut scratch.velocity_now);
+}
+
+/// Steps 1 to 4 of the volume terms at one time.
+#[inline(always)]
+fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
+    simd: S,
+    context: &CellContext<D, M, L>,
+    instant: &Instant,
+    flux_weight: f64,
+    moment_weight: f64,
+    scratch: &mut CellScratch,
+) {
+    let tables = context.tables;
+    let viscous = context.law.is_viscous();
+    to_points::<D, M, K, S>(simd, tables, viscous, scratch); // 1. geometry and state at the points
+    let with_source = source_at_points(context, instant, simd, scratch, K::GEOMETRY_BLOCKS); // 2. the source
+    fluxes::<D, M, L, K, S>(simd, context.law, tables, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
+    scratch.flux_now.fill(Pack::ZERO); // 4. test
+    let parts = if with_source { Parts::Both } else { Parts::Gradients };
+    let line = &tables.flow;
+    integrate(simd, line, D, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, &mut scratch.scratch);
+    scratch.moments_now.fill(Pack::ZERO);
+    integrate(simd, line, D, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, &mut scratch.scratch);
+}
+
+/// Jacobian matrix, mesh velocity, state and its reference gradient at the points.
+#[inline(always)]
+fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, viscous: bool, scratch: &mut CellScratch) {
+    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
+    let CellScratch { jacobian, v, u, gradient, scratch: room, .. } = scratch;
+    evaluate(simd, &tables.mesh, D, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
+    evaluate(simd, &tables.mesh, D, g * D, Parts::Values, &scratch.velocity_now, v, &mut [], room);
+    let parts = if viscous { Parts::Both } else { Parts::Values };
+    evaluate(simd, &tables.flow, D, b * M, parts, &scratch.state_now, u, gradient, room);
+}
+
+/// Evaluates the source at the points, if there is one.
+#[inline(always)]
+fn source_at_points<const D: usize, const M: usize, L, S: Simd>(
+    context: &CellContext<D, M, L>,
+    instant: &Instant,
+    simd: S,
+    scratch: &mut CellScratch,
+    blocks: usize,
+) -> bool {
+    let Some(source) = context.source else { return false };
+    let CellScratch { x, scratch: room, .. } = scratch;
+    evaluate(simd, &context.tables.mesh, D, blocks * D, Parts::Values, &scratch.position_now, x, &mut [], room);
+    source(context.start + context.dt * instant.s, x, &mut scratch.source);
+    true
+}
+
+/// The point functions: fluxes in reference directions, moments, source, admissibility.
+#[inline(always)]
+fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
+    simd: S,
+    law: &L,
+    tables: &Tables<D>,
+    flux_weight: f64,
+    moment_weight: f64,
+    scratch: &mut CellScratch,
+    viscous: bool,
+    with_source: bool,
+) {
+    let points = tables.volume_points();
+    let one = Lanes::<S>::splat(simd, 1.0);
+    for p in 0..points {
+        for part in 0..Lanes::<S>::PARTS {
+            let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, points, p, part);
+            let u = load_state::<M, K::State<S>, S>(simd, &scratch.u, points, p, part);
+            let mut v = [det; D];
+            for d in 0..D {
+                v[d] = K::Geometry::<S>::load(simd, &scratch.v, D * points, d * points + p, part);
+            }
+            let mut gradient = [u; D];
+            if viscous {
+                gradient = physical_gradient::<D, M, K, S>(simd, &scratch.gradient, points, p, part, &cof, det);
+            }
+            let f = law.flux::<K::State<S>, K::Geometry<S>>(&u, &gradient, &v);
+            // - grad_x w . f J = - sum_j dw/dxi_j (sum_k cof_kj f_k): minus from integration by parts.
+            let weight = -tables.volume_weights[p] * flux_weight;
+            for j in 0..D {
+                for m in 0..M {
+                    let mut sum = f[0][m].scale(cof[0][j]);
+                    for k in 1..D {
+                        sum = f[k][m].scale_add(cof[k][j], sum);
+                    }
+                    (sum * weight).result().write(&mut scratch.flux[(j * M + m) * points + p], part);
+                }
+            }
+            for m in 0..M {
+                let moment = u[m].scale(det) * (tables.volume_weights[p] * moment_weight);
+                moment.result().write(&mut scratch.moments[m * points + p], part);
+            }
+            if with_source {
+                for m in 0..M {
+                    let s = K::Geometry::<S>::load(simd, &scratch.source, M * points, m * points + p, part);
+                    // Minus: the source stands on the right of the law. Result overwrites the value block in place.
+                    let tested = K::State::<S>::lift(s * det) * weight;
+                    tested.result().write(&mut scratch.source[m * points + p], part);
+                }
+            }
+            let margin = law.margin(&u).min(K::State::<S>::lift(det));
+            flag::<K::State<S>, S>(simd, margin, one, &mut scratch.violated, part);
+        }
+    }
+}
+
+/// Marks the lanes where `margin` is not positive. Written so that a NaN is marked too.
+#[inline(always)]
+pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(simd: S, margin: T, one: Lanes<S>, violated: &mut Pack, part: usize) {
+    let so_far = Lanes::read(simd, violated, part);
+    margin.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
+}
+
+/// Moments of the state at one time, int w u J.
+#[inline(always)]
+fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut CellScratch) {
+    let points = tables.volume_points();
+    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
+    let CellScratch { jacobian, u, scratch: room, .. } = scratch;
+    evaluate(simd, &tables.mesh, D, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
+    evaluate(simd, &tables.flow, D, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
+    for p in 0..points {
+        for part in 0..Lanes::<S>::PARTS {
+            let (_, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, points, p, part);
+            let u = load_state::<M, K::State<S>, S>(simd, &scratch.u, points, p, part);
+            for m in 0..M {
+                let moment = u[m].scale(det) * tables.volume_weights[p];
+                moment.result().write(&mut scratch.moments[m * points + p], part);
+            }
+        }
+    }
+    scratch.moments_now.fill(Pack::ZERO);
+    let CellScratch { moments, moments_now, scratch: room, .. } = scratch;
+    integrate(simd, &tables.flow, D, M, Parts::Values, moments, &[], moments_now, room);
+}
+
+/// Cofactors and determinant of dx/dxi at point `p`; `jacobian[direction][b][d][p]`.
+#[inline(always)]
+pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
+    simd: S,
+    jacobian: &[Pack],
+    points: usize,
+    p: usize,
+    part: usize,
+) -> ([[G; D]; D], G) {
+    let size = G::BLOCKS * D * points;
+    let first = G::load(simd, jacobian, D * points, p, part);
+    let mut dx = [[first; D]; D];
+    for j in 0..D {
+        for i in 0..D {
+            dx[i][j] = G::load(simd, &jacobian[j * size..(j + 1) * size], D * points, i * points + p, part);
+        }
+    }
+    let cof = cofactor(&dx);
+    (cof, determinant(&dx, &cof))
+}
+
+/// The state at point `p`; `u[b][m][p]`.
+#[inline(always)]
+pub(crate) fn load_state<const M: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack], points: usize, p: usize, part: usize) -> [T; M] {
+    let mut state = [T::load(simd, u, M * points, p, part); M];
+    for m in 1..M {
+        state[m] = T::load(simd, u, M * points, m * points + p, part);
+    }
+    state
+}
+
+/// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[direction][b][m][p]`.
+#[inline(always)]
+pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    gradient: &[Pack],
+    points: usize,
+    p: usize,
+    part: usize,
+    cof: &[[K::Geometry<S>; D]; D],
+    det: K::Geometry<S>,
+) -> [[K::State<S>; M]; D] {
+    let size = K::STATE_BLOCKS * M * points;
+    let inverse = det.recip();
+    let first = load_state::<M, K::State<S>, S>(simd, gradient, points, p, part);
+    let mut reference = [first; D];
+    for j in 1..D {
+        reference[j] = load_state::<M, K::State<S>, S>(simd, &gradient[j * size..], points, p, part);
+    }
+    let mut physical = reference;
+    for k in 0..D {
+        for m in 0..M {
+            let mut sum = reference[0][m].scale(cof[k][0]);
+            for j in 1..D {
+                sum = reference[j][m].scale_add(cof[k][j], sum);
+            }
+            physical[k][m] = sum.scale(inverse);
+        }
+    }
+    physical
+}
+
+/// Reads the coefficients of a batch, `source[lane]` each of the same length, into packs.
+pub fn gather(sources: [&[f64]; WIDTH], packs: &mut [Pack]) {
+    for (lane, source) in sources.iter().enumerate() {
+        for (pack, value) in packs.iter_mut().zip(*source) {
+            pack.0[lane] = *value;
+        }
+    }
+}

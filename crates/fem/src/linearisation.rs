@@ -1,0 +1,337 @@
+//! Blocks of the Jacobian of the operator of space alone at one time of the slab: what flow preconditioners are made of.
+//!
+//! The residual of a cell depends on a neighbour only through the traces on their facet, so that an off-diagonal block is
+//! A_ik = T_f^T B T_g with T_g the traces of cell k and B a small square matrix: rows and columns are traces
+//! `[kind][component][face node]`, each side in its own lattice.
+//!
+//! All entries are derivatives by duals along unit directions, of the kernels that make the residual.
+
+use crate::batches::{FacetBatch, cells_of};
+use crate::cell::{CellContext, CellScratch, SpaceCells, gather};
+use crate::conservation_law::ConservationLaw;
+use crate::facet::{Across, DataAt, FacetContext, FacetScratch, Facets as FacetKernel};
+use crate::mode::{AlongState, Mode};
+use crate::operator::{SlabOperator, gather_trace};
+use crate::prescribed;
+use crate::tables::Instant;
+use crate::traces::{FaceMaps, TraceLayout, Traces};
+use basis::Matrix;
+use rayon::prelude::*;
+use std::marker::PhantomData;
+use tensor::{Pack, WIDTH};
+
+/// The coupling of two cells across a facet.
+pub struct Coupling {
+    /// The cells on the minus and the plus side.
+    pub cells: [usize; 2],
+    /// Their faces.
+    pub faces: [usize; 2],
+    /// Row minus, column plus: [trace][trace], row-major.
+    pub minus_plus: Vec<f64>,
+    /// Row plus, column minus.
+    pub plus_minus: Vec<f64>,
+}
+
+/// The Jacobian A of the operator of space, and the mass matrix, at one time.
+pub struct SpaceJacobian {
+    /// Unknowns of a cell at one time: components times nodes.
+    pub block: usize,
+    /// A_ii, `[cell][row][column]`.
+    pub diagonal: Vec<f64>,
+    /// int w phi J, the same for every component, `[cell][row][column]` over nodes.
+    pub mass: Vec<f64>,
+    /// Couplings across the interior facets.
+    pub couplings: Vec<Coupling>,
+    /// The traces that couplings act on.
+    pub traces: TraceSpace,
+}
+
+/// The traces of a cell on a face: which they are, and how they are taken from the cell's coefficients.
+pub struct TraceSpace {
+    kinds: usize,
+    components: usize,
+    /// Nodes of a face.
+    pub face_nodes: usize,
+    /// Nodes of a cell.
+    pub nodes: usize,
+    functionals: Vec<Vec<Vec<(usize, f64)>>>,
+}
+
+impl TraceSpace {
+    fn new(maps: &FaceMaps, faces: usize, components: usize, nodes: usize, viscous: bool) -> Self {
+        let functionals: Vec<_> = (0..faces).map(|face| maps.functionals(face, viscous)).collect();
+        let kinds = if viscous { 2 } else { 1 };
+        TraceSpace { kinds, components, face_nodes: functionals[0].len() / kinds, nodes, functionals }
+    }
+
+    /// Traces on one face: kinds times components times face nodes.
+    pub fn len(&self) -> usize {
+        self.kinds * self.components * self.face_nodes
+    }
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Trace number `trace` on `face` as a sum over coefficients of the cell: the offset of its component, and (node, weight).
+    pub fn functional(&self, face: usize, trace: usize) -> (usize, &[(usize, f64)]) {
+        let (tensor, i) = (trace / self.face_nodes, trace % self.face_nodes);
+        let (kind, component) = (tensor / self.components, tensor % self.components);
+        (component * self.nodes, &self.functionals[face][kind * self.face_nodes + i])
+    }
+
+    /// The kind of a trace, and its number among the traces of that kind.
+    fn split(&self, trace: usize) -> (usize, usize) {
+        let per_kind = self.components * self.face_nodes;
+        (trace / per_kind, trace % per_kind)
+    }
+
+    /// The same trace in a lattice whose nodes are reordered by `permutation`.
+    fn permuted(&self, trace: usize, permutation: &[usize]) -> usize {
+        trace / self.face_nodes * self.face_nodes + permutation[trace % self.face_nodes]
+    }
+
+    /// Adds T^T B T to a square matrix over a cell's coefficients: B in traces of `face`, row-major.
+    pub fn add_lifted(&self, face: usize, b: &[f64], matrix: &mut [f64]) {
+        let block = self.components * self.nodes;
+        let mut lifted = vec![0.0; block];
+        for (row, b) in b.chunks_exact(self.len()).enumerate() {
+            lifted.fill(0.0);
+            for (column, value) in b.iter().enumerate() {
+                let (offset, functional) = self.functional(face, column);
+                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += weight * value);
+            }
+            let (offset, functional) = self.functional(face, row);
+            for &(node, weight) in functional {
+                let start = (offset + node) * block;
+                matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += weight * l);
+            }
+        }
+    }
+}
+
+/// What is fixed while blocks are computed.
+struct Frozen {
+    instant: Instant,
+    rows: Vec<Matrix>,
+    state: Vec<f64>,
+    traces: Traces,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M, L> {
+    /// The blocks at position `s` of the slab, in the state and on the mesh last set.
+    pub fn space_jacobian(&self, s: f64) -> SpaceJacobian {
+        let frozen = self.freeze(s);
+        let block = self.layout.time_len();
+        let traces = TraceSpace::new(&self.flow_faces, 2 * D, M, self.layout.nodes, self.problem.law.is_viscous());
+        let (mut diagonal, mass) = self.cell_blocks(&frozen);
+        let batches = self.facets.batches.par_iter();
+        let facets: Vec<FacetBlocks> = batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, &traces)).collect();
+        let first = self.first_of_batches();
+        diagonal.par_chunks_mut(block * block).enumerate().for_each(|(cell, diagonal)| {
+            for face in 0..2 * D {
+                let (slot, side) = self.facets.of_face[cell * 2 * D + face];
+                let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
+                traces.add_lifted(face, &facets[facet].own[side as usize], diagonal);
+            }
+        });
+        let couplings = facets.into_iter().filter_map(|f| f.coupling).collect();
+        SpaceJacobian { block, diagonal, mass, couplings, traces }
+    }
+
+    /// For each batch of facets, the number of facets before it.
+    fn first_of_batches(&self) -> Vec<usize> {
+        let counts = self.facets.batches.iter().map(|batch| batch.count);
+        counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect()
+    }
+
+    fn freeze(&self, s: f64) -> Frozen {
+        let instant = Instant::of_space(&self.tables.time, s);
+        let one = self.layout.at_one_time();
+        let mut state = vec![0.0; one.len()];
+        for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
+            for cell in 0..one.cells {
+                let nodal = &self.linearisation()[self.layout.cell_at(cell, a)];
+                state[one.cell(cell)].iter_mut().zip(nodal).for_each(|(u, value)| *u += phi * value);
+            }
+        }
+        let layout = TraceLayout {
+            faces: 2 * D,
+            slots: 1,
+            components: M,
+            nodes: one.nodes,
+            face_nodes: self.tables.orders.flow.pow(D as u32 - 1),
+        };
+        let mut traces = Traces::new(layout, one.cells);
+        traces.take(&self.flow_faces, &state, self.problem.law.is_viscous());
+        Frozen { rows: vec![instant.position_row(self.interval().1)], instant, state, traces }
+    }
+
+    /// Volume part of A_ii, and the mass matrices.
+    fn cell_blocks(&self, frozen: &Frozen) -> (Vec<f64>, Vec<f64>) {
+        let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
+        let mut diagonal = vec![0.0; self.layout.cells * block * block];
+        let mut mass = vec![0.0; self.layout.cells * nodes * nodes];
+        let batches = diagonal.par_chunks_mut(WIDTH * block * block).zip(mass.par_chunks_mut(WIDTH * nodes * nodes));
+        batches.enumerate().for_each(|(batch, (diagonal, mass))| {
+            self.cells.with(|scratch| self.cell_batch_blocks(batch, frozen, scratch, diagonal, mass));
+        });
+        (diagonal, mass)
+    }
+
+    fn cell_batch_blocks(&self, batch: usize, frozen: &Frozen, scratch: &mut CellScratch, diagonal: &mut [f64], mass: &mut [f64]) {
+        let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
+        let cells = cells_of(batch, self.layout.cells);
+        gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
+        self.mesh_at(cells, frozen, scratch);
+        let fill = |_: f64, _: &[Pack], data: &mut [Pack]| data.fill(Pack::ZERO); // a source does not depend on the state
+        let (start, dt) = self.interval();
+        let context = CellContext {
+            tables: &self.tables,
+            law: &self.problem.law,
+            dt,
+            start,
+            position_rows: &frozen.rows,
+            source: self.problem.source.is_some().then_some(&fill),
+        };
+        for column in 0..block {
+            scratch.state_now[block..2 * block].fill(Pack::ZERO);
+            scratch.state_now[block + column] = Pack([1.0; WIDTH]);
+            let kernel = SpaceCells { context: &context, instant: &frozen.instant, scratch, mode: PhantomData::<AlongState> };
+            self.arch.dispatch(kernel);
+            write_column(&scratch.flux_now, block, column, diagonal);
+            if column < nodes {
+                write_column(&scratch.moments_now, nodes, column, mass);
+            }
+        }
+    }
+
+    /// Position and velocity of a batch of cells.
+    fn mesh_at(&self, cells: [usize; WIDTH], frozen: &Frozen, scratch: &mut CellScratch) {
+        let (len, slot) = (self.mesh.cell_len(), self.mesh.slot_len());
+        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
+        let sum = |cell: usize, weights: &[f64], i: usize| -> f64 {
+            weights.iter().enumerate().map(|(b, w)| w * self.mesh.data[cell * len + b * slot + i]).sum()
+        };
+        for (lane, cell) in cells.into_iter().enumerate() {
+            for i in 0..slot {
+                scratch.position_now[i].0[lane] = sum(cell, row, i);
+                scratch.velocity_now[i].0[lane] = sum(cell, velocity, i);
+            }
+        }
+    }
+
+    /// The blocks of a batch of facets in traces.
+    fn facet_blocks(&self, batch: &FacetBatch, frozen: &Frozen, traces: &TraceSpace) -> Vec<FacetBlocks> {
+        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
+        self.facet_scratch.with(|scratch| {
+            self.gather_frozen(batch, frozen, scratch);
+            for side in 0..sides {
+                for column in 0..traces.len() {
+                    self.facet_column(batch, frozen, [side, column], traces, scratch);
+                    for (lane, blocks) in blocks.iter_mut().enumerate() {
+                        let maps = [0, 1].map(|side| self.own_lattice(batch, lane, side));
+                        blocks.write(lane, [side, column], traces, scratch, maps);
+                    }
+                }
+            }
+        });
+        blocks
+    }
+
+    /// The permutation that carries a trace of the batch's common lattice to the lattice of one side.
+    fn own_lattice(&self, batch: &FacetBatch, lane: usize, side: usize) -> &[usize] {
+        &self.facets.permutations[if side == 0 { 0 } else { batch.plus[lane].1 }].flow
+    }
+
+    fn gather_frozen(&self, batch: &FacetBatch, frozen: &Frozen, scratch: &mut FacetScratch) {
+        scratch.normal_sign = batch.normal_sign;
+        let viscous = self.problem.law.is_viscous();
+        let [minus, plus] = &mut scratch.sides;
+        for lane in 0..WIDTH {
+            let (here, (there, permutation)) = (batch.minus[lane], batch.plus[lane]);
+            let (same, turned) = (&self.facets.permutations[0], &self.facets.permutations[permutation]);
+            for kind in 0..(if viscous { 2 } else { 1 }) {
+                gather_trace(&[&frozen.traces], here, kind, &same.flow, lane, &mut minus.state[kind]);
+                gather_trace(&[&self.mesh_traces], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
+                gather_trace(&[&frozen.traces], there, kind, &turned.flow, lane, &mut plus.state[kind]);
+                gather_trace(&[&self.mesh_traces], there, kind, &turned.mesh, lane, &mut plus.mesh[kind]);
+            }
+        }
+    }
+
+    /// Runs the facet kernel along one unit direction: trace `column[1]` of side `column[0]`.
+    fn facet_column(&self, batch: &FacetBatch, frozen: &Frozen, column: [usize; 2], traces: &TraceSpace, scratch: &mut FacetScratch) {
+        let len = frozen.traces.layout.kind_len();
+        for packs in scratch.sides.iter_mut().flat_map(|side| &mut side.state) {
+            packs[len..2 * len].fill(Pack::ZERO);
+        }
+        let (kind, number) = traces.split(column[1]);
+        scratch.sides[column[0]].state[kind][len + number] = Pack([1.0; WIDTH]);
+        let condition = batch.boundary.map(|b| &self.problem.boundaries[b]);
+        let fill = |time: f64, x: &[Pack], data: &mut [Pack]| {
+            if let Some(field) = condition.and_then(|c| c.data.as_deref()) {
+                prescribed::fill(field, AlongState::GEOMETRY_BLOCKS, time, self.tables.facet_points(), x, data);
+            }
+        };
+        let across = match condition {
+            None => Across::Cells,
+            Some(c) => Across::Boundary(c.condition, c.data.is_some().then_some(&fill as DataAt)),
+        };
+        let (start, dt) = self.interval();
+        let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt, start };
+        let instants = std::slice::from_ref(&frozen.instant);
+        let mode = PhantomData::<AlongState>;
+        let kernel = FacetKernel { context: &context, instants, position_rows: &frozen.rows, weight: 1.0, across: &across, scratch, mode };
+        self.arch.dispatch(kernel);
+    }
+}
+
+/// Blocks of one facet, rows and columns in traces.
+struct FacetBlocks {
+    /// Row and column of the same side.
+    own: [Vec<f64>; 2],
+    coupling: Option<Coupling>,
+}
+
+impl FacetBlocks {
+    fn new(batch: &FacetBatch, lane: usize, traces: usize) -> Self {
+        let square = || vec![0.0; traces * traces];
+        let (minus, plus) = (batch.minus[lane], batch.plus[lane].0);
+        let coupling = batch.boundary.is_none().then(|| Coupling {
+            cells: [minus.cell, plus.cell],
+            faces: [minus.face, plus.face],
+            minus_plus: square(),
+            plus_minus: square(),
+        });
+        FacetBlocks { own: [square(), if coupling.is_some() { square() } else { Vec::new() }], coupling }
+    }
+
+    /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` lead to each side's own lattice.
+    fn write(&mut self, lane: usize, column: [usize; 2], traces: &TraceSpace, scratch: &FacetScratch, lattices: [&[usize]; 2]) {
+        let [side, number] = column;
+        let column = traces.permuted(number, lattices[side]);
+        for row_side in 0..(if self.coupling.is_some() { 2 } else { 1 }) {
+            let target = match (row_side == side, row_side, &mut self.coupling) {
+                (true, ..) => &mut self.own[side],
+                (false, 0, Some(coupling)) => &mut coupling.minus_plus,
+                (false, _, Some(coupling)) => &mut coupling.plus_minus,
+                (false, _, None) => return,
+            };
+            for row in 0..traces.len() {
+                let (kind, number) = traces.split(row);
+                let value = scratch.sides[row_side].terms[kind][number].0[lane];
+                target[traces.permuted(row, lattices[row_side]) * traces.len() + column] = value;
+            }
+        }
+    }
+}
+
+fn write_column(packs: &[Pack], n: usize, column: usize, out: &mut [f64]) {
+    for (lane, out) in out.chunks_exact_mut(n * n).enumerate() {
+        for row in 0..n {
+            out[row * n + column] = packs[row].0[lane];
+        }
+    }
+}

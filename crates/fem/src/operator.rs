@@ -1,0 +1,400 @@
+//! The space-time operator of a slab: residual and Jacobian products of all cells.
+
+use crate::batches::{FacetBatch, Facets, Permutation, cells_of};
+use crate::cell::{CellContext, CellMoments, CellScratch, SlabCells, gather};
+use crate::conservation_law::ConservationLaw;
+use crate::facet::{Across, DataAt, FacetContext, FacetScratch, Facets as FacetKernel};
+use crate::field::StateField;
+use crate::layout::Layout;
+use crate::mode::{AlongState, AlongStateAndMesh, Mode, Values};
+use crate::moving_mesh::MovingMesh;
+use crate::pool::Pool;
+use crate::prescribed;
+use crate::tables::{Orders, Quadrature, Tables};
+use crate::traces::{FaceMaps, TraceLayout, Traces};
+use basis::Matrix;
+use mesh::{Mesh, NodeNumbering};
+use rayon::prelude::*;
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use tensor::WIDTH;
+use tensor::pulp::Arch;
+
+/// A boundary condition with the states that it prescribes.
+pub struct BoundaryCondition<B, const D: usize, const M: usize> {
+    /// The condition.
+    pub condition: B,
+    /// The prescribed states, where the condition takes any.
+    pub data: Option<Arc<dyn StateField<D, M>>>,
+}
+
+/// What a slab operator is made of.
+pub struct Problem<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    /// The law.
+    pub law: L,
+    /// A condition for every boundary of the mesh, in the order of its names.
+    pub boundaries: Vec<BoundaryCondition<L::Boundary, D, M>>,
+    /// The source s.
+    pub source: Option<Arc<dyn StateField<D, M>>>,
+}
+
+/// A state that no gas can have, or a cell turned inside out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The quantity: "density", "pressure", "det J".
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The cell.
+    pub cell: usize,
+    /// The time.
+    pub time: f64,
+}
+
+/// The residual of one slab,
+///
+/// ```text
+/// R_a(U; V) = (volume) + (facet) - phi_a(0) int_K w u_n J |_{t_n}                                                   (slab)
+/// ```
+///
+/// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh.
+pub struct SlabOperator<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    /// The law, its boundary conditions and source.
+    pub problem: Problem<D, M, L>,
+    /// One-dimensional tables.
+    pub tables: Tables<D>,
+    /// The layout of `u`.
+    pub layout: Layout,
+    /// The mesh in this slab.
+    pub mesh: MovingMesh,
+    pub(crate) facets: Facets,
+    pub(crate) flow_faces: FaceMaps,
+    mesh_faces: FaceMaps,
+    start: f64,
+    dt: f64,
+    pub(crate) position_rows: Vec<Matrix>,
+    bottom_values: Vec<f64>,
+    bottom_moments: Vec<f64>,
+    state: Vec<f64>,
+    state_traces: Traces,
+    direction_traces: Traces,
+    pub(crate) mesh_traces: Traces,
+    mesh_direction: MovingMesh,
+    mesh_direction_traces: Traces,
+    terms: Vec<f64>,
+    pub(crate) cells: Pool<CellScratch>,
+    pub(crate) facet_scratch: Pool<FacetScratch>,
+    pub(crate) arch: Arch,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M, L> {
+    /// The operator on `mesh` (of order `orders.mesh`).
+    ///
+    /// # Panics
+    /// If the orders disagree with the mesh, or a boundary has no condition.
+    pub fn new(problem: Problem<D, M, L>, mesh: &Mesh<D>, numbering: NodeNumbering, orders: Orders, quadrature: Quadrature) -> Self {
+        assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
+        assert_eq!(mesh.boundary_names().len(), problem.boundaries.len(), "every boundary needs a condition");
+        let tables = Tables::<D>::new(orders, quadrature);
+        let cells = mesh.n_cells();
+        let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
+        let facets = Facets::new(mesh, orders.flow, orders.mesh);
+        let moving = MovingMesh::new(mesh, numbering, orders.time);
+        let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
+        let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
+        let terms = facets.batches.len() * WIDTH * 2 * flow_traces.face_len();
+        SlabOperator {
+            flow_faces: FaceMaps::new(&tables.flow, D),
+            mesh_faces: FaceMaps::new(&tables.mesh, D),
+            start: 0.0,
+            dt: 0.0,
+            position_rows: Vec::new(),
+            bottom_values: tables.time.values(0.0),
+            bottom_moments: vec![0.0; layout.at_one_time().len()],
+            state: vec![0.0; layout.len()],
+            state_traces: Traces::new(flow_traces, cells),
+            direction_traces: Traces::new(flow_traces, cells),
+            mesh_traces: Traces::new(mesh_traces, cells),
+            mesh_direction: moving.clone(),
+            mesh_direction_traces: Traces::new(mesh_traces, cells),
+            terms: vec![0.0; terms],
+            cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
+            facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
+            arch: Arch::new(),
+            problem,
+            mesh: moving,
+            facets,
+            layout,
+            tables,
+        }
+    }
+
+    /// Time at the bottom of the slab, and its length.
+    pub fn interval(&self) -> (f64, f64) {
+        (self.start, self.dt)
+    }
+
+    /// Moves to the slab [`start`, `start + dt`], on top of the state `bottom` (laid out at one time) and the displacement
+    /// `displacement` of the C0 nodes.
+    pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
+        (self.start, self.dt) = (start, dt);
+        let instants = self.tables.instants.iter().chain([&self.tables.top]);
+        self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
+        self.mesh.set_bottom(Some(displacement));
+        let mut moments = std::mem::take(&mut self.bottom_moments);
+        self.moments(bottom, &bottom_row(self.mesh.slots()), &mut moments);
+        self.bottom_moments = moments;
+    }
+
+    /// Sets the mesh velocities of the slab, `[time node][C0 node][component]`.
+    pub fn set_mesh(&mut self, velocities: &[f64]) {
+        self.mesh.set_velocities(velocities);
+        self.mesh_traces.take(&self.mesh_faces, &self.mesh.data, true);
+    }
+
+    /// Sets the state at which Jacobian products are taken.
+    pub fn linearise(&mut self, state: &[f64]) {
+        self.state.copy_from_slice(state);
+        self.state_traces.take(&self.flow_faces, state, self.problem.law.is_viscous());
+    }
+
+    /// The state at which Jacobian products are taken.
+    pub fn linearisation(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
+    pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
+        self.linearise(state);
+        self.run::<Values>(None, out);
+        self.subtract_bottom(out);
+        match self.first_violation(out) {
+            None => Ok(()),
+            Some(cell) => Err(self.describe_violation(cell)),
+        }
+    }
+
+    /// The derivative of the residual along a direction of the state.
+    pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
+        self.direction_traces.take(&self.flow_faces, direction, self.problem.law.is_viscous());
+        self.run::<AlongState>(Some(direction), out);
+    }
+
+    /// The derivative of the residual along directions of the state and of the mesh velocities.
+    pub fn product_with_mesh(&mut self, direction: &[f64], velocities: &[f64], out: &mut [f64]) {
+        self.direction_traces.take(&self.flow_faces, direction, self.problem.law.is_viscous());
+        self.mesh_direction.set_direction(velocities);
+        self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, true);
+        self.run::<AlongStateAndMesh>(Some(direction), out);
+    }
+
+    /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `Instant::position_row`).
+    pub fn moments(&self, state: &[f64], row: &Matrix, out: &mut [f64]) {
+        let layout = self.layout.at_one_time();
+        let slot = self.mesh.slot_len();
+        out.par_chunks_mut(WIDTH * layout.cell_len()).enumerate().for_each(|(batch, out)| {
+            self.cells.with(|scratch| {
+                let cells = cells_of(batch, layout.cells);
+                gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_now[..layout.cell_len()]);
+                for (lane, cell) in cells.into_iter().enumerate() {
+                    self.position_lane(cell, lane, row, &mut scratch.position_now[..slot]);
+                }
+                self.arch.dispatch(CellMoments::<D, M> { tables: &self.tables, scratch });
+                scatter(&scratch.moments_now, layout.cell_len(), out);
+            });
+        });
+    }
+
+    fn position_lane(&self, cell: usize, lane: usize, row: &Matrix, packs: &mut [tensor::Pack]) {
+        let (len, slot) = (self.mesh.cell_len(), self.mesh.slot_len());
+        let data = &self.mesh.data[cell * len..(cell + 1) * len];
+        for (i, pack) in packs.iter_mut().enumerate() {
+            pack.0[lane] = (0..self.mesh.slots()).map(|b| row.row(0)[b] * data[b * slot + i]).sum();
+        }
+    }
+
+    /// Facets, then cells: the terms of every facet are computed once and read by both its cells.
+    fn run<K: Mode>(&mut self, direction: Option<&[f64]>, out: &mut [f64]) {
+        let mut terms = std::mem::take(&mut self.terms);
+        let facet_len = 2 * self.state_traces.layout.face_len();
+        terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches).for_each(|(terms, batch)| {
+            self.facet_scratch.with(|scratch| self.facet_batch::<K>(batch, scratch, terms));
+        });
+        let cell_len = self.layout.cell_len();
+        out.par_chunks_mut(WIDTH * cell_len).enumerate().for_each(|(batch, out)| {
+            self.cells.with(|scratch| self.cell_batch::<K>(batch, direction, scratch, &terms, out));
+        });
+        self.terms = terms;
+    }
+
+    /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
+    fn facet_batch<K: Mode>(&self, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
+        let viscous = self.problem.law.is_viscous();
+        self.gather_facets::<K>(batch, scratch);
+        let condition = batch.boundary.map(|b| &self.problem.boundaries[b]);
+        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+            if let Some(field) = condition.and_then(|c| c.data.as_deref()) {
+                prescribed::fill(field, K::GEOMETRY_BLOCKS, time, self.tables.facet_points(), x, data);
+            }
+        };
+        let across = match condition {
+            None => Across::Cells,
+            Some(c) => Across::Boundary(c.condition, c.data.is_some().then_some(&fill as DataAt)),
+        };
+        let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt: self.dt, start: self.start };
+        let (instants, rows) = (&self.tables.instants, &self.position_rows[..self.tables.instants.len()]);
+        let mode = PhantomData::<K>;
+        let kernel = FacetKernel { context: &context, instants, position_rows: rows, weight: self.dt, across: &across, scratch, mode };
+        self.arch.dispatch(kernel);
+        self.scatter_terms(batch, scratch, viscous, terms);
+    }
+
+    fn gather_facets<K: Mode>(&self, batch: &FacetBatch, scratch: &mut FacetScratch) {
+        scratch.normal_sign = batch.normal_sign;
+        let state = [&self.state_traces, &self.direction_traces];
+        let mesh = [&self.mesh_traces, &self.mesh_direction_traces];
+        let kinds = if self.problem.law.is_viscous() { 2 } else { 1 };
+        let [minus, plus] = &mut scratch.sides;
+        let same = &self.facets.permutations[0];
+        for lane in 0..WIDTH {
+            let (side, permutation) = batch.plus[lane];
+            let permutation = &self.facets.permutations[permutation];
+            for kind in 0..kinds {
+                let here = batch.minus[lane];
+                gather_trace(&state[..K::STATE_BLOCKS], here, kind, &same.flow, lane, &mut minus.state[kind]);
+                gather_trace(&mesh[..K::GEOMETRY_BLOCKS], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
+                if batch.boundary.is_none() {
+                    gather_trace(&state[..K::STATE_BLOCKS], side, kind, &permutation.flow, lane, &mut plus.state[kind]);
+                    gather_trace(&mesh[..K::GEOMETRY_BLOCKS], side, kind, &permutation.mesh, lane, &mut plus.mesh[kind]);
+                }
+            }
+        }
+    }
+
+    fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, viscous: bool, terms: &mut [f64]) {
+        let layout = self.state_traces.layout;
+        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
+            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
+                let permutation = if side == 0 { 0 } else { batch.plus[lane].1 };
+                let Permutation { flow, .. } = &self.facets.permutations[permutation];
+                for (kind, terms) in terms.chunks_exact_mut(layout.kind_len()).take(if viscous { 2 } else { 1 }).enumerate() {
+                    let packs = scratch.sides[side].terms[kind].chunks_exact(layout.face_nodes);
+                    for (tensor, packs) in terms.chunks_exact_mut(layout.face_nodes).zip(packs) {
+                        for (pack, &i) in packs.iter().zip(flow) {
+                            tensor[i] = pack.0[lane];
+                        }
+                    }
+                }
+            }
+        }
+        if scratch.violated != tensor::Pack::ZERO {
+            // A number that no admissible residual has: the cells that read it see the violation.
+            terms.fill(f64::NAN);
+        }
+    }
+
+    /// Volume terms and facet terms of one batch of cells.
+    fn cell_batch<K: Mode>(&self, batch: usize, direction: Option<&[f64]>, scratch: &mut CellScratch, terms: &[f64], out: &mut [f64]) {
+        let (layout, mesh_len) = (self.layout, self.mesh.cell_len());
+        let (cells, cell_len) = (cells_of(batch, layout.cells), layout.cell_len());
+        gather(cells.map(|c| &self.state[layout.cell(c)]), &mut scratch.state[..cell_len]);
+        if let Some(direction) = direction {
+            gather(cells.map(|c| &direction[layout.cell(c)]), &mut scratch.state[cell_len..2 * cell_len]);
+        }
+        gather(cells.map(|c| &self.mesh.data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[..mesh_len]);
+        if K::GEOMETRY_BLOCKS == 2 {
+            let data = &self.mesh_direction.data;
+            gather(cells.map(|c| &data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[mesh_len..2 * mesh_len]);
+        }
+        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+            if let Some(field) = self.problem.source.as_deref() {
+                prescribed::fill(field, K::GEOMETRY_BLOCKS, time, self.tables.volume_points(), x, data);
+            }
+        };
+        let context = CellContext {
+            tables: &self.tables,
+            law: &self.problem.law,
+            dt: self.dt,
+            start: self.start,
+            position_rows: &self.position_rows,
+            source: self.problem.source.is_some().then_some(&fill),
+        };
+        self.arch.dispatch(SlabCells { context: &context, scratch, mode: PhantomData::<K> });
+        scatter(&scratch.residual, cell_len, out);
+        for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
+            self.lift(cells[lane], terms, out);
+            if scratch.violated.0[lane] != 0.0 {
+                out[0] = f64::NAN;
+            }
+        }
+    }
+
+    /// Adds the terms of the facets of a cell.
+    fn lift(&self, cell: usize, terms: &[f64], out: &mut [f64]) {
+        let layout = self.state_traces.layout;
+        for face in 0..2 * D {
+            let (slot, side) = self.facets.of_face[cell * 2 * D + face];
+            let start = (2 * slot as usize + side as usize) * layout.face_len();
+            let (values, derivatives) = terms[start..start + layout.face_len()].split_at(layout.kind_len());
+            let derivatives = if self.problem.law.is_viscous() { derivatives } else { &[] };
+            self.flow_faces.lift(face, values, derivatives, out);
+        }
+    }
+
+    /// - phi_a(0) int_K w u_n J at t_n.
+    fn subtract_bottom(&self, out: &mut [f64]) {
+        let (layout, len) = (self.layout, self.layout.time_len());
+        out.par_chunks_mut(layout.cell_len()).zip(self.bottom_moments.par_chunks(len)).for_each(|(out, moments)| {
+            for (out, phi) in out.chunks_exact_mut(len).zip(&self.bottom_values) {
+                for (r, m) in out.iter_mut().zip(moments) {
+                    *r -= phi * m;
+                }
+            }
+        });
+    }
+
+    /// The first cell whose residual is not a number: violations are passed on this way, and arithmetic may make its own.
+    fn first_violation(&self, out: &[f64]) -> Option<usize> {
+        let first = AtomicUsize::new(usize::MAX);
+        out.par_chunks(self.layout.cell_len()).enumerate().for_each(|(cell, r)| {
+            if !r.iter().sum::<f64>().is_finite() {
+                first.fetch_min(cell, Ordering::Relaxed);
+            }
+        });
+        Some(first.into_inner()).filter(|&cell| cell != usize::MAX)
+    }
+}
+
+/// The row of positions at the bottom of a slab.
+fn bottom_row(slots: usize) -> Matrix {
+    Matrix::from_fn(1, slots, |_, b| if b == 0 { 1.0 } else { 0.0 })
+}
+
+fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -> TraceLayout {
+    TraceLayout { faces: 2 * D, slots, components, nodes: order.pow(D as u32), face_nodes: order.pow(D as u32 - 1) }
+}
+
+/// Reads one kind of one side's traces into a lane, nodes reordered by `permutation`; one block per entry of `traces`.
+pub(crate) fn gather_trace(traces: &[&Traces], side: mesh::Side, kind: usize, permutation: &[usize], lane: usize, packs: &mut [tensor::Pack]) {
+    let len = traces[0].layout.kind_len();
+    for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
+        let nodes = traces.layout.face_nodes;
+        let tensors = traces.of(side.cell, side.face, kind).chunks_exact(nodes);
+        for (tensor, packs) in tensors.zip(packs.chunks_exact_mut(nodes)) {
+            for (pack, &i) in packs.iter_mut().zip(permutation) {
+                pack.0[lane] = tensor[i];
+            }
+        }
+    }
+}
+
+/// Writes the packs of a batch to its cells.
+fn scatter(packs: &[tensor::Pack], cell_len: usize, out: &mut [f64]) {
+    for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
+        for (value, pack) in out.iter_mut().zip(packs) {
+            *value = pack.0[lane];
+        }
+    }
+}

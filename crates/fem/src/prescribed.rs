@@ -1,0 +1,34 @@
+//! Prescribed states at the points of a batch, evaluated lane by lane.
+
+use crate::field::StateField;
+use tensor::{Dual, Pack, WIDTH};
+
+/// Fills `data[b][m][p]` with `field` at positions `x[b][d][p]` and time `t`; with two blocks also the derivative along
+/// the derivative of the position.
+pub fn fill<const D: usize, const M: usize>(
+    field: &dyn StateField<D, M>,
+    blocks: usize,
+    t: f64,
+    points: usize,
+    x: &[Pack],
+    data: &mut [Pack],
+) {
+    for p in 0..points {
+        for lane in 0..WIDTH {
+            let position: [f64; D] = std::array::from_fn(|d| x[d * points + p].0[lane]);
+            if blocks == 1 {
+                let state = field.value(&position, t);
+                for m in 0..M {
+                    data[m * points + p].0[lane] = state[m];
+                }
+            } else {
+                let position = std::array::from_fn(|d| Dual::new(position[d], x[(D + d) * points + p].0[lane]));
+                let state = field.dual(&position, t);
+                for m in 0..M {
+                    data[m * points + p].0[lane] = state[m].value;
+                    data[(M + m) * points + p].0[lane] = state[m].derivative;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! One-dimensional matrices of a slab space: what the kernels contract with.
+
+use basis::{Lagrange, Matrix, RadauTime, Rule, gauss};
+
+/// How many quadrature points the flow takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quadrature {
+    /// The fewest Gauss points that satisfy the geometric conservation law exactly.
+    Conserving,
+    /// Twice the order, in space and time (the paper's choice).
+    Double,
+    /// A number of points per direction in space; conserving in time.
+    Points(usize),
+}
+
+/// Orders of a slab space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Orders {
+    /// Order of the flow in space, N_s.
+    pub flow: usize,
+    /// Order of the mesh in space, N_m: geometry and displacement.
+    pub mesh: usize,
+    /// Order in time, N_t, of the flow and of the mesh velocity.
+    pub time: usize,
+}
+
+impl Quadrature {
+    /// Gauss points per direction in space.
+    ///
+    /// Free stream is kept on any motion when `int grad w . v cof` and `int w_t J` are exact, of degree (N_s - 1) + D (N_m - 1) - 1
+    /// per direction: 3p - 1 in 2-D and 4p - 1 in 3-D for equal degrees p. A rule of n points is exact to degree 2n - 1.
+    pub fn space_points(self, dimension: usize, orders: Orders) -> usize {
+        match self {
+            Quadrature::Conserving => {
+                let degree = (orders.flow - 1) + dimension * (orders.mesh - 1) - 1;
+                (degree + 1).div_ceil(2).max(orders.flow)
+            }
+            Quadrature::Double => 2 * orders.flow.max(orders.mesh),
+            Quadrature::Points(n) => n,
+        }
+    }
+
+    /// Gauss points in time: the cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
+    /// function N_t - 1 each.
+    pub fn time_points(self, dimension: usize, orders: Orders) -> usize {
+        match self {
+            Quadrature::Double => 2 * orders.time,
+            _ => {
+                let degree = (dimension - 1) * orders.time + 2 * (orders.time - 1);
+                (degree + 1).div_ceil(2).max(orders.time)
+            }
+        }
+    }
+}
+
+/// Nodal polynomials of one order, seen from the quadrature points of one direction.
+pub struct Line {
+    /// Nodes per direction.
+    pub order: usize,
+    /// Values at the points, `[point][node]`.
+    pub values: Matrix,
+    /// Derivatives at the points, `[point][node]`.
+    pub derivatives: Matrix,
+    /// Transpose of `values`: integrates against test functions.
+    pub values_transposed: Matrix,
+    /// Transpose of `derivatives`: integrates against derivatives of test functions.
+    pub derivatives_transposed: Matrix,
+    /// Derivatives of the nodal polynomials at the low and the high end, `[end][node]`.
+    pub end_derivatives: [Vec<f64>; 2],
+}
+
+impl Line {
+    /// Gauss-Lobatto nodal polynomials of `order` at `points`.
+    pub fn new(order: usize, points: &[f64]) -> Self {
+        let lagrange = Lagrange::gauss_lobatto(order);
+        let (values, derivatives) = (lagrange.value_matrix(points), lagrange.derivative_matrix(points));
+        let ends = lagrange.derivative_matrix(&[-1.0, 1.0]);
+        Line {
+            order,
+            values_transposed: values.transpose(),
+            derivatives_transposed: derivatives.transpose(),
+            values,
+            derivatives,
+            end_derivatives: [ends.row(0).to_vec(), ends.row(1).to_vec()],
+        }
+    }
+}
+
+/// The time basis seen from one time of the slab.
+pub struct Instant {
+    /// Position in the slab, in [0, 1].
+    pub s: f64,
+    /// Quadrature weight on the unit slab.
+    pub weight: f64,
+    /// phi_a(s), one row.
+    pub values: Matrix,
+    /// phi_a(s), one column: sends a term at `s` to the test functions.
+    pub test: Matrix,
+    /// -phi_a'(s), one column: the test of the conserved quantity, the sign from integration by parts.
+    pub test_rate: Matrix,
+    /// Position on the slab, one row over (bottom position, velocities): 1, dt Phi_1(s), ..., dt Phi_{N_t}(s), for dt = 1.
+    pub positions: Vec<f64>,
+    /// Velocity, one row over (bottom position, velocities): 0, phi_1(s), ..., phi_{N_t}(s).
+    pub velocities: Matrix,
+}
+
+impl Instant {
+    /// The basis at `s`.
+    pub fn new(time: &RadauTime, s: f64, weight: f64) -> Self {
+        let (phi, rate, integrals) = (time.values(s), time.derivatives(s), time.integrals(s));
+        let n = phi.len();
+        Instant {
+            s,
+            weight,
+            values: Matrix::from_fn(1, n, |_, a| phi[a]),
+            test: Matrix::from_fn(n, 1, |a, _| phi[a]),
+            test_rate: Matrix::from_fn(n, 1, |a, _| -rate[a]),
+            positions: std::iter::once(1.0).chain(integrals).collect(),
+            velocities: Matrix::from_fn(1, n + 1, |_, b| if b == 0 { 0.0 } else { phi[b - 1] }),
+        }
+    }
+
+    /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state that is given
+    /// at this time only.
+    pub fn of_space(time: &RadauTime, s: f64) -> Self {
+        let one = Matrix::identity(1);
+        Instant { values: one.clone(), test: one.clone(), test_rate: one, ..Instant::new(time, s, 1.0) }
+    }
+
+    /// The row that gives the position at this time in a slab of length `dt`.
+    pub fn position_row(&self, dt: f64) -> Matrix {
+        Matrix::from_fn(1, self.positions.len(), |_, b| if b == 0 { 1.0 } else { dt * self.positions[b] })
+    }
+}
+
+/// All one-dimensional tables of a slab space in `D` dimensions.
+pub struct Tables<const D: usize> {
+    /// The orders.
+    pub orders: Orders,
+    /// Quadrature in one direction of space.
+    pub rule: Rule,
+    /// Flow polynomials at the space points.
+    pub flow: Line,
+    /// Mesh polynomials at the space points.
+    pub mesh: Line,
+    /// The time basis.
+    pub time: RadauTime,
+    /// The Gauss points of the slab in time.
+    pub instants: Vec<Instant>,
+    /// The top of the slab, s = 1, weight 1.
+    pub top: Instant,
+    /// Weights of the volume points, lexicographic.
+    pub volume_weights: Vec<f64>,
+    /// Weights of the facet points, lexicographic.
+    pub facet_weights: Vec<f64>,
+}
+
+impl<const D: usize> Tables<D> {
+    /// Tables for `orders`, each in 1..=16 (2..=16 in space).
+    pub fn new(orders: Orders, quadrature: Quadrature) -> Self {
+        let rule = gauss(quadrature.space_points(D, orders));
+        let time = RadauTime::new(orders.time);
+        let time_rule = gauss(quadrature.time_points(D, orders));
+        let instants = (time_rule.points.iter().zip(&time_rule.weights))
+            .map(|(&x, &w)| Instant::new(&time, 0.5 * (1.0 + x), 0.5 * w))
+            .collect();
+        Tables {
+            orders,
+            flow: Line::new(orders.flow, &rule.points),
+            mesh: Line::new(orders.mesh, &rule.points),
+            instants,
+            top: Instant::new(&time, 1.0, 1.0),
+            time,
+            volume_weights: tensor_weights(&rule.weights, D),
+            facet_weights: tensor_weights(&rule.weights, D - 1),
+            rule,
+        }
+    }
+
+    /// Quadrature points of a cell.
+    pub fn volume_points(&self) -> usize {
+        self.volume_weights.len()
+    }
+    /// Quadrature points of a facet.
+    pub fn facet_points(&self) -> usize {
+        self.facet_weights.len()
+    }
+}
+
+/// Products of one-dimensional weights, lexicographic.
+fn tensor_weights(weights: &[f64], dimension: usize) -> Vec<f64> {
+    let mut product = vec![1.0];
+    for _ in 0..dimension {
+        product = weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect();
+    }
+    product
+}

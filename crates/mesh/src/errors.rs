@@ -1,0 +1,191 @@
+//! What can be wrong with a mesh.
+
+use thiserror::Error;
+
+/// Why a mesh is refused. Cells are counted from 0; faces are 2 axis + side in the reference cell.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MeshError {
+    /// The order is outside 2..=16.
+    #[error("order {order} of the mesh is not supported: choose 2 to 16 nodes per direction")]
+    Order {
+        /// The order asked for.
+        order: usize,
+    },
+    /// An array does not have the length that the others imply.
+    #[error("{array} has {found} entries, expected {expected}")]
+    Length {
+        /// Which array.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// What the order and the number of cells imply.
+        expected: usize,
+    },
+    /// A node is infinite or not a number.
+    #[error("cell {cell} has a coordinate that is not a finite number: {value}")]
+    NotFinite {
+        /// The cell.
+        cell: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A number that the box generator cannot use.
+    #[error("box mesh: {quantity} along axis {axis} is {value}, expected {accepted}")]
+    Box {
+        /// What is wrong.
+        quantity: &'static str,
+        /// Along which axis.
+        axis: usize,
+        /// Its value.
+        value: f64,
+        /// What would do.
+        accepted: &'static str,
+    },
+    /// The reference map of a cell is not orientation-preserving everywhere.
+    #[error(
+        "cell {cell} is inverted: det J = {determinant:e} at reference point {reference:?}, position {position:?} \
+         (its corners may be ordered left-handed, or it is too strongly curved)"
+    )]
+    Inverted {
+        /// The cell.
+        cell: usize,
+        /// The reference point, in [-1, 1]^D.
+        reference: Vec<f64>,
+        /// The physical point.
+        position: Vec<f64>,
+        /// The Jacobian determinant there.
+        determinant: f64,
+    },
+    /// The determinant comes so close to zero that its sign cannot be proved.
+    #[error("cell {cell} is degenerate: det J >= {lower:e} is all that can be proved, smallest value seen {sampled:e}")]
+    Degenerate {
+        /// The cell.
+        cell: usize,
+        /// The proved lower bound of det J.
+        lower: f64,
+        /// The smallest sampled det J.
+        sampled: f64,
+    },
+    /// More than two cells share a face, or two cells share its vertices in an impossible order.
+    #[error("face {face} of cell {cell} is not manifold: it has the vertices of {count} cells' faces, at {position:?}")]
+    NonManifold {
+        /// One of the cells.
+        cell: usize,
+        /// Its face.
+        face: usize,
+        /// How many faces have these vertices.
+        count: usize,
+        /// Centre of the face.
+        position: Vec<f64>,
+    },
+    /// A face belongs to one cell only and to no boundary.
+    #[error("face {face} of cell {cell} at {position:?} has no neighbour and belongs to no boundary: a boundary without a name")]
+    Unnamed {
+        /// The cell.
+        cell: usize,
+        /// Its face.
+        face: usize,
+        /// Centre of the face.
+        position: Vec<f64>,
+    },
+    /// A face with a neighbour is listed in a boundary.
+    #[error("face {face} of cell {cell} at {position:?} is listed in boundary \"{name}\" but has a neighbour")]
+    Inside {
+        /// The cell.
+        cell: usize,
+        /// Its face.
+        face: usize,
+        /// The boundary.
+        name: String,
+        /// Centre of the face.
+        position: Vec<f64>,
+    },
+    /// A boundary lists a face that does not exist.
+    #[error("boundary \"{name}\" lists face {face} of cell {cell}: there are {cells} cells with {faces} faces each")]
+    NoSuchFace {
+        /// The boundary.
+        name: String,
+        /// The cell listed.
+        cell: usize,
+        /// The face listed.
+        face: usize,
+        /// Cells in the mesh.
+        cells: usize,
+        /// Faces per cell.
+        faces: usize,
+    },
+    /// A face belongs to two boundaries, or twice to one.
+    #[error("face {face} of cell {cell} is listed in boundary \"{first}\" and in boundary \"{second}\"")]
+    TwoBoundaries {
+        /// The cell.
+        cell: usize,
+        /// Its face.
+        face: usize,
+        /// The boundary that lists it first.
+        first: String,
+        /// The boundary that lists it again.
+        second: String,
+    },
+    /// Two boundaries have the same name.
+    #[error("boundary name \"{name}\" is given twice")]
+    NameTwice {
+        /// The name.
+        name: String,
+    },
+    /// A periodic pair refers to a boundary that does not exist, to one twice, or to one of another pair.
+    #[error("periodic pair {pair} refers to boundary {boundary}: expected two different boundaries of 0..{count}, each in one pair")]
+    PairBoundary {
+        /// Number of the pair.
+        pair: usize,
+        /// The boundary index.
+        boundary: usize,
+        /// Number of boundaries.
+        count: usize,
+    },
+    /// Two periodic boundaries do not have the same number of faces.
+    #[error("periodic boundaries \"{minus}\" and \"{plus}\" have {minus_faces} and {plus_faces} faces")]
+    PairCount {
+        /// The first boundary.
+        minus: String,
+        /// The second boundary.
+        plus: String,
+        /// Faces of the first.
+        minus_faces: usize,
+        /// Faces of the second.
+        plus_faces: usize,
+    },
+    /// Two periodic boundaries do not lie on each other after translation.
+    #[error(
+        "periodic boundaries \"{minus}\" and \"{plus}\" do not match: the point {position:?} of \"{plus}\" is {distance:e} \
+         away from the translated \"{minus}\" (tolerance {tolerance:e})"
+    )]
+    PeriodicMismatch {
+        /// The boundary that is translated.
+        minus: String,
+        /// The boundary it should fall on.
+        plus: String,
+        /// A point of `plus` that has no counterpart.
+        position: Vec<f64>,
+        /// How far it is from the nearest candidate.
+        distance: f64,
+        /// The distance accepted.
+        tolerance: f64,
+    },
+    /// Two neighbours do not have the same nodes on the face between them.
+    #[error(
+        "cells {minus} and {plus} share the corners of a face but not its curve: nodes at {position:?} are {distance:e} apart \
+         (tolerance {tolerance:e})"
+    )]
+    Gap {
+        /// One cell.
+        minus: usize,
+        /// The other cell.
+        plus: usize,
+        /// Where, on the face of `plus`.
+        position: Vec<f64>,
+        /// The distance of the two nodes.
+        distance: f64,
+        /// The distance accepted.
+        tolerance: f64,
+    },
+}

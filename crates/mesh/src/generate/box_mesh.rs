@@ -1,0 +1,134 @@
+//! A box of quadrilaterals or hexahedra.
+
+use super::curving::{Curving, Deformation};
+use crate::facet::axis_and_side;
+use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
+use basis::gauss_lobatto;
+use std::array::from_fn;
+
+/// Names of the boundaries of a box, at the index of the face: x low, x high, y low, y high, z low, z high.
+pub const BOX_BOUNDARIES: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
+
+/// A box with `cells[a]` cells along axis a, of equal size before curving. Boundaries are named [`BOX_BOUNDARIES`]; those of a
+/// periodic axis are joined and have no name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxMesh<const D: usize> {
+    /// The corner with the smallest coordinates.
+    pub lower: [f64; D],
+    /// The corner with the largest coordinates.
+    pub upper: [f64; D],
+    /// Cells along each axis.
+    pub cells: [usize; D],
+    /// N, nodes per direction of the geometry.
+    pub order: usize,
+    /// How the box is deformed.
+    pub curving: Curving,
+    /// Along which axes the box is periodic.
+    pub periodic: [bool; D],
+}
+
+impl<const D: usize> BoxMesh<D> {
+    /// The mesh, with cells of equal size.
+    pub fn build(&self) -> Result<Mesh<D>, MeshError> {
+        self.build_graded([1.0; D])
+    }
+
+    /// The mesh, with cells whose sizes along axis a form a geometric sequence: the last is `ratios[a]` times the first.
+    pub fn build_graded(&self, ratios: [f64; D]) -> Result<Mesh<D>, MeshError> {
+        self.check(&ratios)?;
+        let breakpoints: [Vec<f64>; D] = from_fn(|axis| graded(self.cells[axis], ratios[axis]));
+        let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
+        let boundaries = (0..2 * D).map(|face| (BOX_BOUNDARIES[face].to_owned(), self.boundary(face))).collect();
+        let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
+        Mesh::new(self.order, corners, self.coordinates(&breakpoints), boundaries, periodic)
+    }
+
+    fn check(&self, ratios: &[f64; D]) -> Result<(), MeshError> {
+        let order = self.order;
+        if !ORDERS.contains(&order) {
+            return Err(MeshError::Order { order });
+        }
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        for axis in 0..D {
+            let extent = self.upper[axis] - self.lower[axis];
+            let cells = self.cells[axis] as f64;
+            for (quantity, value, accepted, fine) in [
+                ("the extent", extent, "a positive number", positive(extent)),
+                ("the number of cells", cells, "at least 1", cells >= 1.0),
+                ("the size ratio", ratios[axis], "a positive number", positive(ratios[axis])),
+                ("the amplitude of the curving", self.curving.amplitude(), "a number", self.curving.amplitude().is_finite()),
+            ] {
+                if !fine {
+                    return Err(MeshError::Box { quantity, axis, value, accepted });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn n_cells(&self) -> usize {
+        self.cells.iter().product()
+    }
+
+    /// Where `cell` lies in the box, along each axis.
+    fn place(&self, cell: usize) -> [usize; D] {
+        let mut rest = cell;
+        self.cells.map(|n| {
+            let digit = rest % n;
+            rest /= n;
+            digit
+        })
+    }
+
+    /// The vertices of `cell` in the lattice of `cells + 1` vertices per axis.
+    fn corners(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (place, cells) = (self.place(cell), self.cells);
+        (0..1 << D).map(move |k| (0..D).rev().fold(0, |index, a| index * (cells[a] + 1) + place[a] + (k >> a & 1)))
+    }
+
+    /// The faces on the boundary of the box that face number `face` of the whole box would be.
+    fn boundary(&self, face: usize) -> Vec<Side> {
+        let (axis, side) = axis_and_side(face);
+        let layer = side * (self.cells[axis] - 1);
+        (0..self.n_cells()).filter(|&cell| self.place(cell)[axis] == layer).map(|cell| Side { cell, face }).collect()
+    }
+
+    fn periodic_pair(&self, axis: usize) -> PeriodicPair<D> {
+        let mut translation = [0.0; D];
+        translation[axis] = self.upper[axis] - self.lower[axis];
+        PeriodicPair { minus: 2 * axis + 1, plus: 2 * axis, translation: translation.map(|t| -t) }
+    }
+
+    /// x = lower + (upper - lower) (r + d(r)) at the Gauss-Lobatto nodes.
+    fn coordinates(&self, breakpoints: &[Vec<f64>; D]) -> Vec<f64> {
+        let nodes = gauss_lobatto(self.order).points;
+        let deformation = Deformation::new(self.curving, self.periodic);
+        let mut coordinates = Vec::with_capacity(self.n_cells() * nodes.len().pow(D as u32) * D);
+        for cell in 0..self.n_cells() {
+            let place = self.place(cell);
+            for k in 0..nodes.len().pow(D as u32) {
+                let r = from_fn(|a| {
+                    let xi = nodes[k / nodes.len().pow(a as u32) % nodes.len()];
+                    // Exact at both ends, so that neighbours have the same nodes to the bit.
+                    breakpoints[a][place[a]] * (0.5 - 0.5 * xi) + breakpoints[a][place[a] + 1] * (0.5 + 0.5 * xi)
+                });
+                let d = deformation.displacement(&r);
+                coordinates.extend((0..D).map(|i| self.lower[i] + (self.upper[i] - self.lower[i]) * (r[i] + d[i])));
+            }
+        }
+        coordinates
+    }
+}
+
+/// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the first.
+fn graded(cells: usize, ratio: f64) -> Vec<f64> {
+    let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
+    let lengths: Vec<f64> = (0..cells).map(|i| growth.powi(i as i32)).collect();
+    let total: f64 = lengths.iter().sum();
+    let mut ends = vec![0.0];
+    for i in 1..cells {
+        ends.push(ends[i - 1] + lengths[i - 1] / total);
+    }
+    ends.push(1.0);
+    ends
+}

@@ -1,0 +1,123 @@
+//! Boundaries that are translates of each other, and the distance between nodes that should coincide.
+
+use crate::topology::{face_key, not_manifold};
+use crate::{InteriorFacet, Mesh, MeshError, Orientation, Side};
+use std::collections::BTreeMap;
+use tensor::norm;
+
+/// Two nodes coincide if they are closer than this times the diameter of the mesh: files carry about ten digits.
+const TOLERANCE: f64 = 1e-9;
+
+/// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of boundaries
+/// that [`Mesh::new`] receives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeriodicPair<const D: usize> {
+    /// The boundary that is translated.
+    pub minus: usize,
+    /// The boundary it falls on.
+    pub plus: usize,
+    /// x_plus - x_minus.
+    pub translation: [f64; D],
+}
+
+/// Whether pair `number` names two boundaries that exist and are in no other pair.
+pub(crate) fn check_pair<const D: usize>(number: usize, pairs: &[PeriodicPair<D>], count: usize) -> Result<(), MeshError> {
+    let in_earlier = |boundary| pairs[..number].iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
+    let PeriodicPair { minus, plus, .. } = pairs[number];
+    for (boundary, other) in [(minus, plus), (plus, minus)] {
+        if boundary >= count || boundary == other || in_earlier(boundary) {
+            return Err(MeshError::PairBoundary { pair: number, boundary, count });
+        }
+    }
+    Ok(())
+}
+
+/// The facets that join the two boundaries of `pair`.
+pub(crate) fn match_pair<const D: usize>(
+    mesh: &Mesh<D>,
+    boundaries: &[(String, Vec<Side>)],
+    pair: &PeriodicPair<D>,
+) -> Result<Vec<InteriorFacet>, MeshError> {
+    let ((minus, minus_sides), (plus, plus_sides)) = (&boundaries[pair.minus], &boundaries[pair.plus]);
+    if minus_sides.len() != plus_sides.len() {
+        let (minus_faces, plus_faces) = (minus_sides.len(), plus_sides.len());
+        return Err(MeshError::PairCount { minus: minus.clone(), plus: plus.clone(), minus_faces, plus_faces });
+    }
+    let mismatch = |(position, distance, tolerance): (Vec<f64>, f64, f64)| {
+        let (minus, plus) = (minus.clone(), plus.clone());
+        MeshError::PeriodicMismatch { minus, plus, position, distance, tolerance }
+    };
+    let twin = twin_vertices(mesh, minus_sides, plus_sides, &pair.translation).map_err(mismatch)?;
+    let by_vertices: BTreeMap<_, _> = minus_sides.iter().map(|&side| (face_key(mesh.face_corners(side)), side)).collect();
+
+    let mut facets = Vec::with_capacity(plus_sides.len());
+    for &plus in plus_sides {
+        let corners: Vec<usize> = mesh.face_corners(plus).iter().map(|vertex| twin[vertex]).collect();
+        let minus = *by_vertices.get(&face_key(corners.clone())).ok_or_else(|| not_manifold(mesh, plus, 1))?;
+        let orientation = Orientation::from_corners(&mesh.face_corners(minus), &corners);
+        let orientation = orientation.ok_or_else(|| not_manifold(mesh, plus, 2))?;
+        let facet = InteriorFacet { minus, plus, orientation, periodic: true };
+        check_gap(mesh, &facet, &pair.translation).map_err(mismatch)?;
+        facets.push(facet);
+    }
+    Ok(facets)
+}
+
+/// For each vertex of `plus` the vertex of `minus` that the translation carries there: the nearest, if it is near enough.
+fn twin_vertices<const D: usize>(
+    mesh: &Mesh<D>,
+    minus: &[Side],
+    plus: &[Side],
+    translation: &[f64; D],
+) -> Result<BTreeMap<usize, usize>, (Vec<f64>, f64, f64)> {
+    let tolerance = TOLERANCE * mesh.diameter();
+    let candidates = vertex_positions(mesh, minus);
+    let mut twin = BTreeMap::new();
+    for (vertex, x) in vertex_positions(mesh, plus) {
+        let distances = candidates.iter().map(|(&candidate, y)| (distance(&x, y, translation), candidate));
+        let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+        match nearest {
+            Some((d, candidate)) if d <= tolerance => twin.insert(vertex, candidate),
+            Some((d, _)) => return Err((x.to_vec(), d, tolerance)),
+            None => return Err((x.to_vec(), f64::INFINITY, tolerance)),
+        };
+    }
+    Ok(twin)
+}
+
+/// The vertices of some faces and where they are.
+fn vertex_positions<const D: usize>(mesh: &Mesh<D>, sides: &[Side]) -> BTreeMap<usize, [f64; D]> {
+    sides.iter().flat_map(|&side| mesh.face_corners(side).into_iter().zip(mesh.face_positions(side, 2))).collect()
+}
+
+/// |x_plus - x_minus - translation|
+fn distance<const D: usize>(plus: &[f64; D], minus: &[f64; D], translation: &[f64; D]) -> f64 {
+    norm(&std::array::from_fn::<f64, D, _>(|i| plus[i] - minus[i] - translation[i]))
+}
+
+/// Whether the two sides of `facet` have the same nodes after translation. Fails with a node of the plus side, its distance from
+/// its counterpart, and the tolerance.
+fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation: &[f64; D]) -> Result<(), (Vec<f64>, f64, f64)> {
+    let tolerance = TOLERANCE * mesh.diameter();
+    let minus = mesh.face_positions(facet.minus, mesh.order);
+    let plus = mesh.face_positions(facet.plus, mesh.order);
+    for (i, x) in minus.iter().enumerate() {
+        let y = &plus[facet.orientation.plus_index(D - 1, mesh.order, i)];
+        let d = distance(y, x, translation);
+        if d > tolerance {
+            return Err((y.to_vec(), d, tolerance));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all neighbours share the nodes of their facets.
+pub(crate) fn check_gaps<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
+    for facet in &mesh.interior_facets {
+        check_gap(mesh, facet, &[0.0; D]).map_err(|(position, distance, tolerance)| {
+            let (minus, plus) = (facet.minus.cell, facet.plus.cell);
+            MeshError::Gap { minus, plus, position, distance, tolerance }
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,193 @@
+//! Proved validity of cells that move: lower bounds of det J over a cell and a slab.
+//!
+//! With positions of degree N - 1 per direction in space and M - 1 in time, det J(xi, s) is a polynomial of degree D (N-1) - 1 per
+//! direction (one column of J has one degree less) and D (M-1) in time. It is interpolated on a grid that determines it; the
+//! Bernstein coefficients of the interpolant bound it from both sides everywhere, not only at points. Where the bound is not
+//! sharp enough to decide, the box in space and time is bisected.
+//!
+//! With a reference cell the same is done for the ratio det J / det J_0: if f has coefficients b_i and g > 0 has c_i > 0, then
+//! f >= min_i (b_i / c_i) g.
+
+mod bernstein;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use crate::geometry::inverted;
+use crate::lattice::Lattice;
+use crate::{CellMap, Mesh, MeshError};
+use basis::{Lagrange, Matrix};
+use bernstein::{Direction, Polynomial};
+use rayon::prelude::*;
+use search::Search;
+use tensor::{cofactor, determinant, norm};
+
+/// A point of a cell and a slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabPoint<const D: usize> {
+    /// The reference point, in [-1, 1]^D.
+    pub xi: [f64; D],
+    /// The time in the slab, in [0, 1].
+    pub s: f64,
+}
+
+/// What is known about det J, or about det J / det J_0, of one cell in one slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound<const D: usize> {
+    /// Proved: nowhere is it smaller.
+    pub lower: f64,
+    /// The smallest value seen.
+    pub sampled_min: f64,
+    /// The largest value seen.
+    pub sampled_max: f64,
+    /// Where the smallest value was seen.
+    pub at: SlabPoint<D>,
+}
+
+impl<const D: usize> Bound<D> {
+    /// The scaled Jacobian, min / max over the cell and the slab, as sampled: 1 for a parallelepiped at rest, negative if inverted.
+    pub fn scaled_jacobian(&self) -> f64 {
+        self.sampled_min / self.sampled_max
+    }
+}
+
+/// The answer to "is det J > 0 everywhere in the cell and the slab?".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Validity<const D: usize> {
+    /// Yes: [`Bound::lower`] > 0.
+    Valid(Bound<D>),
+    /// No: [`Bound::sampled_min`] <= 0 at [`Bound::at`].
+    Invalid(Bound<D>),
+    /// The smallest value is so close to zero that the bisections allowed did not settle its sign.
+    Undecided(Bound<D>),
+}
+
+impl<const D: usize> Validity<D> {
+    /// The bound, whatever the answer.
+    pub fn bound(&self) -> &Bound<D> {
+        match self {
+            Validity::Valid(bound) | Validity::Invalid(bound) | Validity::Undecided(bound) => bound,
+        }
+    }
+    /// Whether the cell is proved to be valid.
+    pub fn is_valid(&self) -> bool {
+        matches!(self, Validity::Valid(_))
+    }
+}
+
+/// Relative error of one computed determinant, in units of its Hadamard bound: some hundred operations.
+const ROUND_OFF: f64 = 128.0 * f64::EPSILON;
+
+/// Proves bounds for cells of one order that move through given times.
+#[derive(Clone, Debug)]
+pub struct ValidityCheck<const D: usize> {
+    order: usize,
+    n_times: usize,
+    map: CellMap<D>,
+    /// Interpolation in time from the time nodes to the points of the last direction.
+    time_values: Matrix,
+    /// D directions of space, then time.
+    directions: Vec<Direction>,
+}
+
+impl<const D: usize> ValidityCheck<D> {
+    /// For positions at the Gauss-Lobatto nodes of order `order` and at the distinct times `times` in [0, 1], of which the
+    /// positions are a polynomial. One time means cells at rest.
+    pub fn new(order: usize, times: &[f64]) -> Self {
+        let space = Direction::new(D * (order - 1) - 1);
+        let time = Direction::new(D * (times.len() - 1));
+        let s: Vec<f64> = time.points.iter().map(|x| 0.5 + 0.5 * x).collect();
+        ValidityCheck {
+            order,
+            n_times: times.len(),
+            map: CellMap::on_grid(order, &space.points),
+            time_values: Lagrange::new(times.to_vec()).value_matrix(&s),
+            directions: std::iter::repeat_n(space, D).chain([time]).collect(),
+        }
+    }
+
+    /// The length of the positions of one cell, `[time][node][D]`.
+    pub fn positions_length(&self) -> usize {
+        self.n_times * self.order.pow(D as u32) * D
+    }
+
+    /// The bound of det J without any bisection.
+    pub fn bound(&self, positions: &[f64]) -> Bound<D> {
+        self.search(positions, None).bound()
+    }
+
+    /// Bisects until the sign of det J is settled, and until the bound is at least half of the smallest value seen.
+    pub fn decide(&self, positions: &[f64]) -> Validity<D> {
+        self.search(positions, None).decide(&self.directions)
+    }
+
+    /// The same for det J / det J_0, where `reference` holds the positions `[node][D]` of the cell with det J_0 > 0.
+    pub fn decide_relative(&self, positions: &[f64], reference: &[f64]) -> Validity<D> {
+        self.search(positions, Some(reference)).decide(&self.directions)
+    }
+
+    /// [`Self::decide`] for many cells on all threads; `positions(cell)` fills the array `[time][node][D]` that it is given.
+    pub fn decide_cells(&self, n_cells: usize, positions: impl Fn(usize, &mut [f64]) + Sync) -> Vec<Validity<D>> {
+        let buffer = || vec![0.0; self.positions_length()];
+        let decide = |x: &mut Vec<f64>, cell| {
+            positions(cell, x);
+            self.decide(x)
+        };
+        (0..n_cells).into_par_iter().map_init(buffer, decide).collect()
+    }
+
+    /// [`Self::decide_relative`] for all cells of `reference` on all threads.
+    pub fn decide_cells_relative(
+        &self,
+        reference: &Mesh<D>,
+        positions: impl Fn(usize, &mut [f64]) + Sync,
+    ) -> Vec<Validity<D>> {
+        let buffer = || vec![0.0; self.positions_length()];
+        let decide = |x: &mut Vec<f64>, cell| {
+            positions(cell, x);
+            self.decide_relative(x, reference.cell_coordinates(cell))
+        };
+        (0..reference.n_cells()).into_par_iter().map_init(buffer, decide).collect()
+    }
+
+    fn search(&self, positions: &[f64], reference: Option<&[f64]>) -> Search<D> {
+        let (values, numerator) = self.determinant(positions, &self.time_values);
+        // A cell at rest has the same position at every time.
+        let at_rest = Matrix::from_fn(self.time_values.rows(), 1, |_, _| 1.0);
+        let denominator = reference.map(|nodes| self.determinant(nodes, &at_rest));
+        Search::new(&self.directions, (values, numerator), denominator)
+    }
+
+    /// det J on the grid and as a polynomial, for positions at times that `time_values` interpolates.
+    fn determinant(&self, positions: &[f64], time_values: &Matrix) -> (Lattice, Polynomial) {
+        let shape: Vec<usize> = std::iter::once(D).chain([self.order; D]).chain([time_values.cols()]).collect();
+        let in_time = Lattice::new(shape, positions.to_vec()).apply(D + 1, time_values);
+        let jacobians = self.map.lattice_jacobians(in_time);
+        let scale = jacobians.iter().map(hadamard).fold(0.0, f64::max);
+        let grid = self.directions.iter().map(|direction| direction.points.len()).collect();
+        let values = Lattice::new(grid, jacobians.iter().map(|m| determinant(m, &cofactor(m))).collect());
+        let polynomial = Polynomial::interpolate(&self.directions, values.clone(), ROUND_OFF * scale);
+        (values, polynomial)
+    }
+}
+
+/// |det m| <= the product of the lengths of the rows.
+fn hadamard<const D: usize>(m: &[[f64; D]; D]) -> f64 {
+    m.iter().map(norm).product()
+}
+
+/// Whether det J > 0 is proved in every cell; the error names the first where it is not.
+pub(crate) fn check_cells<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
+    let check = ValidityCheck::<D>::new(mesh.order, &[0.0]);
+    let answers = check.decide_cells(mesh.n_cells(), |cell, x| x.copy_from_slice(mesh.cell_coordinates(cell)));
+    for (cell, answer) in answers.into_iter().enumerate() {
+        match answer {
+            Validity::Valid(_) => {}
+            Validity::Invalid(bound) => return Err(inverted(mesh, cell, &bound.at.xi, bound.sampled_min)),
+            Validity::Undecided(bound) => {
+                return Err(MeshError::Degenerate { cell, lower: bound.lower, sampled: bound.sampled_min });
+            }
+        }
+    }
+    Ok(())
+}

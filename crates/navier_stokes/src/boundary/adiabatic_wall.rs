@@ -1,0 +1,69 @@
+//! The adiabatic no-slip wall.
+
+use super::no_slip::{lifted, wall_velocity};
+use super::{Condition, pressure_flux};
+use crate::error::{InvalidParameter, finite};
+use crate::flux::Stresses;
+use crate::law::NavierStokes;
+use crate::state::{Primitive, along, components};
+use tensor::{Over, Real};
+
+/// A no-slip wall through which no heat flows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdiabaticWall<const D: usize> {
+    slide: [f64; D],
+}
+
+impl<const D: usize> AdiabaticWall<D> {
+    /// A wall that slides with the velocity `slide` (of which the tangential part counts) relative to the mesh.
+    ///
+    /// # Errors
+    /// A velocity that is not finite.
+    pub fn new(slide: [f64; D]) -> Result<Self, InvalidParameter> {
+        Ok(AdiabaticWall { slide: finite("sliding velocity of the wall", slide)? })
+    }
+}
+
+impl<const D: usize> Condition<D> for AdiabaticWall<D> {
+    /// Density and temperature from inside, the velocity of the wall.
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        let inside = Primitive::unpack(&law.gas, minus);
+        let velocity = lifted(&wall_velocity(&self.slide, n, v));
+        Primitive { velocity, ..inside }.pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+    }
+
+    /// [0 ; tau n ; (tau n) . w_b]: friction works on the moving wall, no heat.
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M] {
+        let traction = Stresses::new(&law.gas, state, gradient).traction(n);
+        let work = along(&traction, &wall_velocity(&self.slide, n, v));
+        components(state[0].zero(), &traction, work)
+    }
+}

@@ -1,0 +1,66 @@
+//! The far field.
+
+use super::{Condition, nothing};
+use crate::error::{InvalidParameter, finite, positive};
+use crate::law::NavierStokes;
+use crate::state::Primitive;
+use tensor::{Over, Real, dot};
+
+/// A uniform free stream outside. The Riemann solver lets it act through the waves that come in, and lets pass those that
+/// leave. No viscous stress, no heat: wakes leave freely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FarField<const D: usize> {
+    free_stream: Primitive<f64, D>,
+}
+
+impl<const D: usize> FarField<D> {
+    /// The far field of `free_stream`.
+    ///
+    /// # Errors
+    /// A density or pressure that is not positive, a velocity that is not finite.
+    pub fn new(free_stream: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
+        positive("density of the free stream", free_stream.density)?;
+        positive("pressure of the free stream", free_stream.pressure)?;
+        finite("velocity of the free stream", free_stream.velocity)?;
+        Ok(FarField { free_stream })
+    }
+}
+
+impl<const D: usize> Condition<D> for FarField<D> {
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        _law: &NavierStokes<D>,
+        minus: &[T; M],
+        _n: &[G; D],
+        _v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        *minus
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        let outside = self.free_stream.constant(minus[0]).pack(&law.gas);
+        law.riemann.flux(&law.gas, minus, &outside, n, dot(v, n))
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        _law: &NavierStokes<D>,
+        state: &[T; M],
+        _gradient: &[[T; M]; D],
+        _n: &[G; D],
+        _v: &[G; D],
+    ) -> [T; M] {
+        nothing(state[0])
+    }
+}

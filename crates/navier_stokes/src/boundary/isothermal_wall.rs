@@ -1,0 +1,74 @@
+//! The isothermal no-slip wall.
+
+use super::no_slip::{lifted, wall_velocity};
+use super::{Condition, pressure_flux};
+use crate::error::{InvalidParameter, finite, positive};
+use crate::flux::Stresses;
+use crate::law::NavierStokes;
+use crate::state::{Primitive, along, components};
+use tensor::{Over, Real};
+
+/// A no-slip wall that is kept at a temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IsothermalWall<const D: usize> {
+    temperature: f64,
+    slide: [f64; D],
+}
+
+impl<const D: usize> IsothermalWall<D> {
+    /// A wall of the given `temperature` that slides with the velocity `slide` (of which the tangential part counts)
+    /// relative to the mesh.
+    ///
+    /// # Errors
+    /// A temperature that is not positive, a velocity that is not finite.
+    pub fn new(temperature: f64, slide: [f64; D]) -> Result<Self, InvalidParameter> {
+        let temperature = positive("temperature of the wall", temperature)?;
+        Ok(IsothermalWall { temperature, slide: finite("sliding velocity of the wall", slide)? })
+    }
+}
+
+impl<const D: usize> Condition<D> for IsothermalWall<D> {
+    /// Pressure from inside (the acoustic wave that arrives carries it), the velocity and the temperature of the wall.
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        let pressure = Primitive::<T, D>::unpack(&law.gas, minus).pressure;
+        let density = law.gas.density(pressure, pressure.constant(self.temperature));
+        let velocity = lifted(&wall_velocity(&self.slide, n, v));
+        Primitive { density, velocity, pressure }.pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+    }
+
+    /// [0 ; tau n ; (tau n) . w_b + kappa T_,n]
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M] {
+        let stresses = Stresses::new(&law.gas, state, gradient);
+        let traction = stresses.traction(n);
+        let work = along(&traction, &wall_velocity(&self.slide, n, v));
+        components(state[0].zero(), &traction, work + along(&stresses.heat, n))
+    }
+}

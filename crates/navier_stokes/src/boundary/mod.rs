@@ -1,0 +1,161 @@
+//! Boundary conditions, imposed weakly.
+//!
+//! Each condition answers the three questions of [`Condition`]. Where it imposes a state u_b(u-), the inviscid flux is that
+//! of u_b and the viscous terms are evaluated at u_b: the boundary residual depends on the inner state through u_b and its
+//! gradient alone, which is what an adjoint-consistent scheme asks for.
+
+mod adiabatic_wall;
+mod far_field;
+mod inflow;
+mod isothermal_wall;
+mod no_slip;
+mod outflow;
+mod prescribed_state;
+mod slip_wall;
+
+pub use adiabatic_wall::AdiabaticWall;
+pub use far_field::FarField;
+pub use inflow::Inflow;
+pub use isothermal_wall::IsothermalWall;
+pub use outflow::Outflow;
+pub use prescribed_state::PrescribedState;
+pub use slip_wall::SlipWall;
+
+use crate::law::NavierStokes;
+use crate::state::{along, components};
+use tensor::{Over, Real};
+
+/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments.
+pub(crate) trait Condition<const D: usize> {
+    /// The state at which viscous terms are evaluated; `minus` where nothing is imposed on them.
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M];
+
+    /// (F_c - u v) . n through the boundary.
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M];
+
+    /// F_v . n through the boundary.
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M];
+}
+
+/// A boundary condition of the gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Boundary<const D: usize> {
+    /// A free stream far away.
+    FarField(FarField<D>),
+    /// A state prescribed as a function of position and time.
+    PrescribedState(PrescribedState),
+    /// A no-slip wall that passes no heat.
+    AdiabaticWall(AdiabaticWall<D>),
+    /// A no-slip wall of given temperature.
+    IsothermalWall(IsothermalWall<D>),
+    /// A wall without friction.
+    SlipWall(SlipWall),
+    /// A plane of symmetry: the condition of a slip wall, but no body.
+    Symmetry(SlipWall),
+    /// Subsonic inflow of given total pressure, total temperature and direction.
+    Inflow(Inflow<D>),
+    /// Outflow to a given static pressure; nothing is imposed where it is supersonic.
+    Outflow(Outflow),
+}
+
+/// Calls the same method on whichever condition `$boundary` holds.
+macro_rules! each {
+    ($boundary:expr, $condition:ident => $call:expr) => {
+        match $boundary {
+            Boundary::FarField($condition) => $call,
+            Boundary::PrescribedState($condition) => $call,
+            Boundary::AdiabaticWall($condition) => $call,
+            Boundary::IsothermalWall($condition) => $call,
+            Boundary::SlipWall($condition) | Boundary::Symmetry($condition) => $call,
+            Boundary::Inflow($condition) => $call,
+            Boundary::Outflow($condition) => $call,
+        }
+    };
+}
+
+impl<const D: usize> Boundary<D> {
+    /// Whether the condition needs a state at every point.
+    #[inline(always)]
+    pub fn takes_state(&self) -> bool {
+        matches!(self, Boundary::PrescribedState(_))
+    }
+
+    /// Whether the boundary is the surface of a body, which feels a force.
+    #[inline(always)]
+    pub fn is_wall(&self) -> bool {
+        matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
+    }
+
+    #[inline(always)]
+    pub(crate) fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        each!(self, condition => condition.state(law, minus, n, v, data))
+    }
+
+    #[inline(always)]
+    pub(crate) fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        each!(self, condition => condition.flux(law, minus, n, v, data))
+    }
+
+    #[inline(always)]
+    pub(crate) fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M] {
+        each!(self, condition => condition.viscous_flux(law, state, gradient, n, v))
+    }
+}
+
+/// The zero flux, in the kind of `like`.
+#[inline(always)]
+fn nothing<T: Real, const M: usize>(like: T) -> [T; M] {
+    [like.zero(); M]
+}
+
+/// The flux of a boundary that no mass crosses: [0 ; p n ; p v_n], the pressure and its work on the moving facet.
+#[inline(always)]
+fn pressure_flux<T: Over<G>, G: Real, const D: usize, const M: usize>(p: T, n: &[G; D], v: &[G; D]) -> [T; M] {
+    let mut push = [p; D];
+    for i in 0..D {
+        push[i] = p.scale(n[i]);
+    }
+    components(p.zero(), &push, along(&push, v))
+}

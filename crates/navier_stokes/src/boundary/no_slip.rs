@@ -1,0 +1,31 @@
+//! What no-slip walls share.
+//!
+//! A wall moves with the mesh and may slide in its own plane: w_b = v + slide - (slide . n) n. No mass crosses it, whatever
+//! it does. The gas loses to it the energy p v_n - (tau n) . w_b - kappa T_,n of pressure, friction and heat: none at all
+//! where the wall is at rest and adiabatic.
+
+use tensor::{Over, Real};
+
+/// w_b, the velocity of the wall.
+#[inline(always)]
+pub(super) fn wall_velocity<G: Real, const D: usize>(slide: &[f64; D], n: &[G; D], v: &[G; D]) -> [G; D] {
+    let mut normal_part = n[0] * slide[0];
+    for i in 1..D {
+        normal_part += n[i] * slide[i];
+    }
+    let mut w_b = *v;
+    for i in 0..D {
+        w_b[i] = v[i] + slide[i] - normal_part * n[i];
+    }
+    w_b
+}
+
+/// `a` as a vector of the state.
+#[inline(always)]
+pub(super) fn lifted<T: Over<G>, G: Real, const D: usize>(a: &[G; D]) -> [T; D] {
+    let mut lifted = [T::lift(a[0]); D];
+    for i in 1..D {
+        lifted[i] = T::lift(a[i]);
+    }
+    lifted
+}

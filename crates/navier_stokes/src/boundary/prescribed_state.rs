@@ -1,0 +1,59 @@
+//! A prescribed state.
+
+use super::Condition;
+use crate::flux::Stresses;
+use crate::law::NavierStokes;
+use tensor::{Over, Real, dot};
+
+/// A state given at every point and time, an exact solution for instance: the Riemann solver chooses what of it comes in,
+/// and viscous terms take it as Dirichlet data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrescribedState;
+
+/// `data` as numbers of the state.
+#[inline(always)]
+fn lifted<T: Over<G>, G: Real, const M: usize>(minus: &[T; M], data: &[G; M]) -> [T; M] {
+    let mut state = *minus;
+    for c in 0..M {
+        state[c] = T::lift(data[c]);
+    }
+    state
+}
+
+impl<const D: usize> Condition<D> for PrescribedState {
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        _law: &NavierStokes<D>,
+        minus: &[T; M],
+        _n: &[G; D],
+        _v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        lifted(minus, data)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        law.riemann.flux(&law.gas, minus, &lifted(minus, data), n, dot(v, n))
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        _v: &[G; D],
+    ) -> [T; M] {
+        Stresses::new(&law.gas, state, gradient).normal_flux(n)
+    }
+}

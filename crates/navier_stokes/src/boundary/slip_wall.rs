@@ -1,0 +1,61 @@
+//! The wall without friction, which is also the plane of symmetry.
+
+use super::{Condition, pressure_flux};
+use crate::flux::Stresses;
+use crate::law::NavierStokes;
+use crate::state::{Primitive, along, components};
+use tensor::{Over, Real, dot};
+
+/// Gas may slide along the wall but neither cross it nor leave it; no shear, no heat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlipWall;
+
+impl<const D: usize> Condition<D> for SlipWall {
+    /// The state inside with the normal velocity of the wall: w - (w_n - v_n) n.
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        let mut state = Primitive::unpack(&law.gas, minus);
+        let relative = along(&state.velocity, n).minus(dot(v, n));
+        for i in 0..D {
+            state.velocity[i] -= relative.scale(n[i]);
+        }
+        state.pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+    }
+
+    /// [0 ; s n ; s v_n] with the normal stress s = n . tau n.
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M] {
+        let mut traction = Stresses::new(&law.gas, state, gradient).traction(n);
+        let stress = along(&traction, n);
+        for i in 0..D {
+            traction[i] = stress.scale(n[i]);
+        }
+        components(stress.zero(), &traction, along(&traction, v))
+    }
+}

@@ -1,0 +1,33 @@
+//! The uniform state.
+
+use super::ExactState;
+use crate::error::{InvalidParameter, finite, positive};
+use crate::gas::Gas;
+use crate::state::Primitive;
+use tensor::Transcendental;
+
+/// The same state everywhere and always.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeStream<const D: usize> {
+    gas: Gas,
+    state: Primitive<f64, D>,
+}
+
+impl<const D: usize> FreeStream<D> {
+    /// The uniform `state`.
+    ///
+    /// # Errors
+    /// A density or pressure that is not positive, a velocity that is not finite.
+    pub fn new(gas: Gas, state: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
+        positive("density of the free stream", state.density)?;
+        positive("pressure of the free stream", state.pressure)?;
+        finite("velocity of the free stream", state.velocity)?;
+        Ok(FreeStream { gas, state })
+    }
+}
+
+impl<const D: usize, const M: usize> ExactState<D, M> for FreeStream<D> {
+    fn state<T: Transcendental>(&self, _x: &[T; D], t: T) -> [T; M] {
+        self.state.constant(t).pack(&self.gas)
+    }
+}

@@ -1,0 +1,153 @@
+//! The fluxes of the compressible Navier-Stokes equations.
+//!
+//! With density rho, velocity w, total energy E and enthalpy H per mass, pressure p, temperature T, and the velocity v of
+//! the mesh, in direction i,
+//!
+//! ```text
+//! F_c = [ rho w_i ; rho w_j w_i + p delta_ij ; rho H w_i ]                                                    (F_c)
+//! F_v = [ 0 ; tau_ij ; tau_ij w_j + kappa T_,i ]                                                              (F_v)
+//! tau_ij = mu (w_i,j + w_j,i) - 2/3 mu w_k,k delta_ij                                                         (tau)
+//! ```
+//!
+//! after Diosady & Murman, AIAA 2018-0919, (7) and (8). In two dimensions w_k,k has two terms and the factor stays 2/3:
+//! plane flow of a three-dimensional gas.
+
+use crate::gas::Gas;
+use crate::state::{Conserved, Primitive, along, components, scaled};
+use tensor::{Over, Real, dot};
+
+/// F_c(u) - u v = u (w_i - v_i) + p [0 ; e_i ; w_i], indexed `[direction][component]`.
+#[inline(always)]
+pub(crate) fn inviscid<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    gas: &Gas,
+    u: &[T; M],
+    v: &[G; D],
+) -> [[T; M]; D] {
+    let Primitive { velocity: w, pressure: p, .. } = Primitive::unpack(gas, u);
+    let mut flux = [*u; D];
+    for i in 0..D {
+        let relative = w[i].minus(v[i]);
+        for c in 0..M {
+            flux[i][c] = u[c] * relative;
+        }
+        flux[i][1 + i] += p;
+        flux[i][M - 1] += p * w[i];
+    }
+    flux
+}
+
+/// (F_c(u) - u v) . n = u (w_n - v_n) + p [0 ; n ; w_n], with the normal velocity w_n and the pressure of `u`.
+#[inline(always)]
+pub(crate) fn inviscid_normal<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    u: &[T; M],
+    w_n: T,
+    p: T,
+    n: &[G; D],
+    v_n: G,
+) -> [T; M] {
+    let relative = w_n.minus(v_n);
+    let mut flux = *u;
+    for c in 0..M {
+        flux[c] = u[c] * relative;
+    }
+    for i in 0..D {
+        flux[1 + i] += p.scale(n[i]);
+    }
+    flux[M - 1] += p * w_n;
+    flux
+}
+
+/// F_v(u, gradient), indexed `[direction][component]`; `gradient` is that of the conserved variables.
+#[inline(always)]
+pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
+    gas: &Gas,
+    u: &[T; M],
+    gradient: &[[T; M]; D],
+) -> [[T; M]; D] {
+    let stresses = Stresses::new(gas, u, gradient);
+    let mut flux = *gradient;
+    for i in 0..D {
+        let work = dot(&stresses.tau[i], &stresses.velocity);
+        flux[i] = components(u[0].zero(), &stresses.tau[i], work + stresses.heat[i]);
+    }
+    flux
+}
+
+/// Viscous stress and conducted heat at a point.
+pub(crate) struct Stresses<T, const D: usize> {
+    /// w, at which they do work
+    pub(crate) velocity: [T; D],
+    /// tau_ij, symmetric
+    pub(crate) tau: [[T; D]; D],
+    /// kappa T_,i: the heat that flows against direction i
+    pub(crate) heat: [T; D],
+}
+
+impl<T: Real, const D: usize> Stresses<T, D> {
+    /// From the conserved variables and their gradient, by
+    ///
+    /// ```text
+    /// w_j,i = ((rho w_j)_,i - w_j rho_,i) / rho,   e_,i = ((rho E)_,i - E rho_,i) / rho - w_j w_j,i,   T_,i = e_,i / c_v
+    /// ```
+    #[inline(always)]
+    pub(crate) fn new<const M: usize>(gas: &Gas, u: &[T; M], gradient: &[[T; M]; D]) -> Self {
+        let u = Conserved::unpack(u);
+        let inverse = u.density.recip();
+        let w = u.velocity();
+        let energy = u.energy * inverse;
+        let internal = energy - dot(&w, &w) * 0.5;
+        let (mut w_grad, mut e_grad) = ([w; D], w);
+        for i in 0..D {
+            let slope: Conserved<T, D> = Conserved::unpack(&gradient[i]);
+            for j in 0..D {
+                w_grad[i][j] = (slope.momentum[j] - w[j] * slope.density) * inverse;
+            }
+            e_grad[i] = (slope.energy - energy * slope.density) * inverse - dot(&w, &w_grad[i]);
+        }
+        // T = e / c_v with c_v = R / (gamma - 1), and kappa / c_v = mu gamma / Pr.
+        let mu = gas.dynamic_viscosity(internal * ((gas.gamma() - 1.0) / gas.gas_constant()));
+        let heat = scaled(&e_grad, mu * (gas.gamma() / gas.prandtl()));
+        Stresses { velocity: w, tau: stress(mu, &w_grad), heat }
+    }
+
+    /// F_v . n = [0 ; tau n ; (tau n) . w + kappa T_,n]
+    #[inline(always)]
+    pub(crate) fn normal_flux<G: Real, const M: usize>(&self, n: &[G; D]) -> [T; M]
+    where
+        T: Over<G>,
+    {
+        let traction = self.traction(n);
+        let work = dot(&traction, &self.velocity);
+        components(work.zero(), &traction, work + along(&self.heat, n))
+    }
+
+    /// The traction tau n on the facet with normal `n`.
+    #[inline(always)]
+    pub(crate) fn traction<G: Real>(&self, n: &[G; D]) -> [T; D]
+    where
+        T: Over<G>,
+    {
+        let mut traction = self.velocity;
+        for i in 0..D {
+            traction[i] = along(&self.tau[i], n);
+        }
+        traction
+    }
+}
+
+/// (tau), with `w_grad[i][j]` = w_j,i.
+#[inline(always)]
+fn stress<T: Real, const D: usize>(mu: T, w_grad: &[[T; D]; D]) -> [[T; D]; D] {
+    let mut divergence = w_grad[0][0];
+    for k in 1..D {
+        divergence += w_grad[k][k];
+    }
+    let mut tau = *w_grad;
+    for i in 0..D {
+        for j in 0..D {
+            tau[i][j] = mu * (w_grad[i][j] + w_grad[j][i]);
+        }
+        tau[i][i] -= mu * divergence * (2.0 / 3.0);
+    }
+    tau
+}

@@ -1,0 +1,119 @@
+//! The compressible Navier-Stokes equations as a conservation law.
+
+use crate::boundary::Boundary;
+use crate::flux;
+use crate::gas::{Gas, Viscosity};
+use crate::reference::Reference;
+use crate::riemann::Riemann;
+use crate::state::{Conserved, Primitive};
+use fem::ConservationLaw;
+use tensor::{Over, Real};
+
+/// The law in `D` dimensions: the gas, the choice of the numerical flux, and what is large and small.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavierStokes<const D: usize> {
+    /// The gas.
+    pub gas: Gas,
+    /// The numerical flux of facets and of boundary conditions that prescribe a state.
+    pub riemann: Riemann,
+    /// The state that sets the scales of the components.
+    pub reference: Reference,
+}
+
+impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
+    type Boundary = Boundary<D>;
+
+    #[inline(always)]
+    fn is_viscous(&self) -> bool {
+        !matches!(self.gas.viscosity(), Viscosity::Inviscid)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real>(&self, u: &[T; M], gradient: &[[T; M]; D], v: &[G; D]) -> [[T; M]; D] {
+        let mut flux = flux::inviscid(&self.gas, u, v);
+        if ConservationLaw::<D, M>::is_viscous(self) {
+            let viscous = flux::viscous(&self.gas, u, gradient);
+            for i in 0..D {
+                for c in 0..M {
+                    flux[i][c] -= viscous[i][c];
+                }
+            }
+        }
+        flux
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D] {
+        flux::viscous(&self.gas, u, gradient)
+    }
+
+    #[inline(always)]
+    fn numerical_flux<T: Over<G>, G: Real>(&self, minus: &[T; M], plus: &[T; M], n: &[G; D], v_n: G) -> [T; M] {
+        self.riemann.flux(&self.gas, minus, plus, n, v_n)
+    }
+
+    #[inline(always)]
+    fn takes_state(&self, condition: Boundary<D>) -> bool {
+        condition.takes_state()
+    }
+
+    #[inline(always)]
+    fn boundary_state<T: Over<G>, G: Real>(
+        &self,
+        condition: Boundary<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        condition.state(self, minus, n, v, data)
+    }
+
+    #[inline(always)]
+    fn boundary_flux<T: Over<G>, G: Real>(
+        &self,
+        condition: Boundary<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        condition.flux(self, minus, n, v, data)
+    }
+
+    #[inline(always)]
+    fn boundary_viscous_flux<T: Over<G>, G: Real>(
+        &self,
+        condition: Boundary<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        v: &[G; D],
+    ) -> [T; M] {
+        condition.viscous_flux(self, state, gradient, n, v)
+    }
+
+    /// The smaller of density and pressure.
+    #[inline(always)]
+    fn margin<T: Real>(&self, u: &[T; M]) -> T {
+        let state = Primitive::<T, D>::unpack(&self.gas, u);
+        state.density.min(state.pressure)
+    }
+
+    fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)> {
+        let u = Conserved::<f64, D>::unpack(u);
+        let pressure = self.gas.pressure(&u, &u.velocity());
+        // Written so that NaN is inadmissible.
+        if !(u.density > 0.0) {
+            Some(("density", u.density))
+        } else if !(pressure > 0.0) {
+            Some(("pressure", pressure))
+        } else {
+            None
+        }
+    }
+
+    fn scales(&self) -> [f64; M] {
+        self.reference.scales(&self.gas)
+    }
+}

@@ -1,0 +1,76 @@
+//! Numerical fluxes between two states on a moving facet.
+//!
+//! All are consistent with F_c(u) . n - v_n u and upwind by the wave speeds relative to the facet, w_n - v_n and
+//! w_n - v_n +- c, which makes them invariant to a common velocity of gas and facet.
+
+mod average;
+mod hllc;
+mod lax_friedrichs;
+mod roe;
+
+use crate::flux::inviscid_normal;
+use crate::gas::Gas;
+use crate::state::{Conserved, along};
+use tensor::{Over, Real};
+
+/// The choice of the numerical flux.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Riemann {
+    /// Local Lax-Friedrichs (Rusanov): the fastest wave damps all; the simplest and most dissipative.
+    LaxFriedrichs,
+    /// Three waves, contact and shear layers kept (Toro, Spruce & Speares 1994).
+    Hllc,
+    /// Linearised by Roe's average (Roe 1981), wave speeds smoothed near zero (Harten 1983).
+    Roe,
+}
+
+/// What the solvers need to know of one side of the facet.
+struct Side<T, const D: usize, const M: usize> {
+    u: [T; M],
+    density: T,
+    velocity: [T; D],
+    pressure: T,
+    /// w_n = w . n
+    w_n: T,
+    /// F_c(u) . n - v_n u
+    flux: [T; M],
+}
+
+impl<T: Real, const D: usize, const M: usize> Side<T, D, M> {
+    #[inline(always)]
+    fn new<G: Real>(gas: &Gas, u: &[T; M], n: &[G; D], v_n: G) -> Self
+    where
+        T: Over<G>,
+    {
+        let state = Conserved::unpack(u);
+        let velocity = state.velocity();
+        let pressure = gas.pressure(&state, &velocity);
+        let w_n = along(&velocity, n);
+        let flux = inviscid_normal(u, w_n, pressure, n, v_n);
+        Side { u: *u, density: state.density, velocity, pressure, w_n, flux }
+    }
+    #[inline(always)]
+    fn sound_speed(&self, gas: &Gas) -> T {
+        gas.sound_speed(self.density, self.pressure)
+    }
+}
+
+impl Riemann {
+    /// The flux from minus to plus through a facet with normal `n` and normal velocity `v_n`.
+    #[inline(always)]
+    pub(crate) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
+        self,
+        gas: &Gas,
+        minus: &[T; M],
+        plus: &[T; M],
+        n: &[G; D],
+        v_n: G,
+    ) -> [T; M] {
+        let (minus, plus) = (Side::new(gas, minus, n, v_n), Side::new(gas, plus, n, v_n));
+        match self {
+            Riemann::LaxFriedrichs => lax_friedrichs::flux(gas, &minus, &plus, v_n),
+            Riemann::Hllc => hllc::flux(gas, &minus, &plus, n, v_n),
+            Riemann::Roe => roe::flux(gas, &minus, &plus, n, v_n),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What the Newton driver needs to know of R(z) = 0.
+
+use std::ops::Range;
+
+use crate::inner_product::InnerProduct;
+
+/// A named part of the unknown vector that must converge on its own and has its own pseudo-time step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// The name used in reports and messages.
+    pub name: &'static str,
+    /// The entries of z, and of R, that belong to the field.
+    pub range: Range<usize>,
+}
+
+/// A state that the problem has no residual for: a negative density, an inverted cell.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("inadmissible state: {quantity} = {value:e} {location}")]
+pub struct Inadmissible {
+    /// What is out of its range, for example "density".
+    pub quantity: String,
+    /// Its value there.
+    pub value: f64,
+    /// Where, for example "in cell 12 at t = 0.25".
+    pub location: String,
+}
+
+/// A nonlinear system R(z) = 0 with one or several fields.
+///
+/// The driver calls [`Self::linearise`] and then, for that point, [`Self::jacobian_product`], [`Self::add_pseudo_time`] and
+/// [`Self::precondition`]; the Newton step it solves is
+///
+/// ```text
+/// (newton-step)   ( dR/dz + T ) dz = -R(z),     T = sum over fields k of (1/dtau_k) M_k
+/// ```
+pub trait NonlinearProblem {
+    /// The length of z and of R.
+    fn len(&self) -> usize;
+
+    /// Whether there are no unknowns.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The fields; their ranges are disjoint and cover `0..len()` but for padding.
+    fn fields(&self) -> &[Field];
+
+    /// The inner product of residuals, weighted so that fields compare. It must not change during a solve.
+    fn inner_product(&self) -> &dyn InnerProduct;
+
+    /// r := R(z)
+    ///
+    /// # Errors
+    /// [`Inadmissible`] if R is not defined at z; `r` then has no meaning.
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) -> Result<(), Inadmissible>;
+
+    /// Fixes the point of linearisation and 1/dtau_k of each field; may refresh the preconditioner.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] if dR/dz is not defined at z.
+    fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible>;
+
+    /// out := dR/dz direction, without T, at the point of linearisation.
+    fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]);
+
+    /// out := out + T direction, with the 1/dtau_k of the point of linearisation. Called only while some 1/dtau_k > 0.
+    fn add_pseudo_time(&mut self, direction: &[f64], out: &mut [f64]);
+
+    /// out := P^-1 r, where P approximates dR/dz + T.
+    fn precondition(&mut self, r: &[f64], out: &mut [f64]);
+
+    /// The largest a in (0, 1] for which z + a dz is known not to leave the admissible states (1 where nothing is known).
+    fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64;
+}

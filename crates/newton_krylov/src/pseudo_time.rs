@@ -1,0 +1,107 @@
+//! Pseudo-transient continuation of several fields by one rule, switched evolution relaxation.
+//!
+//! ```text
+//! (ser)   dtau_k = dtau_0 (|R_k0| / |R_k|)^power        for each field k
+//! ```
+//!
+//! |R_k0| and dtau_0 are those of the last start of the rule: of the solve, or of the last rejected step. The code holds
+//! 1/dtau_k, zero for a field that is not damped.
+
+/// The settings of [`PseudoTime`], the same for every field: a problem scales its M_k so that they compare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// 1/dtau_0 of the first step; zero starts with plain Newton.
+    pub initial_inverse: f64,
+    /// 1/dtau_0 of an undamped field after a rejected step; zero never switches damping on.
+    pub restart_inverse: f64,
+    /// The power of (ser).
+    pub power: f64,
+    /// dtau_k grows or falls by at most this factor per accepted step.
+    pub growth: f64,
+    /// dtau_k is divided by this factor after a rejected step.
+    pub shrink: f64,
+    /// A field is no longer damped once |R_k| <= switch_off |R_k0|.
+    pub switch_off: f64,
+    /// The number of rejected steps in a row after which the driver gives up.
+    pub max_rejections: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            initial_inverse: 0.0,
+            restart_inverse: 1.0,
+            power: 1.0,
+            growth: 10.0,
+            shrink: 10.0,
+            switch_off: 1e-3,
+            max_rejections: 6,
+        }
+    }
+}
+
+/// The state of (ser) during one solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PseudoTime {
+    settings: Settings,
+    fields: Vec<FieldState>,
+    inverse: Vec<f64>,
+}
+
+/// Where (ser) of one field started.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FieldState {
+    norm: f64,
+    inverse: f64,
+}
+
+impl PseudoTime {
+    /// Starts the rule at the norms |R_k| of the fields.
+    pub fn new(settings: Settings, field_norms: &[f64]) -> Self {
+        let inverse = settings.initial_inverse;
+        Self {
+            settings,
+            fields: field_norms.iter().map(|&norm| FieldState { norm, inverse }).collect(),
+            inverse: vec![inverse; field_norms.len()],
+        }
+    }
+
+    /// 1/dtau_k of each field.
+    pub fn inverse(&self) -> &[f64] {
+        &self.inverse
+    }
+
+    /// Whether any field is damped.
+    pub fn is_active(&self) -> bool {
+        self.inverse.iter().any(|&inverse| inverse > 0.0)
+    }
+
+    /// Applies (ser) after an accepted step that ended at `field_norms`.
+    pub fn accept(&mut self, field_norms: &[f64]) {
+        let Settings { power, growth, switch_off, .. } = self.settings;
+        for ((inverse, start), &norm) in self.inverse.iter_mut().zip(&self.fields).zip(field_norms) {
+            *inverse = if norm <= switch_off * start.norm {
+                0.0
+            } else {
+                let wanted = start.inverse * (norm / start.norm).powf(power);
+                wanted.clamp(*inverse / growth, *inverse * growth)
+            };
+        }
+    }
+
+    /// Damps more after a rejected step that started at `field_norms`. A field within its tolerance is left alone.
+    ///
+    /// Returns whether anything changed: if not, the same step would be rejected again.
+    pub fn reject(&mut self, field_norms: &[f64], tolerances: &[f64]) -> bool {
+        let Settings { restart_inverse, shrink, .. } = self.settings;
+        let before = self.inverse.clone();
+        for k in 0..self.inverse.len() {
+            if field_norms[k] > tolerances[k] {
+                let inverse = if self.inverse[k] > 0.0 { self.inverse[k] * shrink } else { restart_inverse };
+                self.inverse[k] = inverse;
+                self.fields[k] = FieldState { norm: field_norms[k], inverse };
+            }
+        }
+        self.inverse != before
+    }
+}

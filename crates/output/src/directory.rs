@@ -1,0 +1,125 @@
+//! The directory of one run, held by one process at a time.
+
+use std::fmt;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::OutputError;
+
+const LOCK_FILE: &str = "run.lock";
+
+/// The process that holds a run directory.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LockOwner {
+    /// Process number.
+    pub pid: u32,
+    /// Name of the machine.
+    pub host: String,
+    /// Seconds since 1970 at which the run started.
+    pub started: u64,
+}
+
+impl LockOwner {
+    fn this_process() -> Self {
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").or_else(|_| fs::read_to_string("/etc/hostname"));
+        Self {
+            pid: std::process::id(),
+            host: host.map_or_else(|_| "this machine".to_owned(), |name| name.trim().to_owned()),
+            started: seconds_since_1970(),
+        }
+    }
+
+    fn unknown() -> Self {
+        Self { pid: 0, host: String::new(), started: seconds_since_1970() }
+    }
+}
+
+impl fmt::Display for LockOwner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = seconds_since_1970().saturating_sub(self.started);
+        match self.pid {
+            0 => write!(f, "another process"),
+            pid => write!(f, "process {pid} on {}, started {seconds} s ago", self.host),
+        }
+    }
+}
+
+fn seconds_since_1970() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+}
+
+/// The output directory of a run, made if need be and locked until this value is dropped.
+///
+/// The lock is the operating system's on the file `run.lock`: it vanishes with the process however that ends, so there
+/// are no stale locks to judge. The file only names the owner. Directories that were made here and are still empty at
+/// the end are removed again.
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    /// Directories made here, innermost first.
+    made: Vec<PathBuf>,
+    lock: Option<File>,
+}
+
+impl RunDirectory {
+    /// Makes the directory if need be and locks it.
+    ///
+    /// # Errors
+    /// [`OutputError::Directory`] if it cannot be made or written, [`OutputError::Busy`] if another run holds it.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let absent = path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
+        let mut directory = Self { path: path.to_owned(), made: absent.map(Path::to_owned).collect(), lock: None };
+        fs::create_dir_all(path).map_err(|source| directory.error(source))?;
+        while !directory.try_lock()? {}
+        Ok(directory)
+    }
+
+    /// Path of the directory.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Takes the lock; false if its last owner removed the file between our opening and locking it.
+    fn try_lock(&mut self) -> Result<bool, OutputError> {
+        let path = self.path.join(LOCK_FILE);
+        let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let mut file = open.map_err(|source| self.error(source))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(self.busy(&path)),
+            // A file system without locks: the run is allowed, a second one is not noticed.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(source)) => return Err(self.error(source)),
+        }
+        let owner = serde_json::to_vec(&LockOwner::this_process()).map_err(|error| self.error(error.into()))?;
+        file.set_len(0).and_then(|()| file.write_all(&owner)).map_err(|source| self.error(source))?;
+        let ours = fs::read(&path).is_ok_and(|found| found == owner);
+        self.lock = ours.then_some(file);
+        Ok(ours)
+    }
+
+    fn busy(&self, lock: &Path) -> OutputError {
+        let owner = fs::read(lock).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        OutputError::Busy { path: self.path.clone(), owner: owner.unwrap_or_else(LockOwner::unknown) }
+    }
+
+    fn error(&self, source: io::Error) -> OutputError {
+        OutputError::Directory { path: self.path.clone(), source }
+    }
+}
+
+impl Drop for RunDirectory {
+    /// Nothing can be reported from here, and nothing is lost if it fails: an unlocked lock file does no harm.
+    fn drop(&mut self) {
+        if self.lock.is_some() {
+            let _ = fs::remove_file(self.path.join(LOCK_FILE));
+        }
+        for made in &self.made {
+            let _ = fs::remove_dir(made);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The group `/stsolve`: who wrote the file, for which case, with which layout, and the exact coefficients.
+
+use hdf5::{Error, File, Group, Result};
+
+use crate::hdf::{
+    append, constant, growing, read_integer, read_labels, read_length, read_numbers, read_text, write_integer,
+    write_labels, write_text,
+};
+use crate::layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+
+/// Version of the group `/stsolve`; raised when a reader of the old one would misread the new one.
+pub const FORMAT_VERSION: i64 = 1;
+
+/// Name of the group.
+pub(crate) const GROUP: &str = "stsolve";
+
+/// Name of the axis along which an array of coefficients grows.
+const STEP_LABEL: &str = "step";
+
+/// What a result file says about itself.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Metadata {
+    /// Name and version of the program that wrote the file, for instance `stsolve 0.1.0`.
+    pub creator: String,
+    /// Name of the case.
+    pub case_name: String,
+    /// The resolved case, as it could be run again.
+    pub case_text: String,
+    /// A checksum of everything in the case that the numbers depend on; a checkpoint of another one is refused.
+    pub case_fingerprint: String,
+    /// A checksum of the mesh, so that coefficients are not combined with another mesh.
+    pub mesh_id: String,
+    /// Reference coordinates in [-1, 1] of the space nodes of one direction.
+    pub space_nodes: Vec<f64>,
+    /// Positions in [0, 1] of the time nodes of a slab.
+    pub time_nodes: Vec<f64>,
+}
+
+/// Creates the group without a step.
+pub(crate) fn create(group: &Group, layout: &Layout, metadata: &Metadata) -> Result<()> {
+    write_integer(group, "format_version", FORMAT_VERSION)?;
+    write_metadata(group, metadata)?;
+    write_grid(group, &layout.grid)?;
+    let exact = group.create_group("exact")?;
+    for array in &layout.exact {
+        let row: Vec<usize> = array.axes.iter().map(|axis| axis.length).collect();
+        let labels: Vec<&str> =
+            std::iter::once(STEP_LABEL).chain(array.axes.iter().map(|axis| axis.label.as_str())).collect();
+        write_labels(&growing::<f64>(&exact, &array.name, 1, &row)?, &labels)?;
+    }
+    Ok(())
+}
+
+fn write_metadata(group: &Group, metadata: &Metadata) -> Result<()> {
+    write_text(group, "creator", &metadata.creator)?;
+    write_text(group, "case_name", &metadata.case_name)?;
+    write_text(group, "case", &metadata.case_text)?;
+    write_text(group, "case_fingerprint", &metadata.case_fingerprint)?;
+    write_text(group, "mesh_id", &metadata.mesh_id)?;
+    constant(group, "space_nodes", &metadata.space_nodes)?;
+    constant(group, "time_nodes", &metadata.time_nodes)
+}
+
+/// Reads what [`write_metadata`] wrote.
+pub(crate) fn read_metadata(file: &File, group: &Group) -> Result<Metadata> {
+    Ok(Metadata {
+        creator: read_text(group, "creator")?,
+        case_name: read_text(group, "case_name")?,
+        case_text: read_text(group, "case")?,
+        case_fingerprint: read_text(group, "case_fingerprint")?,
+        mesh_id: read_text(group, "mesh_id")?,
+        space_nodes: read_numbers(file, &group.dataset("space_nodes")?)?,
+        time_nodes: read_numbers(file, &group.dataset("time_nodes")?)?,
+    })
+}
+
+/// Reads the version of the format.
+pub(crate) fn read_version(group: &Group) -> Result<i64> {
+    read_integer(group, "format_version")
+}
+
+fn write_grid(group: &Group, grid: &Grid) -> Result<()> {
+    write_integer(group, "dimension", grid.dimension as i64)?;
+    write_integer(group, "points_per_direction", grid.points_per_direction as i64)?;
+    write_integer(group, "cells", grid.cells as i64)
+}
+
+fn read_grid(group: &Group) -> Result<Grid> {
+    let grid = Grid {
+        dimension: read_length(group, "dimension")?,
+        points_per_direction: read_length(group, "points_per_direction")?,
+        cells: read_length(group, "cells")?,
+    };
+    match (grid.dimension, grid.points_per_direction) {
+        (2 | 3, 2..=64) => Ok(grid),
+        _ => Err(Error::from(format!("impossible grid: {grid:?}"))),
+    }
+}
+
+/// Reads what the file holds at each step.
+pub(crate) fn read_layout(group: &Group, vtkhdf: &Group) -> Result<Layout> {
+    let (point_data, exact) = (vtkhdf.group("PointData")?, group.group("exact")?);
+    let field = |name: String| {
+        let components = point_data.dataset(&name)?.shape().get(1).copied().unwrap_or(1);
+        Ok(FieldSpec { name, components })
+    };
+    Ok(Layout {
+        grid: read_grid(group)?,
+        fields: point_data.member_names()?.into_iter().map(field).collect::<Result<_>>()?,
+        exact: exact.member_names()?.into_iter().map(|name| read_array(&exact, name)).collect::<Result<_>>()?,
+    })
+}
+
+fn read_array(exact: &Group, name: String) -> Result<ArraySpec> {
+    let dataset = exact.dataset(&name)?;
+    let axes = read_labels(&dataset)?.into_iter().zip(dataset.shape());
+    let axes = axes.skip(1).map(|(label, length)| Axis { label, length }).collect();
+    Ok(ArraySpec { name, axes })
+}
+
+/// Appends the coefficients of a step.
+pub(crate) fn append_array(group: &Group, name: &str, values: &[f64]) -> Result<()> {
+    append(&group.group("exact")?.dataset(name)?, 1, values)
+}

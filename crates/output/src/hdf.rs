@@ -1,0 +1,124 @@
+//! The few HDF5 operations that the format needs: arrays that grow along axis 0, texts, labels.
+
+use std::path::Path;
+
+use hdf5::types::{VarLenAscii, VarLenUnicode};
+use hdf5::{Dataset, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result, SliceOrIndex, SimpleExtents};
+use ndarray::ArrayViewD;
+
+/// Chunks of a step are at most this many bytes, so that reading a part of one step touches little else.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// Steps below this many bytes share a chunk and are not compressed.
+const SMALL_STEP_BYTES: usize = 1 << 12;
+
+/// Effort of the lossless compression: higher levels cost several times more and gain a few per cent.
+const DEFLATE_LEVEL: u8 = 1;
+
+/// Files in the format of HDF5 1.10, whatever the library: every header then carries a checksum, so that damage is
+/// found instead of believed.
+pub(crate) fn options() -> FileBuilder {
+    let mut options = File::with_options();
+    options.with_fapl(|access| access.libver_v110());
+    options
+}
+
+/// Creates an array of shape (0, `row`...) that grows along axis 0 by `rows` at each step.
+pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
+    let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
+    let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));
+    let builder = if bytes < SMALL_STEP_BYTES { builder } else { builder.shuffle().deflate(DEFLATE_LEVEL) };
+    let axes = row.iter().map(|&length| Extent::fixed(length));
+    builder.shape(SimpleExtents::from_vec(std::iter::once(Extent::resizable(0)).chain(axes).collect())).create(name)
+}
+
+/// Shape of a chunk: many small steps, or equal parts of one step of `bytes` bytes, cut along its slowest axis.
+fn chunk(rows: usize, row: &[usize], bytes: usize) -> Vec<usize> {
+    let parts = bytes.div_ceil(CHUNK_BYTES).max(1);
+    let mut chunk: Vec<usize> = std::iter::once(rows).chain(row.iter().copied()).map(|length| length.max(1)).collect();
+    if bytes < SMALL_STEP_BYTES {
+        chunk[0] *= SMALL_STEP_BYTES / bytes.max(8);
+    } else {
+        let slowest = usize::from(rows == 1 && chunk.len() > 1);
+        chunk[slowest] = chunk[slowest].div_ceil(parts);
+    }
+    chunk
+}
+
+/// Appends `rows` rows, given one after the other, to an array that grows along axis 0.
+pub(crate) fn append<T: H5Type>(dataset: &Dataset, rows: usize, values: &[T]) -> Result<()> {
+    let mut shape = dataset.shape();
+    let first = shape[0];
+    shape[0] += rows;
+    dataset.resize(&shape)?;
+    let whole = std::iter::repeat_n(SliceOrIndex::from(..), shape.len() - 1);
+    let selection: Vec<_> = std::iter::once(SliceOrIndex::from(first..first + rows)).chain(whole).collect();
+    shape[0] = rows;
+    dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
+}
+
+/// Writes an array that does not grow.
+pub(crate) fn constant<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Result<()> {
+    group.new_dataset_builder().obj_track_times(false).with_data(values).create(name).map(drop)
+}
+
+/// Reads a whole array of numbers, if it can be as long as it claims in a file of this size.
+pub(crate) fn read_numbers(file: &File, dataset: &Dataset) -> Result<Vec<f64>> {
+    let count = dataset.size() as u64;
+    if count.saturating_mul(8) > file.size() {
+        return Err(Error::from(format!("`{}` claims {count} values, more than the file can hold", dataset.name())));
+    }
+    dataset.read_raw()
+}
+
+/// Writes a text as an attribute.
+pub(crate) fn write_text(location: &Location, name: &str, text: &str) -> Result<()> {
+    let value: VarLenUnicode =
+        text.parse().map_err(|_| Error::from(format!("`{name}` contains a zero byte, which HDF5 cannot store")))?;
+    location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&value)
+}
+
+/// Reads a text from an attribute.
+pub(crate) fn read_text(location: &Location, name: &str) -> Result<String> {
+    let value: VarLenUnicode = location.attr(name)?.read_scalar()?;
+    // The bytes come from a file: that they are UTF-8 has to be checked, not assumed.
+    let text = std::str::from_utf8(value.as_bytes());
+    text.map(str::to_owned).map_err(|_| Error::from(format!("`{name}` is not a UTF-8 text")))
+}
+
+/// Writes an integer as an attribute.
+pub(crate) fn write_integer(location: &Location, name: &str, value: i64) -> Result<()> {
+    location.new_attr::<i64>().create(name)?.write_scalar(&value)
+}
+
+/// Reads an integer from an attribute.
+pub(crate) fn read_integer(location: &Location, name: &str) -> Result<i64> {
+    location.attr(name)?.read_scalar()
+}
+
+/// Reads a length, which is an integer that is not negative.
+pub(crate) fn read_length(location: &Location, name: &str) -> Result<usize> {
+    let value = read_integer(location, name)?;
+    usize::try_from(value).map_err(|_| Error::from(format!("`{name}` is {value}, a length was expected")))
+}
+
+/// Labels the axes of an array, slowest first, as HDF5's dimension scales do (`H5DSset_label`).
+pub(crate) fn write_labels(dataset: &Dataset, labels: &[&str]) -> Result<()> {
+    let ascii = |label: &&str| VarLenAscii::from_ascii(label).map_err(|error| Error::from(error.to_string()));
+    let labels = labels.iter().map(ascii).collect::<Result<Vec<_>>>()?;
+    dataset.new_attr_builder().with_data(&labels).create("DIMENSION_LABELS").map(drop)
+}
+
+/// Reads the labels of the axes of an array, slowest first.
+pub(crate) fn read_labels(dataset: &Dataset) -> Result<Vec<String>> {
+    let labels: Vec<VarLenAscii> = dataset.attr("DIMENSION_LABELS")?.read_raw()?;
+    Ok(labels.iter().map(|label| String::from_utf8_lossy(label.as_bytes()).into_owned()).collect())
+}
+
+/// Whether a file starts like an HDF5 file.
+pub(crate) fn is_hdf5(path: &Path) -> bool {
+    use std::io::Read;
+    let mut signature = [0; 8];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut signature));
+    read.is_ok() && &signature == b"\x89HDF\r\n\x1a\n"
+}

@@ -1,0 +1,200 @@
+//! `summary.json`: the figures of a run for scripts and tests. An absent key means that it does not apply.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::directory::RunDirectory;
+use crate::error::OutputError;
+use crate::files::{file_error, write_atomically};
+
+/// Name of the summary in the run directory.
+pub const SUMMARY_FILE: &str = "summary.json";
+
+/// The figures of a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Summary {
+    /// Name of the case.
+    pub case: String,
+    /// Version of the program.
+    pub version: String,
+    /// Whether the end time was reached.
+    pub completed: bool,
+    /// Why the run ended before its end time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Size of the mesh.
+    pub mesh: MeshSize,
+    /// Number of unknowns of a slab.
+    pub unknowns: Unknowns,
+    /// Slabs done.
+    pub slabs: u64,
+    /// Slabs that were repeated with a smaller step.
+    pub rejected_slabs: u64,
+    /// Time reached.
+    pub time: f64,
+    /// Newton steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub newton: Option<Newton>,
+    /// Krylov iterations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub krylov: Option<Krylov>,
+    /// Quality of the moving mesh over the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_quality: Option<MeshQuality>,
+    /// What must be conserved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conservation: Option<Conservation>,
+    /// Distance to the exact solution at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorNorms>,
+    /// Forces on the walls, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub walls: BTreeMap<String, Wall>,
+    /// What the run cost.
+    pub cost: Cost,
+}
+
+/// Size of the mesh.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSize {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Number of cells.
+    pub cells: usize,
+    /// Nodes per direction of the geometry.
+    pub order: usize,
+}
+
+/// Number of unknowns of a slab.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unknowns {
+    /// Of the flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flow: Option<usize>,
+    /// Of the mesh motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<usize>,
+}
+
+/// Newton steps.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Newton {
+    /// Over the run.
+    pub total: u64,
+    /// The most that a slab took.
+    pub max: u64,
+    /// Mean over the slabs.
+    pub per_slab: f64,
+}
+
+/// Krylov iterations.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Krylov {
+    /// Over the run.
+    pub total: u64,
+    /// The most that a Newton step took.
+    pub max_per_newton: u64,
+    /// Mean over the Newton steps.
+    pub mean_per_newton: f64,
+    /// Conjugate-gradient iterations of the elasticity preconditioner over the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elasticity_total: Option<u64>,
+}
+
+/// Quality of the moving mesh: the worst over the run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshQuality {
+    /// Proven lower bound of det J, relative to the mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub det_j_lower_bound: Option<f64>,
+    /// Smallest det J met at a point, relative to the mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub det_j_sampled_min: Option<f64>,
+    /// Smallest scaled Jacobian.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scaled_jacobian_min: Option<f64>,
+    /// First time at which a cell is inverted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_invalid_time: Option<f64>,
+}
+
+/// Errors in what must be conserved.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Conservation {
+    /// Mass gained minus mass flown in, relative to the mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_error: Option<f64>,
+    /// Largest deviation from a free stream.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free_stream_error: Option<f64>,
+}
+
+/// Distance to the exact solution.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorNorms {
+    /// L2 norm, density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density_l2: Option<f64>,
+    /// L2 norm, momentum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub momentum_l2: Option<f64>,
+    /// L2 norm, total energy per volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_l2: Option<f64>,
+    /// Largest deviation of the mesh displacement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement_max: Option<f64>,
+}
+
+/// What a wall received over the run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Time integral of the force, one entry per direction.
+    pub impulse: Vec<f64>,
+    /// Time integral of the power.
+    pub work: f64,
+    /// Drag coefficient at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drag_coefficient: Option<f64>,
+}
+
+/// What the run cost.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cost {
+    /// Seconds from start to end.
+    pub wall_seconds: f64,
+    /// Seconds of these before the first slab.
+    pub setup_seconds: f64,
+    /// Largest memory of the process.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_memory_bytes: Option<u64>,
+    /// Threads used.
+    pub threads: usize,
+    /// Residual evaluations.
+    pub residual_evaluations: u64,
+    /// Jacobian-vector products.
+    pub jacobian_products: u64,
+}
+
+impl Summary {
+    /// Writes `summary.json`, replacing an older one whole.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if the system refuses.
+    pub fn write(&self, directory: &RunDirectory) -> Result<(), OutputError> {
+        let path = directory.path().join(SUMMARY_FILE);
+        let text = serde_json::to_string_pretty(self).map_err(|error| file_error(&path, error.into()))?;
+        write_atomically(&path, (text + "\n").as_bytes())
+    }
+}

@@ -1,0 +1,109 @@
+//! The group `/VTKHDF`: a transient unstructured grid of Lagrange cells whose points move.
+//!
+//! One part, its topology written once; each step appends its points and fields and the offsets at which they start.
+//! VTK 9.3 (ParaView 5.12) and later read it. Three things that older readers insist on: `Type` is an ASCII string of
+//! exactly its 16 bytes, all index arrays are 64 bits wide, and points and vectors have three components.
+
+use hdf5::types::FixedAscii;
+use hdf5::{Error, Group, Result};
+
+use crate::hdf::{append, constant, growing, write_integer};
+use crate::layout::{FieldSpec, Grid, Layout};
+
+const LAGRANGE_QUADRILATERAL: u8 = 70;
+const LAGRANGE_HEXAHEDRON: u8 = 72;
+
+/// Index arrays of `Steps` with one entry per step: name and length of an entry (absent: a plain number).
+const STEP_OFFSETS: [(&str, Option<usize>); 5] = [
+    ("PartOffsets", None),
+    ("NumberOfParts", None),
+    ("PointOffsets", None),
+    ("CellOffsets", Some(1)),
+    ("ConnectivityIdOffsets", Some(1)),
+];
+
+/// Creates the group without a step.
+pub(crate) fn create(root: &Group, layout: &Layout) -> Result<()> {
+    let points = layout.grid.points();
+    write_type(root)?;
+    write_topology(root, &layout.grid)?;
+    growing::<f64>(root, "Points", points, &[3])?;
+    create_steps(root, &layout.fields)?;
+    let point_data = root.create_group("PointData")?;
+    for field in &layout.fields {
+        growing::<f64>(&point_data, &field.name, points, &components(field))?;
+    }
+    Ok(())
+}
+
+/// A scalar field is an array with one axis, any other has a second axis of its components.
+fn components(field: &FieldSpec) -> Vec<usize> {
+    if field.components == 1 { vec![] } else { vec![field.components] }
+}
+
+fn write_type(root: &Group) -> Result<()> {
+    root.new_attr_builder().with_data(&[2_i64, 2]).create("Version")?;
+    let name = FixedAscii::<16>::from_ascii("UnstructuredGrid").map_err(|error| Error::from(error.to_string()))?;
+    root.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&name)
+}
+
+/// Each cell owns its points, numbered one cell after the other: neighbours may differ, as the scheme allows.
+fn write_topology(root: &Group, grid: &Grid) -> Result<()> {
+    let connectivity: Vec<i64> = (0..grid.points() as i64).collect();
+    let offsets: Vec<i64> = (0..=grid.cells).map(|cell| (cell * grid.points_per_cell()) as i64).collect();
+    let kind = if grid.dimension == 2 { LAGRANGE_QUADRILATERAL } else { LAGRANGE_HEXAHEDRON };
+    constant(root, "NumberOfPoints", &[grid.points() as i64])?;
+    constant(root, "NumberOfCells", &[grid.cells as i64])?;
+    constant(root, "NumberOfConnectivityIds", &[grid.points() as i64])?;
+    constant(root, "Connectivity", &connectivity)?;
+    constant(root, "Offsets", &offsets)?;
+    constant(root, "Types", &vec![kind; grid.cells])
+}
+
+fn create_steps(root: &Group, fields: &[FieldSpec]) -> Result<()> {
+    let steps = root.create_group("Steps")?;
+    write_integer(&steps, "NSteps", 0)?;
+    growing::<f64>(&steps, "Values", 1, &[])?;
+    for (name, entry) in STEP_OFFSETS {
+        growing::<i64>(&steps, name, 1, entry.as_slice())?;
+    }
+    let offsets = steps.create_group("PointDataOffsets")?;
+    fields.iter().try_for_each(|field| growing::<i64>(&offsets, &field.name, 1, &[]).map(drop))
+}
+
+/// Times of the steps.
+pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
+    root.dataset("Steps/Values")?.read_raw()
+}
+
+/// Appends the points of a step, [point][3], already in VTK's order.
+pub(crate) fn append_points(root: &Group, points: &[f64]) -> Result<()> {
+    append(&root.dataset("Points")?, points.len() / 3, points)
+}
+
+/// Appends a field of a step, [point][component], already in VTK's order.
+pub(crate) fn append_field(root: &Group, field: &FieldSpec, values: &[f64]) -> Result<()> {
+    append(&root.group("PointData")?.dataset(&field.name)?, values.len() / field.components, values)
+}
+
+/// Makes the appended points and fields a step: nothing counts before its number is raised here.
+pub(crate) fn close_step(root: &Group, time: f64, layout: &Layout) -> Result<()> {
+    let steps = root.group("Steps")?;
+    let values = steps.dataset("Values")?;
+    let step = values.size();
+    let first_point = (step * layout.grid.points()) as i64;
+    append(&values, 1, &[time])?;
+    for (name, _) in STEP_OFFSETS {
+        let entry = match name {
+            "NumberOfParts" => 1,
+            "PointOffsets" => first_point,
+            _ => 0,
+        };
+        append(&steps.dataset(name)?, 1, &[entry])?;
+    }
+    let offsets = steps.group("PointDataOffsets")?;
+    for field in &layout.fields {
+        append(&offsets.dataset(&field.name)?, 1, &[first_point])?;
+    }
+    steps.attr("NSteps")?.write_scalar(&(step as i64 + 1))
+}
