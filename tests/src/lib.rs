@@ -1,1 +1,88 @@
-//! Verification, regression, command-line and restart tests of stsolve.
+//! Verification, regression, command-line and restart tests of stsolve: what the tests share.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+use navier_stokes::exact::FreeStream;
+use navier_stokes::{Boundary, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Viscosity};
+use std::sync::Arc;
+
+/// Numbers in [-1, 1] that look random and are the same everywhere.
+pub struct Noise(u64);
+
+impl Noise {
+    /// The sequence that belongs to `seed`.
+    pub fn new(seed: u64) -> Self {
+        Noise(seed)
+    }
+    /// The next number (splitmix64).
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+    /// `n` numbers times `amplitude`.
+    pub fn vector(&mut self, n: usize, amplitude: f64) -> Vec<f64> {
+        (0..n).map(|_| amplitude * self.next()).collect()
+    }
+}
+
+/// Air with the given viscosity.
+pub fn gas(viscosity: Viscosity) -> Gas {
+    Gas::new(1.4, 1.0, 0.72, viscosity).unwrap()
+}
+
+/// A uniform state at Mach 0.4 or so.
+pub fn uniform<const D: usize>() -> Primitive<f64, D> {
+    Primitive { density: 1.1, velocity: std::array::from_fn(|d| 0.5 - 0.3 * d as f64), pressure: 1.7 }
+}
+
+/// The law with the scales of [`uniform`].
+pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStokes<D> {
+    let gas = gas(viscosity);
+    NavierStokes { gas, riemann, reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap() }
+}
+
+/// A unit box of `cells` per axis, randomly curved, cells turned at random.
+pub fn curved_box<const D: usize>(cells: usize, order: usize) -> Mesh<D> {
+    let curving = Curving::Random { amplitude: 0.03, seed: 7 };
+    let cells = [cells; D];
+    BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap().scrambled(3)
+}
+
+/// An operator whose boundaries all have `condition`, with `data` where the condition takes states.
+pub fn operator<const D: usize, const M: usize>(
+    mesh: &Mesh<D>,
+    law: NavierStokes<D>,
+    orders: Orders,
+    condition: Boundary<D>,
+    data: Arc<dyn StateField<D, M>>,
+) -> SlabOperator<D, M, NavierStokes<D>> {
+    let takes = condition.takes_state();
+    let boundaries = (mesh.boundary_names().iter())
+        .map(|_| BoundaryCondition { condition, data: takes.then(|| data.clone()) })
+        .collect();
+    let problem = Problem { law, boundaries, source: None };
+    SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, Quadrature::Conserving)
+}
+
+/// The free stream as a field.
+pub fn free_stream<const D: usize, const M: usize>(law: &NavierStokes<D>) -> Arc<dyn StateField<D, M>>
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+{
+    Arc::new(Exact(FreeStream::new(law.gas, uniform()).unwrap()))
+}
+
+/// The condition that imposes the prescribed state.
+pub fn prescribed<const D: usize>() -> Boundary<D> {
+    Boundary::PrescribedState(PrescribedState)
+}
+
+/// max |a - b| / max |b|
+pub fn relative_difference(a: &[f64], b: &[f64]) -> f64 {
+    let largest = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0, |m: f64, x| m.max(x.abs()));
+    largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
+}

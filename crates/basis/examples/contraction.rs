@@ -41,8 +41,7 @@ fn speed(n: usize, dimension: usize) -> f64 {
     for _ in 0..50 {
         let start = Instant::now();
         let (matrices, output, scratch) = (&matrices[..], &mut output[..], &mut scratch[..]);
-        if std::env::var_os("V3").is_some() {Simd::vectorize(pulp::x86::V3::try_new().unwrap(),Interpolate { matrices, input: &input, output, scratch, repetitions });} else {
-        Arch::new().dispatch(Interpolate { matrices, input: &input, output, scratch, repetitions });}
+        Arch::new().dispatch(Interpolate { matrices, input: &input, output, scratch, repetitions });
         best = best.min(start.elapsed().as_secs_f64());
     }
     flops * repetitions as f64 / best / 1e9

@@ -1,14 +1,18 @@
-//! Jacobi polynomials P_m^{(alpha, beta)}, orthogonal on [-1, 1] under (1 - x)^alpha (1 + x)^beta, P_m(1) = binomial(m + alpha, m).
-//! Legendre polynomials are alpha = beta = 0.
+//! Jacobi polynomials P_m^{(alpha, beta)}: orthogonal on [-1, 1] under (1 - x)^alpha (1 + x)^beta, with
+//! P_m(1) = binomial(m + alpha, m). Legendre polynomials are alpha = beta = 0.
 
-/// P_m^{(alpha, beta)}(x) by the three-term recurrence, Abramowitz & Stegun 22.7.1. For alpha = beta it is even or odd to the bit.
+/// P_m^{(alpha, beta)}(x) by the three-term recurrence, Abramowitz & Stegun 22.7.1. For alpha = beta it is even or odd
+/// to the bit.
 ///
-///   2 k (k + a + b) (c - 2) P_k = (c - 1) [c (c - 2) x + a^2 - b^2] P_{k-1} - 2 (k + a - 1) (k + b - 1) c P_{k-2},  c = 2k + a + b.
+///   2 k (k + a + b) (c - 2) P_k = (c - 1) (c (c - 2) x + a^2 - b^2) P_{k-1} - 2 (k + a - 1) (k + b - 1) c P_{k-2},
+///
+/// with c = 2k + a + b.
 pub(crate) fn jacobi(m: usize, alpha: f64, beta: f64, x: f64) -> f64 {
     let (a, b) = (alpha, beta);
     let (mut previous, mut current) = (0.0, 1.0);
     for k in 1..=m {
-        let next = if k == 1 { ((a - b) + (a + b + 2.0) * x) / 2.0 } else { recurrence(k as f64, a, b, x, current, previous) };
+        let next =
+            if k == 1 { ((a - b) + (a + b + 2.0) * x) / 2.0 } else { recurrence(k as f64, a, b, x, current, previous) };
         (previous, current) = (current, next);
     }
     current
@@ -34,7 +38,8 @@ pub(crate) fn legendre(m: usize, x: f64) -> f64 {
     jacobi(m, 0.0, 0.0, x)
 }
 
-/// The m roots of P_m^{(alpha, beta)}, ascending: Newton's method to round-off from the asymptotic roots (Szego, eq. 8.9.1)
+/// The m roots of P_m^{(alpha, beta)}, ascending: Newton's method to round-off from the roots of Darboux's
+/// asymptotic formula (Szego, eq. 8.21.10)
 ///
 ///   x_k ~ cos(pi (k + alpha/2 - 1/4) / (m + (alpha + beta + 1)/2)),  k = 1..m from the right.
 pub(crate) fn jacobi_roots(m: usize, alpha: f64, beta: f64) -> Vec<f64> {
@@ -84,7 +89,8 @@ mod tests {
                 let roots = jacobi_roots(m, alpha, beta);
                 assert!(roots.windows(2).all(|pair| pair[1] - pair[0] > 1e-4), "{m} {alpha} {beta}");
                 assert!(roots[0] > -1.0 && roots[m - 1] < 1.0);
-                let worst = roots.iter().map(|&x| (jacobi(m, alpha, beta, x) / jacobi_derivative(m, alpha, beta, x)).abs());
+                let worst =
+                    roots.iter().map(|&x| (jacobi(m, alpha, beta, x) / jacobi_derivative(m, alpha, beta, x)).abs());
                 assert!(worst.fold(0.0, f64::max) < 1e-15);
             }
         }

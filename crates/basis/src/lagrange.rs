@@ -2,7 +2,8 @@
 
 use crate::{Matrix, gauss_lobatto};
 
-/// The Lagrange polynomials of a set of nodes: l_j(x) = prod_{k != j} (x - x_k) / (x_j - x_k), so that l_j(x_i) = delta_ij.
+/// The Lagrange polynomials of a set of nodes: l_j(x) = prod_{k != j} (x - x_k) / (x_j - x_k), so that l_j(x_i) =
+/// delta_ij.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lagrange {
     nodes: Vec<f64>,
@@ -31,7 +32,8 @@ impl Lagrange {
 
     /// l_j(x) for every j.
     ///
-    /// By products, because these are exact at the nodes, and every l_j has full relative accuracy at every x, also outside the nodes.
+    /// By products, because these are exact at the nodes, and every l_j has full relative accuracy at every x, also
+    /// outside the nodes.
     pub fn values(&self, x: f64) -> Vec<f64> {
         (0..self.nodes.len()).map(|j| self.value(j, x)).collect()
     }
@@ -45,19 +47,21 @@ impl Lagrange {
         self.derivative_matrix(&[x]).values().to_vec()
     }
 
-    /// l_j(points[i]), `[point][node]`: interpolation from the nodes to the points.
+    /// l_j(points_i), `[point][node]`: interpolation from the nodes to the points.
     pub fn value_matrix(&self, points: &[f64]) -> Matrix {
         Matrix::from_fn(points.len(), self.nodes.len(), |i, j| self.value(j, points[i]))
     }
 
-    /// l_j'(points[i]), `[point][node]`: the derivative, a polynomial of lower degree, is interpolated from its values at the nodes.
+    /// l_j'(points_i), `[point][node]`: the derivative, a polynomial of lower degree, is interpolated from its values
+    /// at the nodes.
     pub fn derivative_matrix(&self, points: &[f64]) -> Matrix {
         self.value_matrix(points).product(&self.nodal_derivative)
     }
 }
 
-/// l_j'(x_i) = (b_j / b_i) / (x_i - x_j) for i != j, with the barycentric weights 1/b_j = prod_{k != j} (x_j - x_k). The diagonal is
-/// minus the sum of the others, so that a constant has no derivative (Berrut & Trefethen, SIAM Review 46, 2004, section 9.3).
+/// l_j'(x_i) = (b_j / b_i) / (x_i - x_j) for i != j, with the barycentric weights 1/b_j = prod_{k != j} (x_j - x_k).
+/// The diagonal is minus the sum of the others, so that a constant has no derivative (Berrut & Trefethen, SIAM Review
+/// 46, 2004).
 fn nodal_derivative(nodes: &[f64]) -> Matrix {
     let n = nodes.len();
     let others = |j: usize| (0..n).filter(move |&k| k != j);

@@ -70,7 +70,8 @@ impl Matrix {
         }
     }
 
-    /// The inverse by LU with partial pivoting; `None` if the matrix is singular (a pivot vanishes or the inverse overflows).
+    /// The inverse by LU with partial pivoting; `None` if the matrix is singular (a pivot vanishes or the inverse
+    /// overflows).
     ///
     /// # Panics
     /// If the matrix is not square.

@@ -3,8 +3,8 @@
 use crate::jacobi::jacobi;
 use crate::{Matrix, gauss_lobatto};
 
-/// The modified basis of Karniadakis & Sherwin (Spectral/hp Element Methods, section 2.3.3) on [-1, 1]: the two vertex functions first,
-/// then the interior modes,
+/// The modified basis of Karniadakis & Sherwin (Spectral/hp Element Methods, chapter 2) on [-1, 1]: the two vertex
+/// functions first, then the interior modes,
 ///
 ///   psi_0 = (1 - x)/2,   psi_1 = (1 + x)/2,   psi_{2+k} = (1 - x)(1 + x)/4 P_k^{(1,1)}(x),   k = 0..order-3.
 ///
@@ -29,7 +29,7 @@ impl ModifiedBasis {
     pub fn order(&self) -> usize {
         self.to_nodal.cols()
     }
-    /// psi_p(points[i]), `[point][function]`.
+    /// psi_p(points_i), `[point][function]`.
     pub fn value_matrix(&self, points: &[f64]) -> Matrix {
         value_matrix(self.order(), points)
     }

@@ -1,11 +1,11 @@
-//! Gauss rules on [-1, 1].
+//! Gauss rules.
 
 use crate::jacobi::{jacobi_derivative, jacobi_roots, legendre};
 
-/// A quadrature rule on [-1, 1]: int f dx ~ sum_q weights[q] f(points[q]), points ascending.
+/// A quadrature rule, int f dx ~ sum_q w_q f(x_q), on [-1, 1] unless moved by [`on`](Rule::on).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
-    /// Points.
+    /// Points, ascending.
     pub points: Vec<f64>,
     /// Weights, all positive.
     pub weights: Vec<f64>,
@@ -47,6 +47,13 @@ pub fn right_radau(n: usize) -> Rule {
 }
 
 impl Rule {
+    /// The same rule on [`lower`, `upper`].
+    pub fn on(&self, lower: f64, upper: f64) -> Rule {
+        let half = (upper - lower) / 2.0;
+        let points = self.points.iter().map(|x| lower + half * (1.0 + x)).collect();
+        let weights = self.weights.iter().map(|w| half * w).collect();
+        Rule { points, weights }
+    }
     fn with_weights(points: Vec<f64>, weight: impl Fn(f64) -> f64) -> Rule {
         let weights = points.iter().map(|&x| weight(x)).collect();
         Rule { points, weights }
@@ -103,6 +110,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn moved_rules_integrate_on_their_interval() {
+        let rule = gauss(4).on(1.0, 3.0);
+        let integral: f64 = rule.points.iter().zip(&rule.weights).map(|(x, w)| w * x.powi(6)).sum();
+        assert!((integral - (3.0_f64.powi(7) - 1.0) / 7.0).abs() < 1e-12);
     }
 
     #[test]

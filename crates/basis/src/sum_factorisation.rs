@@ -4,23 +4,16 @@ use crate::Matrix;
 use pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real};
 
-/// output[o][r][i] = sum_c matrix[r][c] input[o][c][i] for o < `outer`, i < `inner`, with i fastest.
+/// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest.
 ///
-/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner.
+/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Called from a kernel or from plain
+/// code alike: it enters the instruction set of `simd` by itself, and each number of columns is compiled once.
 pub fn contract<S: Simd>(simd: S, matrix: &Matrix, outer: usize, inner: usize, input: &[Pack], output: &mut [Pack]) {
-    dispatch::<S, false>(simd, matrix, outer, inner, input, output);
+    in_shares(simd, matrix, outer, inner, input, output, false);
 }
 
 /// As [`contract`], but added to `output`.
-pub fn contract_add<S: Simd>(simd: S, matrix: &Matrix, outer: usize, inner: usize, input: &[Pack], output: &mut [Pack]) {
-    dispatch::<S, true>(simd, matrix, outer, inner, input, output);
-}
-
-/// The most columns whose input is kept in registers.
-const MOST_COLUMNS: usize = 16;
-
-/// More columns than registers are taken in equal shares: the first as asked, the others added.
-fn dispatch<S: Simd, const ADD: bool>(
+pub fn contract_add<S: Simd>(
     simd: S,
     matrix: &Matrix,
     outer: usize,
@@ -28,18 +21,36 @@ fn dispatch<S: Simd, const ADD: bool>(
     input: &[Pack],
     output: &mut [Pack],
 ) {
+    in_shares(simd, matrix, outer, inner, input, output, true);
+}
+
+/// The most columns whose input is kept in registers.
+const MOST_COLUMNS: usize = 16;
+
+/// Takes more columns than that in equal shares: the first as asked, the others added.
+fn in_shares<S: Simd>(
+    simd: S,
+    matrix: &Matrix,
+    outer: usize,
+    inner: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+    add: bool,
+) {
     let shares = matrix.cols().div_ceil(MOST_COLUMNS).max(1);
     for share in 0..shares {
         let first = share * matrix.cols() / shares;
         let columns = (share + 1) * matrix.cols() / shares - first;
         let shape = Shape { matrix, first, outer, inner };
-        match ADD || share > 0 {
-            false => contract_columns::<S, false>(simd, columns, shape, input, output),
-            true => contract_columns::<S, true>(simd, columns, shape, input, output),
+        if add || share > 0 {
+            contract_columns::<S, true>(simd, columns, shape, input, output);
+        } else {
+            contract_columns::<S, false>(simd, columns, shape, input, output);
         }
     }
 }
 
+/// What is contracted with what, apart from the data.
 #[derive(Clone, Copy)]
 struct Shape<'a> {
     matrix: &'a Matrix,
@@ -49,7 +60,13 @@ struct Shape<'a> {
     inner: usize,
 }
 
-fn contract_columns<S: Simd, const ADD: bool>(simd: S, columns: usize, shape: Shape<'_>, input: &[Pack], output: &mut [Pack]) {
+fn contract_columns<S: Simd, const ADD: bool>(
+    simd: S,
+    columns: usize,
+    shape: Shape<'_>,
+    input: &[Pack],
+    output: &mut [Pack],
+) {
     macro_rules! kernel_of {
         ($($n:literal)*) => {
             match columns {
@@ -85,8 +102,8 @@ impl<const N: usize, const ADD: bool> WithSimd for Kernel<'_, N, ADD> {
     }
 }
 
-/// output[r][i] = sum_c matrix[r][c] x_c, where x_c = input[c][i] stays in registers. The rows are independent of each other: the processor
-/// overlaps them by itself, and taking several at once only crowds the registers.
+/// `output[r][i] = sum_c matrix[r][c] x[c]`, where `x[c] = input[c][i]` stays in registers. The rows are independent of each
+/// other: the processor overlaps them by itself, and taking several at once only crowds the registers.
 #[inline(always)]
 fn multiply<S: Simd, const N: usize, const ADD: bool>(
     simd: S,

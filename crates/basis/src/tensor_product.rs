@@ -1,16 +1,17 @@
 //! Matrices along the axes of a batched tensor.
 //!
-//! A tensor of `components` lies as `[component][axis D-1]...[axis 0]`, axis 0 fastest. With the value matrix of a basis on every axis
-//! [`apply_all_axes`] interpolates to the points of a tensor rule; with the transposed matrices it integrates against the test functions.
-//! The gradient along axis a takes the derivative matrix on axis a and value matrices on the others. Where a quadrature rule has at least as
-//! many points as the basis has nodes it is cheaper, and exact, to interpolate first and to differentiate at the points: one
-//! [`apply_axis`] with the derivative matrix of the Lagrange polynomials of the points.
+//! A tensor of `components` lies as `[component][axis D-1]...[axis 0]`, axis 0 fastest. With the value matrix of a
+//! basis on every axis [`apply_all_axes`] interpolates to the points of a tensor rule; with the transposed matrices it
+//! integrates against the test functions. The gradient along axis a takes the derivative matrix on axis a and value
+//! matrices on the others. Where a quadrature rule has at least as many points as the basis has nodes it is cheaper,
+//! and exact, to interpolate first and to differentiate at the points: one [`apply_axis`] with the derivative matrix of
+//! the Lagrange polynomials of the points.
 
 use crate::{Matrix, contract, contract_add};
 use pulp::Simd;
 use tensor::Pack;
 
-/// output = (matrices[D-1] x ... x matrices[0]) input for each of `components`.
+/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1.
 ///
 /// `input` holds components * prod cols packs, `output` components * prod rows, `scratch` at least [`scratch_length`].
 pub fn apply_all_axes<S: Simd>(
@@ -21,8 +22,8 @@ pub fn apply_all_axes<S: Simd>(
     output: &mut [Pack],
     scratch: &mut [Pack],
 ) {
-    if let Some((last, intermediate, outer, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
-        contract(simd, last, outer, inner, intermediate, output);
+    if let Some((last, input, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
+        contract(simd, last, components, inner, input, output);
     }
 }
 
@@ -35,30 +36,29 @@ pub fn apply_all_axes_add<S: Simd>(
     output: &mut [Pack],
     scratch: &mut [Pack],
 ) {
-    if let Some((last, intermediate, outer, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
-        contract_add(simd, last, outer, inner, intermediate, output);
+    if let Some((last, input, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
+        contract_add(simd, last, components, inner, input, output);
     }
 }
 
-/// Applies all matrices but the last and says how to apply that one: (matrix, input, outer, inner).
+/// Applies all matrices but the last. Returns that one, what it is to be applied to, and the entries inside its axis.
 fn all_but_last_axis<'a, S: Simd>(
     simd: S,
     matrices: &[&'a Matrix],
     components: usize,
     mut input: &'a [Pack],
     mut scratch: &'a mut [Pack],
-) -> Option<(&'a Matrix, &'a [Pack], usize, usize)> {
+) -> Option<(&'a Matrix, &'a [Pack], usize)> {
     let (last, others) = matrices.split_last()?;
-    let mut outer = components * matrices.iter().map(|m| m.cols()).product::<usize>();
     let mut inner = 1;
-    for matrix in others {
-        outer /= matrix.cols();
+    for (axis, matrix) in others.iter().enumerate() {
+        let outer = components * matrices[axis + 1..].iter().map(|m| m.cols()).product::<usize>();
         let (output, rest) = scratch.split_at_mut(outer * matrix.rows() * inner);
         contract(simd, matrix, outer, inner, input, output);
         inner *= matrix.rows();
         (input, scratch) = (output, rest);
     }
-    Some((last, input, outer / last.cols(), inner))
+    Some((last, input, inner))
 }
 
 /// The number of packs that [`apply_all_axes`] needs in between.
@@ -70,7 +70,8 @@ pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
     (1..matrices.len()).map(after).sum()
 }
 
-/// `matrix` along `axis` of a tensor of `extents` (axis 0 first; extents[axis] = matrix.cols()) for each of `components`.
+/// `matrix` along `axis` of a tensor for each of `components`. `extents` are those of the input, axis 0 first; the one
+/// of `axis` is the number of columns.
 pub fn apply_axis<S: Simd>(
     simd: S,
     matrix: &Matrix,
@@ -110,16 +111,17 @@ mod tests {
     use crate::{Lagrange, Rule, gauss};
     use tensor::{WIDTH, zeroed};
 
-    /// A polynomial of the degree of the basis in every direction, different in every component and lane.
-    fn polynomial(component: usize, lane: usize, degree: usize, x: &[f64]) -> f64 {
-        let factor = |(a, &x): (usize, &f64)| (0.3 + a as f64 + 0.7 * x).powi(degree as i32) - component as f64 + 0.1 * lane as f64;
-        x.iter().enumerate().map(factor).product()
+    /// (0.3 + axis + 0.7 x)^3 + c and its derivative: a cubic that differs from axis to axis.
+    fn cubic(axis: usize, c: f64, x: f64) -> [f64; 2] {
+        let y = 0.3 + axis as f64 + 0.7 * x;
+        [y * y * y + c, 2.1 * y * y]
     }
-    fn derivative(axis: usize, component: usize, lane: usize, degree: usize, x: &[f64]) -> f64 {
-        let others: Vec<f64> = x.iter().enumerate().map(|(a, &x)| if a == axis { 1e5 } else { x }).collect();
-        let base = (0.3 + axis as f64 + 0.7 * 1e5_f64).powi(degree as i32) - component as f64 + 0.1 * lane as f64;
-        let slope = 0.7 * degree as f64 * (0.3 + axis as f64 + 0.7 * x[axis]).powi(degree as i32 - 1);
-        polynomial(component, lane, degree, &others) / base * slope
+    /// The product of the cubics, differentiated along `differentiated` if there is one; different in every component
+    /// and lane.
+    fn polynomial(differentiated: Option<usize>, component: usize, lane: usize, x: &[f64]) -> f64 {
+        let c = 0.1 * lane as f64 - component as f64;
+        let factor = |axis: usize| cubic(axis, c, x[axis])[usize::from(differentiated == Some(axis))];
+        (0..x.len()).map(factor).product()
     }
 
     /// f(component, lane, x) at the lattice of the points of each axis, axis 0 fastest.
@@ -164,13 +166,13 @@ mod tests {
             let nodes: Vec<&[f64]> = bases[..dimension].iter().map(|b| b.nodes()).collect();
             let points: Vec<&[f64]> = rules[..dimension].iter().map(|r| r.points.as_slice()).collect();
             let values: Vec<Matrix> = (0..dimension).map(|a| bases[a].value_matrix(points[a])).collect();
-            let input = sample(&nodes, 2, |c, lane, x| polynomial(c, lane, 3, x));
-            let exact = sample(&points, 2, |c, lane, x| polynomial(c, lane, 3, x));
+            let input = sample(&nodes, 2, |c, lane, x| polynomial(None, c, lane, x));
+            let exact = sample(&points, 2, |c, lane, x| polynomial(None, c, lane, x));
             testing::on_every_machine(&Interpolation(values.iter().collect(), 2, input.clone()), &exact, 1e-12);
             for axis in 0..dimension {
                 let slope = bases[axis].derivative_matrix(points[axis]);
                 let matrices = (0..dimension).map(|a| if a == axis { &slope } else { &values[a] }).collect();
-                let exact = sample(&points, 2, |c, lane, x| derivative(axis, c, lane, 3, x));
+                let exact = sample(&points, 2, |c, lane, x| polynomial(Some(axis), c, lane, x));
                 testing::on_every_machine(&Interpolation(matrices, 2, input.clone()), &exact, 1e-11);
             }
         }
@@ -193,10 +195,10 @@ mod tests {
     fn differentiating_at_the_points_is_exact_too() {
         let (_, rules) = bases();
         let points: Vec<&[f64]> = rules.iter().map(|r| r.points.as_slice()).collect();
-        let input = sample(&points, 2, |c, lane, x| polynomial(c, lane, 3, x));
+        let input = sample(&points, 2, |c, lane, x| polynomial(None, c, lane, x));
         for axis in 0..3 {
             let slope = Lagrange::new(points[axis].to_vec()).derivative_matrix(points[axis]);
-            let exact = sample(&points, 2, |c, lane, x| derivative(axis, c, lane, 3, x));
+            let exact = sample(&points, 2, |c, lane, x| polynomial(Some(axis), c, lane, x));
             testing::on_every_machine(&AtPoints(axis, slope, vec![7, 5, 6], input.clone()), &exact, 1e-11);
         }
     }
@@ -214,7 +216,8 @@ mod tests {
         }
     }
 
-    /// int l_j over the cube, from the transposed value matrices and the weights at the points, is the weight of the Gauss-Lobatto rule.
+    /// int l_j over the cube, from the transposed value matrices and the weights at the points, is the weight of the
+    /// Gauss-Lobatto rule.
     #[test]
     fn transposed_matrices_integrate_against_the_basis() {
         let (bases, rules) = bases();

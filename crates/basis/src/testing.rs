@@ -26,7 +26,8 @@ pub(crate) trait OnEveryMachine {
     fn run<S: Simd>(&self, simd: S) -> Vec<Pack>;
 }
 
-/// Runs `kernel` with every kind of register this machine has and compares with `expected`, to `tolerance` relative to the largest.
+/// Runs `kernel` with every kind of register this machine has and compares with `expected`, to `tolerance` relative to
+/// the largest.
 pub(crate) fn on_every_machine<K: OnEveryMachine>(kernel: &K, expected: &[Pack], tolerance: f64) {
     check(&kernel.run(Scalar), expected, tolerance);
     #[cfg(target_arch = "x86_64")]

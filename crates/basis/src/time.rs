@@ -1,8 +1,9 @@
 //! The basis of a slab.
 
-use crate::{Lagrange, Matrix, gauss, right_radau};
+use crate::{Lagrange, Matrix, Rule, gauss, right_radau};
 
-/// The temporal basis of a slab, s in [0, 1]: the Lagrange polynomials phi_b of the right-Radau nodes s_1 < ... < s_N = 1.
+/// The temporal basis of a slab, s in [0, 1]: the Lagrange polynomials phi_b of the right-Radau nodes s_1 < ... < s_N =
+/// 1.
 ///
 /// The last node is the top of the slab; the bottom is not a node, there u jumps.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,9 +21,8 @@ impl RadauTime {
     /// # Panics
     /// If order < 1.
     pub fn new(order: usize) -> Self {
-        let rule = right_radau(order);
-        let basis = Lagrange::new(rule.points.iter().map(|x| (1.0 + x) / 2.0).collect());
-        let weights: Vec<f64> = rule.weights.iter().map(|w| w / 2.0).collect();
+        let Rule { points, weights } = right_radau(order).on(0.0, 1.0);
+        let basis = Lagrange::new(points);
         let rows: Vec<Vec<f64>> = basis.nodes().iter().map(|&s| integrals(&basis, s)).collect();
         let collocation = Matrix::new(order, order, rows.concat());
         let slab_matrix = slab_matrix(&basis, &weights);
@@ -43,6 +43,10 @@ impl RadauTime {
         &self.weights
     }
 
+    /// The polynomials themselves, for matrices of values and derivatives at many instants.
+    pub fn lagrange(&self) -> &Lagrange {
+        &self.basis
+    }
     /// phi_b(s) for every b.
     pub fn values(&self, s: f64) -> Vec<f64> {
         self.basis.values(s)
@@ -64,13 +68,13 @@ impl RadauTime {
     pub fn collocation(&self) -> &Matrix {
         &self.collocation
     }
-    /// A^{-1}. Radau IIA and discontinuous Galerkin in time with the right-Radau rule are the same method: A^{-1} = W^{-1} T with
-    /// W = diag(weights).
+    /// A^{-1}. Radau IIA and discontinuous Galerkin in time with the right-Radau rule are the same method: A^{-1} =
+    /// W^{-1} T with W = diag(weights).
     pub fn inverse_collocation(&self) -> &Matrix {
         &self.inverse_collocation
     }
-    /// T_ab = phi_a(1) phi_b(1) - int_0^1 phi_a' phi_b: the time derivative of u, tested with phi_a and integrated by parts, without
-    /// the bottom of the slab, where the test function meets the state before: -phi_a(0) u_n.
+    /// T_ab = phi_a(1) phi_b(1) - int_0^1 phi_a' phi_b: the time derivative of u, tested with phi_a and integrated by
+    /// parts, without the bottom of the slab, where the test function meets the state before: -phi_a(0) u_n.
     pub fn slab_matrix(&self) -> &Matrix {
         &self.slab_matrix
     }
@@ -79,14 +83,9 @@ impl RadauTime {
 /// int_0^s phi_b by a Gauss rule exact for the degree N_t - 1 of phi_b.
 fn integrals(basis: &Lagrange, s: f64) -> Vec<f64> {
     let order = basis.nodes().len();
-    let rule = gauss(order.div_ceil(2));
+    let rule = gauss(order.div_ceil(2)).on(0.0, s);
     let mut sums = vec![0.0; order];
-    for (x, w) in rule.points.iter().zip(&rule.weights) {
-        let phi = basis.values(s * (1.0 + x) / 2.0);
-        for (sum, phi_b) in sums.iter_mut().zip(phi) {
-            *sum += s / 2.0 * w * phi_b;
-        }
-    }
+    basis.value_matrix(&rule.points).transpose().apply(&rule.weights, &mut sums);
     sums
 }
 
@@ -129,7 +128,10 @@ mod tests {
                 assert!((sum(a.row(i), &time, |s| power(s, k - 1)) - power(s[i], k) / k as f64).abs() < 1e-14);
             }
             // stiffly accurate: the last stage is the top of the slab
-            let top = distance(&Matrix::new(1, order, a.row(order - 1).to_vec()), &Matrix::new(1, order, time.weights().to_vec()));
+            let top = distance(
+                &Matrix::new(1, order, a.row(order - 1).to_vec()),
+                &Matrix::new(1, order, time.weights().to_vec()),
+            );
             assert!(s[order - 1] == 1.0 && top < 1e-14);
         }
     }
@@ -155,9 +157,9 @@ mod tests {
     fn slab_matrix_is_the_integral_it_stands_for() {
         for order in ORDERS {
             let time = RadauTime::new(order);
-            let rule = gauss(order);
+            let rule = gauss(order).on(0.0, 1.0);
             let integral = |a: usize, b: usize| -> f64 {
-                let term = |(x, w): (&f64, &f64)| w / 2.0 * time.derivatives((1.0 + x) / 2.0)[a] * time.values((1.0 + x) / 2.0)[b];
+                let term = |(&s, w): (&f64, &f64)| w * time.derivatives(s)[a] * time.values(s)[b];
                 rule.points.iter().zip(&rule.weights).map(term).sum()
             };
             let top = time.values(1.0);
@@ -178,13 +180,20 @@ mod tests {
 
     #[test]
     fn eigenvalues_on_the_unit_slab() {
-        let expected: [&[(f64, f64)]; 3] =
-            [&[(1.0, 0.0)], &[(2.0, -1.4142136), (2.0, 1.4142136)], &[(2.6810828, -3.0504302), (2.6810828, 3.0504302), (3.6378344, 0.0)]];
+        let root = 2.0_f64.sqrt();
+        let expected: [&[(f64, f64)]; 3] = [
+            &[(1.0, 0.0)],
+            &[(2.0, -root), (2.0, root)],
+            &[(2.6810828, -3.0504302), (2.6810828, 3.0504302), (3.6378344, 0.0)],
+        ];
         for (order, expected) in (1..).zip(expected) {
             let matrix = RadauTime::new(order).inverse_collocation().clone();
             let eigenvalues = faer::Mat::from_fn(order, order, |i, j| matrix[(i, j)]).eigenvalues().unwrap();
             for &(re, im) in expected {
-                assert!(eigenvalues.iter().any(|z| (z.re - re).abs() < 1e-6 && (z.im - im).abs() < 1e-6), "{eigenvalues:?}");
+                assert!(
+                    eigenvalues.iter().any(|z| (z.re - re).abs() < 1e-6 && (z.im - im).abs() < 1e-6),
+                    "{eigenvalues:?}"
+                );
             }
         }
     }

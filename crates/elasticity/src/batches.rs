@@ -11,7 +11,6 @@ const NODES_PER_TASK: usize = 4096;
 ///
 /// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes beyond the last cell
 /// repeat it; they are read but never assembled.
-#[derive(Debug)]
 pub(crate) struct Batches<const D: usize> {
     cells: usize,
     nodes_per_cell: usize,
@@ -27,11 +26,8 @@ impl<const D: usize> Batches<D> {
     pub(crate) fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
         let (cells, nodes_per_cell) = (mesh.n_cells(), numbering.order().pow(D as u32));
         let mut batches = Batches { cells, nodes_per_cell, nodes: Vec::new(), starts: Vec::new(), places: Vec::new() };
-        for batch in 0..batches.count() {
-            for k in 0..nodes_per_cell {
-                batches.nodes.extend((0..WIDTH).map(|lane| numbering.cell(batches.cell(batch, lane))[k]));
-            }
-        }
+        let lanes = (0..batches.count()).flat_map(|batch| (0..nodes_per_cell * WIDTH).map(move |k| (batch, k / WIDTH, k % WIDTH)));
+        batches.nodes = lanes.map(|(batch, k, lane)| numbering.cell(batches.cell(batch, lane))[k]).collect();
         batches.find_places(numbering);
         batches
     }

@@ -64,7 +64,6 @@ impl<const D: usize> BlockMatrix<D> {
 }
 
 /// The factor L of a sparse matrix A = L L^T.
-#[derive(Debug)]
 pub(crate) struct Cholesky {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,

@@ -1,5 +1,6 @@
 //! What can be wrong with an elastic mesh.
 
+use newton_krylov::cg;
 use thiserror::Error;
 
 /// Why an elastic mesh cannot be built or solved.
@@ -57,4 +58,7 @@ pub enum ElasticityError {
         /// What the factorisation said.
         cause: String,
     },
+    /// CG did not reach the tolerance.
+    #[error("the elasticity solve failed")]
+    Solver(#[from] cg::Error),
 }

@@ -1,7 +1,8 @@
 //! The reference mesh and its stiffness at points of the cells.
 
 use crate::{ElasticityError, Stiffness};
-use mesh::{CellMap, Mesh};
+use basis::gauss_lobatto;
+use mesh::{CellMap, Mesh, NodeNumbering};
 use tensor::{cofactor, determinant};
 
 /// Gauss points per direction that integrate K.
@@ -59,6 +60,18 @@ impl<'a, const D: usize> Sampler<'a, D> {
         }
         Ok(Sample { position, determinant, inverse_jacobian, stiffness })
     }
+}
+
+/// The reference position of every C0 node. A node that periodicity puts in several places has the one in its first cell.
+pub(crate) fn nodal_coordinates<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[f64; D]> {
+    let map = CellMap::on_grid(mesh.order(), &gauss_lobatto(numbering.order()).points);
+    let mut coordinates = vec![[0.0; D]; numbering.count];
+    for cell in (0..mesh.n_cells()).rev() {
+        for (&node, position) in numbering.cell(cell).iter().zip(map.positions(mesh.cell_coordinates(cell))) {
+            coordinates[node] = position;
+        }
+    }
+    coordinates
 }
 
 /// det J and J^{-1}.

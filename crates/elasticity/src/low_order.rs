@@ -16,7 +16,6 @@ use mesh::NodeNumbering;
 const CONSTRAINED: usize = usize::MAX;
 
 /// The factored low-order matrix of the unconstrained nodes.
-#[derive(Debug)]
 pub(crate) struct LowOrder<const D: usize> {
     /// The C0 nodes that are not constrained.
     free: Vec<usize>,

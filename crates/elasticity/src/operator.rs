@@ -19,7 +19,6 @@ use tensor::pulp::{Arch, Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH, zeroed};
 
 /// K on all nodes: no node is constrained here.
-#[derive(Debug)]
 pub(crate) struct Operator<const D: usize> {
     lame: Lame,
     batches: Batches<D>,
@@ -30,7 +29,6 @@ pub(crate) struct Operator<const D: usize> {
 }
 
 /// The one-dimensional matrices of a cell.
-#[derive(Debug)]
 struct Lines {
     /// Nodes to points, `[point][node]`.
     interpolate: Matrix,
@@ -41,7 +39,6 @@ struct Lines {
 }
 
 /// Work space of one application.
-#[derive(Debug)]
 struct Workspace {
     /// The cell field of results.
     results: Vec<Pack>,
@@ -51,7 +48,6 @@ struct Workspace {
 }
 
 /// Work space of one batch.
-#[derive(Debug)]
 struct Scratch {
     /// `[component][node]`
     nodal: Vec<Pack>,

@@ -3,7 +3,6 @@
 use std::sync::{Mutex, PoisonError};
 
 /// Work spaces that are lent out and returned, so that a second call allocates nothing and calls may run side by side.
-#[derive(Debug, Default)]
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 
 impl<T> Pool<T> {

@@ -23,7 +23,7 @@ pub(crate) fn inviscid<T: Over<G>, G: Real, const D: usize, const M: usize>(
     u: &[T; M],
     v: &[G; D],
 ) -> [[T; M]; D] {
-    let Primitive { velocity: w, pressure: p, .. } = Primitive::unpack(gas, u);
+    let Primitive { velocity: w, pressure: p, .. } = Primitive::<T, D>::unpack(gas, u);
     let mut flux = [*u; D];
     for i in 0..D {
         let relative = w[i].minus(v[i]);

@@ -8,11 +8,12 @@
 //! The preconditioner acts from the right, so the norm that is minimised is that of the true residual; it may change in
 //! every iteration.
 
-use crate::inner_product::{InnerProduct, axpy, copy, scaled_copy, xpay};
-use crate::operator::LinearSystem;
-
 mod least_squares;
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use crate::inner_product::{InnerProduct, add_combination, copy, scale, scaled_copy, xpay};
+use crate::operator::LinearSystem;
 use least_squares::LeastSquares;
 
 /// The settings of [`solve`].
@@ -79,7 +80,7 @@ impl Error {
     }
 }
 
-/// The memory of [`solve`]: after a first solve no later one of the same size allocates.
+/// The memory of [`solve`]: after a first solve no later one of the same size and course allocates.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// v_j, orthonormal.
@@ -97,29 +98,31 @@ impl Workspace {
         &self.history
     }
 
-    /// Makes room for a solve: `length` unknowns, `restart` columns.
+    /// Makes room for a solve of the given length.
     fn prepare(&mut self, length: usize, settings: &Settings) {
         self.residual.resize(length, 0.0);
         self.least_squares.resize(settings.restart);
         self.history.clear();
         self.history.reserve(settings.max_iterations + 1);
+        self.prepare_columns(0);
     }
 
-    /// Makes room for column j and its successor. Columns are made when they are first needed: most solves need few.
-    fn prepare_column(&mut self, j: usize) {
+    /// Makes room for z_j and v_j up to the given number of iterations: most solves need few.
+    fn prepare_columns(&mut self, iterations: usize) {
         let length = self.residual.len();
-        resize_column(&mut self.basis, j, length);
-        resize_column(&mut self.basis, j + 1, length);
-        resize_column(&mut self.preconditioned, j, length);
+        resize_columns(&mut self.basis, iterations + 1, length);
+        resize_columns(&mut self.preconditioned, iterations, length);
     }
 }
 
-/// Makes `columns[j]` a vector of the given length.
-fn resize_column(columns: &mut Vec<Vec<f64>>, j: usize, length: usize) {
-    if columns.len() <= j {
-        columns.resize_with(j + 1, Vec::new);
+/// Makes the first `count` columns vectors of the given length.
+fn resize_columns(columns: &mut Vec<Vec<f64>>, count: usize, length: usize) {
+    if columns.len() < count {
+        columns.resize_with(count, Vec::new);
     }
-    columns[j].resize(length, 0.0);
+    for column in &mut columns[..count] {
+        column.resize(length, 0.0);
+    }
 }
 
 /// Solves A x = b. x holds the initial guess on entry, the solution on return.
@@ -136,19 +139,118 @@ pub fn solve(
     workspace.prepare(b.len(), settings);
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let mut report = Report::default();
-    report.initial_norm = initial_residual(system, b, x, workspace, &mut report);
+    report.initial_norm = true_residual(system, b, x, workspace, &mut report);
     report.final_norm = report.initial_norm;
     workspace.history.push(report.initial_norm);
-    while !(report.final_norm <= target) {
-        let before = report.final_norm;
-        if report.iterations >= settings.max_iterations {
-            return Err(Error::MaxIterations(report));
+    for restarts in 0.. {
+        if report.final_norm <= target {
+            break;
         }
-        cycle(system, settings, target, workspace, &mut report)?;
-        let columns = workspace.least_squares.columns();
+        report.restarts = restarts;
+        let before = report.final_norm;
+        let finite = before.is_finite() && cycle(system, settings, target, workspace, &mut report);
         update(x, workspace);
-        report.final_norm = residual_norm(system, b, x, workspace, &mut report);
-        report.restarts += 1;
+        report.final_norm = true_residual(system, b, x, workspace, &mut report);
+        check(settings, target, before, finite, report)?;
     }
     Ok(report)
+}
+
+/// Whether another cycle makes sense, if one is needed.
+fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Report) -> Result<(), Error> {
+    if !finite || !report.final_norm.is_finite() {
+        Err(Error::NotFinite(report))
+    } else if report.final_norm <= target {
+        Ok(())
+    } else if report.iterations >= settings.max_iterations {
+        Err(Error::MaxIterations(report))
+    } else if report.final_norm > settings.stagnation * before {
+        Err(Error::Stagnated(report))
+    } else {
+        Ok(())
+    }
+}
+
+/// r := b - A x; returns |r|. No product is spent on x = 0.
+fn true_residual(
+    system: &mut (impl LinearSystem + ?Sized),
+    b: &[f64],
+    x: &[f64],
+    workspace: &mut Workspace,
+    report: &mut Report,
+) -> f64 {
+    let r = &mut workspace.residual;
+    if x.iter().all(|&x_i| x_i == 0.0) {
+        copy(b, r);
+    } else {
+        system.multiply(x, r);
+        report.products += 1;
+        xpay(b, -1.0, r);
+    }
+    system.inner_product().norm(r)
+}
+
+/// One cycle of (arnoldi), from the residual in the workspace. Returns false if it met a vector that is not finite.
+fn cycle(
+    system: &mut (impl LinearSystem + ?Sized),
+    settings: &Settings,
+    target: f64,
+    workspace: &mut Workspace,
+    report: &mut Report,
+) -> bool {
+    let beta = report.final_norm;
+    workspace.least_squares.start(beta);
+    scaled_copy(1.0 / beta, &workspace.residual, &mut workspace.basis[0]);
+    for j in 0..settings.restart.min(settings.max_iterations - report.iterations) {
+        workspace.prepare_columns(j + 1);
+        let (v, w) = workspace.basis.split_at_mut(j + 1);
+        let (z, w) = (&mut workspace.preconditioned[j], &mut w[0]);
+        system.precondition(&v[j], z);
+        system.multiply(z, w);
+        report.iterations += 1;
+        report.products += 1;
+        let Some(norm) = orthonormalise(system.inner_product(), v, w, &mut workspace.least_squares) else {
+            return false;
+        };
+        let estimate = workspace.least_squares.rotate(norm);
+        workspace.history.push(estimate);
+        if estimate <= target || norm == 0.0 {
+            break;
+        }
+    }
+    true
+}
+
+/// w := (w - V h) / |w - V h| with h = (V, w), which goes to the new column of H. Returns |w - V h|: zero if w lies in the
+/// span of V up to round-off, `None` if it is not finite.
+///
+/// Classical Gram-Schmidt, repeated where it cancelled much (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976).
+fn orthonormalise(
+    inner_product: &dyn InnerProduct,
+    v: &[Vec<f64>],
+    w: &mut [f64],
+    least_squares: &mut LeastSquares,
+) -> Option<f64> {
+    let initial = inner_product.norm(w);
+    let mut norm = initial;
+    for _ in 0..3 {
+        let before = norm;
+        let minus_h = least_squares.subtract_from_column(|i| inner_product.dot(&v[i], w));
+        add_combination(minus_h, v, w);
+        norm = inner_product.norm(w);
+        if norm > FRAC_1_SQRT_2 * before {
+            break;
+        }
+    }
+    if norm <= f64::EPSILON * initial {
+        return Some(0.0);
+    }
+    scale(1.0 / norm, w);
+    norm.is_finite().then_some(norm)
+}
+
+/// (fgmres): x := x + Z y
+fn update(x: &mut [f64], workspace: &mut Workspace) {
+    let y = workspace.least_squares.solve();
+    add_combination(y, &workspace.preconditioned, x);
 }

@@ -55,13 +55,17 @@ impl InnerProduct for Weighted {
     }
 }
 
+/// Where a vector of more than one chunk is split in two: at the chunk in its middle.
+fn middle(length: usize) -> usize {
+    length.div_ceil(CHUNK) / 2 * CHUNK
+}
+
 /// The sum of `leaf` over the chunks of `range`. The tree is fixed by the length of the range.
 fn tree_sum(range: Range<usize>, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
-    let chunks = range.len().div_ceil(CHUNK);
-    if chunks <= 1 {
+    if range.len() <= CHUNK {
         return leaf(range);
     }
-    let middle = range.start + chunks / 2 * CHUNK;
+    let middle = range.start + middle(range.len());
     let (low, high) = rayon::join(|| tree_sum(range.start..middle, leaf), || tree_sum(middle..range.end, leaf));
     low + high
 }
@@ -103,10 +107,45 @@ fn update(x: &[f64], y: &mut [f64], rule: &(impl Fn(f64, f64) -> f64 + Sync)) {
         }
         return;
     }
-    let middle = y.len().div_ceil(CHUNK) / 2 * CHUNK;
+    let middle = middle(y.len());
     let (x_low, x_high) = x.split_at(middle);
     let (y_low, y_high) = y.split_at_mut(middle);
     rayon::join(|| update(x_low, y_low, rule), || update(x_high, y_high, rule));
+}
+
+/// y := y + sum_j c_j x_j, for as many columns x_j as there are coefficients.
+pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
+    add_combination_from(0, c, columns, y);
+}
+
+/// [`add_combination`] for the part of the vectors that begins at `start` and that `y` holds.
+fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
+    if y.len() <= CHUNK {
+        for (c_j, x_j) in c.iter().zip(columns) {
+            for (y_i, x_ij) in y.iter_mut().zip(&x_j[start..]) {
+                *y_i += c_j * x_ij;
+            }
+        }
+        return;
+    }
+    let middle = middle(y.len());
+    let (low, high) = y.split_at_mut(middle);
+    rayon::join(
+        || add_combination_from(start, c, columns, low),
+        || add_combination_from(start + middle, c, columns, high),
+    );
+}
+
+/// y := a y
+pub fn scale(a: f64, y: &mut [f64]) {
+    if y.len() <= CHUNK {
+        for y_i in y {
+            *y_i *= a;
+        }
+        return;
+    }
+    let (low, high) = y.split_at_mut(middle(y.len()));
+    rayon::join(|| scale(a, low), || scale(a, high));
 }
 
 /// y := y + a x

@@ -1,7 +1,5 @@
 //! The few HDF5 operations that the format needs: arrays that grow along axis 0, texts, labels.
 
-use std::path::Path;
-
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{Dataset, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result, SliceOrIndex, SimpleExtents};
 use ndarray::ArrayViewD;
@@ -15,8 +13,7 @@ const SMALL_STEP_BYTES: usize = 1 << 12;
 /// Effort of the lossless compression: higher levels cost several times more and gain a few per cent.
 const DEFLATE_LEVEL: u8 = 1;
 
-/// Files in the format of HDF5 1.10, whatever the library: every header then carries a checksum, so that damage is
-/// found instead of believed.
+/// Files in the format of HDF5 1.10, whichever library writes them: the same file on every machine.
 pub(crate) fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|access| access.libver_v110());
@@ -62,15 +59,6 @@ pub(crate) fn constant<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Re
     group.new_dataset_builder().obj_track_times(false).with_data(values).create(name).map(drop)
 }
 
-/// Reads a whole array of numbers, if it can be as long as it claims in a file of this size.
-pub(crate) fn read_numbers(file: &File, dataset: &Dataset) -> Result<Vec<f64>> {
-    let count = dataset.size() as u64;
-    if count.saturating_mul(8) > file.size() {
-        return Err(Error::from(format!("`{}` claims {count} values, more than the file can hold", dataset.name())));
-    }
-    dataset.read_raw()
-}
-
 /// Writes a text as an attribute.
 pub(crate) fn write_text(location: &Location, name: &str, text: &str) -> Result<()> {
     let value: VarLenUnicode =
@@ -81,7 +69,7 @@ pub(crate) fn write_text(location: &Location, name: &str, text: &str) -> Result<
 /// Reads a text from an attribute.
 pub(crate) fn read_text(location: &Location, name: &str) -> Result<String> {
     let value: VarLenUnicode = location.attr(name)?.read_scalar()?;
-    // The bytes come from a file: that they are UTF-8 has to be checked, not assumed.
+    // `as_str` would take for granted that the bytes are UTF-8.
     let text = std::str::from_utf8(value.as_bytes());
     text.map(str::to_owned).map_err(|_| Error::from(format!("`{name}` is not a UTF-8 text")))
 }
@@ -113,12 +101,4 @@ pub(crate) fn write_labels(dataset: &Dataset, labels: &[&str]) -> Result<()> {
 pub(crate) fn read_labels(dataset: &Dataset) -> Result<Vec<String>> {
     let labels: Vec<VarLenAscii> = dataset.attr("DIMENSION_LABELS")?.read_raw()?;
     Ok(labels.iter().map(|label| String::from_utf8_lossy(label.as_bytes()).into_owned()).collect())
-}
-
-/// Whether a file starts like an HDF5 file.
-pub(crate) fn is_hdf5(path: &Path) -> bool {
-    use std::io::Read;
-    let mut signature = [0; 8];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut signature));
-    read.is_ok() && &signature == b"\x89HDF\r\n\x1a\n"
 }

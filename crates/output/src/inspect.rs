@@ -60,7 +60,7 @@ pub fn inspect(path: &Path) -> Result<ResultInfo, OutputError> {
 
 fn read(file: &hdf5::File) -> hdf5::Result<ResultInfo> {
     let (group, root) = (file.group(format::GROUP)?, file.group("VTKHDF")?);
-    let metadata = format::read_metadata(file, &group)?;
+    let metadata = format::read_metadata(&group)?;
     Ok(ResultInfo {
         bytes: file.size(),
         format_version: format::read_version(&group)?,
@@ -72,7 +72,7 @@ fn read(file: &hdf5::File) -> hdf5::Result<ResultInfo> {
         space_nodes: metadata.space_nodes.len(),
         time_nodes: metadata.time_nodes.len(),
         times: vtkhdf::times(&root)?,
-        checkpoint: state::read(file, &group)?.into(),
+        checkpoint: state::read(&group)?.into(),
     })
 }
 

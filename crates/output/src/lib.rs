@@ -27,6 +27,7 @@ mod inspect;
 mod lagrange;
 mod layout;
 mod result_file;
+mod seal;
 mod state;
 mod summary;
 mod vtkhdf;

@@ -12,7 +12,7 @@ use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
 use crate::layout::Layout;
 use crate::state::{self, SolverState};
-use crate::{hdf, vtkhdf};
+use crate::{hdf, seal, vtkhdf};
 
 /// Name of the result file in the run directory.
 pub const RESULT_FILE: &str = "result.vtkhdf";
@@ -152,6 +152,7 @@ impl ResultFile {
             file.close()
         };
         write().map_err(|source| self.write_error(source))?;
+        seal::write(&self.working)?;
         publish(&self.working, &self.published)
     }
 
@@ -206,19 +207,18 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
     let read = || {
         let (group, vtkhdf) = (file.group(format::GROUP)?, file.group("VTKHDF")?);
         let layout = format::read_layout(&group, &vtkhdf)?;
-        Ok((format::read_metadata(&file, &group)?, state::read(&file, &group)?, layout))
+        Ok((format::read_metadata(&group)?, state::read(&group)?, layout))
     };
     read().map_err(|error: hdf5::Error| damaged(path, &error))
 }
 
-/// Opens a result file for reading and compares the version of its format.
+/// Opens a result file for reading, once its seal and the version of its format are right: libhdf5 may crash on
+/// damaged bytes and is not asked to judge them.
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
         return Err(OutputError::NoCheckpoint { path: path.to_owned() });
     }
-    if !hdf::is_hdf5(path) {
-        return Err(OutputError::Damaged { path: path.to_owned(), reason: "it is not an HDF5 file".to_owned() });
-    }
+    seal::verify(path)?;
     let file = hdf::options().open(path).map_err(|error| damaged(path, &error))?;
     let version = file.group(format::GROUP).and_then(|group| format::read_version(&group));
     match version.map_err(|error| damaged(path, &error))? {

@@ -8,13 +8,17 @@
 //! ```text
 //! f = sum_{k <= q} c_k T_k + tail,   min_i b_i - |tail| <= f <= max_i b_i + |tail|,   |tail| <= sum_{k > q} |c_k|     (range)
 //! ```
+//!
+//! Round-off enters twice. The given values are wrong by at most `error`, hence their interpolant by L `error` with the Lebesgue
+//! constant L: an error of f itself, not amplified by what follows. And the sums that make b_i are wrong by a few units in the
+//! last place of sum_k |c_k| max_i |b_i(T_k)|, in which the large factors meet the small coefficients.
 
 use crate::lattice::Lattice;
 use basis::Matrix;
 use std::f64::consts::PI;
 
-/// q of (range): as large as conditioning allows. The largest Bernstein coefficient of T_6 is 46.2, that of T_20 is 7e5.
-pub(super) const BERNSTEIN_DEGREE: usize = 6;
+/// q of (range). The largest Bernstein coefficient of T_6 is 46.2, that of T_20 is 7e5.
+pub(super) const BERNSTEIN_DEGREE: usize = 10;
 
 /// What one direction of a polynomial of degree p needs.
 #[derive(Clone, Debug)]
@@ -27,7 +31,12 @@ pub(super) struct Direction {
     halves: [Matrix; 2],
     /// Chebyshev coefficients up to degree min(p, q) to Bernstein coefficients of that degree.
     to_bernstein: Matrix,
+    /// max_i |b_i(T_k)| for k <= min(p, q).
+    largest: Vec<f64>,
 }
+
+/// Relative error of a sum of products of one axis after the other, in units of the sum of the moduli.
+const SUM_ERROR: f64 = 64.0 * f64::EPSILON;
 
 impl Direction {
     pub(super) fn new(degree: usize) -> Self {
@@ -43,13 +52,13 @@ impl Direction {
         });
         let q = degree.min(BERNSTEIN_DEGREE);
         let to_bernstein = Matrix::from_fn(q + 1, q + 1, |i, k| bernstein_coefficient(q, i, k));
-        Direction { points, to_chebyshev, halves, to_bernstein }
+        let largest = (0..=q).map(|k| (0..=q).map(|i| to_bernstein[(i, k)].abs()).fold(0.0, f64::max)).collect();
+        Direction { points, to_chebyshev, halves, to_bernstein, largest }
     }
 
-    /// sum_k max_i |b_i(T_k)|: how much the Bernstein coefficients can amplify an error in the values, in this direction.
-    pub(super) fn amplification(&self) -> f64 {
-        let b = &self.to_bernstein;
-        (0..b.cols()).map(|k| (0..b.rows()).map(|i| b[(i, k)].abs()).fold(0.0, f64::max)).sum()
+    /// A bound of the Lebesgue constant of the points, max_x sum_j |l_j(x)|.
+    fn lebesgue_constant(&self) -> f64 {
+        1.0 + 2.0 / PI * (self.points.len() as f64).ln()
     }
 }
 
@@ -92,8 +101,8 @@ fn binomial(n: usize, k: usize) -> f64 {
 #[derive(Clone, Debug)]
 pub(super) struct Polynomial {
     coefficients: Lattice,
-    /// Bounds the effect of round-off on a Bernstein coefficient.
-    round_off: f64,
+    /// Bounds |computed f - exact f| on the box.
+    error: f64,
 }
 
 /// Bernstein coefficients b_i with |f - sum_i b_i B_i| <= `margin` on the box.
@@ -107,37 +116,41 @@ impl Polynomial {
     pub(super) fn interpolate(directions: &[Direction], values: Lattice, error: f64) -> Self {
         let transform = |c: Lattice, (axis, direction): (usize, &Direction)| c.apply(axis, &direction.to_chebyshev);
         let coefficients = directions.iter().enumerate().fold(values, transform);
-        let amplification: f64 = directions.iter().map(Direction::amplification).product();
-        Polynomial { coefficients, round_off: error * amplification }
+        let lebesgue: f64 = directions.iter().map(Direction::lebesgue_constant).product();
+        Polynomial { coefficients, error: error * lebesgue }
     }
 
     /// The polynomial on the lower (`side` 0) or upper half of the box along `axis`.
     pub(super) fn half(&self, directions: &[Direction], axis: usize, side: usize) -> Self {
         let coefficients = self.coefficients.apply(axis, &directions[axis].halves[side]);
-        Polynomial { coefficients, round_off: self.round_off }
+        let moduli: f64 = coefficients.values.iter().map(|c| c.abs()).sum();
+        Polynomial { coefficients, error: self.error + SUM_ERROR * moduli }
     }
 
     /// (range)
     pub(super) fn enclose(&self, directions: &[Direction]) -> Enclosure {
-        let (low, tail) = self.split();
+        let (low, tail, weighted) = self.split(directions);
         let transform = |b: Lattice, (axis, direction): (usize, &Direction)| b.apply(axis, &direction.to_bernstein);
         let bernstein = directions.iter().enumerate().fold(low, transform);
-        Enclosure { bernstein, margin: tail + self.round_off }
+        Enclosure { bernstein, margin: tail + self.error + SUM_ERROR * weighted }
     }
 
-    /// The coefficients up to degree q in every direction, and the sum of the moduli of the others.
-    fn split(&self) -> (Lattice, f64) {
+    /// The coefficients up to degree q in every direction, the sum of the moduli of the others, and for those kept the sum
+    /// sum_k |c_k| max_i |b_i(T_k)|.
+    fn split(&self, directions: &[Direction]) -> (Lattice, f64, f64) {
         let c = &self.coefficients;
-        let shape: Vec<usize> = c.shape.iter().map(|n| (*n).min(BERNSTEIN_DEGREE + 1)).collect();
-        let (mut low, mut tail) = (Vec::with_capacity(shape.iter().product()), 0.0);
+        let shape: Vec<usize> = directions.iter().map(|direction| direction.largest.len()).collect();
+        let (mut low, mut tail, mut weighted) = (Vec::with_capacity(shape.iter().product()), 0.0, 0.0);
         for (index, &value) in c.values.iter().enumerate() {
-            if c.digits(index).iter().zip(&shape).all(|(k, n)| k < n) {
+            let k = c.digits(index);
+            if k.iter().zip(&shape).all(|(k, n)| k < n) {
                 low.push(value);
+                weighted += value.abs() * k.iter().zip(directions).map(|(&k, direction)| direction.largest[k]).product::<f64>();
             } else {
                 tail += value.abs();
             }
         }
-        (Lattice::new(shape, low), tail)
+        (Lattice::new(shape, low), tail, weighted)
     }
 
     /// f(x)
@@ -236,9 +249,9 @@ mod tests {
     }
 
     #[test]
-    fn amplification_is_that_of_the_largest_coefficients() {
-        // T_2: 1, -3, 1; T_1 in degree 2: -1, 0, 1; T_0: 1.
-        assert_eq!(Direction::new(2).amplification(), 5.0);
+    fn coefficients_of_chebyshev_polynomials() {
+        // T_2 = 1, -3, 1 in the Bernstein basis of degree 2, T_1 = -1, 0, 1.
+        assert_eq!(Direction::new(2).to_bernstein.values(), [1.0, -1.0, 1.0, 1.0, 0.0, -3.0, 1.0, 1.0, 1.0]);
         assert_eq!(bernstein_coefficient(6, 3, 6), -924.0 / 20.0);
     }
 }

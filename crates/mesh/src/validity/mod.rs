@@ -75,9 +75,6 @@ impl<const D: usize> Validity<D> {
     }
 }
 
-/// Relative error of one computed determinant, in units of its Hadamard bound: some hundred operations.
-const ROUND_OFF: f64 = 128.0 * f64::EPSILON;
-
 /// Proves bounds for cells of one order that move through given times.
 #[derive(Clone, Debug)]
 pub struct ValidityCheck<const D: usize> {
@@ -160,20 +157,32 @@ impl<const D: usize> ValidityCheck<D> {
 
     /// det J on the grid and as a polynomial, for positions at times that `time_values` interpolates.
     fn determinant(&self, positions: &[f64], time_values: &Matrix) -> (Lattice, Polynomial) {
+        let (centred, size) = centred::<D>(positions);
         let shape: Vec<usize> = std::iter::once(D).chain([self.order; D]).chain([time_values.cols()]).collect();
-        let in_time = Lattice::new(shape, positions.to_vec()).apply(D + 1, time_values);
-        let jacobians = self.map.lattice_jacobians(in_time);
-        let scale = jacobians.iter().map(hadamard).fold(0.0, f64::max);
+        let jacobians = self.map.lattice_jacobians(Lattice::new(shape, centred).apply(D + 1, time_values));
+        // |p'| <= (N-1)^2 max |p| (Markov), and each of the D sums has N terms.
+        let entry_error = f64::EPSILON * (D * self.order * (self.order - 1).pow(2)) as f64 * size;
+        let error = jacobians.iter().map(|m| determinant_error(m, entry_error)).fold(0.0, f64::max);
         let grid = self.directions.iter().map(|direction| direction.points.len()).collect();
         let values = Lattice::new(grid, jacobians.iter().map(|m| determinant(m, &cofactor(m))).collect());
-        let polynomial = Polynomial::interpolate(&self.directions, values.clone(), ROUND_OFF * scale);
+        let polynomial = Polynomial::interpolate(&self.directions, values.clone(), error);
         (values, polynomial)
     }
 }
 
-/// |det m| <= the product of the lengths of the rows.
-fn hadamard<const D: usize>(m: &[[f64; D]; D]) -> f64 {
-    m.iter().map(norm).product()
+/// Positions relative to the first one, and their largest distance along an axis: what they have in common costs digits.
+fn centred<const D: usize>(positions: &[f64]) -> (Vec<f64>, f64) {
+    let relative: Vec<f64> = positions.iter().enumerate().map(|(i, x)| x - positions[i % D]).collect();
+    let size = relative.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    (relative, size)
+}
+
+/// A bound of the error of det m whose columns m_a are wrong by `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|, and some
+/// operations on prod_a |m_a|.
+fn determinant_error<const D: usize>(m: &[[f64; D]; D], entry_error: f64) -> f64 {
+    let lengths: [f64; D] = std::array::from_fn(|a| norm(&m.map(|row| row[a])));
+    let others = |a: usize| (0..D).filter(|&b| b != a).map(|b| lengths[b]).product::<f64>();
+    (0..D).map(|a| (2.0 * entry_error + 8.0 * f64::EPSILON * lengths[a]) * others(a)).sum()
 }
 
 /// Whether det J > 0 is proved in every cell; the error names the first where it is not.

@@ -41,7 +41,7 @@ impl<const D: usize> Search<D> {
         for i in 0..f.0.values.len() {
             sampled_max = sampled_max.max(ratio(i));
             // A value that is not a number counts as lowest.
-            if !(ratio(i) >= ratio(lowest)) {
+            if ratio(i).is_nan() || ratio(i) < ratio(lowest) {
                 lowest = i;
             }
         }
@@ -61,7 +61,7 @@ impl<const D: usize> Search<D> {
     pub(super) fn decide(mut self, directions: &[Direction]) -> Validity<D> {
         for _ in 0..BISECTIONS {
             let bound = self.bound();
-            if !(bound.sampled_min > 0.0) {
+            if bound.sampled_min.is_nan() || bound.sampled_min <= 0.0 {
                 return Validity::Invalid(bound);
             }
             if bound.lower >= SHARPNESS * bound.sampled_min {

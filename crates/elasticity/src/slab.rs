@@ -1,0 +1,144 @@
+//! The motion of the mesh in one slab, by collocation at the right-Radau nodes.
+//!
+//! The mesh velocity is a polynomial in time with the values V_b at the N_t right-Radau nodes s_b of the slab, and
+//!
+//! ```text
+//! d(s) = d_n + dt sum_b Phi_b(s) V_b,         Phi_b(s) = int_0^s phi_b                                           (motion)
+//! d(s_a) = d_n + dt sum_b A_ab V_b,           A_ab = Phi_b(s_a)
+//! V_b = (1/dt) sum_a (A^{-1})_ba (d(s_a) - d_n)                                                                  (velocity)
+//! ```
+//!
+//! The displacement is prescribed, and the equilibrium holds, at every node. The last node is the top of the slab, so the mesh there
+//! is in equilibrium with the exact boundary, whatever happened before: errors of the solver do not accumulate. (Galerkin in time
+//! carries them on for ever: they come back at the next top with the factor (-1)^{N_t}.)
+//!
+//! Fields of a slab have the layout `[time node][C0 node][component]`.
+
+use crate::{ElasticMesh, ElasticityError};
+use basis::{Matrix, RadauTime};
+use newton_krylov::cg;
+use rayon::prelude::*;
+
+/// The most time nodes of a slab.
+pub const MAX_TIME_ORDER: usize = 16;
+
+/// The relation between velocities and displacements in a slab. It knows no space: vectors are of any length.
+#[derive(Clone, Debug)]
+pub struct SlabMotion {
+    time: RadauTime,
+}
+
+impl SlabMotion {
+    /// The motion with the given temporal basis, of order at most [`MAX_TIME_ORDER`].
+    pub fn new(time: RadauTime) -> Self {
+        SlabMotion { time }
+    }
+    /// The temporal basis.
+    pub fn time(&self) -> &RadauTime {
+        &self.time
+    }
+
+    /// out = d(s) by (motion), for the displacement `bottom` = d_n, the velocities `v[b][..]`, and s in [0, 1].
+    pub fn displacement(&self, dt: f64, bottom: &[f64], v: &[f64], s: f64, out: &mut [f64]) {
+        displace(dt, bottom, v, &self.time.integrals(s), out);
+    }
+
+    /// out = d(s_a) at time node `a`.
+    pub fn displacement_at_node(&self, dt: f64, bottom: &[f64], v: &[f64], a: usize, out: &mut [f64]) {
+        displace(dt, bottom, v, self.time.collocation().row(a), out);
+    }
+
+    /// Replaces the displacements `d[a][..]` at the time nodes by the velocities by (velocity).
+    pub fn velocities(&self, dt: f64, bottom: &[f64], d: &mut [f64]) {
+        for node in d.chunks_exact_mut(bottom.len()) {
+            node.iter_mut().zip(bottom).for_each(|(d, bottom)| *d = (*d - bottom) / dt);
+        }
+        combine_nodes(self.time.inverse_collocation(), d);
+    }
+}
+
+/// out = bottom + dt sum_b integrals[b] v[b].
+fn displace(dt: f64, bottom: &[f64], v: &[f64], integrals: &[f64], out: &mut [f64]) {
+    out.copy_from_slice(bottom);
+    accumulate(dt, v, integrals, out);
+}
+
+/// out = out + dt sum_b integrals[b] v[b].
+fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
+    for (v, integral) in v.chunks_exact(out.len()).zip(integrals) {
+        out.iter_mut().zip(v).for_each(|(out, v)| *out += dt * integral * v);
+    }
+}
+
+/// field[a] = sum_b matrix[a][b] field[b], in place.
+fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
+    let (nodes, length) = (matrix.rows(), field.len() / matrix.rows());
+    let (mut old, mut new) = ([0.0; MAX_TIME_ORDER], [0.0; MAX_TIME_ORDER]);
+    for i in 0..length {
+        (0..nodes).for_each(|b| old[b] = field[b * length + i]);
+        matrix.apply(&old[..nodes], &mut new[..nodes]);
+        (0..nodes).for_each(|a| field[a * length + i] = new[a]);
+    }
+}
+
+/// The mesh equations of a slab of length `dt`, in the unknown velocities V.
+///
+/// ```text
+/// R_a = (K d(s_a))_f                    at free nodes                                                            (slab)
+/// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained nodes: a force, like the other rows
+/// ```
+#[derive(Clone, Copy)]
+pub struct ElasticSlab<'a, const D: usize> {
+    /// K and the constrained nodes.
+    pub mesh: &'a ElasticMesh<D>,
+    /// The temporal basis.
+    pub motion: &'a SlabMotion,
+    /// The length of the slab.
+    pub dt: f64,
+}
+
+impl<const D: usize> ElasticSlab<'_, D> {
+    /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes, of which
+    /// only the entries of constrained nodes are read.
+    pub fn residual(&self, bottom: &[f64], g: &[f64], v: &[f64], r: &mut [f64]) {
+        let length = self.mesh.length();
+        self.mesh.with_vector(|d| {
+            for (a, (r, g)) in r.chunks_exact_mut(length).zip(g.chunks_exact(length)).enumerate() {
+                self.motion.displacement_at_node(self.dt, bottom, v, a, d);
+                self.mesh.apply(d, r);
+                self.mesh.at_constrained(r, |i| self.mesh.diagonal()[i] * (d[i] - g[i]));
+            }
+        });
+    }
+
+    /// out = (dR/dV) w. R is affine in V, so this is the same everywhere.
+    pub fn jacobian_product(&self, w: &[f64], out: &mut [f64]) {
+        let length = self.mesh.length();
+        self.mesh.with_vector(|d| {
+            for (a, out) in out.chunks_exact_mut(length).enumerate() {
+                d.fill(0.0);
+                accumulate(self.dt, w, self.motion.time.collocation().row(a), d);
+                self.mesh.apply(d, out);
+                self.mesh.at_constrained(out, |i| self.mesh.diagonal()[i] * d[i]);
+            }
+        });
+    }
+
+    /// Solves (dR/dV) w = r: the temporal modes separate into N_t independent solves with K for displacement increments, whose
+    /// constrained entries enter through K_fc, and w follows by (velocity).
+    ///
+    /// # Errors
+    /// As [`ElasticMesh::solve`].
+    pub fn solve(&self, r: &[f64], w: &mut [f64], tolerance: f64) -> Result<Vec<cg::Report>, ElasticityError> {
+        let length = self.mesh.length();
+        let solve_node = |(d, r): (&mut [f64], &[f64])| {
+            d.fill(0.0);
+            self.mesh.at_constrained(d, |i| r[i] / self.mesh.diagonal()[i]);
+            self.mesh.solve(r, d, tolerance)
+        };
+        let reports = w.par_chunks_exact_mut(length).zip(r.par_chunks_exact(length)).map(solve_node).collect();
+        w.iter_mut().for_each(|d| *d /= self.dt);
+        combine_nodes(self.motion.time.inverse_collocation(), w);
+        reports
+    }
+}

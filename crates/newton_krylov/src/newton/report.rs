@@ -1,0 +1,134 @@
+//! What the Newton driver has done, and why it may have stopped short.
+
+use crate::problem::Inadmissible;
+use crate::{fgmres, line_search};
+
+/// How a solve converged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Convergence {
+    /// The total norm and the norm of each field are within their tolerances.
+    Tolerance,
+    /// The tolerance is finer than round-off: the residual is at the level of round-off and cannot be reduced any more.
+    RoundOff,
+}
+
+/// One accepted Newton step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepReport {
+    /// |R| where the step ended.
+    pub residual_norm: f64,
+    /// |R_k| of each field where the step ended.
+    pub field_norms: Vec<f64>,
+    /// The relative tolerance asked of the linear solver.
+    pub forcing: f64,
+    /// The relative residual that it reached.
+    pub linear_residual: f64,
+    /// Its iterations in the accepted attempt.
+    pub krylov_iterations: usize,
+    /// The part of the increment that was taken.
+    pub step_length: f64,
+    /// 1/dtau_k of each field during the step.
+    pub inverse_pseudo_time: Vec<f64>,
+    /// The number of attempts, with less damping, that were rejected before.
+    pub rejections: usize,
+}
+
+/// What a solve has done.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// |R| at the initial guess.
+    pub initial_norm: f64,
+    /// |R_k| of each field at the initial guess.
+    pub initial_field_norms: Vec<f64>,
+    /// The accepted steps.
+    pub steps: Vec<StepReport>,
+    /// Evaluations of R by the driver.
+    pub residual_evaluations: usize,
+    /// Products with dR/dz.
+    pub jacobian_products: usize,
+    /// Iterations of the linear solver, those of rejected attempts included.
+    pub krylov_iterations: usize,
+    /// How the solve converged; `None` in the report of a failure.
+    pub convergence: Option<Convergence>,
+}
+
+impl Report {
+    /// |R| at the initial guess and after every step.
+    pub fn residual_history(&self) -> Vec<f64> {
+        std::iter::once(self.initial_norm).chain(self.steps.iter().map(|step| step.residual_norm)).collect()
+    }
+
+    /// |R| at the last accepted iterate.
+    pub fn final_norm(&self) -> f64 {
+        self.steps.last().map_or(self.initial_norm, |step| step.residual_norm)
+    }
+
+    /// |R_k| of each field at the last accepted iterate.
+    pub fn final_field_norms(&self) -> &[f64] {
+        self.steps.last().map_or(&self.initial_field_norms, |step| &step.field_norms)
+    }
+}
+
+/// Why a solve failed. z is left at the last accepted iterate.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// R or dR/dz is not defined at an iterate: at the initial guess unless the problem contradicts itself.
+    #[error("Newton step {}: the problem cannot be evaluated at the iterate", report.steps.len() + 1)]
+    Inadmissible {
+        /// What is wrong with the state.
+        source: Inadmissible,
+        /// What was done until then.
+        report: Box<Report>,
+    },
+    /// No step along the increment was acceptable, and pseudo-time damping did not help.
+    #[error("Newton step {}: the line search failed at residual norm {:e}", report.steps.len() + 1, report.final_norm())]
+    LineSearch {
+        /// Why the last search failed.
+        source: line_search::Error,
+        /// What was done until then.
+        report: Box<Report>,
+    },
+    /// The linear solver found no useful increment, and pseudo-time damping did not help.
+    #[error("Newton step {}: the linear solver failed at residual norm {:e}", report.steps.len() + 1, report.final_norm())]
+    Krylov {
+        /// Why the last linear solve failed.
+        source: fgmres::Error,
+        /// What was done until then.
+        report: Box<Report>,
+    },
+    /// The number of steps is used up.
+    #[error(
+        "Newton: no convergence in {} steps: the residual norm went from {:e} to {:e}, the tolerance is {tolerance:e}",
+        report.steps.len(), report.initial_norm, report.final_norm()
+    )]
+    MaxSteps {
+        /// The tolerance of the total norm.
+        tolerance: f64,
+        /// What was done until then.
+        report: Box<Report>,
+    },
+    /// The residual grew beyond all bounds, or is not finite.
+    #[error(
+        "Newton step {}: diverged, the residual norm is {:e}, against {reference:e} for reference",
+        report.steps.len(), report.final_norm()
+    )]
+    Diverged {
+        /// The reference norm.
+        reference: f64,
+        /// What was done until then.
+        report: Box<Report>,
+    },
+}
+
+impl Error {
+    /// What was done until the failure.
+    pub fn report(&self) -> &Report {
+        match self {
+            Self::Inadmissible { report, .. }
+            | Self::LineSearch { report, .. }
+            | Self::Krylov { report, .. }
+            | Self::MaxSteps { report, .. }
+            | Self::Diverged { report, .. } => report,
+        }
+    }
+}

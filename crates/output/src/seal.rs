@@ -1,0 +1,94 @@
+//! The last bytes of a result file, by which a damaged one is found before it is believed.
+//!
+//! HDF5 ignores what follows its own end of file. There the seal lies: 8 bytes of name, then the length of the file
+//! before the seal and its checksum, each 64 bits, lowest byte first. HDF5 drops the seal when it writes to the file.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
+
+use crate::checksum::Checksum;
+use crate::error::OutputError;
+use crate::files::file_error;
+
+const NAME: &[u8; 8] = b"stsolve\n";
+const LENGTH: usize = 24;
+
+/// Seals a file that is complete and not sealed.
+pub(crate) fn write(path: &Path) -> Result<(), OutputError> {
+    let seal = || {
+        let mut file = OpenOptions::new().read(true).append(true).open(path)?;
+        let length = file.metadata()?.len();
+        let sum = checksum(&file, length)?;
+        file.write_all(&seal(length, sum))
+    };
+    seal().map_err(|source| file_error(path, source))
+}
+
+/// Compares a file with its seal.
+pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
+    let damaged = |reason: &str| OutputError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
+    let read = || {
+        let mut file = File::open(path)?;
+        let Some(length) = file.metadata()?.len().checked_sub(LENGTH as u64) else { return Ok(None) };
+        let sum = checksum(&file, length)?;
+        let mut found = [0; LENGTH];
+        file.read_exact(&mut found)?;
+        Ok(Some((seal(length, sum), found)))
+    };
+    match read().map_err(|source: io::Error| file_error(path, source))? {
+        Some((expected, found)) if found == expected => Ok(()),
+        Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
+        _ => Err(damaged("its end is missing, or it is not a result file")),
+    }
+}
+
+fn seal(length: u64, sum: Checksum) -> [u8; LENGTH] {
+    let mut seal = [0; LENGTH];
+    seal[..8].copy_from_slice(NAME);
+    seal[8..16].copy_from_slice(&length.to_le_bytes());
+    seal[16..].copy_from_slice(&sum.value().to_le_bytes());
+    seal
+}
+
+/// Checksum of the next `length` bytes, taken as words, the last one filled up with zeros.
+fn checksum(file: &File, length: u64) -> io::Result<Checksum> {
+    let mut reader = BufReader::with_capacity(1 << 16, file.take(length));
+    let (mut sum, mut word) = (Checksum::default(), [0; 8]);
+    let mut left = length;
+    while left > 0 {
+        let bytes = left.min(8) as usize;
+        word[bytes..].fill(0);
+        reader.read_exact(&mut word[..bytes])?;
+        sum = sum.word(u64::from_le_bytes(word));
+        left -= bytes as u64;
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn every_byte_of_a_sealed_file_counts() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sealed");
+        for length in [0, 1, 7, 8, 9, 100] {
+            fs::write(&path, vec![3; length]).unwrap();
+            write(&path).unwrap();
+            verify(&path).unwrap();
+            let whole = fs::read(&path).unwrap();
+            for position in 0..whole.len() {
+                let mut damaged = whole.clone();
+                damaged[position] ^= 1;
+                fs::write(&path, damaged).unwrap();
+                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "byte {position} of {length}");
+                fs::write(&path, &whole[..position]).unwrap();
+                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "cut at {position} of {length}");
+            }
+        }
+    }
+}

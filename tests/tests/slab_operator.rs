@@ -1,0 +1,209 @@
+//! Identities of the space-time operator of one slab.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use fem::{ConservationLaw, Orders, SlabOperator, StateField};
+use navier_stokes::exact::FreeStream;
+use navier_stokes::{Exact, NavierStokes, Riemann, Viscosity};
+use verification::{Noise, curved_box, free_stream, law, operator, prescribed, relative_difference};
+
+type Operator<const D: usize, const M: usize> = SlabOperator<D, M, NavierStokes<D>>;
+
+/// A slab whose mesh moves smoothly in space and at random in time, and the uniform state in it.
+fn moving_slab<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, riemann: Riemann, cells: usize) -> (Operator<D, M>, Vec<f64>)
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+{
+    let law = law::<D>(viscosity, riemann);
+    let mesh = curved_box::<D>(cells, orders.mesh);
+    let data = free_stream::<D, M>(&law);
+    let state = data.value(&[0.0; D], 0.0);
+    let mut operator = operator(&mesh, law, orders, prescribed(), data);
+    let bottom: Vec<f64> = uniform_coefficients(&operator, &state, 1);
+    let positions = node_positions(&mesh, orders.mesh);
+    let field = |amplitude: f64, phase: f64| -> Vec<f64> {
+        (positions.iter().enumerate())
+            .map(|(i, x)| amplitude * (3.0 * x[0] + 2.0 * x[1] + phase + (i % D) as f64).sin() * (2.0 * x[D - 1] + phase).cos())
+            .collect()
+    };
+    operator.begin_slab(0.3, 0.1, &bottom, &field(0.02, 0.4));
+    let velocities: Vec<f64> = (0..orders.time).flat_map(|b| field(0.3, 1.0 + 2.0 * b as f64)).collect();
+    operator.set_mesh(&velocities);
+    let state = uniform_coefficients(&operator, &state, orders.time);
+    (operator, state)
+}
+
+fn uniform_coefficients<const D: usize, const M: usize>(operator: &Operator<D, M>, state: &[f64; M], slots: usize) -> Vec<f64>
+where
+    NavierStokes<D>: ConservationLaw<D, M>,
+{
+    let layout = operator.layout;
+    let one = state.iter().flat_map(|&u| vec![u; layout.nodes]);
+    one.cycle().take(layout.cells * slots * layout.time_len()).collect()
+}
+
+/// For each entry of a C0 field the position of its node.
+fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f64; D]> {
+    let numbering = mesh::NodeNumbering::new(mesh, order);
+    let mut positions = vec![[0.0; D]; numbering.count * D];
+    for cell in 0..mesh.n_cells() {
+        for (node, x) in numbering.cell(cell).iter().zip(mesh.cell_coordinates(cell).chunks_exact(D)) {
+            for d in 0..D {
+                positions[node * D + d] = std::array::from_fn(|i| x[i]);
+            }
+        }
+    }
+    positions
+}
+
+/// The uniform flow has no residual on any motion: what is left is round-off, measured against the moments of the state.
+fn free_stream_residual<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, cells: usize) -> f64
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+{
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Hllc, cells);
+    let mut residual = vec![0.0; state.len()];
+    operator.residual(&state, &mut residual).unwrap();
+    let row = basis::Matrix::from_fn(1, orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 });
+    let mut moments = vec![0.0; operator.layout.at_one_time().len()];
+    operator.moments(&state[..moments.len()], &row, &mut moments);
+    let size = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    size(&residual) / size(&moments)
+}
+
+#[test]
+fn free_stream_has_no_residual_in_2d() {
+    for flow in [2, 3, 4, 6, 8] {
+        for time in [1, 2, 3] {
+            for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.01)] {
+                let residual = free_stream_residual::<2, 4>(Orders { flow, mesh: flow, time }, viscosity, 3);
+                assert!(residual < 1e-12, "N_s = {flow}, N_t = {time}, {viscosity:?}: {residual:.1e}");
+            }
+        }
+    }
+    // Orders that differ.
+    let residual = free_stream_residual::<2, 4>(Orders { flow: 3, mesh: 5, time: 2 }, Viscosity::Constant(0.01), 3);
+    assert!(residual < 1e-12, "N_s = 3, N_m = 5: {residual:.1e}");
+}
+
+#[test]
+fn free_stream_has_no_residual_in_3d() {
+    for (flow, time) in [(2, 1), (3, 2), (4, 3), (8, 1)] {
+        let residual = free_stream_residual::<3, 5>(Orders { flow, mesh: flow, time }, Viscosity::Constant(0.01), 2);
+        assert!(residual < 1e-12, "N_s = {flow}, N_t = {time}: {residual:.1e}");
+    }
+}
+
+/// A state near the uniform one, and a direction.
+fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
+    let mut noise = Noise::new(seed);
+    let state = state.iter().map(|u| u + 0.05 * noise.next()).collect::<Vec<_>>();
+    let direction = noise.vector(state.len(), 1.0);
+    (state, direction)
+}
+
+/// Jacobian products against central differences of the residual, in state and mesh.
+fn product_errors<const D: usize, const M: usize>(riemann: Riemann, viscosity: Viscosity) -> (f64, f64)
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+{
+    let orders = Orders { flow: 3, mesh: 3, time: 2 };
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, riemann, 2);
+    let (state, direction) = perturbed(&state, 1);
+    let n = state.len();
+    let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
+    let along = Noise::new(6).vector(velocities.len(), 1.0);
+    operator.set_mesh(&velocities);
+    // Small, because fluxes have kinks (the larger of two wave speeds) that a long step would cross.
+    let h = 2e-6;
+    let shifted = |u: &[f64], d: &[f64], h: f64| -> Vec<f64> { u.iter().zip(d).map(|(u, d)| u + h * d).collect() };
+    let mut at = |h: f64, mesh: bool| -> Vec<f64> {
+        operator.set_mesh(&shifted(&velocities, &along, if mesh { h } else { 0.0 }));
+        let mut r = vec![0.0; n];
+        operator.residual(&shifted(&state, &direction, h), &mut r).unwrap();
+        r
+    };
+    let mut difference = |mesh: bool| -> Vec<f64> {
+        let (ahead, behind) = (at(h, mesh), at(-h, mesh));
+        (0..n).map(|i| (ahead[i] - behind[i]) / (2.0 * h)).collect()
+    };
+    let (state_difference, both_difference) = (difference(false), difference(true));
+    operator.set_mesh(&velocities);
+    operator.linearise(&state);
+    let mut product = vec![0.0; n];
+    operator.product(&direction, &mut product);
+    let first = relative_difference(&product, &state_difference);
+    operator.product_with_mesh(&direction, &along, &mut product);
+    (first, relative_difference(&product, &both_difference))
+}
+
+#[test]
+fn products_are_the_derivative_of_the_residual() {
+    for riemann in [Riemann::LaxFriedrichs, Riemann::Hllc, Riemann::Roe] {
+        let (state, both) = product_errors::<2, 4>(riemann, Viscosity::Constant(0.02));
+        assert!(state < 1e-7 && both < 1e-7, "2-D, {riemann:?}: {state:.1e}, {both:.1e}");
+        let (state, both) = product_errors::<3, 5>(riemann, Viscosity::Constant(0.02));
+        assert!(state < 1e-7 && both < 1e-7, "3-D, {riemann:?}: {state:.1e}, {both:.1e}");
+    }
+    let (state, both) = product_errors::<2, 4>(Riemann::Roe, Viscosity::Inviscid);
+    assert!(state < 1e-7 && both < 1e-7, "inviscid: {state:.1e}, {both:.1e}");
+}
+
+/// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks against the product.
+fn block_error<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+{
+    let orders = Orders { flow: 3, mesh: 3, time: 1 };
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Roe, 2);
+    operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
+    let (state, x) = perturbed(&state, 2);
+    operator.linearise(&state);
+    let mut product = vec![0.0; state.len()];
+    operator.product(&x, &mut product);
+
+    let a = operator.space_jacobian(0.5);
+    let (dt, n) = (operator.interval().1, a.block);
+    let nodes = a.traces.nodes;
+    let mut blocks = vec![0.0; state.len()];
+    for cell in 0..operator.layout.cells {
+        for i in 0..n {
+            let row = &a.diagonal[(cell * n + i) * n..(cell * n + i + 1) * n];
+            blocks[cell * n + i] += dt * row.iter().zip(&x[cell * n..]).map(|(a, x)| a * x).sum::<f64>();
+            let mass = &a.mass[(cell * nodes + i % nodes) * nodes..][..nodes];
+            let component = &x[cell * n + i / nodes * nodes..][..nodes];
+            blocks[cell * n + i] += mass.iter().zip(component).map(|(m, x)| m * x).sum::<f64>();
+        }
+    }
+    for coupling in &a.couplings {
+        for (row, column, b) in [(0, 1, &coupling.minus_plus), (1, 0, &coupling.plus_minus)] {
+            let (t, from) = (a.traces.len(), coupling.cells[column] * n);
+            let trace = |k: usize| -> f64 {
+                let (offset, functional) = a.traces.functional(coupling.faces[column], k);
+                functional.iter().map(|&(node, w)| w * x[from + offset + node]).sum()
+            };
+            let traces: Vec<f64> = (0..t).map(trace).collect();
+            for k in 0..t {
+                let value: f64 = b[k * t..(k + 1) * t].iter().zip(&traces).map(|(b, t)| b * t).sum();
+                let (offset, functional) = a.traces.functional(coupling.faces[row], k);
+                for &(node, w) in functional {
+                    blocks[coupling.cells[row] * n + offset + node] += dt * w * value;
+                }
+            }
+        }
+    }
+    relative_difference(&blocks, &product)
+}
+
+#[test]
+fn blocks_make_the_jacobian() {
+    for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
+        let error = block_error::<2, 4>(viscosity);
+        assert!(error < 1e-12, "2-D, {viscosity:?}: {error:.1e}");
+        let error = block_error::<3, 5>(viscosity);
+        assert!(error < 1e-12, "3-D, {viscosity:?}: {error:.1e}");
+    }
+}
