@@ -116,10 +116,8 @@ mod tests {
 
     /// A chain of five nodes with 2 x 2 blocks, every block given in full, in both orders of its nodes.
     fn chain(diagonal: f64) -> BlockMatrix<2> {
-        let mut matrix = BlockMatrix::<2>::new((0..5).map(|i| vec![i + 1, i.saturating_sub(1), i + 1]).map(|mut l: Vec<usize>| {
-            l.retain(|&k| k < 5);
-            l
-        }).collect());
+        let neighbours = (0..5_usize).map(|i| (0..5_usize).filter(|k| k.abs_diff(i) <= 1).collect()).collect();
+        let mut matrix = BlockMatrix::<2>::new(neighbours);
         for node in 0..5 {
             matrix.add(node, node, &[[diagonal, 1.0], [1.0, diagonal]]);
         }

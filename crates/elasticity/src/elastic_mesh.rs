@@ -215,3 +215,6 @@ impl<const D: usize> LinearSystem for FreeNodes<'_, D> {
         &Euclidean
     }
 }
+
+#[cfg(test)]
+mod tests;

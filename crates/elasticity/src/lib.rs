@@ -30,6 +30,8 @@ mod operator;
 mod pool;
 mod slab;
 mod stiffness;
+#[cfg(test)]
+mod testing;
 
 pub use elastic_mesh::ElasticMesh;
 pub use errors::ElasticityError;

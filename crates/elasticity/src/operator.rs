@@ -155,7 +155,7 @@ fn metric<const D: usize>(batches: &Batches<D>, rule: &Rule, sampler: &Sampler<'
 }
 
 /// Products of the weights along each axis, axis 0 fastest.
-fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
+pub(crate) fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
     (0..D).fold(vec![1.0], |product, _| weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect())
 }
 
@@ -290,3 +290,6 @@ impl<const D: usize> WithSimd for CellDiagonals<'_, D> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

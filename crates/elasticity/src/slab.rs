@@ -142,3 +142,6 @@ impl<const D: usize> ElasticSlab<'_, D> {
         reports
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -143,7 +143,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
         self.mesh.set_bottom(Some(displacement));
         let mut moments = std::mem::take(&mut self.bottom_moments);
-        self.moments(bottom, &bottom_row(self.mesh.slots()), &mut moments);
+        self.moments(bottom, &self.tables.bottom_row(), &mut moments);
         self.bottom_moments = moments;
     }
 
@@ -204,6 +204,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
                 scatter(&scratch.moments_now, layout.cell_len(), out);
             });
         });
+    }
+
+    /// out += factor (W (x) M) x, with M the mass matrix at the bottom of the slab: the term of pseudo-time.
+    pub fn add_mass(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        let (layout, one) = (self.layout, self.layout.at_one_time());
+        let (mut state, mut moments) = (vec![0.0; one.len()], vec![0.0; one.len()]);
+        for (a, weight) in self.tables.time.weights().iter().enumerate() {
+            for cell in 0..layout.cells {
+                state[one.cell(cell)].copy_from_slice(&x[layout.cell_at(cell, a)]);
+            }
+            self.moments(&state, &self.tables.bottom_row(), &mut moments);
+            for cell in 0..layout.cells {
+                let out = &mut out[layout.cell_at(cell, a)];
+                out.iter_mut().zip(&moments[one.cell(cell)]).for_each(|(out, m)| *out += factor * weight * m);
+            }
+        }
     }
 
     fn position_lane(&self, cell: usize, lane: usize, row: &Matrix, packs: &mut [tensor::Pack]) {
@@ -365,11 +381,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         });
         Some(first.into_inner()).filter(|&cell| cell != usize::MAX)
     }
-}
-
-/// The row of positions at the bottom of a slab.
-fn bottom_row(slots: usize) -> Matrix {
-    Matrix::from_fn(1, slots, |_, b| if b == 0 { 1.0 } else { 0.0 })
 }
 
 fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -> TraceLayout {

@@ -177,6 +177,10 @@ impl<const D: usize> Tables<D> {
         }
     }
 
+    /// The row of positions of a slab at its bottom, which is also that of a mesh at rest.
+    pub fn bottom_row(&self) -> Matrix {
+        Matrix::from_fn(1, self.orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 })
+    }
     /// Quadrature points of a cell.
     pub fn volume_points(&self) -> usize {
         self.volume_weights.len()

@@ -142,3 +142,78 @@ pub(crate) fn interpolated_coordinates<const D: usize>(mesh: &Mesh<D>, order: us
 pub(crate) fn inverted<const D: usize>(mesh: &Mesh<D>, cell: usize, xi: &[f64; D], determinant: f64) -> MeshError {
     MeshError::Inverted { cell, reference: xi.to_vec(), position: mesh.position(cell, xi).to_vec(), determinant }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::random::SplitMix64;
+    use crate::{BoxMesh, Curving};
+
+    fn curved<const D: usize>(order: usize, curving: Curving) -> Mesh<D> {
+        BoxMesh { lower: [-1.0; D], upper: [1.0; D], cells: [2; D], order, curving, periodic: [false; D] }.build().unwrap()
+    }
+
+    #[test]
+    fn jacobian_is_the_derivative_of_the_position() {
+        let mut random = SplitMix64::new(1);
+        let mesh = curved::<3>(5, Curving::Wavy { amplitude: 0.04 });
+        for cell in 0..mesh.n_cells() {
+            let xi: [f64; 3] = from_fn(|_| 0.9 * random.symmetric());
+            let jacobian = mesh.jacobian(cell, &xi);
+            for j in 0..3 {
+                let step = |h: f64| mesh.position(cell, &from_fn(|a| xi[a] + if a == j { h } else { 0.0 }));
+                let (high, low) = (step(1e-5), step(-1e-5));
+                for i in 0..3 {
+                    assert!(((high[i] - low[i]) / 2e-5 - jacobian[i][j]).abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grids_agree_with_points() {
+        let mesh = curved::<2>(4, Curving::Smooth { amplitude: 0.04 });
+        let points = [-0.7, 0.1, 0.6];
+        let map = CellMap::<2>::on_grid(4, &points);
+        let (x, det) = (map.positions(mesh.cell_coordinates(3)), map.determinants(mesh.cell_coordinates(3)));
+        for q in 0..9 {
+            let xi = [points[q % 3], points[q / 3]];
+            assert!((0..2).all(|i| (x[q][i] - mesh.position(3, &xi)[i]).abs() < 1e-14));
+            let m = mesh.jacobian(3, &xi);
+            assert!((det[q] - (m[0][0] * m[1][1] - m[0][1] * m[1][0])).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn curving_inside_a_box_keeps_its_volume() {
+        for curving in [Curving::None, Curving::Smooth { amplitude: 0.04 }, Curving::Random { amplitude: 0.04, seed: 2 }] {
+            for order in [2, 3, 6] {
+                assert!((curved::<2>(order, curving).volume() - 4.0).abs() < 1e-13);
+                assert!((curved::<3>(order, curving).volume() - 8.0).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn volume_and_centroid_of_a_quadrilateral_by_hand() {
+        // The trapezium (0,0) (3,0) (0,2) (1,2): area 4, centroid (13/12, 5/6).
+        let coordinates = vec![0.0, 0.0, 3.0, 0.0, 0.0, 2.0, 1.0, 2.0];
+        let sides = (0..4).map(|face| crate::Side { cell: 0, face }).collect();
+        let mesh = Mesh::<2>::new(2, vec![0, 1, 2, 3], coordinates, vec![("wall".to_owned(), sides)], vec![]).unwrap();
+        let (volume, centroid) = mesh.volumes_and_centroids()[0];
+        assert!((volume - 4.0).abs() < 1e-14);
+        assert!((centroid[0] - 13.0 / 12.0).abs() < 1e-14 && (centroid[1] - 5.0 / 6.0).abs() < 1e-14);
+        assert_eq!(mesh.cell_box(0), ([0.0, 0.0], [3.0, 2.0]));
+        assert_eq!(mesh.diameter(), 13.0_f64.sqrt());
+    }
+
+    #[test]
+    fn a_higher_order_keeps_the_geometry() {
+        let mesh = curved::<3>(3, Curving::Random { amplitude: 0.04, seed: 3 });
+        let back = mesh.with_order(7).with_order(3);
+        assert_eq!((mesh.with_order(7).order(), mesh.with_order(7).nodes_per_cell()), (7, 343));
+        let distance = mesh.coordinates().iter().zip(back.coordinates()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(distance < 1e-14, "{distance}");
+    }
+}

@@ -24,15 +24,18 @@ impl Lattice {
         shape[axis] = rows;
         let mut values = vec![0.0; shape.iter().product()];
         for (input, output) in self.values.chunks_exact(stride * columns).zip(values.chunks_exact_mut(stride * rows)) {
-            for i in 0..rows {
-                let target = &mut output[i * stride..(i + 1) * stride];
-                for j in 0..columns {
-                    let (factor, source) = (matrix[(i, j)], &input[j * stride..(j + 1) * stride]);
-                    target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
-                }
+            match stride {
+                1 => matrix.apply(input, output),
+                _ => apply_to_rows(matrix, stride, input, output),
             }
         }
         Lattice { shape, values }
+    }
+
+    /// `matrix(axis)` applied along every axis, the last first: that is the cheapest order where lattices shrink.
+    pub(crate) fn apply_each<'a>(&self, matrix: impl Fn(usize) -> &'a Matrix) -> Lattice {
+        let last = self.shape.len() - 1;
+        (0..last).rev().fold(self.apply(last, matrix(last)), |lattice, axis| lattice.apply(axis, matrix(axis)))
     }
 
     /// The digits of `index`, one per axis.
@@ -43,5 +46,14 @@ impl Lattice {
             digit
         };
         self.shape.iter().map(&mut digit).collect()
+    }
+}
+
+/// output[i] = sum_j matrix[i][j] input[j] for rows of `stride` numbers.
+fn apply_to_rows(matrix: &Matrix, stride: usize, input: &[f64], output: &mut [f64]) {
+    for (i, target) in output.chunks_exact_mut(stride).enumerate() {
+        for (factor, source) in matrix.row(i).iter().zip(input.chunks_exact(stride)) {
+            target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
+        }
     }
 }

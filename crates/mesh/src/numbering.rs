@@ -141,3 +141,131 @@ impl Classes {
         (count, numbers)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::mesh::point;
+    use crate::scramble::Turn;
+    use crate::{BoxMesh, Curving};
+
+    fn wavy_box<const D: usize>(cells: [usize; D], periodic: [bool; D]) -> Mesh<D> {
+        let curving = Curving::Wavy { amplitude: 0.03 };
+        BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 3, curving, periodic }.build().unwrap()
+    }
+
+    /// Nodes of order n with the same number are at the same place, up to periods of 1 along the periodic axes, and different
+    /// numbers are at different places.
+    fn assert_numbers_are_places<const D: usize>(mesh: &Mesh<D>, n: usize, periodic: [bool; D]) {
+        let numbering = NodeNumbering::new(mesh, n);
+        let fine = mesh.with_order(n);
+        let mut places: Vec<Option<[f64; D]>> = vec![None; numbering.count];
+        let distance = |x: &[f64; D], y: &[f64; D]| {
+            let along = |a: usize| (x[a] - y[a]) - if periodic[a] { (x[a] - y[a]).round() } else { 0.0 };
+            (0..D).map(|a| along(a).abs()).fold(0.0, f64::max)
+        };
+        for cell in 0..mesh.n_cells() {
+            for (k, &number) in numbering.cell(cell).iter().enumerate() {
+                let x = point(fine.cell_coordinates(cell), k);
+                let place = places[number].get_or_insert(x);
+                assert!(distance(place, &x) < 1e-13, "node {number} is at {place:?} and at {x:?}");
+            }
+        }
+        let places: Vec<[f64; D]> = places.into_iter().map(Option::unwrap).collect();
+        for (i, x) in places.iter().enumerate() {
+            assert!(places[..i].iter().all(|y| distance(x, y) > 1e-6), "two nodes at {x:?}");
+        }
+    }
+
+    fn every_pair_of_rotations<const D: usize>(orders: &[usize]) {
+        let mut cells = [1; D];
+        cells[0] = 2;
+        let mesh = wavy_box(cells, [false; D]);
+        let rotations: Vec<_> = Turn::<D>::all().into_iter().filter(Turn::is_rotation).collect();
+        for first in &rotations {
+            for second in &rotations {
+                let turned = mesh.turned(&[*first, *second]);
+                for &n in orders {
+                    let numbering = NodeNumbering::new(&turned, n);
+                    assert_eq!(numbering.count, (2 * n - 1) * n.pow(D as u32 - 1));
+                    assert_numbers_are_places(&turned, n, [false; D]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn two_quadrilaterals_in_every_rotation() {
+        every_pair_of_rotations::<2>(&[2, 3, 4, 7]);
+    }
+
+    #[test]
+    fn two_hexahedra_in_every_rotation() {
+        every_pair_of_rotations::<3>(&[2, 3, 4]);
+    }
+
+    #[test]
+    fn scrambled_boxes() {
+        let mesh = wavy_box([3, 2], [false; 2]).scrambled(5);
+        assert_numbers_are_places(&mesh, 5, [false; 2]);
+        let mesh = wavy_box([2, 2, 2], [false; 3]).scrambled(5);
+        assert_numbers_are_places(&mesh, 4, [false; 3]);
+    }
+
+    #[test]
+    fn periodic_boxes_have_as_many_nodes_as_a_torus() {
+        for cells in [[1, 1], [2, 1], [3, 4]] {
+            let mesh = wavy_box(cells, [true; 2]).scrambled(1);
+            assert_eq!(NodeNumbering::new(&mesh, 5).count, 16 * cells[0] * cells[1]);
+            assert_numbers_are_places(&mesh, 5, [true; 2]);
+        }
+        for cells in [[1, 1, 1], [1, 2, 3]] {
+            let mesh = wavy_box(cells, [true, false, true]).scrambled(1);
+            assert_eq!(NodeNumbering::new(&mesh, 4).count, 9 * cells[0] * cells[2] * (3 * cells[1] + 1));
+            assert_numbers_are_places(&mesh, 4, [true, false, true]);
+        }
+    }
+
+    /// Of a 2 x 2 (x 2) box only two opposite cells are kept, turned: they touch in a vertex; in 3-D also in an edge.
+    fn two_touching_cells<const D: usize>(cells: [usize; D], keep: [usize; 2]) -> Mesh<D> {
+        let whole = wavy_box(cells, [false; D]).scrambled(9);
+        let corners = keep.iter().flat_map(|&cell| whole.corners(cell).to_vec()).collect();
+        let coordinates = keep.iter().flat_map(|&cell| whole.cell_coordinates(cell).to_vec()).collect();
+        let sides = (0..2).flat_map(|cell| (0..2 * D).map(move |face| Side { cell, face })).collect();
+        Mesh::new(3, corners, coordinates, vec![("all".to_owned(), sides)], vec![]).unwrap()
+    }
+
+    #[test]
+    fn cells_that_touch_in_a_vertex_or_an_edge_share_its_nodes() {
+        let n = 5;
+        for (mesh, shared) in [(two_touching_cells([2, 2, 1], [0, 3]), n), (two_touching_cells([2, 2, 2], [0, 7]), 1)] {
+            assert_eq!(NodeNumbering::new(&mesh, n).count, 2 * n.pow(3) - shared);
+            assert_numbers_are_places(&mesh, n, [false; 3]);
+        }
+        assert_eq!(NodeNumbering::new(&two_touching_cells([2, 2], [0, 3]), n).count, 2 * n * n - 1);
+    }
+
+    #[test]
+    fn nodes_on_a_boundary_are_those_on_its_side() {
+        let mesh = BoxMesh { curving: Curving::None, ..unit_box() }.build().unwrap().scrambled(3);
+        let numbering = NodeNumbering::new(&mesh, 4);
+        let fine = mesh.with_order(4);
+        for (boundary, name) in mesh.boundary_names().iter().enumerate() {
+            let side = crate::generate::BOX_BOUNDARIES.iter().position(|n| n == name).unwrap();
+            let on_side = |x: &[f64; 3]| (x[side / 2] - (side % 2) as f64).abs() < 1e-12;
+            let cells = (0..mesh.n_cells()).flat_map(|cell| numbering.cell(cell).iter().enumerate().map(move |(k, g)| (cell, k, *g)));
+            let mut expected: Vec<usize> =
+                cells.filter(|&(cell, k, _)| on_side(&point(fine.cell_coordinates(cell), k))).map(|node| node.2).collect();
+            expected.sort_unstable();
+            expected.dedup();
+            assert_eq!(numbering.on_boundary(&mesh, boundary), expected);
+        }
+        assert_eq!(mesh.boundary_names().len(), 6);
+    }
+
+    fn unit_box() -> BoxMesh<3> {
+        let curving = Curving::None;
+        BoxMesh { lower: [0.0; 3], upper: [1.0; 3], cells: [2, 3, 1], order: 2, curving, periodic: [false; 3] }
+    }
+}

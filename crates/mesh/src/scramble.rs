@@ -101,3 +101,115 @@ fn turned_facet<const D: usize>(facet: &InteriorFacet, turns: &[Turn<D>]) -> Int
         periodic: facet.periodic,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{BoxMesh, Curving, MeshError, axis_and_side, outward_sign, tangent_sign};
+    use tensor::cofactor;
+
+    fn two_cells<const D: usize>() -> Mesh<D> {
+        let mut cells = [1; D];
+        cells[0] = 2;
+        let curving = Curving::Wavy { amplitude: 0.04 };
+        BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 4, curving, periodic: [false; D] }.build().unwrap()
+    }
+
+    /// The same mesh, its facets found again from corners and names.
+    fn rebuilt<const D: usize>(mesh: &Mesh<D>) -> Result<Mesh<D>, MeshError> {
+        let sides = |boundary| {
+            let facets = mesh.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
+            facets.map(|facet| facet.side).collect()
+        };
+        let boundaries = mesh.boundary_names.iter().cloned().enumerate().map(|(i, name)| (name, sides(i))).collect();
+        Mesh::new(mesh.order, mesh.corners.clone(), mesh.coordinates.clone(), boundaries, vec![])
+    }
+
+    /// The two sides of each facet have the same nodes and opposite normals of the same length (where not periodic).
+    fn assert_sides_meet<const D: usize>(mesh: &Mesh<D>, periods: [f64; D]) {
+        for facet in mesh.interior_facets() {
+            let n = mesh.order();
+            let (minus, plus) = (mesh.face_positions(facet.minus, n), mesh.face_positions(facet.plus, n));
+            let (minus_normals, plus_normals) = (area_normals(mesh, facet.minus), area_normals(mesh, facet.plus));
+            for i in 0..minus.len() {
+                let j = facet.orientation.plus_index(D - 1, n, i);
+                for a in 0..D {
+                    let gap = (minus[i][a] - plus[j][a]).abs();
+                    assert!(gap < 1e-13 || facet.periodic && (gap - periods[a]).abs() < 1e-13, "{facet:?}");
+                    assert!((minus_normals[i][a] + plus_normals[j][a]).abs() < 1e-12, "{facet:?}");
+                }
+            }
+        }
+    }
+
+    /// Outward normals times area at the nodes of a face, sign det J J^{-T} e_axis, and by tangents: they must agree.
+    fn area_normals<const D: usize>(mesh: &Mesh<D>, side: Side) -> Vec<[f64; D]> {
+        let nodes = basis::gauss_lobatto(mesh.order()).points;
+        let jacobians = crate::CellMap::<D>::on_grid(mesh.order(), &nodes).jacobians(mesh.cell_coordinates(side.cell));
+        let (axis, _) = axis_and_side(side.face);
+        let normal = |k: usize| cofactor(&jacobians[k]).map(|row| outward_sign(side.face) * row[axis]);
+        let by_tangents = |k: usize| tangent_normal(&jacobians[k], axis).map(|x| tangent_sign(side.face) * x);
+        let face = face_nodes(D, mesh.order(), side.face);
+        for &k in &face {
+            assert!((0..D).all(|i| (normal(k)[i] - by_tangents(k)[i]).abs() < 1e-13));
+        }
+        face.into_iter().map(normal).collect()
+    }
+
+    /// t_0 x t_1 of the tangents along the axes of the face's lattice; in 2-D (t_y, -t_x).
+    fn tangent_normal<const D: usize>(jacobian: &[[f64; D]; D], axis: usize) -> [f64; D] {
+        let t: Vec<[f64; D]> = (0..D).filter(|&a| a != axis).map(|a| jacobian.map(|row| row[a])).collect();
+        std::array::from_fn(|i| match D {
+            2 => [t[0][1], -t[0][0]][i],
+            _ => t[0][(i + 1) % 3] * t[1][(i + 2) % 3] - t[0][(i + 2) % 3] * t[1][(i + 1) % 3],
+        })
+    }
+
+    fn every_turn<const D: usize>(rotations: usize) {
+        let mesh = two_cells::<D>();
+        let identity = Turn { axes: std::array::from_fn(|a| a), reversed: [false; D] };
+        let mut right_handed = 0;
+        for turn in Turn::<D>::all() {
+            let turned = mesh.turned(&[identity, turn]);
+            if turn.is_rotation() {
+                right_handed += 1;
+                assert_sides_meet(&turned, [0.0; D]);
+                assert_eq!(rebuilt(&turned).unwrap(), turned);
+            } else {
+                assert!(matches!(rebuilt(&turned), Err(MeshError::Inverted { cell: 1, determinant, .. }) if determinant < 0.0));
+            }
+        }
+        assert_eq!((right_handed, Turn::<D>::all().len()), (rotations, 2 * rotations));
+    }
+
+    #[test]
+    fn quadrilaterals_meet_in_4_rotations() {
+        every_turn::<2>(4);
+    }
+
+    #[test]
+    fn hexahedra_meet_in_24_rotations() {
+        every_turn::<3>(24);
+    }
+
+    #[test]
+    fn scrambled_periodic_boxes_meet_in_every_orientation() {
+        let curving = Curving::Random { amplitude: 0.03, seed: 4 };
+        let mesh = BoxMesh { lower: [0.0; 3], upper: [1.0, 2.0, 3.0], cells: [3, 1, 8], order: 4, curving, periodic: [true; 3] };
+        let mesh = mesh.build().unwrap().scrambled(7);
+        assert_sides_meet(&mesh, [1.0, 2.0, 3.0]);
+        let mut orientations: Vec<Orientation> = mesh.interior_facets().iter().map(|facet| facet.orientation).collect();
+        orientations.sort_unstable();
+        orientations.dedup();
+        assert_eq!(orientations.len(), 8);
+        assert_eq!(mesh.interior_facets().len(), 3 * mesh.n_cells());
+    }
+
+    #[test]
+    fn scrambling_depends_on_the_seed_only() {
+        let mesh = two_cells::<3>();
+        assert_eq!(mesh.scrambled(3), mesh.scrambled(3));
+        assert_ne!(mesh.scrambled(3), mesh.scrambled(4));
+    }
+}

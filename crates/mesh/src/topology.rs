@@ -105,3 +105,147 @@ fn keep_named<const D: usize>(mesh: &mut Mesh<D>, boundaries: Vec<(String, Vec<S
         mesh.boundary_names.push(name);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{BoxMesh, Curving};
+
+    /// Two unit squares side by side, order 2, before any check.
+    struct Parts {
+        order: usize,
+        corners: Vec<usize>,
+        coordinates: Vec<f64>,
+        boundaries: Vec<(String, Vec<Side>)>,
+        periodic: Vec<PeriodicPair<2>>,
+    }
+
+    fn side(cell: usize, face: usize) -> Side {
+        Side { cell, face }
+    }
+
+    fn two_squares() -> Parts {
+        let corners = vec![0, 1, 3, 4, 1, 2, 4, 5];
+        let coordinates = corners.iter().flat_map(|&v| [(v % 3) as f64, (v / 3) as f64]).collect();
+        let named = |name: &str, sides: &[Side]| (name.to_owned(), sides.to_vec());
+        let boundaries = vec![
+            named("inflow", &[side(0, 0)]),
+            named("outflow", &[side(1, 1)]),
+            named("wall", &[side(0, 2), side(1, 2), side(0, 3), side(1, 3)]),
+        ];
+        Parts { order: 2, corners, coordinates, boundaries, periodic: vec![] }
+    }
+
+    impl Parts {
+        fn build(self) -> Result<Mesh<2>, MeshError> {
+            Mesh::new(self.order, self.corners, self.coordinates, self.boundaries, self.periodic)
+        }
+        fn refused(mut self, spoil: impl FnOnce(&mut Self)) -> MeshError {
+            spoil(&mut self);
+            self.build().unwrap_err()
+        }
+    }
+
+    #[test]
+    fn two_squares_have_one_facet_and_six_sides() {
+        let mesh = two_squares().build().unwrap();
+        let orientation = Orientation::default();
+        let facet = InteriorFacet { minus: side(0, 1), plus: side(1, 0), orientation, periodic: false };
+        assert_eq!(mesh.interior_facets(), [facet]);
+        let listed: Vec<_> = mesh.boundary_facets().iter().map(|f| (f.boundary, f.side.cell, f.side.face)).collect();
+        assert_eq!(listed, [(0, 0, 0), (1, 1, 1), (2, 0, 2), (2, 0, 3), (2, 1, 2), (2, 1, 3)]);
+        assert_eq!(mesh.boundary_names(), ["inflow", "outflow", "wall"]);
+    }
+
+    #[test]
+    fn a_periodic_pair_becomes_a_facet_and_loses_its_names() {
+        let mut parts = two_squares();
+        parts.periodic.push(PeriodicPair { minus: 1, plus: 0, translation: [-2.0, 0.0] });
+        let mesh = parts.build().unwrap();
+        assert_eq!(mesh.boundary_names(), ["wall"]);
+        assert!(mesh.boundary_facets().iter().all(|facet| facet.boundary == 0));
+        let facet = mesh.interior_facets()[1];
+        assert_eq!((facet.minus, facet.plus, facet.periodic), (side(1, 1), side(0, 0), true));
+    }
+
+    #[test]
+    fn bad_arrays_are_refused() {
+        for order in [0, 1, 17] {
+            assert_eq!(two_squares().refused(|p| p.order = order), MeshError::Order { order });
+        }
+        let error = two_squares().refused(|p| p.coordinates.truncate(15));
+        assert_eq!(error, MeshError::Length { array: "coordinates", found: 15, expected: 16 });
+        let error = two_squares().refused(|p| p.corners.truncate(7));
+        assert_eq!(error, MeshError::Length { array: "corners", found: 7, expected: 4 });
+        assert!(matches!(two_squares().refused(|p| p.corners.clear()), MeshError::Length { found: 0, .. }));
+        let error = two_squares().refused(|p| p.coordinates[9] = f64::INFINITY);
+        assert_eq!(error, MeshError::NotFinite { cell: 1, value: f64::INFINITY });
+    }
+
+    #[test]
+    fn bad_boundaries_are_refused() {
+        let error = two_squares().refused(|p| p.boundaries.truncate(1));
+        assert_eq!(error, MeshError::Unnamed { cell: 0, face: 2, position: vec![0.5, 0.0] });
+        assert!(error.to_string().contains("face 2 of cell 0") && error.to_string().contains("boundary without a name"));
+        let error = two_squares().refused(|p| p.boundaries[1].0 = "inflow".to_owned());
+        assert_eq!(error, MeshError::NameTwice { name: "inflow".to_owned() });
+        let error = two_squares().refused(|p| p.boundaries[2].1.push(side(1, 1)));
+        assert!(matches!(error, MeshError::TwoBoundaries { cell: 1, face: 1, first, second } if (first == "outflow") && second == "wall"));
+        let error = two_squares().refused(|p| p.boundaries[0].1.push(side(1, 0)));
+        assert!(matches!(error, MeshError::Inside { name, position, .. } if name == "inflow" && position == [1.0, 0.5]));
+        for wrong in [side(2, 0), side(0, 4)] {
+            let error = two_squares().refused(|p| p.boundaries[0].1.push(wrong));
+            assert!(matches!(error, MeshError::NoSuchFace { cell, face, .. } if side(cell, face) == wrong));
+        }
+    }
+
+    #[test]
+    fn bad_cells_are_refused() {
+        // Cell 1 mirrored: its corners are ordered left-handed.
+        let error = two_squares().refused(|p| {
+            p.coordinates[8..].copy_from_slice(&[2.0, 0.0, 1.0, 0.0, 2.0, 1.0, 1.0, 1.0]);
+            p.corners[4..].copy_from_slice(&[2, 1, 5, 4]);
+            p.boundaries[1].1[0].face = 0;
+        });
+        assert!(matches!(error, MeshError::Inverted { cell: 1, determinant: -0.25, .. }), "{error}");
+        // Cell 1 moved away from the vertices that it claims.
+        let error = two_squares().refused(|p| p.coordinates[9] -= 0.125);
+        assert!(matches!(error, MeshError::Gap { minus: 0, plus: 1, distance: 0.125, .. }), "{error}");
+        // A third cell on the facet between the two.
+        let error = two_squares().refused(|p| {
+            p.corners.extend([1, 6, 4, 7]);
+            p.coordinates.extend([1.0, 0.0, 2.0, 0.5, 1.0, 1.0, 2.0, 1.5]);
+        });
+        assert!(matches!(error, MeshError::NonManifold { count: 3, .. }), "{error}");
+        // A corner collapsed onto its neighbour: det J = 0 there.
+        let mut parts = two_squares();
+        parts.coordinates[12..16].copy_from_slice(&[1.0, 1.0, 1.0, 1.0]);
+        assert!(matches!(parts.build(), Err(MeshError::Inverted { cell: 1, .. } | MeshError::Degenerate { cell: 1, .. })));
+    }
+
+    #[test]
+    fn bad_periodic_pairs_are_refused() {
+        let pair = |minus, plus, x| PeriodicPair { minus, plus, translation: [x, 0.0] };
+        let error = two_squares().refused(|p| p.periodic.push(pair(1, 0, -1.875)));
+        assert!(matches!(&error, MeshError::PeriodicMismatch { distance: 0.125, minus, .. } if minus == "outflow"), "{error}");
+        let error = two_squares().refused(|p| p.periodic.push(pair(1, 2, 0.0)));
+        assert!(matches!(error, MeshError::PairCount { minus_faces: 1, plus_faces: 4, .. }));
+        for (pairs, wrong) in [(vec![pair(1, 3, 0.0)], 3), (vec![pair(1, 1, 0.0)], 1), (vec![pair(1, 0, -2.0), pair(0, 2, 0.0)], 0)] {
+            let pair = pairs.len() - 1;
+            assert_eq!(two_squares().refused(|p| p.periodic = pairs), MeshError::PairBoundary { pair, boundary: wrong, count: 3 });
+        }
+    }
+
+    #[test]
+    fn a_periodic_pair_with_different_curves_is_refused() {
+        let curving = Curving::Wavy { amplitude: 0.02 };
+        let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [1, 1], order: 4, curving, periodic: [false; 2] }.build().unwrap();
+        let mut coordinates = mesh.coordinates.clone();
+        coordinates[2 * 4] += 1e-3;
+        let boundaries = (0..4).map(|face| (face.to_string(), vec![side(0, face)])).collect();
+        let periodic = vec![PeriodicPair { minus: 1, plus: 0, translation: [-1.0, 0.0] }];
+        let error = Mesh::new(4, mesh.corners.clone(), coordinates, boundaries, periodic).unwrap_err();
+        assert!(matches!(error, MeshError::PeriodicMismatch { distance, .. } if (distance - 1e-3).abs() < 1e-12), "{error}");
+    }
+}

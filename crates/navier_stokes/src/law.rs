@@ -103,14 +103,8 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)> {
         let u = Conserved::<f64, D>::unpack(u);
         let pressure = self.gas.pressure(&u, &u.velocity());
-        // Written so that NaN is inadmissible.
-        if !(u.density > 0.0) {
-            Some(("density", u.density))
-        } else if !(pressure > 0.0) {
-            Some(("pressure", pressure))
-        } else {
-            None
-        }
+        let quantities = [("density", u.density), ("pressure", pressure)];
+        quantities.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0)
     }
 
     fn scales(&self) -> [f64; M] {

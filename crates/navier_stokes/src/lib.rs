@@ -23,9 +23,7 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use boundary::{
-    AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall,
-};
+pub use boundary::{AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall};
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
 pub use gas::{Gas, Viscosity};

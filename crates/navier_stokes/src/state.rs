@@ -2,6 +2,7 @@
 //!
 //! Kernels carry the conserved state as an array `[T; M]`, M = D + 2: density, momentum, total energy per volume.
 
+use crate::error::{InvalidParameter, finite, positive};
 use crate::gas::Gas;
 use tensor::{Over, Real, dot};
 
@@ -33,9 +34,7 @@ impl<T: Real, const D: usize> Conserved<T, D> {
     pub fn unpack<const M: usize>(u: &[T; M]) -> Self {
         const { assert!(M == D + 2, "a state has a density, D momenta and an energy") };
         let mut momentum = [u[0]; D];
-        for i in 0..D {
-            momentum[i] = u[1 + i];
-        }
+        momentum.copy_from_slice(&u[1..1 + D]);
         Conserved { density: u[0], momentum, energy: u[M - 1] }
     }
     /// The components in the order of the unknowns.
@@ -77,6 +76,16 @@ impl<T: Real, const D: usize> Primitive<T, D> {
 }
 
 impl<const D: usize> Primitive<f64, D> {
+    /// The state itself.
+    ///
+    /// # Errors
+    /// A density or pressure that is not positive, a velocity that is not finite.
+    pub fn checked(self) -> Result<Self, InvalidParameter> {
+        positive("density", self.density)?;
+        positive("pressure", self.pressure)?;
+        finite("velocity", self.velocity)?;
+        Ok(self)
+    }
     /// The same constants in the kind of `like`.
     #[inline(always)]
     pub fn constant<T: Real>(&self, like: T) -> Primitive<T, D> {
@@ -93,9 +102,7 @@ impl<const D: usize> Primitive<f64, D> {
 pub(crate) fn components<T: Real, const D: usize, const M: usize>(mass: T, momentum: &[T; D], energy: T) -> [T; M] {
     const { assert!(M == D + 2, "a state has a density, D momenta and an energy") };
     let mut u = [mass; M];
-    for i in 0..D {
-        u[1 + i] = momentum[i];
-    }
+    u[1..1 + D].copy_from_slice(momentum);
     u[M - 1] = energy;
     u
 }

@@ -106,19 +106,20 @@ pub fn solve(
     let mut report = Report { iterations: 0, initial_norm, final_norm: initial_norm };
     workspace.history.push(initial_norm);
     let mut r_z_old = f64::INFINITY;
-    while !(report.final_norm <= target) {
+    loop {
+        if report.final_norm <= target {
+            return Ok(report);
+        }
         if report.iterations >= settings.max_iterations {
             return Err(Error::MaxIterations(report));
         }
         r_z_old = next_direction(system, workspace, r_z_old)
             .map_err(|product| Error::IndefinitePreconditioner { product, report })?;
-        advance(system, x, workspace, r_z_old)
-            .map_err(|curvature| Error::IndefiniteOperator { curvature, report })?;
+        advance(system, x, workspace, r_z_old).map_err(|curvature| Error::IndefiniteOperator { curvature, report })?;
         report.iterations += 1;
         report.final_norm = system.inner_product().norm(&workspace.r);
         workspace.history.push(report.final_norm);
     }
-    Ok(report)
 }
 
 /// r := b - A x; returns |r|. No product is spent on x = 0.
@@ -163,4 +164,116 @@ fn advance(
 /// The value if it is positive and finite, otherwise the value as an error.
 fn positive(value: f64) -> Result<f64, f64> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::inner_product::{Euclidean, InnerProduct};
+    use crate::operator::{Identity, LinearOperator, Preconditioned, Preconditioner};
+    use crate::test_problems::{Action, Diagonal, bits, laplacian, scattered, with_threads};
+
+    /// Solves from zero.
+    fn run(
+        operator: &mut dyn LinearOperator,
+        preconditioner: &mut dyn Preconditioner,
+        b: &[f64],
+        workspace: &mut Workspace,
+    ) -> (Vec<f64>, Result<Report, Error>) {
+        let mut x = vec![0.0; b.len()];
+        let mut system = Preconditioned { operator, preconditioner, inner_product: &Euclidean };
+        let result = solve(&mut system, b, &mut x, &Settings::default(), workspace);
+        (x, result)
+    }
+
+    /// -u'' = 1 on n inner points: u = x (1 - x) / 2 at the points, exactly.
+    #[test]
+    fn solves_the_poisson_problem() {
+        let n = 99;
+        let h = 1.0 / (n + 1) as f64;
+        let (u, result) = run(&mut Action(laplacian), &mut Identity, &vec![h * h; n], &mut Workspace::default());
+        for (i, u_i) in u.iter().enumerate() {
+            let x = (i + 1) as f64 * h;
+            assert!((u_i - 0.5 * x * (1.0 - x)).abs() <= 1e-11);
+        }
+        // The right-hand side is symmetric about the middle: half of the eigenvectors do not occur.
+        assert_eq!(result.unwrap().iterations, 50);
+    }
+
+    #[test]
+    fn needs_as_many_iterations_as_there_are_eigenvalues_of_the_preconditioned_operator() {
+        let mut workspace = Workspace::default();
+        for eigenvalues in 1..=6 {
+            let diagonal: Vec<f64> = (0..50).map(|i| (1 + i % eigenvalues) as f64).collect();
+            let mut inverse = Action(|r: &[f64], z: &mut [f64]| (0..50).for_each(|i| z[i] = r[i] / diagonal[i]));
+            let mut a = Diagonal(diagonal.clone());
+            let (_, plain) = run(&mut a, &mut Identity, &scattered(50), &mut workspace);
+            let (_, exact) = run(&mut a, &mut inverse, &scattered(50), &mut workspace);
+            assert_eq!((plain.unwrap().iterations, exact.unwrap().iterations), (eigenvalues, 1));
+        }
+    }
+
+    /// |e_k|_A <= 2 ((sqrt(kappa) - 1) / (sqrt(kappa) + 1))^k |e_0|_A
+    #[test]
+    fn converges_as_fast_as_the_condition_number_promises() {
+        let diagonal: Vec<f64> = (0..200).map(|i| 1.0 + 99.0 * i as f64 / 199.0).collect();
+        let b = scattered(200);
+        let exact: Vec<f64> = b.iter().zip(&diagonal).map(|(b_i, d)| b_i / d).collect();
+        let energy = |x: &[f64]| -> f64 { (0..200).map(|i| diagonal[i] * (x[i] - exact[i]).powi(2)).sum::<f64>() };
+        for k in [5, 10, 20, 40] {
+            let mut x = vec![0.0; 200];
+            let mut a = Diagonal(diagonal.clone());
+            let mut system =
+                Preconditioned { operator: &mut a, preconditioner: &mut Identity, inner_product: &Euclidean };
+            let settings = Settings { max_iterations: k, ..Settings::default() };
+            let error = solve(&mut system, &b, &mut x, &settings, &mut Workspace::default()).unwrap_err();
+            assert!(matches!(error, Error::MaxIterations(Report { iterations, .. }) if iterations == k));
+            let bound = 2.0 * (9.0_f64 / 11.0).powi(k as i32);
+            assert!((energy(&x) / energy(&[0.0; 200])).sqrt() <= bound);
+        }
+    }
+
+    #[test]
+    fn an_indefinite_operator_is_an_error_with_the_curvature() {
+        let (_, result) = run(&mut Diagonal(vec![1.0, -3.0]), &mut Identity, &[1.0, 1.0], &mut Workspace::default());
+        assert!(matches!(result, Err(Error::IndefiniteOperator { curvature: -2.0, .. })));
+        let (_, result) = run(&mut Diagonal(vec![f64::NAN]), &mut Identity, &[1.0], &mut Workspace::default());
+        assert!(matches!(result, Err(Error::IndefiniteOperator { curvature, .. }) if curvature.is_nan()));
+    }
+
+    #[test]
+    fn an_indefinite_preconditioner_is_an_error_with_the_product() {
+        let mut minus = Action(|r: &[f64], z: &mut [f64]| z[0] = -4.0 * r[0]);
+        let (_, result) = run(&mut Diagonal(vec![1.0]), &mut minus, &[1.0], &mut Workspace::default());
+        assert!(matches!(result, Err(Error::IndefinitePreconditioner { product: -4.0, .. })));
+    }
+
+    #[test]
+    fn starts_from_the_guess() {
+        let mut x = vec![2.0, 1.0];
+        let mut a = Diagonal(vec![1.0, 2.0]);
+        let mut system = Preconditioned { operator: &mut a, preconditioner: &mut Identity, inner_product: &Euclidean };
+        let mut workspace = Workspace::default();
+        let report = solve(&mut system, &[2.0, 3.0], &mut x, &Settings::default(), &mut workspace).unwrap();
+        assert_eq!((report.iterations, report.initial_norm, x), (1, 1.0, vec![2.0, 1.5]));
+        assert_eq!(workspace.history(), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn same_bits_on_one_two_and_three_threads() {
+        let b = scattered(50_001);
+        let run = || {
+            let mut a = Action(|x: &[f64], y: &mut [f64]| {
+                laplacian(x, y);
+                axpy(0.5, x, y);
+            });
+            let (x, result) = run(&mut a, &mut Identity, &b, &mut Workspace::default());
+            assert!(result.unwrap().final_norm <= 1e-10 * Euclidean.norm(&b));
+            bits(&x)
+        };
+        let one = with_threads(1, run);
+        assert_eq!(one, with_threads(2, run));
+        assert_eq!(one, with_threads(3, run));
+    }
 }

@@ -33,13 +33,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            relative_tolerance: 1e-6,
-            absolute_tolerance: 0.0,
-            restart: 60,
-            max_iterations: 300,
-            stagnation: 0.999,
-        }
+        Self { relative_tolerance: 1e-6, absolute_tolerance: 0.0, restart: 60, max_iterations: 300, stagnation: 0.999 }
     }
 }
 
@@ -254,3 +248,6 @@ fn update(x: &mut [f64], workspace: &mut Workspace) {
     let y = workspace.least_squares.solve();
     add_combination(y, &workspace.preconditioned, x);
 }
+
+#[cfg(test)]
+mod tests;

@@ -117,3 +117,75 @@ impl<P: NonlinearProblem + ?Sized> NonlinearProblem for FiniteDifference<'_, P> 
         self.problem.largest_step(z, increment)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::inner_product::Euclidean;
+    use crate::newton;
+    use crate::test_problems::{Bratu, Small, scattered};
+
+    /// The relative difference of the quotient from the exact action, at a state and in a direction without structure.
+    fn error(scheme: Scheme) -> f64 {
+        let (z, d) = (scattered(30), scattered(60)[30..].to_vec());
+        let mut exact = vec![0.0; 30];
+        let mut quotient = vec![0.0; 30];
+        let mut problem = Bratu::new(30);
+        problem.linearise(&z, &[0.0]).unwrap();
+        problem.jacobian_product(&d, &mut exact);
+        let mut difference = FiniteDifference::new(&mut problem, scheme);
+        difference.linearise(&z, &[0.0]).unwrap();
+        difference.jacobian_product(&d, &mut quotient);
+        axpy(-1.0, &exact, &mut quotient);
+        Euclidean.norm(&quotient) / Euclidean.norm(&exact)
+    }
+
+    #[test]
+    fn differences_agree_with_the_exact_action() {
+        assert!(error(Scheme::OneSided) <= 1e-7);
+        assert!(error(Scheme::Central) <= 1e-10);
+    }
+
+    #[test]
+    fn the_derivative_in_direction_zero_is_zero() {
+        let mut problem = Bratu::new(3);
+        let mut difference = FiniteDifference::new(&mut problem, Scheme::Central);
+        difference.linearise(&[0.0; 3], &[0.0]).unwrap();
+        let mut out = [1.0; 3];
+        difference.jacobian_product(&[0.0; 3], &mut out);
+        assert_eq!(out, [0.0; 3]);
+    }
+
+    #[test]
+    fn newton_takes_as_many_steps_with_differences_as_with_the_exact_action() {
+        let solve = |problem: &mut dyn NonlinearProblem| {
+            let mut z = vec![0.0; 63];
+            newton::solve(problem, &mut z, None, &newton::Settings::default(), &mut newton::Workspace::default())
+                .unwrap()
+        };
+        let mut problem = Bratu::new(63);
+        let exact = solve(&mut problem).steps.len();
+        for scheme in [Scheme::OneSided, Scheme::Central] {
+            assert_eq!(solve(&mut FiniteDifference::new(&mut problem, scheme)).steps.len(), exact);
+        }
+    }
+
+    #[test]
+    fn an_undefined_residual_next_to_the_state_is_a_typed_failure() {
+        let at_the_edge = |z: &[f64]| match z[0] {
+            x if x > 1.0 => Err(Inadmissible { quantity: "x".into(), value: x, location: "beyond 1".into() }),
+            x => Ok(vec![x - 2.0]),
+        };
+        let mut problem = Small::new(1, at_the_edge, |_| vec![vec![1.0]]);
+        let mut difference = FiniteDifference::new(&mut problem, Scheme::OneSided);
+        let result = newton::solve(
+            &mut difference,
+            &mut [1.0],
+            None,
+            &newton::Settings::default(),
+            &mut newton::Workspace::default(),
+        );
+        assert!(matches!(result, Err(newton::Error::Krylov { .. })));
+    }
+}

@@ -43,6 +43,48 @@ impl Settings {
             let memory = self.gamma * old.forcing.powi(2);
             if memory > 0.1 { eta.max(memory) } else { eta }
         });
-        eta.clamp(self.minimum, self.maximum).max(0.5 * tolerance / norm)
+        eta.min(self.maximum).max(self.minimum).max(0.5 * tolerance / norm)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOOSE: Settings = Settings { initial: 0.5, gamma: 0.9, minimum: 1e-6, maximum: 0.9 };
+
+    fn next(settings: &Settings, norm: f64, old_norm: f64, old_forcing: f64, tolerance: f64) -> f64 {
+        settings.next(norm, Some(Previous { norm: old_norm, forcing: old_forcing }), tolerance)
+    }
+
+    #[test]
+    fn the_first_step_takes_the_initial_value() {
+        assert_eq!(Settings::default().next(1.0, None, 1e-8), 0.1);
+        assert_eq!(LOOSE.next(1.0, None, 1e-8), 0.5);
+    }
+
+    #[test]
+    fn choice_2_is_gamma_times_the_squared_reduction() {
+        approx::assert_relative_eq!(next(&LOOSE, 0.02, 1.0, 0.1, 0.0), 0.9 * 4e-4, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn a_single_good_step_does_not_tighten_at_once() {
+        // 0.9 x 0.5^2 = 0.225 > 0.1 is remembered; 0.9 x 0.3^2 = 0.081 is not.
+        approx::assert_relative_eq!(next(&LOOSE, 0.1, 1.0, 0.5, 0.0), 0.225, max_relative = 1e-14);
+        approx::assert_relative_eq!(next(&LOOSE, 0.1, 1.0, 0.3, 0.0), 0.009, max_relative = 1e-14);
+    }
+
+    #[test]
+    fn values_are_clamped() {
+        assert_eq!(next(&Settings::default(), 0.9, 1.0, 0.1, 0.0), 0.1);
+        assert_eq!(next(&Settings::default(), 1e-4, 1.0, 0.1, 0.0), 1e-3);
+        assert_eq!(next(&LOOSE, 1e-4, 1.0, 0.1, 0.0), 1e-6);
+    }
+
+    #[test]
+    fn the_last_step_does_not_solve_more_exactly_than_needed() {
+        assert_eq!(next(&Settings::default(), 1e-7, 1e-4, 0.1, 1e-8), 0.05);
+        assert_eq!(next(&Settings::default(), 2e-8, 1e-4, 0.1, 1e-8), 0.25);
     }
 }

@@ -167,3 +167,75 @@ pub fn scaled_copy(a: f64, x: &[f64], y: &mut [f64]) {
 pub fn copy(x: &[f64], y: &mut [f64]) {
     update(x, y, &|x_i, _| x_i);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_problems::{bits, scattered, with_threads};
+
+    /// Longer than one chunk, and neither a multiple of a chunk nor of a pack.
+    const LENGTH: usize = 100_003;
+
+    #[test]
+    fn sums_of_small_integers_are_exact() {
+        let x: Vec<f64> = (0..LENGTH).map(|i| (i % 7) as f64).collect();
+        let w: Vec<f64> = (0..LENGTH).map(|i| (i % 3) as f64).collect();
+        let squares: u64 = (0..LENGTH as u64).map(|i| (i % 7).pow(2)).sum();
+        let weighted: u64 = (0..LENGTH as u64).map(|i| (i % 3) * (i % 7).pow(2)).sum();
+        let within: u64 = (5_000..70_001_u64).map(|i| (i % 7).pow(2)).sum();
+        assert_eq!(Euclidean.dot(&x, &x), squares as f64);
+        assert_eq!(Euclidean.dot_on(5_000..70_001, &x, &x), within as f64);
+        assert_eq!(Weighted { weights: w }.dot(&x, &x), weighted as f64);
+    }
+
+    #[test]
+    fn padding_of_weight_zero_does_not_count() {
+        let inner_product = Weighted { weights: vec![1.0, 0.0, 2.0] };
+        assert_eq!(inner_product.dot(&[1.0, 5.0, 3.0], &[2.0, 7.0, 1.0]), 8.0);
+        assert_eq!(inner_product.norm(&[0.0, 5.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn a_sum_is_as_accurate_as_its_tree_is_deep() {
+        let tenths = vec![0.1; 1 << 22];
+        let ones = vec![1.0; 1 << 22];
+        let exact = 0.1 * (1 << 22) as f64;
+        assert!((Euclidean.dot(&tenths, &ones) - exact).abs() <= 1e-13 * exact);
+    }
+
+    #[test]
+    fn every_operation_has_the_same_bits_on_one_two_and_three_threads() {
+        let x = scattered(LENGTH);
+        let run = || {
+            let columns = vec![x.clone(), x.iter().map(|x_i| x_i.sin()).collect()];
+            let mut y = x.iter().map(|x_i| x_i.cos()).collect::<Vec<_>>();
+            axpy(0.3, &x, &mut y);
+            xpay(&x, -0.7, &mut y);
+            scale(1.1, &mut y);
+            add_combination(&[0.2, 1.0 / 3.0], &columns, &mut y);
+            let weights = x.iter().map(|x_i| x_i.abs()).collect();
+            (bits(&y), Euclidean.dot(&x, &y).to_bits(), Weighted { weights }.norm(&y).to_bits())
+        };
+        let one = with_threads(1, run);
+        assert_eq!(one, with_threads(2, run));
+        assert_eq!(one, with_threads(3, run));
+    }
+
+    #[test]
+    fn updates_are_those_of_their_names() {
+        let x: Vec<f64> = (0..LENGTH).map(|i| i as f64).collect();
+        let y = vec![2.0; LENGTH];
+        let after = |rule: &dyn Fn(&mut [f64])| {
+            let mut y = y.clone();
+            rule(&mut y);
+            (y[1], y[LENGTH - 1])
+        };
+        let last = (LENGTH - 1) as f64;
+        assert_eq!(after(&|y| axpy(3.0, &x, y)), (5.0, 2.0 + 3.0 * last));
+        assert_eq!(after(&|y| xpay(&x, 3.0, y)), (7.0, last + 6.0));
+        assert_eq!(after(&|y| scaled_copy(3.0, &x, y)), (3.0, 3.0 * last));
+        assert_eq!(after(&|y| copy(&x, y)), (1.0, last));
+        assert_eq!(after(&|y| scale(3.0, y)), (6.0, 6.0));
+        assert_eq!(after(&|y| add_combination(&[1.0, 2.0], &[x.clone(), x.clone()], y)), (5.0, 2.0 + 3.0 * last));
+    }
+}

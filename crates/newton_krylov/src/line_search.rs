@@ -40,7 +40,9 @@ pub struct Report {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// Every trial was admissible or the last one was, but the norm did not fall enough.
-    #[error("the norm did not fall below {initial:e} along the increment: it is {norm:e} at step length {step_length:e}")]
+    #[error(
+        "the norm did not fall below {initial:e} along the increment: it is {norm:e} at step length {step_length:e}"
+    )]
     NoDecrease {
         /// |G(0)|
         initial: f64,
@@ -104,5 +106,62 @@ pub fn search(
         }
         step_length *= settings.shrink;
         trials += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const SETTINGS: Settings = Settings { sufficient_decrease: 1e-4, shrink: 0.5, max_trials: 4 };
+
+    fn inadmissible() -> Inadmissible {
+        Inadmissible { quantity: "density".into(), value: -1.0, location: "in cell 3".into() }
+    }
+
+    #[test]
+    fn the_largest_step_is_tried_first_and_taken_if_it_is_good() {
+        let report = search(&SETTINGS, 1.0, 0.7, 0.0, |a| Ok(1.0 - a)).unwrap();
+        assert_eq!(report, Report { step_length: 0.7, norm: 1.0 - 0.7, trials: 1, decreased: true });
+    }
+
+    #[test]
+    fn steps_are_halved_until_the_norm_falls() {
+        // 1 - a + 8 a^3 exceeds 1 for a > 0.354.
+        let report = search(&SETTINGS, 1.0, 1.0, 0.0, |a| Ok((1.0 - a).abs() + 8.0 * a * a * a)).unwrap();
+        assert_eq!((report.step_length, report.trials), (0.25, 3));
+    }
+
+    #[test]
+    fn a_decrease_that_is_not_sufficient_is_none() {
+        let flat = |a: f64| Ok(1.0 - 0.5e-4 * a);
+        assert!(matches!(search(&SETTINGS, 1.0, 1.0, 0.0, flat), Err(Error::NoDecrease { trials: 4, .. })));
+        let steep = |a: f64| Ok(1.0 - 2e-4 * a);
+        assert_eq!(search(&SETTINGS, 1.0, 1.0, 0.0, steep).unwrap().step_length, 1.0);
+    }
+
+    #[test]
+    fn inadmissible_states_and_norms_that_are_not_numbers_shorten_the_step() {
+        let guarded = |a: f64| match a {
+            a if a > 0.6 => Err(inadmissible()),
+            a if a > 0.3 => Ok(f64::NAN),
+            a => Ok(1.0 - a),
+        };
+        assert_eq!(search(&SETTINGS, 1.0, 1.0, 0.0, guarded).unwrap().step_length, 0.25);
+    }
+
+    #[test]
+    fn at_round_off_no_decrease_is_asked_for() {
+        let report = search(&SETTINGS, 1e-14, 1.0, 1e-13, |_| Ok(3e-14)).unwrap();
+        assert_eq!((report.step_length, report.decreased), (1.0, false));
+    }
+
+    #[test]
+    fn failures_name_the_last_trial() {
+        let error = search(&SETTINGS, 1.0, 1.0, 0.0, |a| Ok(1.0 + a)).unwrap_err();
+        assert_eq!(error, Error::NoDecrease { initial: 1.0, norm: 1.125, step_length: 0.125, trials: 4 });
+        let error = search(&SETTINGS, 1.0, 1.0, 0.0, |_| Err(inadmissible())).unwrap_err();
+        assert_eq!(error, Error::Inadmissible { step_length: 0.125, trials: 4, source: inadmissible() });
     }
 }

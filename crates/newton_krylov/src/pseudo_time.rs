@@ -80,11 +80,11 @@ impl PseudoTime {
     pub fn accept(&mut self, field_norms: &[f64]) {
         let Settings { power, growth, switch_off, .. } = self.settings;
         for ((inverse, start), &norm) in self.inverse.iter_mut().zip(&self.fields).zip(field_norms) {
-            *inverse = if norm <= switch_off * start.norm {
+            let wanted = start.inverse * (norm / start.norm).powf(power);
+            *inverse = if *inverse == 0.0 || norm <= switch_off * start.norm {
                 0.0
             } else {
-                let wanted = start.inverse * (norm / start.norm).powf(power);
-                wanted.clamp(*inverse / growth, *inverse * growth)
+                wanted.max(*inverse / growth).min(*inverse * growth)
             };
         }
     }
@@ -103,5 +103,73 @@ impl PseudoTime {
             }
         }
         self.inverse != before
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DAMPED: Settings = Settings {
+        initial_inverse: 8.0,
+        restart_inverse: 1.0,
+        power: 1.0,
+        growth: 10.0,
+        shrink: 4.0,
+        switch_off: 1e-3,
+        max_rejections: 6,
+    };
+
+    #[test]
+    fn each_field_follows_its_own_residual() {
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1e-6]);
+        rule.accept(&[0.25, 0.5e-6]);
+        assert_eq!(rule.inverse(), [2.0, 4.0]);
+        rule.accept(&[0.5, 0.5e-6]);
+        assert_eq!(rule.inverse(), [4.0, 4.0], "damped more where the residual grows");
+    }
+
+    #[test]
+    fn the_power_sharpens_the_rule() {
+        let mut rule = PseudoTime::new(Settings { power: 2.0, ..DAMPED }, &[1.0]);
+        rule.accept(&[0.5]);
+        assert_eq!(rule.inverse(), [2.0]);
+    }
+
+    #[test]
+    fn a_step_grows_or_falls_by_a_limited_factor() {
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
+        rule.accept(&[0.01, 1e4]);
+        assert_eq!(rule.inverse(), [0.8, 80.0]);
+    }
+
+    #[test]
+    fn a_field_is_switched_off_for_good_once_it_has_converged_far_enough() {
+        let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
+        rule.accept(&[1e-3, 0.5]);
+        assert_eq!(rule.inverse(), [0.0, 4.0]);
+        rule.accept(&[2.0, 0.5]);
+        assert_eq!(rule.inverse(), [0.0, 4.0]);
+        rule.accept(&[2.0, 1e-4]);
+        assert!(!rule.is_active());
+    }
+
+    #[test]
+    fn a_rejected_step_switches_on_or_damps_more_but_not_a_field_that_has_converged() {
+        let mut rule = PseudoTime::new(Settings { initial_inverse: 0.0, ..DAMPED }, &[1.0, 1e-12]);
+        assert!(!rule.is_active());
+        assert!(rule.reject(&[1.0, 1e-12], &[1e-8, 1e-8]));
+        assert_eq!(rule.inverse(), [1.0, 0.0]);
+        assert!(rule.reject(&[1.0, 1e-12], &[1e-8, 1e-8]));
+        assert_eq!(rule.inverse(), [4.0, 0.0]);
+        rule.accept(&[0.5, 1e-12]);
+        assert_eq!(rule.inverse(), [2.0, 0.0], "the rule starts anew at the rejected step");
+    }
+
+    #[test]
+    fn a_rejection_that_changes_nothing_says_so() {
+        let never = Settings { initial_inverse: 0.0, restart_inverse: 0.0, ..DAMPED };
+        assert!(!PseudoTime::new(never, &[1.0]).reject(&[1.0], &[1e-8]));
+        assert!(!PseudoTime::new(DAMPED, &[1e-9]).reject(&[1e-9], &[1e-8]));
     }
 }

@@ -25,7 +25,8 @@ pub struct LockOwner {
 
 impl LockOwner {
     fn this_process() -> Self {
-        let host = fs::read_to_string("/proc/sys/kernel/hostname").or_else(|_| fs::read_to_string("/etc/hostname"));
+        let host = fs::read_to_string("/proc/sys/kernel/hostname")
+            .or_else(|_| fs::read_to_string("/etc/hostname"));
         Self {
             pid: std::process::id(),
             host: host.map_or_else(|_| "this machine".to_owned(), |name| name.trim().to_owned()),
@@ -34,7 +35,11 @@ impl LockOwner {
     }
 
     fn unknown() -> Self {
-        Self { pid: 0, host: String::new(), started: seconds_since_1970() }
+        Self {
+            pid: 0,
+            host: String::new(),
+            started: seconds_since_1970(),
+        }
     }
 }
 
@@ -49,7 +54,9 @@ impl fmt::Display for LockOwner {
 }
 
 fn seconds_since_1970() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs())
 }
 
 /// The output directory of a run, made if need be and locked until this value is dropped.
@@ -71,8 +78,14 @@ impl RunDirectory {
     /// # Errors
     /// [`OutputError::Directory`] if it cannot be made or written, [`OutputError::Busy`] if another run holds it.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let absent = path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
-        let mut directory = Self { path: path.to_owned(), made: absent.map(Path::to_owned).collect(), lock: None };
+        let absent = path
+            .ancestors()
+            .filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
+        let mut directory = Self {
+            path: path.to_owned(),
+            made: absent.map(Path::to_owned).collect(),
+            lock: None,
+        };
         fs::create_dir_all(path).map_err(|source| directory.error(source))?;
         while !directory.try_lock()? {}
         Ok(directory)
@@ -86,7 +99,12 @@ impl RunDirectory {
     /// Takes the lock; false if its last owner removed the file between our opening and locking it.
     fn try_lock(&mut self) -> Result<bool, OutputError> {
         let path = self.path.join(LOCK_FILE);
-        let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let open = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path);
         let mut file = open.map_err(|source| self.error(source))?;
         match file.try_lock() {
             Ok(()) => {}
@@ -95,20 +113,31 @@ impl RunDirectory {
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::Error(source)) => return Err(self.error(source)),
         }
-        let owner = serde_json::to_vec(&LockOwner::this_process()).map_err(|error| self.error(error.into()))?;
-        file.set_len(0).and_then(|()| file.write_all(&owner)).map_err(|source| self.error(source))?;
+        let owner = serde_json::to_vec(&LockOwner::this_process())
+            .map_err(|error| self.error(error.into()))?;
+        file.set_len(0)
+            .and_then(|()| file.write_all(&owner))
+            .map_err(|source| self.error(source))?;
         let ours = fs::read(&path).is_ok_and(|found| found == owner);
         self.lock = ours.then_some(file);
         Ok(ours)
     }
 
     fn busy(&self, lock: &Path) -> OutputError {
-        let owner = fs::read(lock).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-        OutputError::Busy { path: self.path.clone(), owner: owner.unwrap_or_else(LockOwner::unknown) }
+        let owner = fs::read(lock)
+            .ok()
+            .and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        OutputError::Busy {
+            path: self.path.clone(),
+            owner: owner.unwrap_or_else(LockOwner::unknown),
+        }
     }
 
     fn error(&self, source: io::Error) -> OutputError {
-        OutputError::Directory { path: self.path.clone(), source }
+        OutputError::Directory {
+            path: self.path.clone(),
+            source,
+        }
     }
 }
 

@@ -10,7 +10,9 @@ use crate::directory::LockOwner;
 #[non_exhaustive]
 pub enum OutputError {
     /// The output directory cannot be made or written. Found before any work; nothing is left behind.
-    #[error("cannot write into the output directory `{path}`: {source}; choose another one or make it writable")]
+    #[error(
+        "cannot write into the output directory `{path}`: {source}; choose another one or make it writable"
+    )]
     Directory {
         /// The directory asked for.
         path: PathBuf,
@@ -18,7 +20,9 @@ pub enum OutputError {
         source: io::Error,
     },
     /// Another process runs in the output directory.
-    #[error("the output directory `{path}` is in use by {owner}; stop it or choose another directory")]
+    #[error(
+        "the output directory `{path}` is in use by {owner}; stop it or choose another directory"
+    )]
     Busy {
         /// The directory asked for.
         path: PathBuf,
@@ -26,13 +30,17 @@ pub enum OutputError {
         owner: LockOwner,
     },
     /// There is nothing to resume from.
-    #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
+    #[error(
+        "`{path}` does not exist, so there is no checkpoint to resume from; start without resuming"
+    )]
     NoCheckpoint {
         /// The result file looked for.
         path: PathBuf,
     },
     /// A result file is torn: truncated, overwritten, or not a result file at all.
-    #[error("`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming")]
+    #[error(
+        "`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming"
+    )]
     Damaged {
         /// The file read.
         path: PathBuf,
@@ -53,7 +61,9 @@ pub enum OutputError {
         found: String,
     },
     /// A result file has a format that this program does not read.
-    #[error("`{path}` has format version {found}, this program reads version {supported}; use the program that wrote it")]
+    #[error(
+        "`{path}` has format version {found}, this program reads version {supported}; use the program that wrote it"
+    )]
     Version {
         /// The file read.
         path: PathBuf,

@@ -47,7 +47,11 @@ impl ResultFile {
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] if the file cannot be written.
-    pub fn create(directory: &RunDirectory, layout: Layout, metadata: &Metadata) -> Result<Self, OutputError> {
+    pub fn create(
+        directory: &RunDirectory,
+        layout: Layout,
+        metadata: &Metadata,
+    ) -> Result<Self, OutputError> {
         let mut result = Self::new(directory, layout);
         let create = || {
             let file = hdf::options().create(&result.working)?;
@@ -64,18 +68,31 @@ impl ResultFile {
     ///
     /// # Errors
     /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`] or [`OutputError::OtherCase`].
-    pub fn resume(directory: &RunDirectory, case: &str) -> Result<(Self, SolverState, Metadata), OutputError> {
+    pub fn resume(
+        directory: &RunDirectory,
+        case: &str,
+    ) -> Result<(Self, SolverState, Metadata), OutputError> {
         let path = directory.path().join(RESULT_FILE);
         let (metadata, state, layout) = read(&path)?;
         if metadata.case_fingerprint != case {
-            return Err(OutputError::OtherCase { path, expected: case.to_owned(), found: metadata.case_fingerprint });
+            return Err(OutputError::OtherCase {
+                path,
+                expected: case.to_owned(),
+                found: metadata.case_fingerprint,
+            });
         }
         Ok((Self::new(directory, layout), state, metadata))
     }
 
     fn new(directory: &RunDirectory, layout: Layout) -> Self {
         let published = directory.path().join(RESULT_FILE);
-        Self { working: partial(&published), published, order: vtk_order(&layout.grid), layout, file: None }
+        Self {
+            working: partial(&published),
+            published,
+            order: vtk_order(&layout.grid),
+            layout,
+            file: None,
+        }
     }
 
     /// Path of the published file.
@@ -96,15 +113,22 @@ impl ResultFile {
     pub fn append(&mut self, step: &Step) -> Result<(), OutputError> {
         self.check(step)?;
         self.open_working_copy()?;
-        let Some(file) = &self.file else { return Ok(()) };
-        self.write_step(file, step).map_err(|source| self.write_error(source))
+        let Some(file) = &self.file else {
+            return Ok(());
+        };
+        self.write_step(file, step)
+            .map_err(|source| self.write_error(source))
     }
 
     fn check(&self, step: &Step) -> Result<(), OutputError> {
         let points = self.layout.grid.points();
         check_length("points", step.points, 3 * points)?;
         for field in &self.layout.fields {
-            check_length(&field.name, find(step.fields, &field.name)?, field.components * points)?;
+            check_length(
+                &field.name,
+                find(step.fields, &field.name)?,
+                field.components * points,
+            )?;
         }
         for array in &self.layout.exact {
             check_length(&array.name, find(step.exact, &array.name)?, array.len())?;
@@ -120,7 +144,11 @@ impl ResultFile {
             vtkhdf::append_field(&root, field, &self.to_vtk(values, field.components))?;
         }
         for array in &self.layout.exact {
-            format::append_array(&group, &array.name, find(step.exact, &array.name).unwrap_or_default())?;
+            format::append_array(
+                &group,
+                &array.name,
+                find(step.exact, &array.name).unwrap_or_default(),
+            )?;
         }
         vtkhdf::close_step(&root, step.time, &self.layout)
     }
@@ -129,7 +157,10 @@ impl ResultFile {
     fn to_vtk(&self, lexicographic: &[f64], components: usize) -> Vec<f64> {
         let mut values = vec![0.0; lexicographic.len()];
         let cell = self.order.len() * components;
-        for (from, to) in lexicographic.chunks_exact(cell).zip(values.chunks_exact_mut(cell)) {
+        for (from, to) in lexicographic
+            .chunks_exact(cell)
+            .zip(values.chunks_exact_mut(cell))
+        {
             for (point, &vtk) in from.chunks_exact(components).zip(&self.order) {
                 to[vtk * components..][..components].copy_from_slice(point);
             }
@@ -146,7 +177,9 @@ impl ResultFile {
     /// [`OutputError::Hdf5`] or [`OutputError::File`]; the last published file is then still in place.
     pub fn checkpoint(&mut self, state: &SolverState) -> Result<(), OutputError> {
         self.open_working_copy()?;
-        let Some(file) = self.file.take() else { return Ok(()) };
+        let Some(file) = self.file.take() else {
+            return Ok(());
+        };
         let write = || {
             state::write(&file.group(format::GROUP)?, state)?;
             file.close()
@@ -159,15 +192,21 @@ impl ResultFile {
     /// Opens the working copy, made from the published file if there is none.
     fn open_working_copy(&mut self) -> Result<(), OutputError> {
         if self.file.is_none() {
-            fs::copy(&self.published, &self.working).map_err(|source| file_error(&self.working, source))?;
-            let file = hdf::options().open_rw(&self.working).map_err(|source| self.write_error(source))?;
+            fs::copy(&self.published, &self.working)
+                .map_err(|source| file_error(&self.working, source))?;
+            let file = hdf::options()
+                .open_rw(&self.working)
+                .map_err(|source| self.write_error(source))?;
             self.file = Some(file);
         }
         Ok(())
     }
 
     fn write_error(&self, source: hdf5::Error) -> OutputError {
-        OutputError::Hdf5 { path: self.working.clone(), source }
+        OutputError::Hdf5 {
+            path: self.working.clone(),
+            source,
+        }
     }
 }
 
@@ -183,13 +222,21 @@ impl Drop for ResultFile {
 
 fn find<'a>(arrays: &[(&str, &'a [f64])], name: &str) -> Result<&'a [f64], OutputError> {
     let found = arrays.iter().find(|array| array.0 == name);
-    found.map(|array| array.1).ok_or_else(|| OutputError::Absent { name: name.to_owned() })
+    found
+        .map(|array| array.1)
+        .ok_or_else(|| OutputError::Absent {
+            name: name.to_owned(),
+        })
 }
 
 fn check_length(name: &str, values: &[f64], expected: usize) -> Result<(), OutputError> {
     match values.len() {
         found if found == expected => Ok(()),
-        found => Err(OutputError::Length { name: name.to_owned(), expected, found }),
+        found => Err(OutputError::Length {
+            name: name.to_owned(),
+            expected,
+            found,
+        }),
     }
 }
 
@@ -216,17 +263,30 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
 /// damaged bytes and is not asked to judge them.
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
-        return Err(OutputError::NoCheckpoint { path: path.to_owned() });
+        return Err(OutputError::NoCheckpoint {
+            path: path.to_owned(),
+        });
     }
     seal::verify(path)?;
-    let file = hdf::options().open(path).map_err(|error| damaged(path, &error))?;
-    let version = file.group(format::GROUP).and_then(|group| format::read_version(&group));
+    let file = hdf::options()
+        .open(path)
+        .map_err(|error| damaged(path, &error))?;
+    let version = file
+        .group(format::GROUP)
+        .and_then(|group| format::read_version(&group));
     match version.map_err(|error| damaged(path, &error))? {
         FORMAT_VERSION => Ok(file),
-        found => Err(OutputError::Version { path: path.to_owned(), found, supported: FORMAT_VERSION }),
+        found => Err(OutputError::Version {
+            path: path.to_owned(),
+            found,
+            supported: FORMAT_VERSION,
+        }),
     }
 }
 
 pub(crate) fn damaged(path: &Path, error: &hdf5::Error) -> OutputError {
-    OutputError::Damaged { path: path.to_owned(), reason: error.to_string() }
+    OutputError::Damaged {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
 }

@@ -4,7 +4,7 @@
 //! before the seal and its checksum, each 64 bits, lowest byte first. HDF5 drops the seal when it writes to the file.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use crate::checksum::Checksum;
@@ -13,6 +13,9 @@ use crate::files::file_error;
 
 const NAME: &[u8; 8] = b"stsolve\n";
 const LENGTH: usize = 24;
+
+/// Bytes read at once, whole words.
+const BLOCK: u64 = 1 << 16;
 
 /// Seals a file that is complete and not sealed.
 pub(crate) fn write(path: &Path) -> Result<(), OutputError> {
@@ -27,10 +30,15 @@ pub(crate) fn write(path: &Path) -> Result<(), OutputError> {
 
 /// Compares a file with its seal.
 pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
-    let damaged = |reason: &str| OutputError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
+    let damaged = |reason: &str| OutputError::Damaged {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    };
     let read = || {
         let mut file = File::open(path)?;
-        let Some(length) = file.metadata()?.len().checked_sub(LENGTH as u64) else { return Ok(None) };
+        let Some(length) = file.metadata()?.len().checked_sub(LENGTH as u64) else {
+            return Ok(None);
+        };
         let sum = checksum(&file, length)?;
         let mut found = [0; LENGTH];
         file.read_exact(&mut found)?;
@@ -38,7 +46,9 @@ pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
     };
     match read().map_err(|source: io::Error| file_error(path, source))? {
         Some((expected, found)) if found == expected => Ok(()),
-        Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
+        Some((_, found)) if found.starts_with(NAME) => {
+            Err(damaged("its contents do not match its checksum"))
+        }
         _ => Err(damaged("its end is missing, or it is not a result file")),
     }
 }
@@ -53,15 +63,22 @@ fn seal(length: u64, sum: Checksum) -> [u8; LENGTH] {
 
 /// Checksum of the next `length` bytes, taken as words, the last one filled up with zeros.
 fn checksum(file: &File, length: u64) -> io::Result<Checksum> {
-    let mut reader = BufReader::with_capacity(1 << 16, file.take(length));
-    let (mut sum, mut word) = (Checksum::default(), [0; 8]);
+    let mut sum = Checksum::default();
+    let mut block = Vec::with_capacity(BLOCK as usize);
     let mut left = length;
     while left > 0 {
-        let bytes = left.min(8) as usize;
-        word[bytes..].fill(0);
-        reader.read_exact(&mut word[..bytes])?;
-        sum = sum.word(u64::from_le_bytes(word));
-        left -= bytes as u64;
+        block.clear();
+        let read = file.take(left.min(BLOCK)).read_to_end(&mut block)?;
+        if read == 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        block.resize(read.next_multiple_of(8), 0);
+        sum = block
+            .as_chunks()
+            .0
+            .iter()
+            .fold(sum, |sum, &word| sum.word(u64::from_le_bytes(word)));
+        left -= read as u64;
     }
     Ok(sum)
 }
@@ -85,10 +102,36 @@ mod tests {
                 let mut damaged = whole.clone();
                 damaged[position] ^= 1;
                 fs::write(&path, damaged).unwrap();
-                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "byte {position} of {length}");
+                assert!(
+                    matches!(verify(&path), Err(OutputError::Damaged { .. })),
+                    "byte {position} of {length}"
+                );
                 fs::write(&path, &whole[..position]).unwrap();
-                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "cut at {position} of {length}");
+                assert!(
+                    matches!(verify(&path), Err(OutputError::Damaged { .. })),
+                    "cut at {position} of {length}"
+                );
             }
+        }
+    }
+
+    #[test]
+    fn damage_is_found_beyond_the_first_block() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sealed");
+        let mut bytes = vec![7; 2 * BLOCK as usize + 5];
+        fs::write(&path, &bytes).unwrap();
+        write(&path).unwrap();
+        verify(&path).unwrap();
+        let sealed = fs::read(&path).unwrap();
+        for position in [BLOCK as usize - 1, BLOCK as usize, bytes.len() - 1] {
+            bytes.clone_from(&sealed);
+            bytes[position] ^= 0x80;
+            fs::write(&path, &bytes).unwrap();
+            assert!(
+                matches!(verify(&path), Err(OutputError::Damaged { .. })),
+                "byte {position}"
+            );
         }
     }
 }

@@ -194,7 +194,137 @@ impl Summary {
     /// [`OutputError::File`] if the system refuses.
     pub fn write(&self, directory: &RunDirectory) -> Result<(), OutputError> {
         let path = directory.path().join(SUMMARY_FILE);
-        let text = serde_json::to_string_pretty(self).map_err(|error| file_error(&path, error.into()))?;
+        let text =
+            serde_json::to_string_pretty(self).map_err(|error| file_error(&path, error.into()))?;
         write_atomically(&path, (text + "\n").as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn full() -> Summary {
+        Summary {
+            case: "box".to_owned(),
+            version: "0.1.0".to_owned(),
+            completed: false,
+            reason: Some("stopped by a signal".to_owned()),
+            mesh: MeshSize {
+                dimension: 2,
+                cells: 16,
+                order: 4,
+            },
+            unknowns: Unknowns {
+                flow: Some(2048),
+                mesh: Some(676),
+            },
+            slabs: 3,
+            rejected_slabs: 1,
+            time: 0.3,
+            newton: Some(Newton {
+                total: 9,
+                max: 4,
+                per_slab: 3.0,
+            }),
+            krylov: Some(Krylov {
+                total: 81,
+                max_per_newton: 12,
+                mean_per_newton: 9.0,
+                elasticity_total: Some(40),
+            }),
+            mesh_quality: Some(MeshQuality {
+                det_j_lower_bound: Some(0.5),
+                det_j_sampled_min: Some(0.6),
+                scaled_jacobian_min: Some(0.7),
+                first_invalid_time: Some(1.5),
+            }),
+            conservation: Some(Conservation {
+                mass_error: Some(1e-15),
+                free_stream_error: Some(2e-14),
+            }),
+            error: Some(ErrorNorms {
+                density_l2: Some(1e-3),
+                momentum_l2: Some(2e-3),
+                energy_l2: Some(3e-3),
+                displacement_max: Some(1e-12),
+            }),
+            walls: BTreeMap::from([(
+                "foil".to_owned(),
+                Wall {
+                    impulse: vec![1.0, -2.0],
+                    work: 0.5,
+                    drag_coefficient: Some(0.12),
+                },
+            )]),
+            cost: Cost {
+                wall_seconds: 2.5,
+                setup_seconds: 0.5,
+                peak_memory_bytes: Some(1 << 20),
+                threads: 2,
+                residual_evaluations: 100,
+                jacobian_products: 81,
+            },
+        }
+    }
+
+    /// Written out in full: these names are a contract with scripts.
+    fn contract() -> Value {
+        json!({
+            "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",
+            "mesh": { "dimension": 2, "cells": 16, "order": 4 },
+            "unknowns": { "flow": 2048, "mesh": 676 },
+            "slabs": 3, "rejected_slabs": 1, "time": 0.3,
+            "newton": { "total": 9, "max": 4, "per_slab": 3.0 },
+            "krylov": { "total": 81, "max_per_newton": 12, "mean_per_newton": 9.0, "elasticity_total": 40 },
+            "mesh_quality": { "det_j_lower_bound": 0.5, "det_j_sampled_min": 0.6, "scaled_jacobian_min": 0.7,
+                              "first_invalid_time": 1.5 },
+            "conservation": { "mass_error": 1e-15, "free_stream_error": 2e-14 },
+            "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
+            "walls": { "foil": { "impulse": [1.0, -2.0], "work": 0.5, "drag_coefficient": 0.12 } },
+            "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
+                      "residual_evaluations": 100, "jacobian_products": 81 }
+        })
+    }
+
+    #[test]
+    fn the_keys_are_those_of_the_contract() {
+        assert_eq!(serde_json::to_value(full()).unwrap(), contract());
+    }
+
+    #[test]
+    fn what_does_not_apply_is_absent() {
+        let bare = serde_json::to_value(Summary::default()).unwrap();
+        let keys: Vec<&str> = bare
+            .as_object()
+            .unwrap()
+            .keys()
+            .map(String::as_str)
+            .collect();
+        let always = [
+            "case",
+            "completed",
+            "cost",
+            "mesh",
+            "rejected_slabs",
+            "slabs",
+            "time",
+            "unknowns",
+            "version",
+        ];
+        assert_eq!(keys, always);
+        assert!(!bare.to_string().contains("null"), "{bare}");
+    }
+
+    #[test]
+    fn the_file_reads_back_and_replaces_the_older_one() {
+        let directory = tempfile::tempdir().unwrap();
+        let run = RunDirectory::open(directory.path()).unwrap();
+        Summary::default().write(&run).unwrap();
+        full().write(&run).unwrap();
+        let text = std::fs::read_to_string(directory.path().join(SUMMARY_FILE)).unwrap();
+        assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), full());
     }
 }

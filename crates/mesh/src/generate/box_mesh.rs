@@ -132,3 +132,81 @@ fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     ends.push(1.0);
     ends
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn unit<const D: usize>(cells: [usize; D], curving: Curving) -> BoxMesh<D> {
+        BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 4, curving, periodic: [false; D] }
+    }
+
+    #[test]
+    fn boundaries_lie_where_their_names_say() {
+        let mesh = BoxMesh { lower: [-1.0, 2.0, 5.0], upper: [1.0, 3.0, 9.0], ..unit([2, 3, 2], Curving::None) }.build().unwrap();
+        assert_eq!(mesh.boundary_names(), BOX_BOUNDARIES);
+        let place = [-1.0, 1.0, 2.0, 3.0, 5.0, 9.0];
+        for facet in mesh.boundary_facets() {
+            assert_eq!(mesh.face_centre(facet.side)[facet.boundary / 2], place[facet.boundary]);
+        }
+        assert_eq!(mesh.boundary_facets().len(), 2 * (3 * 2 + 2 * 2 + 2 * 3));
+        assert_eq!(mesh.interior_facets().len(), 3 * 2 + 2 * 2 * 2 + 2 * 3);
+        assert!((mesh.volume() - 8.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn graded_cells_grow_by_a_constant_factor() {
+        let mesh = unit([4, 1], Curving::None).build_graded([27.0, 1.0]).unwrap();
+        let sizes: Vec<f64> = mesh.volumes_and_centroids().iter().map(|(volume, _)| *volume).collect();
+        for cell in 0..4 {
+            assert!((sizes[cell] - 3_f64.powi(cell as i32) / 40.0).abs() < 1e-14);
+        }
+    }
+
+    /// The largest distance between nodes of the straight and the curved mesh.
+    fn displacement<const D: usize>(straight: &Mesh<D>, curved: &Mesh<D>) -> f64 {
+        straight.coordinates().iter().zip(curved.coordinates()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn every_curving_gives_valid_cells_within_its_amplitude() {
+        let amplitude = 0.05;
+        let curvings = [Curving::Smooth { amplitude }, Curving::Wavy { amplitude }];
+        let random = (0..20).map(|seed| Curving::Random { amplitude, seed });
+        for curving in curvings.into_iter().chain(random) {
+            for periodic in [false, true] {
+                let (flat, space) = (unit([3, 4], curving), unit([2, 3, 2], curving));
+                let flat = BoxMesh { periodic: [periodic; 2], ..flat }.build().unwrap();
+                let space = BoxMesh { periodic: [periodic; 3], ..space }.build().unwrap();
+                let moved = displacement(&unit([3, 4], Curving::None).build().unwrap(), &flat);
+                assert!(moved <= amplitude + 1e-15 && moved > 0.1 * amplitude, "{curving:?} {moved}");
+                let moved = displacement(&unit([2, 3, 2], Curving::None).build().unwrap(), &space);
+                assert!(moved <= amplitude + 1e-15 && moved > 0.05 * amplitude, "{curving:?} {moved}");
+            }
+        }
+    }
+
+    #[test]
+    fn random_fields_depend_on_the_seed_only() {
+        let mesh = |seed| unit([2, 2], Curving::Random { amplitude: 0.03, seed }).build().unwrap();
+        assert_eq!(mesh(1), mesh(1));
+        assert!(displacement(&mesh(1), &mesh(2)) > 1e-3);
+    }
+
+    #[test]
+    fn impossible_boxes_are_refused() {
+        let refused = |spoil: fn(&mut BoxMesh<2>)| {
+            let mut mesh = unit([2, 2], Curving::None);
+            spoil(&mut mesh);
+            mesh.build().unwrap_err()
+        };
+        assert!(matches!(refused(|b| b.cells[1] = 0), MeshError::Box { quantity: "the number of cells", axis: 1, .. }));
+        assert!(matches!(refused(|b| b.upper[0] = 0.0), MeshError::Box { quantity: "the extent", axis: 0, value: 0.0, .. }));
+        assert!(matches!(refused(|b| b.lower[1] = f64::NAN), MeshError::Box { quantity: "the extent", .. }));
+        assert_eq!(refused(|b| b.order = 17), MeshError::Order { order: 17 });
+        assert!(matches!(refused(|b| b.curving = Curving::Smooth { amplitude: 0.5 }), MeshError::Inverted { .. }));
+        let error = unit([2, 2], Curving::None).build_graded([1.0, -1.0]).unwrap_err();
+        assert!(matches!(error, MeshError::Box { axis: 1, value: -1.0, .. }));
+    }
+}

@@ -17,8 +17,8 @@ use crate::lattice::Lattice;
 use basis::Matrix;
 use std::f64::consts::PI;
 
-/// q of (range). The largest Bernstein coefficient of T_6 is 46.2, that of T_20 is 7e5.
-pub(super) const BERNSTEIN_DEGREE: usize = 10;
+/// q of (range). The largest Bernstein coefficient of T_8 is 184, that of T_20 is 7e5.
+pub(super) const BERNSTEIN_DEGREE: usize = 8;
 
 /// What one direction of a polynomial of degree p needs.
 #[derive(Clone, Debug)]
@@ -29,10 +29,16 @@ pub(super) struct Direction {
     to_chebyshev: Matrix,
     /// Coefficients on [-1, 1] to those on its lower and its upper half, each stretched to [-1, 1].
     halves: [Matrix; 2],
-    /// Chebyshev coefficients up to degree min(p, q) to Bernstein coefficients of that degree.
+    /// Chebyshev coefficients to the Bernstein coefficients, of degree min(p, q), of the part up to that degree.
     to_bernstein: Matrix,
-    /// max_i |b_i(T_k)| for k <= min(p, q).
-    largest: Vec<f64>,
+    /// Rows of weights w_k of the coefficients, for sums of their moduli: 1,
+    one: Matrix,
+    /// 1 for k <= q, else 0,
+    kept: Matrix,
+    /// max_i |b_i(T_k)| for k <= q, else 0,
+    largest: Matrix,
+    /// and k (k-1).
+    curvature: Matrix,
 }
 
 /// Relative error of a sum of products of one axis after the other, in units of the sum of the moduli.
@@ -51,9 +57,18 @@ impl Direction {
             to_chebyshev.product(&Matrix::from_fn(degree + 1, degree + 1, |j, k| modes[j][k]))
         });
         let q = degree.min(BERNSTEIN_DEGREE);
-        let to_bernstein = Matrix::from_fn(q + 1, q + 1, |i, k| bernstein_coefficient(q, i, k));
-        let largest = (0..=q).map(|k| (0..=q).map(|i| to_bernstein[(i, k)].abs()).fold(0.0, f64::max)).collect();
-        Direction { points, to_chebyshev, halves, to_bernstein, largest }
+        let coefficient = |i: usize, k: usize| if k <= q { bernstein_coefficient(q, i, k) } else { 0.0 };
+        let row = |weight: &dyn Fn(usize) -> f64| Matrix::from_fn(1, degree + 1, |_, k| weight(k));
+        Direction {
+            points,
+            to_chebyshev,
+            halves,
+            to_bernstein: Matrix::from_fn(q + 1, degree + 1, coefficient),
+            one: row(&|_| 1.0),
+            kept: row(&|k| if k <= q { 1.0 } else { 0.0 }),
+            largest: row(&|k| (0..=q).map(|i| coefficient(i, k).abs()).fold(0.0, f64::max)),
+            curvature: row(&|k| (k * k.saturating_sub(1)) as f64),
+        }
     }
 
     /// A bound of the Lebesgue constant of the points, max_x sum_j |l_j(x)|.
@@ -114,8 +129,7 @@ pub(super) struct Enclosure {
 impl Polynomial {
     /// The polynomial with given values at the grid of the directions' points; `error` bounds the absolute error of the values.
     pub(super) fn interpolate(directions: &[Direction], values: Lattice, error: f64) -> Self {
-        let transform = |c: Lattice, (axis, direction): (usize, &Direction)| c.apply(axis, &direction.to_chebyshev);
-        let coefficients = directions.iter().enumerate().fold(values, transform);
+        let coefficients = values.apply_each(|axis| &directions[axis].to_chebyshev);
         let lebesgue: f64 = directions.iter().map(Direction::lebesgue_constant).product();
         Polynomial { coefficients, error: error * lebesgue }
     }
@@ -129,48 +143,36 @@ impl Polynomial {
 
     /// (range)
     pub(super) fn enclose(&self, directions: &[Direction]) -> Enclosure {
-        let (low, tail, weighted) = self.split(directions);
-        let transform = |b: Lattice, (axis, direction): (usize, &Direction)| b.apply(axis, &direction.to_bernstein);
-        let bernstein = directions.iter().enumerate().fold(low, transform);
-        Enclosure { bernstein, margin: tail + self.error + SUM_ERROR * weighted }
+        let bernstein = self.coefficients.apply_each(|axis| &directions[axis].to_bernstein);
+        let moduli = self.moduli();
+        let sum = |row: fn(&Direction) -> &Matrix| moduli.apply_each(|axis| row(&directions[axis])).values[0];
+        let all = sum(|direction| &direction.one);
+        let tail = all - sum(|direction| &direction.kept);
+        let sums = all + sum(|direction| &direction.largest);
+        Enclosure { bernstein, margin: tail + self.error + SUM_ERROR * sums }
     }
 
-    /// The coefficients up to degree q in every direction, the sum of the moduli of the others, and for those kept the sum
-    /// sum_k |c_k| max_i |b_i(T_k)|.
-    fn split(&self, directions: &[Direction]) -> (Lattice, f64, f64) {
+    /// How curved f is along each axis, sum_k |c_k| k_a (k_a - 1): a multilinear f is enclosed exactly.
+    pub(super) fn curvature(&self, directions: &[Direction]) -> Vec<f64> {
+        let moduli = self.moduli();
+        let along = |a: usize| {
+            let weights = |axis: usize| if axis == a { &directions[axis].curvature } else { &directions[axis].one };
+            moduli.apply_each(weights).values[0]
+        };
+        (0..directions.len()).map(along).collect()
+    }
+
+    fn moduli(&self) -> Lattice {
         let c = &self.coefficients;
-        let shape: Vec<usize> = directions.iter().map(|direction| direction.largest.len()).collect();
-        let (mut low, mut tail, mut weighted) = (Vec::with_capacity(shape.iter().product()), 0.0, 0.0);
-        for (index, &value) in c.values.iter().enumerate() {
-            let k = c.digits(index);
-            if k.iter().zip(&shape).all(|(k, n)| k < n) {
-                low.push(value);
-                weighted += value.abs() * k.iter().zip(directions).map(|(&k, direction)| direction.largest[k]).product::<f64>();
-            } else {
-                tail += value.abs();
-            }
-        }
-        (Lattice::new(shape, low), tail, weighted)
+        Lattice::new(c.shape.clone(), c.values.iter().map(|c| c.abs()).collect())
     }
 
     /// f(x)
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        let evaluate = |c: Lattice, axis: usize| {
-            let n = c.shape[axis];
-            c.apply(axis, &Matrix::new(1, n, chebyshev(n - 1, x[axis])))
-        };
-        (0..x.len()).fold(self.coefficients.clone(), evaluate).values[0]
-    }
-
-    /// How curved f is along each axis, sum_k |c_k| k_a (k_a - 1): a multilinear f is enclosed exactly.
-    pub(super) fn curvature(&self) -> Vec<f64> {
-        let mut curvature = vec![0.0; self.coefficients.shape.len()];
-        for (index, &value) in self.coefficients.values.iter().enumerate() {
-            for (sum, k) in curvature.iter_mut().zip(self.coefficients.digits(index)) {
-                *sum += value.abs() * (k * k.saturating_sub(1)) as f64;
-            }
-        }
-        curvature
+        let shape = &self.coefficients.shape;
+        let row = |(n, x): (&usize, &f64)| Matrix::new(1, *n, chebyshev(n - 1, *x));
+        let rows: Vec<Matrix> = shape.iter().zip(x).map(row).collect();
+        self.coefficients.apply_each(|axis| &rows[axis]).values[0]
     }
 }
 
@@ -245,7 +247,7 @@ mod tests {
         let f = Polynomial::interpolate(&directions, values, 0.0);
         let lowest = f.enclose(&directions).bernstein.values.iter().copied().fold(f64::INFINITY, f64::min);
         assert!((lowest - bilinear(-1.0, 1.0)).abs() < 1e-14);
-        assert!(f.curvature().iter().all(|c| *c < 1e-14));
+        assert!(f.curvature(&directions).iter().all(|c| *c < 1e-14));
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl<const D: usize> Search<D> {
     /// Halves the part with the lowest bound along the direction in which it is most curved.
     fn bisect_lowest(&mut self, directions: &[Direction]) {
         let Some(part) = self.boxes.pop() else { return };
-        let axis = part.longest_axis();
+        let axis = part.longest_axis(directions);
         for side in [0, 1] {
             let half = part.half(directions, axis, side);
             self.sample(&half);
@@ -118,11 +118,11 @@ impl Part {
     }
 
     /// The axis along which f and g together are most curved; the first of equals.
-    fn longest_axis(&self) -> usize {
-        let mut curvature = self.f.curvature();
+    fn longest_axis(&self, directions: &[Direction]) -> usize {
+        let mut curvature = self.f.curvature(directions);
         if let Some(g) = &self.g {
             // In f - r g, with r the ratio sought, g counts with its ratio to f.
-            let g_curvature = g.curvature();
+            let g_curvature = g.curvature(directions);
             curvature.iter_mut().zip(g_curvature).for_each(|(f, g)| *f += self.lower.abs().min(1.0) * g);
         }
         (1..curvature.len()).fold(0, |best, axis| if curvature[axis] > curvature[best] { axis } else { best })

@@ -5,6 +5,9 @@ use crate::random::SplitMix64;
 use basis::{gauss_lobatto, right_radau};
 use std::array::from_fn;
 
+/// Cells do not lie at the origin.
+const OFFSET: f64 = 100.0;
+
 /// A cell that moves and curves at random: an affine image of [-1, 1]^D plus a polynomial whose coefficients decay with the degree.
 /// `roughness` is drawn too, so that about half of the cells are invalid.
 struct RandomCell<const D: usize> {
@@ -25,7 +28,7 @@ impl<const D: usize> RandomCell<D> {
             for k in 0..order.pow(D as u32) {
                 let xi: [f64; D] = from_fn(|a| nodes[k / order.pow(a as u32) % order]);
                 let bump: [f64; D] = from_fn(|i| modes.iter().map(|mode| mode.value(&xi, *s, i)).sum());
-                positions.extend((0..D).map(|i| 100.0 + stretch[i] * (xi[i] + bump[i])));
+                positions.extend((0..D).map(|i| OFFSET + stretch[i] * (xi[i] + bump[i])));
             }
         }
         RandomCell { order, times, positions }
@@ -45,6 +48,7 @@ impl<const D: usize> RandomCell<D> {
     }
 
     /// The smallest det J on a dense grid with both ends, by another route than the check: nodes interpolated in time one by one.
+    /// The common offset is taken off first, exactly, because it would cost the oracle its last digits.
     fn dense_min(&self, n: usize, n_times: usize) -> f64 {
         let points: Vec<f64> = (0..n).map(|i| -1.0 + 2.0 * i as f64 / (n - 1) as f64).collect();
         let map = CellMap::<D>::on_grid(self.order, &points);
@@ -53,7 +57,7 @@ impl<const D: usize> RandomCell<D> {
         let mut lowest = f64::INFINITY;
         for step in 0..n_times {
             let l = lagrange.values(step as f64 / (n_times.max(2) - 1) as f64);
-            let x: Vec<f64> = (0..length).map(|k| (0..l.len()).map(|m| l[m] * self.positions[m * length + k]).sum()).collect();
+            let x: Vec<f64> = (0..length).map(|k| (0..l.len()).map(|m| l[m] * (self.positions[m * length + k] - OFFSET)).sum()).collect();
             lowest = map.determinants(&x).into_iter().fold(lowest, f64::min);
         }
         lowest
@@ -114,16 +118,122 @@ fn assert_sharp(count: &Count, cells: usize) {
 
 #[test]
 fn no_false_proof_on_random_quadrilaterals() {
-    let t=std::time::Instant::now();
-    let count = compare_with_sampling::<2>(1000, 8, 21);
-    eprintln!("{count:?} {:?}", t.elapsed());
-    assert_sharp(&count, 1000);
+    assert_sharp(&compare_with_sampling::<2>(1000, 8, 21), 1000);
 }
 
 #[test]
 fn no_false_proof_on_random_hexahedra() {
-    let t=std::time::Instant::now();
-    let count = compare_with_sampling::<3>(300, 8, 11);
-    eprintln!("{count:?} {:?}", t.elapsed());
-    assert_sharp(&count, 300);
+    assert_sharp(&compare_with_sampling::<3>(1000, 8, 11), 1000);
+}
+
+#[test]
+#[ignore = "a minute: ten times the cells of the tests above, on denser grids"]
+fn no_false_proof_on_many_random_cells() {
+    assert_sharp(&compare_with_sampling::<2>(10_000, 12, 41), 10_000);
+    assert_sharp(&compare_with_sampling::<3>(10_000, 8, 15), 10_000);
+}
+
+/// Positions `[time][node][D]` of a map, for tests with known determinants.
+fn positions<const D: usize>(order: usize, times: &[f64], x: impl Fn(&[f64; D], f64) -> [f64; D]) -> Vec<f64> {
+    let nodes = gauss_lobatto(order).points;
+    let xi = |k: usize| from_fn(|a| nodes[k / order.pow(a as u32) % order]);
+    times.iter().flat_map(|s| (0..order.pow(D as u32)).flat_map(|k| x(&xi(k), *s)).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn the_bound_of_an_affine_cell_is_its_determinant() {
+    for order in [2, 5, 8] {
+        let x = positions::<3>(order, &[0.0], |xi, _| [2.0 * xi[0] + xi[1], 3.0 * xi[1] - xi[2], 50.0 + 0.5 * xi[2]]);
+        let bound = ValidityCheck::<3>::new(order, &[0.0]).bound(&x);
+        assert!(bound.lower <= 3.0 && bound.lower > 3.0 * (1.0 - 1e-8), "order {order}: {bound:?}");
+        assert!((bound.scaled_jacobian() - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn proves_thin_turned_cells_far_from_the_origin() {
+    // Aspect ratio 1e6, turned by 30 degrees: rounding of the given positions alone is 1e-8 of the thickness.
+    let (sine, cosine) = (0.5, 0.75_f64.sqrt());
+    let turned = |xi: &[f64; 2], _| [1.0 + cosine * xi[0] - 1e-6 * sine * xi[1], sine * xi[0] + 1e-6 * cosine * xi[1]];
+    let x = positions(6, &[0.0], turned);
+    assert!(matches!(ValidityCheck::<2>::new(6, &[0.0]).decide(&x), Validity::Valid(bound) if bound.lower > 0.99e-6));
+}
+
+#[test]
+fn finds_a_determinant_that_is_negative_for_a_moment_only() {
+    // det J = (1 + a s)(1 + b s) with roots close together in the middle of the slab: positive at 0, 1/2 and 1.
+    let times = [0.0, 1.0];
+    let (a, b) = (-1.0 / 0.30, -1.0 / 0.31);
+    let x = positions::<2>(3, &times, |xi, s| [(1.0 + a * s) * xi[0], (1.0 + b * s) * xi[1]]);
+    let answer = ValidityCheck::<2>::new(3, &times).decide(&x);
+    assert!(matches!(answer, Validity::Invalid(bound) if (0.3..=0.31).contains(&bound.at.s)), "{answer:?}");
+    // With both roots beyond the end of the slab it is proved positive: det J >= 0.1 * 0.2.
+    let x = positions::<2>(3, &times, |xi, s| [(1.0 - 0.9 * s) * xi[0], (1.0 - 0.8 * s) * xi[1]]);
+    assert!(ValidityCheck::<2>::new(3, &times).decide(&x).is_valid());
+}
+
+#[test]
+fn finds_where_a_cell_folds() {
+    // x = xi + c xi^2, dx/dxi = 1 + 2 c xi: negative for xi < -1 / (2 c).
+    let x = |c: f64| positions::<2>(3, &[0.0], move |xi, _| [xi[0] + c * xi[0] * xi[0], xi[1]]);
+    let check = ValidityCheck::<2>::new(3, &[0.0]);
+    assert!(matches!(check.decide(&x(0.49)), Validity::Valid(bound) if bound.lower >= 0.01 && bound.lower < 0.0201));
+    assert!(matches!(check.decide(&x(0.51)), Validity::Invalid(bound) if bound.at.xi[0] < -0.98 && bound.sampled_min < -0.0199));
+    // det J = 0 on a side, neither positive nor negative beyond round-off: not valid.
+    assert!(!check.decide(&x(0.5)).is_valid());
+}
+
+#[test]
+fn not_a_number_is_not_valid() {
+    let mut x = positions::<2>(3, &[0.0], |xi, _| *xi);
+    x[7] = f64::NAN;
+    assert!(!ValidityCheck::<2>::new(3, &[0.0]).decide(&x).is_valid());
+}
+
+#[test]
+fn the_relative_bound_ignores_grading_of_the_reference() {
+    // The reference cell is strongly graded; the motion is a uniform shrinking to 0.6 in each direction.
+    let graded = |xi: &[f64; 2], _: f64| [xi[0] + 0.45 * xi[0] * xi[0], xi[1] + 0.3 * xi[0] * xi[1]];
+    let reference = positions(4, &[0.0], graded);
+    let times = [0.0, 0.5, 1.0];
+    let x = positions(4, &times, |xi, s| graded(xi, s).map(|x| x * (1.0 - 0.4 * s)));
+    let bound = *ValidityCheck::<2>::new(4, &times).decide_relative(&x, &reference).bound();
+    assert!((bound.sampled_min - 0.36).abs() < 1e-12 && bound.lower <= 0.36 && bound.lower >= 0.18, "{bound:?}");
+    assert!((bound.sampled_max - 1.0).abs() < 1e-12 && bound.at.s == 1.0);
+}
+
+#[test]
+fn relative_bounds_hold_against_sampling() {
+    let mut random = SplitMix64::new(11);
+    let mut proved = 0;
+    for _ in 0..100 {
+        let cell = RandomCell::<2>::new(&mut random, 4, 2);
+        let length = cell.positions.len() / 2;
+        let at_rest = |x: &[f64]| ValidityCheck::<2>::new(4, &[0.0]).decide(x).is_valid();
+        if !at_rest(&cell.positions[..length]) {
+            continue;
+        }
+        let bound = *cell.check().decide_relative(&cell.positions, &cell.positions[..length]).bound();
+        for _ in 0..200 {
+            let (xi, s) = (from_fn(|_| random.symmetric()), random.unit());
+            let l = Lagrange::new(cell.times.clone()).values(s);
+            let x: Vec<f64> = (0..length).map(|k| l[0] * cell.positions[k] + l[1] * cell.positions[length + k]).collect();
+            let det = |x: &[f64]| CellMap::<2>::at(4, &xi).determinants(x)[0];
+            assert!(det(&x) / det(&cell.positions[..length]) >= bound.lower);
+        }
+        proved += usize::from(bound.lower > 0.0);
+    }
+    assert!(proved > 10, "only {proved} cells tested");
+}
+
+#[test]
+fn cells_are_decided_in_their_order() {
+    let check = ValidityCheck::<2>::new(2, &[0.0]);
+    let unit = positions::<2>(2, &[0.0], |xi, _| *xi);
+    let answers = check.decide_cells(20, |cell, x| {
+        x.iter_mut().zip(&unit).for_each(|(x, u)| *x = u * (cell + 1) as f64);
+    });
+    for (cell, answer) in answers.iter().enumerate() {
+        assert!((answer.bound().sampled_min - ((cell + 1) as f64).powi(2)).abs() < 1e-10);
+    }
 }

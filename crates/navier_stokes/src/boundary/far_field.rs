@@ -1,7 +1,7 @@
 //! The far field.
 
 use super::{Condition, nothing};
-use crate::error::{InvalidParameter, finite, positive};
+use crate::error::InvalidParameter;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
 use tensor::{Over, Real, dot};
@@ -19,10 +19,7 @@ impl<const D: usize> FarField<D> {
     /// # Errors
     /// A density or pressure that is not positive, a velocity that is not finite.
     pub fn new(free_stream: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
-        positive("density of the free stream", free_stream.density)?;
-        positive("pressure of the free stream", free_stream.pressure)?;
-        finite("velocity of the free stream", free_stream.velocity)?;
-        Ok(FarField { free_stream })
+        Ok(FarField { free_stream: free_stream.checked()? })
     }
 }
 

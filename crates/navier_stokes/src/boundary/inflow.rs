@@ -2,8 +2,8 @@
 
 use super::{Condition, nothing};
 use crate::error::{InvalidParameter, finite, positive};
-use crate::gas::Gas;
 use crate::flux::inviscid_normal;
+use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
 use tensor::{Over, Real, dot};
@@ -40,7 +40,8 @@ impl<const D: usize> Inflow<D> {
     /// q = ( k I a + sqrt(c_0^2 / k + a^2 c_0^2 - k I^2) ) / (1 + k a^2)
     /// ```
     ///
-    /// I is kept where the root exists: beyond, gas would be pushed back at more than the speed that chokes.
+    /// I is kept below the bound (k I / c_0)^2 = 1 + k a^2 at which the root is lost: gas that is pushed back into the
+    /// reservoir chokes there.
     #[inline(always)]
     fn reservoir<T: Over<G>, G: Real, const M: usize>(&self, gas: &Gas, minus: &[T; M], n: &[G; D]) -> Primitive<T, D> {
         let inside = Primitive::unpack(gas, minus);
@@ -53,10 +54,11 @@ impl<const D: usize> Inflow<D> {
             cosine += n[i] * self.direction[i];
         }
         let a = T::lift(cosine);
-        let most = (a * a + 1.0 / k) * c_0_squared;
+        let choking = ((a * a * (0.99 * k) + 1.0) * (c_0_squared / (k * k))).sqrt();
         let c = gas.sound_speed(inside.density, inside.pressure);
-        let invariant = (along(&inside.velocity, n) + c * (1.0 / k)).max(like.zero()).min((most * (0.98 / k)).sqrt());
-        let q = (invariant * a * k + (most - invariant * invariant * k).sqrt()) / (a * a * k + 1.0);
+        let invariant = (along(&inside.velocity, n) + c * (1.0 / k)).max(like.zero()).min(choking);
+        let root = ((a * a + 1.0 / k) * c_0_squared - invariant * invariant * k).sqrt();
+        let q = (invariant * a * k + root) / (a * a * k + 1.0);
 
         let temperature_ratio = -(q * q * (k / c_0_squared)) + 1.0;
         let pressure = temperature_ratio.powf(gas.gamma() / (gas.gamma() - 1.0)) * self.total_pressure;

@@ -1,8 +1,10 @@
 //! Boundary conditions, imposed weakly.
 //!
-//! Each condition answers the three questions of [`Condition`]. Where it imposes a state u_b(u-), the inviscid flux is that
-//! of u_b and the viscous terms are evaluated at u_b: the boundary residual depends on the inner state through u_b and its
-//! gradient alone, which is what an adjoint-consistent scheme asks for.
+//! Each condition answers the three questions of [`Condition`]. On walls and symmetry planes the inviscid flux is that of the
+//! state u_b(u-) at which the viscous terms are evaluated, no Riemann problem is solved: the residual there depends on the
+//! inner state through u_b and the gradient alone, which makes the scheme and functionals like lift adjoint consistent
+//! (Hartmann 2007). Where gas may cross, inflow and outflow take F_c(u_b) with u_b made of data and of the invariants that
+//! leave; the far field and prescribed states leave that choice to the Riemann solver.
 
 mod adiabatic_wall;
 mod far_field;

@@ -4,7 +4,7 @@ use super::ExactState;
 use crate::error::{InvalidParameter, finite, positive};
 use crate::gas::Gas;
 use crate::state::Primitive;
-use tensor::{Transcendental};
+use tensor::Transcendental;
 
 /// Flow between the plates y = 0, at rest and of temperature T_0, and y = H, of velocity U and temperature T_1: with
 /// eta = y / H,

@@ -1,7 +1,7 @@
 //! The uniform state.
 
 use super::ExactState;
-use crate::error::{InvalidParameter, finite, positive};
+use crate::error::InvalidParameter;
 use crate::gas::Gas;
 use crate::state::Primitive;
 use tensor::Transcendental;
@@ -19,10 +19,7 @@ impl<const D: usize> FreeStream<D> {
     /// # Errors
     /// A density or pressure that is not positive, a velocity that is not finite.
     pub fn new(gas: Gas, state: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
-        positive("density of the free stream", state.density)?;
-        positive("pressure of the free stream", state.pressure)?;
-        finite("velocity of the free stream", state.velocity)?;
-        Ok(FreeStream { gas, state })
+        Ok(FreeStream { gas, state: state.checked()? })
     }
 }
 

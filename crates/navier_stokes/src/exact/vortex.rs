@@ -42,22 +42,19 @@ impl<const D: usize> Vortex<D> {
         strength: f64,
         period: Option<[f64; 2]>,
     ) -> Result<Self, InvalidParameter> {
-        positive("density of the free stream", free_stream.density)?;
-        positive("pressure of the free stream", free_stream.pressure)?;
-        finite("velocity of the free stream", free_stream.velocity)?;
+        free_stream.checked()?;
         finite("centre of the vortex", centre)?;
         positive("radius of the vortex", radius)?;
         for length in period.into_iter().flatten() {
             positive("period of the domain", length)?;
         }
         let vortex = Vortex { gas, free_stream, centre, radius, strength, period };
-        // Written so that NaN is refused.
-        if !(vortex.cooling() < 1.0) {
-            let mach = norm(&free_stream.velocity) / gas.sound_speed(free_stream.density, free_stream.pressure);
-            let limit = (2.0 / (gas.gamma() - 1.0)).sqrt() / mach;
-            return Err(InvalidParameter::VortexTooStrong { strength, mach, limit });
+        if vortex.cooling() < 1.0 {
+            return Ok(vortex);
         }
-        Ok(vortex)
+        let mach = norm(&free_stream.velocity) / gas.sound_speed(free_stream.density, free_stream.pressure);
+        let limit = (2.0 / (gas.gamma() - 1.0)).sqrt() / mach;
+        Err(InvalidParameter::VortexTooStrong { strength, mach, limit })
     }
 
     /// beta = eps exp(1/2) / (2 pi), for the vortex of Persson, Bonet & Peraire (2009).

@@ -1,11 +1,11 @@
 //! A smooth state that is no solution, for manufactured sources.
 
 use super::ExactState;
-use crate::error::{InvalidParameter, finite, positive};
+use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 use crate::state::Primitive;
 use std::f64::consts::TAU;
-use tensor::{Transcendental};
+use tensor::Transcendental;
 
 /// Waves that run in different directions, one for each of density, velocities and pressure, with period `length` in space
 /// and time: with phi_q = (2 pi / length) (+-x +-y (+-z) - t) + q and the sound speed c of the mean,
@@ -27,9 +27,7 @@ impl<const D: usize> Waves<D> {
     /// # Errors
     /// A mean state or a length out of range, an amplitude outside [0, 1).
     pub fn new(gas: Gas, mean: Primitive<f64, D>, amplitude: f64, length: f64) -> Result<Self, InvalidParameter> {
-        positive("mean density", mean.density)?;
-        positive("mean pressure", mean.pressure)?;
-        finite("mean velocity", mean.velocity)?;
+        mean.checked()?;
         positive("length of the waves", length)?;
         if !(0.0..1.0).contains(&amplitude) {
             return Err(InvalidParameter::Amplitude { value: amplitude });

@@ -39,8 +39,8 @@ impl<T: Real, const D: usize> Average<T, D> {
             velocity[i] += plus.velocity[i] * of_plus;
         }
         // sqrt(rho) H = (rho E + p) / sqrt(rho)
-        let enthalpy = ((minus.u[M - 1] + minus.pressure) / root_minus + (plus.u[M - 1] + plus.pressure) / root_plus)
-            * inverse;
+        let enthalpy =
+            ((minus.u[M - 1] + minus.pressure) / root_minus + (plus.u[M - 1] + plus.pressure) / root_plus) * inverse;
         let sound_speed = ((enthalpy - dot(&velocity, &velocity) * 0.5) * (gas.gamma() - 1.0)).sqrt();
         Average { density: root_minus * root_plus, velocity, w_n: along(&velocity, n), enthalpy, sound_speed }
     }

@@ -65,10 +65,7 @@ fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
     for i in 0..D {
         momentum[i] += difference.scale(n[i]) + shear * w_jump[i];
     }
-    let energy = (left + right) * enthalpy
-        + entropy * dot(&w, &w) * 0.5
-        + difference * w_n
-        + shear * dot(&w, &w_jump);
+    let energy = (left + right) * enthalpy + entropy * dot(&w, &w) * 0.5 + difference * w_n + shear * dot(&w, &w_jump);
     components(sum, &momentum, energy)
 }
 

@@ -59,7 +59,7 @@ fn contact<const D: usize, const M: usize>() {
         let (n, v_n, pressure): ([f64; D], _, _) = (random.unit(), random.between(-1.0, 1.0), 0.8);
         let mut side = || {
             let a: [f64; D] = random.vector(1.0);
-            let velocity = std::array::from_fn(|i| a[i] + (v_n - dot(&a, &n)) * n[i]);
+            let velocity: [f64; D] = std::array::from_fn(|i| a[i] + (v_n - dot(&a, &n)) * n[i]);
             Primitive { density: random.between(0.5, 2.0), velocity, pressure }.pack::<M>(&gas)
         };
         let flux = law::<D>(Riemann::Hllc).numerical_flux(&side(), &side(), &n, v_n);
@@ -148,6 +148,55 @@ fn of_inflow<const D: usize, const M: usize>() {
     assert!(tried > 50);
 }
 
+/// Whatever the gas inside does, even if it rushes out, what flows in has the total enthalpy and the total pressure of the
+/// reservoir and its direction.
+fn inflow_keeps_the_total_state<const D: usize, const M: usize>() {
+    let gas = gas();
+    let (p_0, t_0, exponent) = (2.0, 2.5, gas.gamma() / (gas.gamma() - 1.0));
+    let mut direction = [0.0; D];
+    (direction[0], direction[1]) = (0.8, 0.6);
+    let mut n = [0.0; D];
+    n[0] = -1.0;
+    let inflow = Boundary::Inflow(Inflow::new(p_0, t_0, direction).unwrap());
+    for seed in 0..100 {
+        let mut random = Random(seed);
+        let inside = Primitive { velocity: random.vector(8.0), ..random.primitive::<D>() };
+        let u: [f64; M] = inside.pack(&gas);
+        let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &u, &n, &[0.0; D], &u);
+        let mass = flux[0];
+        // Tangential momentum gives the speed, normal momentum then the pressure.
+        let q = flux[2] / mass / direction[1];
+        let p = (flux[1] - mass * q * direction[0]) / n[0];
+        let t = t_0 - 0.5 * q * q / gas.heat_capacity();
+        assert!((flux[M - 1] / mass / (gas.heat_capacity() * t_0) - 1.0).abs() <= 1e-12);
+        assert!((p / (p_0 * (t / t_0).powf(exponent)) - 1.0).abs() <= 1e-11);
+        assert!((mass / (gas.density(p, t) * q * n[0] * direction[0]) - 1.0).abs() <= 1e-11);
+    }
+}
+
+/// Gas leaves at the pressure outside, with the entropy and the acoustic invariant that it had inside.
+fn outflow_keeps_what_leaves<const D: usize, const M: usize>() {
+    let (gas, p) = (gas(), 0.9);
+    let mut n = [0.0; D];
+    n[0] = 1.0;
+    let outflow = Boundary::Outflow(Outflow::new(p).unwrap());
+    for seed in 0..100 {
+        let mut random = Random(seed);
+        let mut inside = random.primitive::<D>();
+        inside.velocity[0] = random.between(0.2, 0.5);
+        inside.pressure = random.between(0.95, 2.0);
+        let u: [f64; M] = inside.pack(&gas);
+        let flux = law::<D>(Riemann::Roe).boundary_flux(outflow, &u, &n, &[0.0; D], &u);
+        let w_n = (flux[1] - p) / flux[0];
+        let density = flux[0] / w_n;
+        let entropy = |p: f64, density: f64| p / density.powf(gas.gamma());
+        let invariant = |w_n: f64, c: f64| w_n + 2.0 * c / (gas.gamma() - 1.0);
+        let (c_in, c_out) = (gas.sound_speed(inside.density, inside.pressure), gas.sound_speed(density, p));
+        assert!((entropy(p, density) / entropy(inside.pressure, inside.density) - 1.0).abs() <= 1e-11);
+        assert!((invariant(w_n, c_out) / invariant(inside.velocity[0], c_in) - 1.0).abs() <= 1e-12);
+    }
+}
+
 /// An outflow that is supersonic relative to the boundary imposes nothing.
 fn of_supersonic_outflow<const D: usize, const M: usize>() {
     for seed in 0..100 {
@@ -167,5 +216,7 @@ in_both_dimensions!(
     shock,
     of_boundary_conditions,
     of_inflow,
+    inflow_keeps_the_total_state,
+    outflow_keeps_what_leaves,
     of_supersonic_outflow,
 );

@@ -74,7 +74,7 @@ fn isentropic_and_steady<const D: usize, const M: usize>() {
         assert!(largest(change) <= 1e-13);
     }
     // 1 - (gamma - 1) / 2 M^2 beta^2 at the centre.
-    let state = Primitive::<f64, D>::unpack(&gas, &vortex.state::<f64>(&[0.3; D], 0.0));
+    let state = Primitive::<f64, D>::unpack::<M>(&gas, &vortex.state(&[0.3; D], 0.0));
     assert!((state.pressure / state.density * (1.4 * 0.25) - (1.0 - 0.2 * 0.25 * 0.04)).abs() <= 1e-15);
 }
 

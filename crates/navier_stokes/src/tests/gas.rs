@@ -1,6 +1,7 @@
 //! The gas, its states, its stresses, its scales.
 
 use super::*;
+use crate::exact::{Vortex, Waves};
 use tensor::Dual;
 
 fn states_convert_back<const D: usize, const M: usize>() {
@@ -91,7 +92,8 @@ fn admissible_states<const D: usize, const M: usize>() {
     for (quantity, component, value) in cases {
         let mut bad = good;
         bad[component] = value;
-        assert!(!(law.margin(&bad) > 0.0), "{quantity} {value}");
+        let margin = law.margin(&bad);
+        assert!(margin.is_nan() || margin <= 0.0, "{quantity} {value}");
         assert_eq!(law.inadmissible(&bad).map(|(name, _)| name), Some(quantity));
     }
 }
@@ -122,8 +124,8 @@ fn bad_parameters() {
         IsothermalWall::new(0.0, [0.0, 0.0]).unwrap_err(),
         Inflow::new(1.0, 1.0, [0.0, 0.0]).unwrap_err(),
         Outflow::new(-2.0).unwrap_err(),
-        exact::Vortex::new(gas(), still, [0.0, 0.0], 1.0, 1e3, None).unwrap_err(),
-        exact::Waves::new(gas(), still, 1.0, 1.0).unwrap_err(),
+        Vortex::new(gas(), still, [0.0, 0.0], 1.0, 1e3, None).unwrap_err(),
+        Waves::new(gas(), still, 1.0, 1.0).unwrap_err(),
     ];
     for error in errors {
         assert!(error.to_string().contains("must"), "{error}");

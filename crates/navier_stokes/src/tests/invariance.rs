@@ -19,7 +19,7 @@ fn galilean<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);
         let p = Point::<f64, f64, D, M>::random(&mut random);
-        let boost = random.vector(2.0);
+        let boost: [f64; D] = random.vector(2.0);
         let seen = Point {
             minus: boosted(&p.minus, &boost),
             plus: boosted(&p.plus, &boost),

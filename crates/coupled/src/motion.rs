@@ -1,0 +1,82 @@
+//! How the mesh of a run moves.
+
+use elasticity::{ElasticMesh, ElasticityError, SlabMotion};
+use fem::VectorField;
+use std::sync::Arc;
+
+/// The displacement prescribed at boundary nodes.
+#[derive(Clone)]
+pub struct BoundaryMotion<const D: usize> {
+    /// The displacement of each moving boundary as a function of reference position and time.
+    pub fields: Vec<Arc<dyn VectorField<D>>>,
+    /// For every C0 node the field that moves it, if it is constrained and does not stand still.
+    pub field_of_node: Vec<Option<usize>>,
+}
+
+/// Where the displacement of the mesh comes from.
+pub enum MeshMotion<const D: usize> {
+    /// The mesh stands still.
+    Still,
+    /// The displacement of every node is prescribed.
+    Prescribed(Arc<dyn VectorField<D>>),
+    /// Boundaries move as prescribed and the interior follows like an elastic body.
+    Elastic {
+        /// K and its preconditioner.
+        mesh: Box<ElasticMesh<D>>,
+        /// The boundary.
+        boundary: BoundaryMotion<D>,
+        /// Tolerance of a solve with K, relative.
+        tolerance: f64,
+    },
+}
+
+impl<const D: usize> MeshMotion<D> {
+    /// The displacement of nodes with reference positions `x`, `[node][component]`, at time `t`; for an elastic mesh zero at free
+    /// nodes.
+    pub fn prescribed(&self, x: &[[f64; D]], t: f64, out: &mut [f64]) {
+        out.fill(0.0);
+        for (node, (x, out)) in x.iter().zip(out.chunks_exact_mut(D)).enumerate() {
+            let field = match self {
+                MeshMotion::Still => None,
+                MeshMotion::Prescribed(field) => Some(field),
+                MeshMotion::Elastic { boundary, .. } => boundary.field_of_node[node].map(|f| &boundary.fields[f]),
+            };
+            if let Some(field) = field {
+                out.copy_from_slice(&field.value(x, t));
+            }
+        }
+    }
+
+    /// The displacements at the time nodes of the slab from `start` with length `dt`, `[time node][C0 node][component]`.
+    pub fn prescribed_in_slab(&self, motion: &SlabMotion, x: &[[f64; D]], start: f64, dt: f64, out: &mut [f64]) {
+        let nodes = motion.time().nodes();
+        for (s, out) in nodes.iter().zip(out.chunks_exact_mut(x.len() * D)) {
+            self.prescribed(x, start + s * dt, out);
+        }
+    }
+
+    /// Velocities whose displacement meets the prescribed one `g` at the time nodes; for an elastic mesh in equilibrium at
+    /// all of them, found from the guess in `v`. Returns the CG iterations.
+    ///
+    /// # Errors
+    /// As [`ElasticMesh::solve`].
+    pub fn velocities(&self, motion: &SlabMotion, dt: f64, bottom: &[f64], g: &[f64], v: &mut [f64]) -> Result<usize, ElasticityError> {
+        match self {
+            MeshMotion::Still => v.fill(0.0),
+            MeshMotion::Prescribed(_) => {
+                v.copy_from_slice(g);
+                motion.velocities(dt, bottom, v);
+            }
+            MeshMotion::Elastic { mesh, tolerance, .. } => {
+                let slab = elasticity::ElasticSlab { mesh, motion, dt };
+                let mut residual = vec![0.0; v.len()];
+                let mut correction = vec![0.0; v.len()];
+                slab.residual(bottom, g, v, &mut residual);
+                let reports = slab.solve(&residual, &mut correction, *tolerance)?;
+                v.iter_mut().zip(&correction).for_each(|(v, w)| *v -= w);
+                return Ok(reports.iter().map(|r| r.iterations).sum());
+            }
+        }
+        Ok(0)
+    }
+}

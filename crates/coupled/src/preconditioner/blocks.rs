@@ -1,0 +1,79 @@
+//! The graph of cells and the blocks on it, as the factorisation sees them.
+
+use faer::Mat;
+use fem::{SpaceJacobian, TraceSpace};
+
+/// How a cell couples to a neighbour: A_ik = T_f^T B T_g, i this cell, k the neighbour.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    /// The neighbour k.
+    pub cell: usize,
+    /// The number of the coupling.
+    pub coupling: usize,
+    /// 0 if this cell is on the minus side, 1 on the plus side.
+    pub side: usize,
+    /// The face f of this cell.
+    pub face: usize,
+    /// The face g of the neighbour.
+    pub other_face: usize,
+}
+
+/// For every cell its links, in the order of couplings.
+pub fn links(jacobian: &SpaceJacobian, cells: usize) -> Vec<Vec<Link>> {
+    let mut links = vec![Vec::new(); cells];
+    for (number, coupling) in jacobian.couplings.iter().enumerate() {
+        for side in 0..2 {
+            let (face, other_face) = (coupling.faces[side], coupling.faces[1 - side]);
+            let cell = coupling.cells[1 - side];
+            // A cell that is its own neighbour across a periodic boundary keeps the coupling out of the factor.
+            if cell != coupling.cells[side] {
+                links[coupling.cells[side]].push(Link { cell, coupling: number, side, face, other_face });
+            }
+        }
+    }
+    links
+}
+
+/// The block B of `link`: rows traces of this cell, columns traces of the neighbour, row-major.
+pub fn coupling_block(jacobian: &SpaceJacobian, link: Link) -> &[f64] {
+    let coupling = &jacobian.couplings[link.coupling];
+    if link.side == 0 { &coupling.minus_plus } else { &coupling.plus_minus }
+}
+
+/// lambda M + dt A_ii of `cell` for a real lambda.
+pub fn diagonal_block(jacobian: &SpaceJacobian, cell: usize, dt: f64, lambda: f64) -> Mat<f64> {
+    let (n, nodes) = (jacobian.block, jacobian.traces.nodes);
+    let a = &jacobian.diagonal[cell * n * n..(cell + 1) * n * n];
+    let mass = &jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
+    Mat::from_fn(n, n, |i, j| {
+        let m = if i / nodes == j / nodes { mass[i % nodes * nodes + j % nodes] } else { 0.0 };
+        lambda * m + dt * a[i * n + j]
+    })
+}
+
+/// T X T^T for a square matrix X over a cell: the traces of X on `face`, both ways. X column-major.
+pub fn traces_of<E>(traces: &TraceSpace, face: usize, n: usize, x: impl Fn(usize, usize) -> E) -> Vec<E>
+where
+    E: Copy + std::ops::Mul<f64, Output = E> + std::ops::AddAssign + From<f64>,
+{
+    let t = traces.len();
+    let mut half = vec![E::from(0.0); t * n];
+    for row in 0..t {
+        let (offset, functional) = traces.functional(face, row);
+        for column in 0..n {
+            for &(node, weight) in functional {
+                half[row * n + column] += x(offset + node, column) * weight;
+            }
+        }
+    }
+    let mut both = vec![E::from(0.0); t * t];
+    for row in 0..t {
+        for column in 0..t {
+            let (offset, functional) = traces.functional(face, column);
+            for &(node, weight) in functional {
+                both[row * t + column] += half[row * n + offset + node] * weight;
+            }
+        }
+    }
+    both
+}

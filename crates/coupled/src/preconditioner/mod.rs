@@ -1,0 +1,20 @@
+//! The preconditioner of the flow in a slab.
+//!
+//! ```text
+//! dR/dU  ~  T (x) M + dt W (x) A  =  (W Q (x) I) ( L (x) M + dt I (x) A ) (Q^{-1} (x) I),     W^{-1} T = Q L Q^{-1}      (decoupled)
+//! ```
+//!
+//! with ONE Jacobian A and mass matrix M of the operator of space, frozen in the middle of a slab: the temporal modes
+//! separate into systems (lambda M + dt A) x = c, one for each real eigenvalue and one for each complex pair. Each is
+//! replaced by its block ILU(0), and all of them are swept at once.
+
+mod blocks;
+mod factor;
+mod ilu;
+mod ordering;
+mod panel;
+mod temporal;
+
+pub use ilu::FlowPreconditioner;
+pub use ordering::Ordering;
+pub use temporal::TemporalModes;

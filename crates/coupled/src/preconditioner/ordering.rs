@@ -1,0 +1,91 @@
+//! The order of elimination: minimum discarded fill (Persson & Peraire 2008).
+//!
+//! Eliminating cell k would create the fill A_ik A_kk^{-1} A_kj between its remaining neighbours i and j, which ILU(0)
+//! discards; the cell whose fill is least comes next.
+
+use super::blocks::{Link, coupling_block, diagonal_block};
+use faer::linalg::solvers::DenseSolveCore;
+use fem::SpaceJacobian;
+use rayon::prelude::*;
+
+/// The cells in the order of elimination, and the ranges of positions that do not depend on each other.
+#[derive(Clone, Debug)]
+pub struct Ordering {
+    /// The cell at each position.
+    pub cells: Vec<usize>,
+    /// The position of each cell.
+    pub positions: Vec<usize>,
+    /// Ends of the levels: cells of one level have no links to each other and only to earlier ones of those that precede.
+    pub level_ends: Vec<usize>,
+}
+
+/// The order for lambda M + dt A with one real lambda.
+pub fn minimum_discarded_fill(jacobian: &SpaceJacobian, links: &[Vec<Link>], dt: f64, lambda: f64) -> Ordering {
+    let strengths: Vec<Vec<f64>> = (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
+    by_level(&eliminate(links, &strengths), links)
+}
+
+/// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
+fn strengths(jacobian: &SpaceJacobian, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
+    let inverse = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu().inverse();
+    let (n, t) = (jacobian.block, jacobian.traces.len());
+    let norm = |link: &Link| {
+        let b = coupling_block(jacobian, *link);
+        let mut lifted = vec![0.0; n * t];
+        for row in 0..t {
+            let (offset, functional) = jacobian.traces.functional(link.face, row);
+            for &(node, weight) in functional {
+                let target = &mut lifted[(offset + node) * t..(offset + node + 1) * t];
+                target.iter_mut().zip(&b[row * t..]).for_each(|(l, b)| *l += dt * weight * b);
+            }
+        }
+        let lifted = faer::MatRef::from_row_major_slice(&lifted, n, t);
+        (&inverse * lifted).norm_l2()
+    };
+    links.iter().map(norm).collect()
+}
+
+/// Takes the cell of least discarded fill again and again; the lower number where two are equal.
+fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
+    let mut gone = vec![false; links.len()];
+    // C_ik is stored with cell i; seen from k it is found among the links of i that lead back across the same facet.
+    let towards = |from: usize, link: &Link| -> f64 {
+        let back = links[link.cell].iter().position(|l| l.coupling == link.coupling && l.cell == from);
+        back.map_or(0.0, |number| strengths[link.cell][number])
+    };
+    let weight = |k: usize, gone: &[bool]| -> f64 {
+        let alive = || links[k].iter().enumerate().filter(|(_, link)| !gone[link.cell]);
+        alive().flat_map(|(a, i)| alive().filter(move |(b, _)| *b != a).map(move |(b, _)| (i, b))).map(|(i, b)| (towards(k, i) * strengths[k][b]).powi(2)).sum()
+    };
+    let mut weights: Vec<f64> = (0..links.len()).map(|k| weight(k, &gone)).collect();
+    let mut queue: std::collections::BTreeSet<(u64, usize)> = weights.iter().enumerate().map(|(k, w)| (w.to_bits(), k)).collect();
+    let mut order = Vec::with_capacity(links.len());
+    while let Some((_, k)) = queue.pop_first() {
+        gone[k] = true;
+        order.push(k);
+        for link in links[k].iter().filter(|link| !gone[link.cell]) {
+            queue.remove(&(weights[link.cell].to_bits(), link.cell));
+            weights[link.cell] = weight(link.cell, &gone);
+            queue.insert((weights[link.cell].to_bits(), link.cell));
+        }
+    }
+    order
+}
+
+/// Sorts positions into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
+fn by_level(order: &[usize], links: &[Vec<Link>]) -> Ordering {
+    let mut rank = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(position, &cell)| rank[cell] = position);
+    let mut level = vec![0_usize; order.len()];
+    for &cell in order {
+        let before = links[cell].iter().filter(|link| rank[link.cell] < rank[cell]);
+        level[cell] = before.map(|link| level[link.cell] + 1).max().unwrap_or(0);
+    }
+    let mut cells = order.to_vec();
+    cells.sort_by_key(|&cell| level[cell]);
+    let mut positions = vec![0; order.len()];
+    cells.iter().enumerate().for_each(|(position, &cell)| positions[cell] = position);
+    let levels = level.iter().max().map_or(0, |max| max + 1);
+    let level_ends = (0..levels).map(|l| cells.partition_point(|&cell| level[cell] <= l)).collect();
+    Ordering { cells, positions, level_ends }
+}

@@ -1,0 +1,286 @@
+//! One slab as one nonlinear problem.
+//!
+//! ```text
+//! z = (V, U),   R(z) = ( R_e(V), R_f(U; V) ),   dR/dz = [ K  0 ; B  A ]                                           (coupled)
+//! ```
+//!
+//! Motions that are prescribed everywhere leave V out of z.
+
+use crate::motion::MeshMotion;
+use crate::preconditioner::{FlowPreconditioner, Ordering, TemporalModes};
+use elasticity::{ElasticMesh, ElasticSlab, SlabMotion};
+use fem::{ConservationLaw, SlabOperator, Violation};
+use newton_krylov::inner_product::{InnerProduct, Weighted};
+use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
+use std::ops::Range;
+
+/// A residual of the mesh below this part of the total is left to round-off: the increment then leaves the mesh alone, and
+/// products need not differentiate it.
+const SETTLED: f64 = 1e-13;
+
+/// What a solve has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Evaluations of the flow's residual.
+    pub residuals: usize,
+    /// Jacobian products along the state alone.
+    pub products: usize,
+    /// Jacobian products along state and mesh.
+    pub mesh_products: usize,
+    /// CG iterations with K.
+    pub elasticity_iterations: usize,
+    /// Times the flow's Jacobian was frozen anew.
+    pub rebuilds: usize,
+    /// Times its modes were factored anew without that.
+    pub refactors: usize,
+}
+
+/// The coupled problem of the current slab.
+pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    /// The flow and the moving mesh.
+    pub flow: SlabOperator<D, M, L>,
+    /// The motion of the mesh.
+    pub motion: MeshMotion<D>,
+    /// The time basis of the motion.
+    pub slab_motion: SlabMotion,
+    /// What has been done since the counts were last taken.
+    pub counts: Counts,
+    /// Set to have the preconditioner rebuilt at the next linearisation.
+    pub stale: bool,
+    bottom: Vec<f64>,
+    prescribed: Vec<f64>,
+    velocities: Vec<f64>,
+    fields: Vec<Field>,
+    weights: Weighted,
+    inverse_pseudo_time: Vec<f64>,
+    preconditioner: Option<FlowPreconditioner>,
+    ordering: Option<Ordering>,
+    built_for: (f64, f64),
+    mesh_work: Vec<f64>,
+    flow_work: Vec<f64>,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M, L> {
+    /// The problem of `flow` on a mesh with the given motion; `mesh_weights` are those of the mesh equations, empty unless the
+    /// mesh is elastic.
+    pub fn new(flow: SlabOperator<D, M, L>, motion: MeshMotion<D>, mesh_weights: Vec<f64>) -> Self {
+        let slab_motion = SlabMotion::new(basis::RadauTime::new(flow.tables.orders.time));
+        let (mesh_len, velocity_len) = (mesh_weights.len(), flow.mesh.field_len() * flow.tables.orders.time);
+        let flow_len = flow.layout.len();
+        let mut fields = Vec::new();
+        if mesh_len > 0 {
+            fields.push(Field { name: "mesh", range: 0..mesh_len });
+        }
+        fields.push(Field { name: "flow", range: mesh_len..mesh_len + flow_len });
+        let mut weights = mesh_weights;
+        weights.extend(crate::weights::flow(&flow));
+        SlabProblem {
+            bottom: vec![0.0; flow.mesh.field_len()],
+            prescribed: vec![0.0; velocity_len],
+            velocities: vec![f64::NAN; velocity_len],
+            inverse_pseudo_time: vec![0.0; fields.len()],
+            fields,
+            weights: Weighted { weights },
+            counts: Counts::default(),
+            stale: false,
+            preconditioner: None,
+            ordering: None,
+            built_for: (0.0, 0.0),
+            mesh_work: vec![0.0; mesh_len],
+            flow_work: vec![0.0; flow_len],
+            slab_motion,
+            flow,
+            motion,
+        }
+    }
+
+    /// Number of mesh unknowns in z.
+    pub fn mesh_len(&self) -> usize {
+        self.mesh_work.len()
+    }
+    /// The flow's part of z.
+    pub fn flow_range(&self) -> Range<usize> {
+        self.mesh_len()..self.len()
+    }
+    /// The velocities of the mesh last set, `[time node][C0 node][component]`.
+    pub fn velocities(&self) -> &[f64] {
+        &self.velocities
+    }
+
+    /// Moves to the slab from `start` of length `dt`, on top of the state `u` and the displacement `d`. `positions` are those
+    /// of the C0 nodes in the reference mesh.
+    pub fn begin(&mut self, start: f64, dt: f64, u: &[f64], d: &[f64], positions: &[[f64; D]]) {
+        self.flow.begin_slab(start, dt, u, d);
+        self.bottom.copy_from_slice(d);
+        self.motion.prescribed_in_slab(&self.slab_motion, positions, start, dt, &mut self.prescribed);
+        self.velocities.fill(f64::NAN);
+        self.inverse_pseudo_time.fill(0.0);
+    }
+
+    /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`; sets the mesh of the flow.
+    ///
+    /// # Errors
+    /// As [`ElasticMesh::solve`].
+    pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
+        let (_, dt) = self.flow.interval();
+        self.counts.elasticity_iterations += self.motion.velocities(&self.slab_motion, dt, &self.bottom, &self.prescribed, v)?;
+        self.set_velocities(v);
+        Ok(())
+    }
+
+    /// The norm of a residual's field `k`.
+    pub fn field_norms(&self, r: &[f64]) -> Vec<f64> {
+        let norm = |range: &Range<usize>| {
+            let squares = r[range.clone()].iter().zip(&self.weights.weights[range.clone()]).map(|(r, w)| w * r * r);
+            squares.sum::<f64>().sqrt()
+        };
+        self.fields.iter().map(|field| norm(&field.range)).collect()
+    }
+
+    /// Bytes held by the flow's preconditioner.
+    pub fn preconditioner_bytes(&self) -> usize {
+        self.preconditioner.as_ref().map_or(0, FlowPreconditioner::bytes)
+    }
+
+    fn elastic(&self) -> Option<(ElasticSlab<'_, D>, f64)> {
+        let MeshMotion::Elastic { mesh, tolerance, .. } = &self.motion else { return None };
+        Some((ElasticSlab { mesh, motion: &self.slab_motion, dt: self.flow.interval().1 }, *tolerance))
+    }
+
+    fn elastic_mesh(&self) -> Option<&ElasticMesh<D>> {
+        let MeshMotion::Elastic { mesh, .. } = &self.motion else { return None };
+        Some(mesh)
+    }
+
+    fn set_velocities(&mut self, v: &[f64]) {
+        if self.velocities != v {
+            self.velocities.copy_from_slice(v);
+            self.flow.set_mesh(v);
+        }
+    }
+
+    /// Builds, refactors or keeps the preconditioner of the flow.
+    fn update_preconditioner(&mut self) {
+        let (_, dt) = self.flow.interval();
+        let damping = dt * self.inverse_pseudo_time.last().copied().unwrap_or(0.0);
+        let change = |old: f64, new: f64| (old - new).abs() > 0.1 * old.abs().max(new.abs());
+        if self.stale || self.preconditioner.is_none() {
+            let modes = TemporalModes::new(&self.flow.tables.time);
+            let jacobian = self.flow.space_jacobian(0.5);
+            let old = self.preconditioner.take().map(|p| p.into_parts().1);
+            let ordering = old.or_else(|| self.ordering.take());
+            self.preconditioner = Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
+            self.counts.rebuilds += 1;
+        } else if change(self.built_for.0, dt) || change(self.built_for.1, damping) {
+            self.preconditioner.iter_mut().for_each(|p| p.refactor(dt, damping));
+            self.counts.refactors += 1;
+        } else {
+            return;
+        }
+        (self.stale, self.built_for) = (false, (dt, damping));
+    }
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> NonlinearProblem for SlabProblem<D, M, L> {
+    fn len(&self) -> usize {
+        self.mesh_work.len() + self.flow_work.len()
+    }
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+    fn inner_product(&self) -> &dyn InnerProduct {
+        &self.weights
+    }
+
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        let n = self.mesh_len();
+        let ((v, u), (r_e, r_f)) = (z.split_at(n), r.split_at_mut(n));
+        if let Some((slab, _)) = self.elastic() {
+            slab.residual(&self.bottom, &self.prescribed, v, r_e);
+            self.set_velocities(v);
+        }
+        self.counts.residuals += 1;
+        self.flow.residual(u, r_f).map_err(inadmissible)
+    }
+
+    fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
+        let (v, u) = z.split_at(self.mesh_len());
+        if !v.is_empty() {
+            self.set_velocities(v);
+        }
+        self.flow.linearise(u);
+        self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
+        self.update_preconditioner();
+        Ok(())
+    }
+
+    fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
+        let n = self.mesh_len();
+        let ((w, x), (out_e, out_f)) = (direction.split_at(n), out.split_at_mut(n));
+        out_e.fill(0.0);
+        if w.iter().all(|&w| w == 0.0) {
+            self.counts.products += 1;
+            self.flow.product(x, out_f);
+        } else {
+            self.counts.mesh_products += 1;
+            if let Some((slab, _)) = self.elastic() {
+                slab.jacobian_product(w, out_e);
+            }
+            self.flow.product_with_mesh(x, w, out_f);
+        }
+    }
+
+    /// T = (1/dtau_f) dt W (x) M for the flow, with one lumped mass, and (1/dtau_e) diag K on displacement increments for the mesh.
+    fn add_pseudo_time(&mut self, direction: &[f64], out: &mut [f64]) {
+        let n = self.mesh_len();
+        let (_, dt) = self.flow.interval();
+        let ((w, x), (out_e, out_f)) = (direction.split_at(n), out.split_at_mut(n));
+        if let Some(mesh) = self.elastic_mesh() {
+            let (diagonal, collocation) = (mesh.diagonal(), self.slab_motion.time().collocation());
+            let len = diagonal.len();
+            for (i, out) in out_e.iter_mut().enumerate() {
+                let row = collocation.row(i / len);
+                let increment: f64 = row.iter().enumerate().map(|(b, a)| dt * a * w[b * len + i % len]).sum();
+                *out += self.inverse_pseudo_time[0] * diagonal[i % len] * increment;
+            }
+        }
+        let rate = self.inverse_pseudo_time.last().copied().unwrap_or(0.0);
+        self.flow.add_mass(rate * dt, x, out_f);
+    }
+
+    /// Block lower triangular: the mesh by K, its effect on the flow by an exact product, the flow by its factored modes.
+    fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
+        let n = self.mesh_len();
+        let ((r_e, r_f), (w, x)) = (r.split_at(n), out.split_at_mut(n));
+        let norms = self.field_norms(r);
+        w.fill(0.0);
+        let mut rest = std::mem::take(&mut self.flow_work);
+        rest.copy_from_slice(r_f);
+        if n > 0 && norms[0] > SETTLED * norms[1] {
+            if let Some((slab, tolerance)) = self.elastic() {
+                // An unconverged increment still is a good one: the iteration outside is flexible.
+                let iterations = slab.solve(r_e, w, tolerance).map_or(0, |r| r.iter().map(|r| r.iterations).sum());
+                self.counts.elasticity_iterations += iterations;
+            }
+            x.fill(0.0);
+            let mut shift = vec![0.0; rest.len()];
+            self.counts.mesh_products += 1;
+            self.flow.product_with_mesh(x, w, &mut shift);
+            rest.iter_mut().zip(&shift).for_each(|(rest, shift)| *rest -= shift);
+        }
+        match &mut self.preconditioner {
+            Some(preconditioner) => preconditioner.apply(&rest, x),
+            None => x.copy_from_slice(&rest),
+        }
+        self.flow_work = rest;
+    }
+
+    fn largest_step(&mut self, _z: &[f64], _increment: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+fn inadmissible(violation: Violation) -> Inadmissible {
+    let Violation { quantity, value, cell, time } = violation;
+    Inadmissible { quantity: quantity.to_string(), value, location: format!("in cell {cell} at t = {time}") }
+}

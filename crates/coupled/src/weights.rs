@@ -1,0 +1,62 @@
+//! Weights that make residuals of mesh and flow comparable.
+//!
+//! ```text
+//! |R_f|^2 = (1 / N_t |Omega|) sum (R / scale_m)^2 / int phi_i J        an error of the state, relative to its scales
+//! |R_e|^2 = (1 / n) sum (R_i / (K_ii h_i))^2                           an error of position, relative to the node spacing  (norm)
+//! ```
+
+use elasticity::ElasticMesh;
+use fem::{ConservationLaw, SlabOperator};
+use mesh::{Mesh, NodeNumbering};
+
+/// Weights of the flow's residual in a slab.
+pub fn flow<const D: usize, const M: usize, L: ConservationLaw<D, M>>(operator: &SlabOperator<D, M, L>) -> Vec<f64> {
+    let (layout, scales) = (operator.layout, operator.problem.law.scales());
+    let one = layout.at_one_time();
+    let mut masses = vec![0.0; one.len()];
+    let row = operator.tables.bottom_row();
+    operator.moments(&vec![1.0; one.len()], &row, &mut masses);
+    let volume: f64 = masses.iter().sum::<f64>() / M as f64;
+    let mut weights = vec![0.0; layout.len()];
+    for cell in 0..layout.cells {
+        let mean = masses[one.cell(cell)].iter().sum::<f64>() / one.cell_len() as f64;
+        for a in 0..layout.time_order {
+            for (m, scale) in scales.iter().enumerate() {
+                for i in 0..layout.nodes {
+                    // A strongly curved cell may have a node of vanishing mass: it gets a share of the mean.
+                    let mass = masses[one.index(cell, 0, m, i)].max(1e-2 * mean);
+                    weights[layout.index(cell, a, m, i)] = 1.0 / (scale * scale * mass * volume * layout.time_order as f64);
+                }
+            }
+        }
+    }
+    weights
+}
+
+/// Weights of the mesh equations in a slab of `time_order` nodes.
+pub fn mesh<const D: usize>(elastic: &ElasticMesh<D>, mesh: &Mesh<D>, numbering: &NodeNumbering, time_order: usize) -> Vec<f64> {
+    let spacing = node_spacing(mesh, numbering);
+    let diagonal = elastic.diagonal();
+    let count = (diagonal.len() * time_order) as f64;
+    let weight = |i: usize| 1.0 / ((diagonal[i] * spacing[i / D]).powi(2) * count);
+    (0..time_order).flat_map(|_| (0..diagonal.len()).map(weight)).collect()
+}
+
+/// The distance of every C0 node to the nearest neighbour on its lines.
+fn node_spacing<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<f64> {
+    let n = mesh.order();
+    let mut spacing = vec![f64::INFINITY; numbering.count];
+    for cell in 0..mesh.n_cells() {
+        let (x, numbers) = (mesh.cell_coordinates(cell), numbering.cell(cell));
+        for i in 0..numbers.len() {
+            for stride in (0..D).map(|axis| n.pow(axis as u32)).filter(|stride| i / stride % n + 1 < n) {
+                let squares = (0..D).map(|d| (x[(i + stride) * D + d] - x[i * D + d]).powi(2));
+                let distance = squares.sum::<f64>().sqrt();
+                for node in [numbers[i], numbers[i + stride]] {
+                    spacing[node] = spacing[node].min(distance);
+                }
+            }
+        }
+    }
+    spacing
+}

@@ -1,0 +1,55 @@
+//! Speed of the stiffness operator for every order: million unknowns per second and thread, and the cost per unknown relative to N.
+//!
+//! `cargo run --release -p elasticity --example throughput`
+#![allow(clippy::print_stdout)]
+
+use elasticity::{ElasticMesh, Material, Stiffness};
+use mesh::{BoxMesh, Curving, NodeNumbering};
+use std::time::Instant;
+
+/// The best of several short bursts, in seconds.
+fn best_time(mut call: impl FnMut()) -> f64 {
+    call();
+    (0..7)
+        .map(|_| {
+            let start = Instant::now();
+            call();
+            start.elapsed().as_secs_f64()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Operator and preconditioner of order `order` with about `nodes` nodes per direction.
+fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let cells = (nodes / (order - 1)).max(2);
+    let curving = Curving::Wavy { amplitude: 0.02 };
+    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }.build()?;
+    let numbering = NodeNumbering::new(&mesh, order);
+    let mut constrained = vec![false; numbering.count];
+    (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+    let start = Instant::now();
+    let elastic = ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4)?, Stiffness::Constant, &constrained)?;
+    let set_up = start.elapsed().as_secs_f64();
+    let (d, mut out) = (vec![1.0; elastic.length()], vec![0.0; elastic.length()]);
+    let operator = best_time(|| elastic.apply(&d, &mut out));
+    let preconditioner = best_time(|| elastic.precondition(&d, &mut out));
+    let (unknowns, threads) = (elastic.length() as f64, rayon::current_num_threads() as f64);
+    println!(
+        "{D}  {order:2}  {unknowns:8}  {:9.1}  {:12.2}  {:9.2} ms  {set_up:6.2} s",
+        unknowns / operator / threads / 1e6,
+        operator * threads / unknowns / order as f64 * 1e9,
+        preconditioner * 1e3,
+    );
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("D   N  unknowns  million/s   ns/(unkn. N)  precondit.      set-up");
+    for order in 2..=16 {
+        measure::<2>(order, 240)?;
+    }
+    for order in 2..=16 {
+        measure::<3>(order, 24)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+#![allow(clippy::unwrap_used)]
+use crate::testing::{assembled, boundary_nodes, clamped, distance, largest, material, nodal, noise, solve_densely, unit_box};
+use crate::{ElasticMesh, ElasticityError, Stiffness};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+use tensor::dot;
+
+/// An affine displacement of the boundary must come back as the same affine displacement inside, if E is constant.
+fn patch_test<const D: usize>(cells: [usize; D], order: usize) {
+    let elastic = clamped(&unit_box(cells, order, 0.03), order, Stiffness::Constant);
+    let gradient: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| 0.2 + 0.1 * i as f64 - 0.3 * j as f64));
+    let exact = nodal(&elastic, |x| gradient.map(|row| 0.5 + dot(&row, x)));
+    let mut d = vec![0.0; exact.len()];
+    elastic.at_constrained(&mut d, |i| exact[i]);
+    elastic.extend(&mut d, 1e-14).unwrap();
+    assert!(distance(&d, &exact) < 1e-11, "D = {D}, N = {order}: {:e}", distance(&d, &exact));
+}
+
+#[test]
+fn patch_test_on_curved_meshes_in_2d() {
+    for (cells, order) in [([5, 4], 2), ([4, 4], 3), ([3, 4], 4), ([3, 3], 8), ([2, 2], 16)] {
+        patch_test(cells, order);
+    }
+}
+
+#[test]
+fn patch_test_on_curved_meshes_in_3d() {
+    for (cells, order) in [([3, 3, 4], 2), ([3, 2, 2], 3), ([2, 2, 3], 4), ([2, 2, 2], 7)] {
+        patch_test(cells, order);
+    }
+}
+
+#[test]
+fn iterative_agrees_with_direct() {
+    let mesh = unit_box([4, 3], 5, 0.03);
+    let stiffness = Stiffness::InverseJacobian { power: 1.0 };
+    let elastic = clamped(&mesh, 5, stiffness);
+    let random = noise(2 * elastic.length());
+    let (forces, given) = random.split_at(elastic.length());
+    let mut direct = given.to_vec();
+    solve_densely::<2>(&assembled(&mesh, 5, material().lame(), stiffness), elastic.constrained(), forces, &mut direct);
+    let mut iterative = given.to_vec();
+    elastic.solve(forces, &mut iterative, 1e-12).unwrap();
+    assert!(distance(&iterative, &direct) < 1e-9 * largest(&direct));
+}
+
+/// CG iterations to 1e-10 for random forces on a clamped mesh.
+fn iterations<const D: usize>(mesh: &Mesh<D>, order: usize) -> usize {
+    let elastic = clamped(mesh, order, Stiffness::Constant);
+    let mut d = vec![0.0; elastic.length()];
+    elastic.solve(&noise(d.len()), &mut d, 1e-10).unwrap().iterations
+}
+
+fn assert_iterations(counts: &[(usize, usize)], found: impl Fn(usize) -> usize) {
+    for &(order, expected) in counts {
+        let found = found(order);
+        assert!(found.abs_diff(expected) <= 1, "N = {order}: {found} iterations, expected {expected}");
+    }
+}
+
+#[test]
+fn iterations_do_not_grow_with_the_order_in_2d() {
+    let cells = |order| if order == 4 { 40 } else { 136 / order };
+    assert_iterations(&[(4, 23), (8, 27), (16, 29)], |order| iterations(&unit_box([cells(order); 2], order, 0.0), order));
+}
+
+#[test]
+fn iterations_do_not_grow_with_the_order_in_3d() {
+    let cells = |order| 24 / order;
+    assert_iterations(&[(3, 41), (4, 42), (8, 43)], |order| iterations(&unit_box([cells(order); 3], order, 0.0), order));
+}
+
+#[test]
+fn iterations_do_not_grow_with_the_aspect_ratio() {
+    let thin = |extent| BoxMesh {
+        lower: [0.0; 2],
+        upper: [extent, 1.0],
+        cells: [12; 2],
+        order: 8,
+        curving: Curving::None,
+        periodic: [false; 2],
+    };
+    for extent in [1.0, 100.0, 1000.0] {
+        let found = iterations(&thin(extent).build().unwrap(), 8);
+        assert!(found <= 30, "aspect ratio {extent}: {found} iterations");
+    }
+}
+
+#[test]
+fn a_good_guess_saves_iterations_and_no_boundary_motion_needs_none() {
+    let elastic = clamped(&unit_box([4, 4], 4, 0.0), 4, Stiffness::Constant);
+    let boundary = nodal(&elastic, |x| [x[0] * x[1], x[0] * x[0]]);
+    let mut d = boundary.clone();
+    let cold = elastic.extend(&mut d, 1e-10).unwrap().iterations;
+    d.iter_mut().zip(&boundary).for_each(|(d, b)| *d += 1e-6 * b);
+    assert!(elastic.extend(&mut d, 1e-10).unwrap().iterations < cold);
+    elastic.at_constrained(&mut d, |_| 0.0);
+    assert_eq!(elastic.extend(&mut d, 1e-10).unwrap().iterations, 0);
+    assert_eq!(largest(&d), 0.0);
+}
+
+#[test]
+fn periodic_meshes_move_periodically() {
+    let curving = Curving::Wavy { amplitude: 0.03 };
+    let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [4, 3], order: 4, curving, periodic: [true, false] }.build().unwrap();
+    let elastic = clamped(&mesh, 4, Stiffness::Constant);
+    // A shear along the periodic axis, of the strip between bottom and top: linear in y alone where the strip is straight.
+    let mut d = vec![0.0; elastic.length()];
+    let exact = nodal(&elastic, |x| [x[1], 0.0]);
+    elastic.at_constrained(&mut d, |i| exact[i]);
+    elastic.extend(&mut d, 1e-14).unwrap();
+    assert!(distance(&d, &exact) < 1e-11);
+}
+
+fn refused(stiffness: Stiffness<'_, 2>, constrained: impl Fn(Vec<bool>) -> Vec<bool>) -> ElasticityError {
+    let mesh = unit_box([2, 2], 3, 0.0);
+    let numbering = NodeNumbering::new(&mesh, 3);
+    let constrained = constrained(boundary_nodes(&mesh, &numbering));
+    ElasticMesh::new(&mesh, &numbering, material(), stiffness, &constrained).err().unwrap()
+}
+
+#[test]
+fn impossible_meshes_are_refused() {
+    let none = |c: Vec<bool>| vec![false; c.len()];
+    assert_eq!(refused(Stiffness::Constant, none), ElasticityError::Unconstrained);
+    let one = |c: Vec<bool>| (0..c.len()).map(|i| i == 0).collect();
+    assert!(matches!(refused(Stiffness::Constant, one), ElasticityError::NotDefinite { .. }));
+    let short = |_| vec![true];
+    assert!(matches!(refused(Stiffness::Constant, short), ElasticityError::Length { found: 1, expected: 25, .. }));
+    let soft = refused(Stiffness::Function(&|x| x[0] - 0.5), |c| c);
+    assert!(matches!(soft, ElasticityError::Stiffness { cell: 0, value, .. } if value < 0.0));
+}
+
+/// With one cell of order 2 there is nothing to solve for.
+#[test]
+fn a_mesh_without_free_nodes_is_solved_at_once() {
+    let elastic = clamped(&unit_box([1, 1], 2, 0.0), 2, Stiffness::Constant);
+    let mut d = noise(elastic.length());
+    assert_eq!(elastic.extend(&mut d, 1e-10).unwrap().iterations, 0);
+    assert_eq!(d, noise(elastic.length()));
+}

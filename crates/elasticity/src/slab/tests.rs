@@ -1,0 +1,129 @@
+#![allow(clippy::unwrap_used)]
+use super::*;
+use crate::testing::{clamped, distance, largest, nodal, noise, unit_box};
+use crate::Stiffness;
+
+fn elastic() -> ElasticMesh<2> {
+    clamped(&unit_box([4, 3], 4, 0.03), 4, Stiffness::InverseJacobian { power: 1.0 })
+}
+
+/// The boundary is stretched and sheared by g(t) = sin(t) shape.
+fn prescribed(elastic: &ElasticMesh<2>, times: &[f64]) -> Vec<f64> {
+    let shape = nodal(elastic, |x| [0.1 * x[0] * x[1], 0.1 * x[1].sin()]);
+    times.iter().flat_map(|t| shape.iter().map(|g| t.sin() * g).collect::<Vec<_>>()).collect()
+}
+
+fn motion(order: usize) -> SlabMotion {
+    SlabMotion::new(RadauTime::new(order))
+}
+
+#[test]
+fn velocities_and_displacements_are_inverse() {
+    let (length, dt) = (7, 0.3);
+    let bottom = noise(length);
+    for order in 1..=5 {
+        let motion = motion(order);
+        let displacements = noise(order * length);
+        let mut v = displacements.clone();
+        motion.velocities(dt, &bottom, &mut v);
+        let mut d = vec![0.0; length];
+        for (a, expected) in displacements.chunks_exact(length).enumerate() {
+            motion.displacement_at_node(dt, &bottom, &v, a, &mut d);
+            assert!(distance(&d, expected) < 1e-13);
+            motion.displacement(dt, &bottom, &v, motion.time().nodes()[a], &mut d);
+            assert!(distance(&d, expected) < 1e-13);
+        }
+        motion.displacement(dt, &bottom, &v, 0.0, &mut d);
+        assert_eq!(d, bottom);
+    }
+}
+
+/// A displacement of degree N_t in time is exact, and its velocity is its derivative.
+#[test]
+fn polynomial_motion_is_exact() {
+    let (t_n, dt, order) = (0.4, 0.25, 3);
+    let (position, velocity) = (|t: f64| t.powi(3) - 2.0 * t, |t: f64| 3.0 * t * t - 2.0);
+    let motion = motion(order);
+    let time = |s: f64| t_n + s * dt;
+    let mut v: Vec<f64> = motion.time().nodes().iter().map(|&s| position(time(s))).collect();
+    motion.velocities(dt, &[position(t_n)], &mut v);
+    for (v, s) in v.iter().zip(motion.time().nodes()) {
+        assert!((v - velocity(time(*s))).abs() < 1e-13);
+    }
+    for s in [0.1, 0.5, 0.9] {
+        let mut d = [0.0];
+        motion.displacement(dt, &[position(t_n)], &v, s, &mut d);
+        assert!((d[0] - position(time(s))).abs() < 1e-13);
+    }
+}
+
+/// R is affine in V, so one exact solve from any V gives R = 0: the boundary is where it should be at every node, at the top too.
+#[test]
+fn one_solve_reaches_equilibrium_at_every_node() {
+    let elastic = elastic();
+    for order in [1, 2, 3] {
+        let motion = motion(order);
+        let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 0.2 };
+        let times: Vec<f64> = motion.time().nodes().iter().map(|s| 1.0 + 0.2 * s).collect();
+        let (g, bottom) = (prescribed(&elastic, &times), noise(elastic.length()));
+        let mut v = noise(order * elastic.length());
+        let (mut r, mut dv) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+        slab.residual(&bottom, &g, &v, &mut r);
+        let start = largest(&r);
+        slab.solve(&r, &mut dv, 1e-13).unwrap();
+        v.iter_mut().zip(&dv).for_each(|(v, dv)| *v -= dv);
+        slab.residual(&bottom, &g, &v, &mut r);
+        assert!(largest(&r) < 1e-11 * start, "N_t = {order}: {:e}", largest(&r) / start);
+        let (mut top, mut extended) = (vec![0.0; elastic.length()], g[(order - 1) * elastic.length()..].to_vec());
+        slab.motion.displacement(slab.dt, &bottom, &v, 1.0, &mut top);
+        elastic.extend(&mut extended, 1e-13).unwrap();
+        assert!(distance(&top, &extended) < 1e-11);
+    }
+}
+
+#[test]
+fn jacobian_is_the_difference_of_residuals() {
+    let elastic = elastic();
+    let motion = motion(3);
+    let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 0.1 };
+    let (g, bottom) = (prescribed(&elastic, &[0.1, 0.2, 0.3]), noise(elastic.length()));
+    let v = noise(g.len());
+    let w: Vec<f64> = v.iter().map(|v| v * v).collect();
+    let both: Vec<f64> = v.iter().zip(&w).map(|(v, w)| v + w).collect();
+    let (mut at_v, mut at_both, mut product) = (vec![0.0; v.len()], vec![0.0; v.len()], vec![0.0; v.len()]);
+    slab.residual(&bottom, &g, &v, &mut at_v);
+    slab.residual(&bottom, &g, &both, &mut at_both);
+    slab.jacobian_product(&w, &mut product);
+    let difference: Vec<f64> = at_both.iter().zip(&at_v).map(|(a, b)| a - b).collect();
+    assert!(distance(&product, &difference) < 1e-13 * largest(&at_both));
+    let mut back = vec![0.0; v.len()];
+    slab.solve(&product, &mut back, 1e-13).unwrap();
+    assert!(distance(&back, &w) < 1e-9 * largest(&w));
+}
+
+/// Solves every slab loosely and returns the distance of the top from equilibrium after 10 and after 100 slabs.
+#[test]
+fn errors_of_a_loose_solver_do_not_accumulate() {
+    let elastic = elastic();
+    let motion = motion(2);
+    let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 0.1 };
+    let mut bottom = vec![0.0; elastic.length()];
+    let (mut v, mut r, mut dv) = (vec![0.0; 2 * bottom.len()], vec![0.0; 2 * bottom.len()], vec![0.0; 2 * bottom.len()]);
+    let mut errors = Vec::new();
+    for n in 0..100 {
+        let times: Vec<f64> = motion.time().nodes().iter().map(|s| (n as f64 + s) * slab.dt).collect();
+        let g = prescribed(&elastic, &times);
+        slab.residual(&bottom, &g, &v, &mut r);
+        slab.solve(&r, &mut dv, 1e-4).unwrap();
+        v.iter_mut().zip(&dv).for_each(|(v, dv)| *v -= dv);
+        let mut top = vec![0.0; bottom.len()];
+        motion.displacement(slab.dt, &bottom, &v, 1.0, &mut top);
+        let mut exact = g[bottom.len()..].to_vec();
+        elastic.extend(&mut exact, 1e-12).unwrap();
+        errors.push(distance(&top, &exact));
+        bottom = top;
+    }
+    let worst = |errors: &[f64]| errors.iter().fold(0.0, |m: f64, e| m.max(*e));
+    assert!(worst(&errors[50..]) < 2.0 * worst(&errors[..50]), "{errors:?}");
+    assert!(worst(&errors) < 1e-4);
+}

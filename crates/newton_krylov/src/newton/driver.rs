@@ -1,0 +1,220 @@
+//! A Newton solve from one step to the next.
+
+use super::tolerances::Tolerances;
+use super::{Convergence, Error, Report, Settings, StepReport, Workspace};
+use crate::forcing::Previous;
+use crate::inner_product::{InnerProduct, axpy, copy, scaled_copy};
+use crate::operator::LinearSystem;
+use crate::problem::{Inadmissible, NonlinearProblem};
+use crate::pseudo_time::PseudoTime;
+use crate::{fgmres, line_search};
+
+/// A solve under way, between two steps.
+pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
+    problem: &'a mut P,
+    settings: &'a Settings,
+    workspace: &'a mut Workspace,
+    tolerances: Tolerances,
+    pseudo_time: PseudoTime,
+    previous: Option<Previous>,
+    report: Report,
+}
+
+/// An increment that was found useful, and how far to follow it.
+struct Attempt {
+    linear: fgmres::Report,
+    search: line_search::Report,
+}
+
+/// Why a step must be repeated with more damping.
+enum Rejection {
+    Linearisation(Inadmissible),
+    Krylov(fgmres::Error),
+    LineSearch(line_search::Error),
+}
+
+impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
+    /// Evaluates R at the initial guess.
+    pub(super) fn start(
+        problem: &'a mut P,
+        z: &[f64],
+        references: Option<&[f64]>,
+        settings: &'a Settings,
+        workspace: &'a mut Workspace,
+    ) -> Result<Self, Error> {
+        workspace.prepare(problem.len());
+        let mut report = Report { residual_evaluations: 1, ..Report::default() };
+        if let Err(source) = problem.residual(z, &mut workspace.residual) {
+            return Err(Error::Inadmissible { source, report: Box::new(report) });
+        }
+        let (norm, field_norms) = norms(problem, &workspace.residual);
+        let tolerances = Tolerances::new(settings, references.unwrap_or(&field_norms));
+        let pseudo_time = PseudoTime::new(settings.pseudo_time, &field_norms);
+        report.initial_norm = norm;
+        report.initial_field_norms = field_norms;
+        let mut driver = Self { problem, settings, workspace, tolerances, pseudo_time, previous: None, report };
+        driver.judge(true)?;
+        Ok(driver)
+    }
+
+    /// Whether the last accepted iterate will do.
+    pub(super) fn has_converged(&self) -> bool {
+        self.report.convergence.is_some()
+    }
+
+    /// What was done.
+    pub(super) fn into_report(self) -> Report {
+        self.report
+    }
+
+    /// One accepted step, after as many rejected attempts as it takes.
+    pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
+        if self.report.steps.len() >= self.settings.max_steps {
+            let (tolerance, report) = (self.tolerances.total, Box::new(self.report.clone()));
+            return Err(Error::MaxSteps { tolerance, report });
+        }
+        let norm = self.report.final_norm();
+        let aim = self.tolerances.aim(norm, self.report.final_field_norms());
+        let forcing = self.settings.forcing.next(norm, self.previous, aim);
+        self.previous = Some(Previous { norm, forcing });
+        let mut rejections = 0;
+        loop {
+            match self.attempt(z, forcing) {
+                Ok(attempt) => return self.accept(z, forcing, rejections, &attempt),
+                Err(rejection) => self.damp(rejections, rejection)?,
+            }
+            rejections += 1;
+        }
+    }
+
+    /// Finds an increment and a step length; the state there is left in the workspace.
+    fn attempt(&mut self, z: &[f64], forcing: f64) -> Result<Attempt, Rejection> {
+        self.problem.linearise(z, self.pseudo_time.inverse()).map_err(Rejection::Linearisation)?;
+        let linear = self.solve_linear(forcing).map_err(Rejection::Krylov)?;
+        let search = self.search(z).map_err(Rejection::LineSearch)?;
+        Ok(Attempt { linear, search })
+    }
+
+    /// (newton-step): dz from zero.
+    fn solve_linear(&mut self, forcing: f64) -> Result<fgmres::Report, fgmres::Error> {
+        let w = &mut *self.workspace;
+        scaled_copy(-1.0, &w.residual, &mut w.right_side);
+        w.increment.fill(0.0);
+        let settings =
+            fgmres::Settings { relative_tolerance: forcing, absolute_tolerance: 0.0, ..self.settings.krylov };
+        let mut system = Linearised { problem: &mut *self.problem, damped: self.pseudo_time.is_active() };
+        let result = fgmres::solve(&mut system, &w.right_side, &mut w.increment, &settings, &mut w.krylov);
+        let report = *result.as_ref().unwrap_or_else(fgmres::Error::report);
+        self.report.krylov_iterations += report.iterations;
+        self.report.jacobian_products += report.products;
+        let usable = report.final_norm <= self.settings.usable_linear_residual * report.initial_norm;
+        if usable { Ok(report) } else { result }
+    }
+
+    /// Looks for a along dz by (merit).
+    fn search(&mut self, z: &[f64]) -> Result<line_search::Report, line_search::Error> {
+        let (problem, w) = (&mut *self.problem, &mut *self.workspace);
+        let (initial, damped) = (self.report.final_norm(), self.pseudo_time.is_active());
+        w.pseudo_term.fill(0.0);
+        if damped {
+            problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
+        }
+        let largest = problem.largest_step(z, &w.increment);
+        let evaluations = &mut self.report.residual_evaluations;
+        let merit_norm = |a: f64| {
+            copy(z, &mut w.trial);
+            axpy(a, &w.increment, &mut w.trial);
+            *evaluations += 1;
+            problem.residual(&w.trial, &mut w.trial_residual)?;
+            copy(&w.trial_residual, &mut w.merit);
+            if damped {
+                axpy(a, &w.pseudo_term, &mut w.merit);
+            }
+            Ok(problem.inner_product().norm(&w.merit))
+        };
+        line_search::search(&self.settings.line_search, initial, largest, self.tolerances.round_off, merit_norm)
+    }
+
+    /// Moves to the state in the workspace.
+    fn accept(&mut self, z: &mut [f64], forcing: f64, rejections: usize, attempt: &Attempt) -> Result<(), Error> {
+        let w = &mut *self.workspace;
+        copy(&w.trial, z);
+        std::mem::swap(&mut w.residual, &mut w.trial_residual);
+        let (residual_norm, field_norms) = norms(self.problem, &w.residual);
+        let step = StepReport {
+            residual_norm,
+            field_norms,
+            forcing,
+            linear_residual: attempt.linear.final_norm / attempt.linear.initial_norm,
+            krylov_iterations: attempt.linear.iterations,
+            step_length: attempt.search.step_length,
+            inverse_pseudo_time: self.pseudo_time.inverse().to_vec(),
+            rejections,
+        };
+        tracing::debug!(?step, "Newton step {}", self.report.steps.len() + 1);
+        self.pseudo_time.accept(&step.field_norms);
+        self.report.steps.push(step);
+        self.judge(attempt.search.decreased)
+    }
+
+    /// More damping after a rejection; the rejection as an error if that is of no use.
+    fn damp(&mut self, rejections: usize, rejection: Rejection) -> Result<(), Error> {
+        let field_norms = self.report.final_field_norms();
+        let worthwhile =
+            !matches!(rejection, Rejection::Linearisation(_)) && rejections < self.settings.pseudo_time.max_rejections;
+        if worthwhile && self.pseudo_time.reject(field_norms, &self.tolerances.fields) {
+            tracing::debug!(inverse_pseudo_time = ?self.pseudo_time.inverse(), "Newton step rejected");
+            return Ok(());
+        }
+        let report = Box::new(self.report.clone());
+        Err(match rejection {
+            Rejection::Linearisation(source) => Error::Inadmissible { source, report },
+            Rejection::Krylov(source) => Error::Krylov { source, report },
+            Rejection::LineSearch(source) => Error::LineSearch { source, report },
+        })
+    }
+
+    /// Converged, diverged or neither, after a step with or without decrease.
+    fn judge(&mut self, decreased: bool) -> Result<(), Error> {
+        let norm = self.report.final_norm();
+        let reference = self.tolerances.reference;
+        if self.tolerances.met(norm, self.report.final_field_norms()) {
+            self.report.convergence = Some(Convergence::Tolerance);
+        } else if !decreased && norm <= self.tolerances.round_off {
+            self.report.convergence = Some(Convergence::RoundOff);
+        } else if norm.is_nan() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
+            return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
+        }
+        Ok(())
+    }
+}
+
+/// |R| and |R_k| of each field.
+fn norms<P: NonlinearProblem + ?Sized>(problem: &P, residual: &[f64]) -> (f64, Vec<f64>) {
+    let inner_product = problem.inner_product();
+    let fields = problem.fields().iter().map(|field| inner_product.norm_on(field.range.clone(), residual));
+    (inner_product.norm(residual), fields.collect())
+}
+
+/// dR/dz + T at the point of linearisation, as a linear system.
+struct Linearised<'a, P: NonlinearProblem + ?Sized> {
+    problem: &'a mut P,
+    damped: bool,
+}
+
+impl<P: NonlinearProblem + ?Sized> LinearSystem for Linearised<'_, P> {
+    fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        self.problem.jacobian_product(x, y);
+        if self.damped {
+            self.problem.add_pseudo_time(x, y);
+        }
+    }
+
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.problem.precondition(r, z);
+    }
+
+    fn inner_product(&self) -> &dyn InnerProduct {
+        self.problem.inner_product()
+    }
+}

@@ -1,0 +1,248 @@
+//! The TOML document of a case, every key and value with its place.
+
+use super::error::{CaseError, Cause, Place};
+use super::key::{Key, Step};
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A case file with `--set` options written over it.
+///
+/// An option is parsed as a line of its own behind the file: it is padded with as many spaces as there is text before it. So
+/// every value has a place, and a place beyond the end of the file belongs to an option.
+#[derive(Clone, Debug)]
+pub struct Document {
+    path: PathBuf,
+    /// The file, then the padded options.
+    texts: Vec<String>,
+}
+
+type Table<'a> = DeTable<'a>;
+type Value<'a> = Spanned<DeValue<'a>>;
+
+/// What the document holds at a key.
+struct Found {
+    /// Where the key was written, or the innermost table around it that was.
+    key: Range<usize>,
+    /// Where its value was written; None for a table, which may be scattered, and for a key that does not exist.
+    value: Option<Range<usize>>,
+    /// Whether the key exists.
+    exists: bool,
+}
+
+impl Document {
+    /// Reads the file at `path` and writes `options`, each `key.path=value`, over it.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no TOML, an option that is none.
+    pub fn read(path: &Path, options: &[String]) -> Result<Self, CaseError> {
+        let text = std::fs::read_to_string(path).map_err(|error| CaseError {
+            place: Place::Nowhere { path: path.to_owned() },
+            key: String::new(),
+            value: None,
+            cause: Cause::Read(error),
+        })?;
+        Self::parse(path, text, options)
+    }
+
+    /// As [`Document::read`], from the `text` of the file.
+    ///
+    /// # Errors
+    /// As [`Document::read`], but for reading.
+    pub fn parse(path: &Path, text: String, options: &[String]) -> Result<Self, CaseError> {
+        let mut document = Document { path: path.to_owned(), texts: vec![text] };
+        document.tree()?;
+        for option in options {
+            let end = document.texts.last().map_or(0, String::len) + 1;
+            document.texts.push(" ".repeat(end) + &understood(option));
+            document.tree()?;
+        }
+        Ok(document)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Deserialises the document.
+    pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, CaseError> {
+        T::deserialize(toml::de::Deserializer::from(self.tree()?)).map_err(|error| self.toml_error(&error))
+    }
+
+    /// An error at `key`, or at the innermost table around it that was written.
+    pub(super) fn error(&self, key: &Key, cause: Cause) -> CaseError {
+        let found = self.find(key);
+        let value = found.value.as_ref().map(|span| self.excerpt(span));
+        CaseError { place: self.place(&found.value.unwrap_or(found.key)), key: key.to_string(), value, cause }
+    }
+
+    /// Where the key was written, later keys having greater numbers; None if it was not.
+    pub(super) fn position(&self, key: &Key) -> Option<usize> {
+        let found = self.find(key);
+        found.exists.then_some(found.key.start)
+    }
+
+    /// The file with the options written over it. Parsed anew whenever it is needed: it borrows from the text.
+    fn tree(&self) -> Result<Spanned<Table<'_>>, CaseError> {
+        let mut root = self.parse_text(&self.texts[0])?;
+        for text in &self.texts[1..] {
+            overwrite(root.get_mut(), self.parse_text(text)?.into_inner(), depth(text)).map_err(|problem| CaseError {
+                place: Place::Option(text.trim().to_owned()),
+                key: String::new(),
+                value: None,
+                cause: Cause::Toml(problem),
+            })?;
+        }
+        Ok(root)
+    }
+
+    fn parse_text<'a>(&self, text: &'a str) -> Result<Spanned<Table<'a>>, CaseError> {
+        Table::parse(text).map_err(|error| CaseError {
+            place: self.place(&error.span().unwrap_or(0..0)),
+            key: String::new(),
+            value: None,
+            cause: Cause::Toml(error.message().to_owned()),
+        })
+    }
+
+    fn find(&self, key: &Key) -> Found {
+        let Ok(root) = self.tree() else { return Found { key: 0..0, value: None, exists: false } };
+        let (mut place, mut table) = (0..0, Some(root.get_ref()));
+        let mut value: Option<&Value<'_>> = None;
+        for step in &key.0 {
+            let next = match step {
+                Step::Name(name) => table.and_then(|t| t.get_key_value(name.as_str())).map(|(k, v)| (k.span(), v)),
+                Step::Entry(index) => value.and_then(|v| v.get_ref().get(*index)).map(|v| (v.span(), v)),
+            };
+            let Some((span, next)) = next else { return Found { key: place, value: None, exists: false } };
+            (place, value, table) = (span, Some(next), next.get_ref().as_table());
+        }
+        let value = value.filter(|v| !v.get_ref().is_table()).map(Spanned::span);
+        Found { key: place, value, exists: true }
+    }
+
+    /// An error of deserialisation, with the key that it concerns.
+    fn toml_error(&self, error: &toml::de::Error) -> CaseError {
+        let span = error.span().unwrap_or(0..0);
+        let mut key = Key::default();
+        if let Ok(root) = self.tree() {
+            descend(root.get_ref(), span.start, &mut key);
+        }
+        let value = self.find(&key).value.map(|span| self.excerpt(&span));
+        CaseError { place: self.place(&span), key: key.to_string(), value, cause: Cause::from_serde(error.message()) }
+    }
+
+    /// The text at `span`, on one line, cut if it is long.
+    fn excerpt(&self, span: &Range<usize>) -> String {
+        let text = self.text_at(span.start).1.get(span.clone()).unwrap_or_default();
+        let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        match line.char_indices().nth(60) {
+            Some((end, _)) => format!("{} ...", &line[..end]),
+            None => line,
+        }
+    }
+
+    /// The text in which `offset` lies, and its number.
+    fn text_at(&self, offset: usize) -> (usize, &str) {
+        let index = self.texts.iter().position(|text| offset <= text.len()).unwrap_or(self.texts.len() - 1);
+        (index, &self.texts[index])
+    }
+
+    fn place(&self, span: &Range<usize>) -> Place {
+        let (index, text) = self.text_at(span.start);
+        if index > 0 {
+            return Place::Option(text.trim().to_owned());
+        }
+        let before = text.get(..span.start).unwrap_or(text);
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = text[start..].lines().next().unwrap_or_default();
+        let marked = text.get(span.clone()).unwrap_or_default().lines().next().unwrap_or_default();
+        Place::File {
+            path: self.path.clone(),
+            line: before.matches('\n').count() + 1,
+            column: before[start..].chars().count() + 1,
+            text: line.to_owned(),
+            length: marked.chars().count(),
+        }
+    }
+}
+
+/// An option as a line of TOML: `order=4` is one, `riemann=hllc` becomes `riemann = "hllc"`.
+fn understood(option: &str) -> String {
+    match option.split_once('=') {
+        Some((key, value)) if Table::parse(option).is_err() => {
+            let quoted = format!("{} = {}", key.trim(), toml::Value::String(value.trim().to_owned()));
+            if Table::parse(&quoted).is_ok() { quoted } else { option.to_owned() }
+        }
+        _ => option.to_owned(),
+    }
+}
+
+/// The number of names in the key of an option: 2 in `a.b={c=1}`.
+fn depth(option: &str) -> usize {
+    let key = option.split_once('=').map_or(option, |(key, _)| key);
+    let probe = format!("{key}=0");
+    let Ok(parsed) = Table::parse(&probe) else { return 0 };
+    let mut table = Some(parsed.get_ref());
+    let mut depth = 0;
+    while let Some(inner) = table {
+        depth += 1;
+        table = inner.values().next().and_then(|value| value.get_ref().as_table());
+    }
+    depth
+}
+
+/// Writes the one value of `option`, below a key of `depth` names, into `table`.
+fn overwrite<'a>(table: &mut Table<'a>, option: Table<'a>, depth: usize) -> Result<(), String> {
+    let mut entries = option.into_iter();
+    let (Some((key, value)), None) = (entries.next(), entries.next()) else {
+        return Err("an option sets one key: `--set key=value`".to_owned());
+    };
+    let span = value.span();
+    match (table.get_mut(key.get_ref().as_ref()), value.into_inner()) {
+        (Some(old), DeValue::Table(inner)) if depth > 1 => match old.get_mut() {
+            DeValue::Table(old) => overwrite(old, inner, depth - 1),
+            other => Err(format!("`{}` is a {}, not a table: there are no keys in it", key.get_ref(), other.type_str())),
+        },
+        (Some(old), value) => {
+            *old = Spanned::new(span, value);
+            Ok(())
+        }
+        (None, value) => {
+            table.insert(key, Spanned::new(span, value));
+            Ok(())
+        }
+    }
+}
+
+/// Extends `key` to the innermost entry of `table` whose key or value was written at `offset`.
+fn descend(table: &Table<'_>, offset: usize, key: &mut Key) -> bool {
+    let at = |span: Range<usize>| span.contains(&offset) || span.start == offset;
+    table.iter().any(|(name, value)| {
+        let outer = key.clone();
+        *key = key.child(name.get_ref());
+        let found = descend_value(value, offset, key) || at(name.span()) || at(value.span());
+        if !found {
+            *key = outer;
+        }
+        found
+    })
+}
+
+fn descend_value(value: &Value<'_>, offset: usize, key: &mut Key) -> bool {
+    match value.get_ref() {
+        DeValue::Table(table) => descend(table, offset, key),
+        DeValue::Array(entries) => entries.iter().enumerate().any(|(index, entry)| {
+            let inside = entry.span().contains(&offset);
+            if inside {
+                *key = key.entry(index);
+                descend_value(entry, offset, key);
+            }
+            inside
+        }),
+        _ => false,
+    }
+}

@@ -1,0 +1,33 @@
+//! The case file: what the user wrote, and what the program needs.
+//!
+//! ```text
+//! text + --set  ->  Document (every key and value with its place)  ->  raw::Case  ->  Case
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | `document` | the TOML document with places; `--set` |
+//! | `key` | the path of a key, `flow.boundary.left` |
+//! | `error` | what can be wrong, and where |
+//! | `raw` | the keys, their types, defaults and descriptions: the schema |
+//! | `checked` | the case as the program needs it; no other code sees `raw` |
+//! | `state` | a state prescribed by name or by formulas |
+//! | `vector` | a displacement prescribed by formulas |
+
+mod checked;
+mod checker;
+mod document;
+mod error;
+mod key;
+mod raw;
+mod state;
+mod vector;
+#[cfg(test)]
+mod tests;
+
+pub use checked::*;
+pub use document::Document;
+pub use error::{CaseError, Cause};
+pub use raw::schema;
+pub use state::State;
+pub use vector::Vector;

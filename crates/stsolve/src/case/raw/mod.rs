@@ -1,0 +1,54 @@
+//! What the user writes: the keys of a case file with their types, defaults and descriptions.
+//!
+//! The doc comments here are the reference of the case file: `stsolve schema` prints them.
+
+mod flow;
+mod formula;
+mod mesh;
+mod motion;
+mod run;
+
+pub use flow::*;
+pub use formula::Formula;
+pub use mesh::*;
+pub use motion::*;
+pub use run::*;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A case of stsolve: a mesh, how it moves, the flow on it, and the time to cover.
+///
+/// Units are any consistent system. Vectors have one entry per axis, two or three; the number of axes is that of the mesh.
+/// A formula is a number or a text such as "0.1*sin(pi*t/4)" in x, y, z, t, pi and the constants of the case, with
+/// + - * / ^, comparisons, if(condition, a, b), min, max, abs, sqrt, exp, log, sin, cos, tan, atan, tanh, sinh, cosh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// One line that says what the case is.
+    #[serde(default)]
+    pub title: String,
+    /// Names for numbers, to be used in formulas. A constant may be a formula of the constants above it.
+    #[serde(default)]
+    pub constants: BTreeMap<String, Formula>,
+    /// The mesh at rest.
+    pub mesh: Mesh,
+    /// How the mesh moves. Without it the mesh rests.
+    pub motion: Option<Motion>,
+    /// The flow. Without it only the mesh moves.
+    pub flow: Option<Flow>,
+    /// The time to cover.
+    pub time: Time,
+    /// How the equations of a slab are solved.
+    #[serde(default)]
+    pub solver: Solver,
+    /// What is written, and where.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The JSON Schema of a case file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(Case)
+}

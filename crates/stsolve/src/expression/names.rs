@@ -1,0 +1,131 @@
+//! What a name in a formula may mean.
+
+use std::collections::BTreeMap;
+
+/// A quantity that a formula depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// A coordinate: axis 0 is x, 1 is y, 2 is z.
+    Coordinate(usize),
+    /// The time t.
+    Time,
+}
+
+/// Variables and constants that a formula may contain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Names {
+    dimension: usize,
+    time: bool,
+    constants: BTreeMap<String, f64>,
+}
+
+/// Functions of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Function {
+    Abs,
+    Sqrt,
+    Exp,
+    Log,
+    Sin,
+    Cos,
+    Tan,
+    Atan,
+    Tanh,
+    Sinh,
+    Cosh,
+}
+
+/// What is called like a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Callable {
+    Unary(Function),
+    Min,
+    Max,
+    If,
+}
+
+/// The meaning of a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    Variable(Variable),
+    Constant(f64),
+    Callable(Callable),
+}
+
+const COORDINATES: [&str; 3] = ["x", "y", "z"];
+
+const CALLABLES: [(&str, Callable); 14] = [
+    ("if", Callable::If),
+    ("min", Callable::Min),
+    ("max", Callable::Max),
+    ("abs", Callable::Unary(Function::Abs)),
+    ("sqrt", Callable::Unary(Function::Sqrt)),
+    ("exp", Callable::Unary(Function::Exp)),
+    ("log", Callable::Unary(Function::Log)),
+    ("sin", Callable::Unary(Function::Sin)),
+    ("cos", Callable::Unary(Function::Cos)),
+    ("tan", Callable::Unary(Function::Tan)),
+    ("atan", Callable::Unary(Function::Atan)),
+    ("tanh", Callable::Unary(Function::Tanh)),
+    ("sinh", Callable::Unary(Function::Sinh)),
+    ("cosh", Callable::Unary(Function::Cosh)),
+];
+
+impl Callable {
+    /// How many arguments it takes.
+    pub(super) fn arguments(self) -> usize {
+        match self {
+            Callable::Unary(_) => 1,
+            Callable::Min | Callable::Max => 2,
+            Callable::If => 3,
+        }
+    }
+}
+
+impl Names {
+    /// The names of a formula without variables: functions and pi.
+    pub fn constants_only() -> Self {
+        Names { dimension: 0, time: false, constants: BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]) }
+    }
+
+    /// These constants, and the coordinates of a space of the given dimension.
+    pub fn with_coordinates(&self, dimension: usize) -> Self {
+        Names { dimension, ..self.clone() }
+    }
+
+    /// These names and the time t.
+    pub fn with_time(&self) -> Self {
+        Names { time: true, ..self.clone() }
+    }
+
+    /// Defines a constant.
+    pub fn define(&mut self, name: &str, value: f64) {
+        self.constants.insert(name.to_owned(), value);
+    }
+
+    /// Whether `name` is taken already, by whatever it means in any formula.
+    pub fn is_taken(&self, name: &str) -> bool {
+        name == "t" || COORDINATES.contains(&name) || self.meaning(name).is_some()
+    }
+
+    pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
+        if let Some(axis) = COORDINATES[..self.dimension].iter().position(|axis| *axis == name) {
+            return Some(Meaning::Variable(Variable::Coordinate(axis)));
+        }
+        if self.time && name == "t" {
+            return Some(Meaning::Variable(Variable::Time));
+        }
+        if let Some(value) = self.constants.get(name) {
+            return Some(Meaning::Constant(*value));
+        }
+        CALLABLES.iter().find(|(known, _)| *known == name).map(|(_, callable)| Meaning::Callable(*callable))
+    }
+
+    /// Every name, variables first.
+    pub(super) fn known(&self) -> Vec<String> {
+        let variables = COORDINATES[..self.dimension].iter().copied().chain(self.time.then_some("t"));
+        let constants = self.constants.keys().map(String::as_str);
+        let callables = CALLABLES.iter().map(|(name, _)| *name);
+        variables.chain(constants).chain(callables).map(str::to_owned).collect()
+    }
+}
