@@ -1,9 +1,13 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab.
 
+mod march;
 mod motion;
 pub mod preconditioner;
 mod slab_problem;
+mod state;
 pub mod weights;
 
+pub use march::{Jacobian, March, MarchError, MeshQuality, Predictor, Settings, SlabError, SlabReport, chain};
 pub use motion::{BoundaryMotion, MeshMotion};
 pub use slab_problem::{Counts, SlabProblem};
+pub use state::{Interval, Past, State};

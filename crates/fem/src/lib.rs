@@ -11,6 +11,7 @@
 //! | `cell`, `facet` | the kernels |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
 //! | `operator` | the residual of a slab and its derivatives |
+//! | `sampler` | cells seen from any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;
@@ -25,6 +26,7 @@ mod moving_mesh;
 mod operator;
 mod pool;
 mod prescribed;
+mod sampler;
 mod tables;
 mod tensor_product;
 mod traces;
@@ -37,4 +39,5 @@ pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use moving_mesh::MovingMesh;
 pub use operator::{BoundaryCondition, Problem, SlabOperator, Violation};
 pub use pool::Pool;
+pub use sampler::{Sampler, squared_errors};
 pub use tables::{Instant, Line, Orders, Quadrature, Tables};

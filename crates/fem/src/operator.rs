@@ -135,6 +135,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         (self.start, self.dt)
     }
 
+    /// The row of positions at the top of the slab.
+    pub fn top_row(&self) -> Matrix {
+        self.tables.top.position_row(self.dt)
+    }
+
     /// Moves to the slab [`start`, `start + dt`], on top of the state `bottom` (laid out at one time) and the displacement
     /// `displacement` of the C0 nodes.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
@@ -173,6 +178,23 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             None => Ok(()),
             Some(cell) => Err(self.describe_violation(cell)),
         }
+    }
+
+    /// What has left the domain through `boundary` during the slab, int_I int (F - u v) . n, in the state of the last residual: the
+    /// scheme's own fluxes in the scheme's own quadrature. Valid until the next Jacobian product.
+    pub fn through_boundary(&self, boundary: usize) -> [f64; M] {
+        let layout = self.state_traces.layout;
+        let mut total = [0.0; M];
+        for (number, batch) in self.facets.batches.iter().enumerate().filter(|(_, batch)| batch.boundary == Some(boundary)) {
+            for lane in 0..batch.count {
+                let start = 2 * (number * WIDTH + lane) * layout.face_len();
+                // Test functions of values sum to one, in space and time.
+                for (tensor, values) in self.terms[start..start + layout.kind_len()].chunks_exact(layout.face_nodes).enumerate() {
+                    total[tensor % M] += values.iter().sum::<f64>();
+                }
+            }
+        }
+        total
     }
 
     /// The derivative of the residual along a direction of the state.

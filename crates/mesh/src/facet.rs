@@ -46,6 +46,11 @@ pub fn face_nodes(dimension: usize, n: usize, face: usize) -> Vec<usize> {
     (0..n.pow(dimension as u32 - 1)).map(|i| i % stride + i / stride * stride * n + fixed).collect()
 }
 
+/// The index of corner `k` of a cell (bit a: the side along axis a) in the lattice of the cell with `n` nodes per direction.
+pub fn corner_node(dimension: usize, n: usize, k: usize) -> usize {
+    (0..dimension).map(|a| (k >> a & 1) * (n - 1) * n.pow(a as u32)).sum()
+}
+
 /// +1 where the outward normal of `face` points along its axis, -1 where it points against it.
 pub const fn outward_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
@@ -112,6 +117,7 @@ mod tests {
         assert_eq!(face_nodes(3, 3, 5), [18, 19, 20, 21, 22, 23, 24, 25, 26]);
         assert_eq!(face_nodes(2, 3, 1), [2, 5, 8]);
         assert_eq!(face_nodes(2, 3, 2), [0, 1, 2]);
+        assert_eq!((0..8).map(|k| corner_node(3, 3, k)).collect::<Vec<_>>(), [0, 2, 6, 8, 18, 20, 24, 26]);
     }
 
     #[test]

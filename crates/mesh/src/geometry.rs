@@ -1,6 +1,6 @@
 //! The map x(xi) of a cell and its Jacobian, in plain numbers: for set-up and for checks.
 
-use crate::lattice::Lattice;
+use crate::lattice::{Lattice, digit};
 use crate::mesh::point;
 use crate::{Mesh, MeshError};
 use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
@@ -92,7 +92,7 @@ impl<const D: usize> Mesh<D> {
         let n = ((D + 1) * (self.order - 1)).div_ceil(2);
         let rule = gauss(n);
         let map = CellMap::on_grid(self.order, &rule.points);
-        let weight = |q: usize| (0..D as u32).map(|axis| rule.weights[q / n.pow(axis) % n]).product::<f64>();
+        let weight = |q: usize| (0..D).map(|axis| rule.weights[digit(q, n, axis)]).product::<f64>();
         let weights: Vec<f64> = (0..n.pow(D as u32)).map(weight).collect();
         (0..self.n_cells()).map(|cell| volume_and_centroid(&map, &weights, self.cell_coordinates(cell))).collect()
     }

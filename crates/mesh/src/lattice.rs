@@ -2,6 +2,11 @@
 
 use basis::Matrix;
 
+/// The index along `axis` of node `index` of a lattice with `n` nodes along every axis.
+pub(crate) fn digit(index: usize, n: usize, axis: usize) -> usize {
+    index / n.pow(axis as u32) % n
+}
+
 /// Values on a lattice with `shape[a]` nodes along axis a, axis 0 fastest. Components count as an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lattice {

@@ -30,7 +30,7 @@ mod topology;
 mod validity;
 
 pub use errors::MeshError;
-pub use facet::{BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, face_nodes, outward_sign, tangent_sign};
+pub use facet::{BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign};
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
 pub use mesh::{Mesh, ORDERS};

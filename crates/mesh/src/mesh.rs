@@ -1,6 +1,6 @@
 //! The mesh: cells, their curved geometry, and the facets between them.
 
-use crate::facet::face_nodes;
+use crate::facet::{corner_node, face_nodes};
 use crate::{BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Side, geometry, topology, validity};
 use tensor::norm;
 
@@ -96,16 +96,21 @@ impl<const D: usize> Mesh<D> {
         face_nodes(D, 2, side.face).into_iter().map(|k| corners[k]).collect()
     }
 
-    /// The positions of the nodes of a face with `n` nodes per direction (2: the corners; N: all), in the order of its lattice.
-    pub(crate) fn face_positions(&self, side: Side, n: usize) -> Vec<[f64; D]> {
+    /// The positions of the nodes of a face, in the order of its lattice.
+    pub(crate) fn face_positions(&self, side: Side) -> Vec<[f64; D]> {
         let cell = self.cell_coordinates(side.cell);
-        let step = (self.order - 1) / (n - 1);
-        face_nodes(D, n, side.face).into_iter().map(|k| point(cell, widened::<D>(k, n, self.order, step))).collect()
+        face_nodes(D, self.order, side.face).into_iter().map(|k| point(cell, k)).collect()
+    }
+
+    /// The positions of the vertices of a face, in the order of its lattice.
+    pub(crate) fn face_corner_positions(&self, side: Side) -> Vec<[f64; D]> {
+        let cell = self.cell_coordinates(side.cell);
+        face_nodes(D, 2, side.face).into_iter().map(|k| point(cell, corner_node(D, self.order, k))).collect()
     }
 
     /// The mean of the corners of a face, to say where it is.
     pub(crate) fn face_centre(&self, side: Side) -> Vec<f64> {
-        let corners = self.face_positions(side, 2);
+        let corners = self.face_corner_positions(side);
         (0..D).map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64).collect()
     }
 
@@ -119,17 +124,6 @@ impl<const D: usize> Mesh<D> {
 /// Node `k` of a `[node][D]` array.
 pub(crate) fn point<const D: usize>(nodes: &[f64], k: usize) -> [f64; D] {
     std::array::from_fn(|i| nodes[k * D + i])
-}
-
-/// The index, in the lattice with `wide` nodes per direction, of node `k` of the lattice that takes every `step`-th of them.
-fn widened<const D: usize>(mut k: usize, n: usize, wide: usize, step: usize) -> usize {
-    let (mut index, mut stride) = (0, step);
-    for _ in 0..D {
-        index += k % n * stride;
-        k /= n;
-        stride *= wide;
-    }
-    index
 }
 
 /// Whether order, lengths and numbers are possible.

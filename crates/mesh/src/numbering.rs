@@ -1,6 +1,6 @@
 //! C0 numbering of Gauss-Lobatto nodes.
 
-use crate::facet::face_nodes;
+use crate::facet::{corner_node, face_nodes};
 use crate::{Mesh, Side};
 use std::collections::BTreeMap;
 
@@ -98,8 +98,7 @@ fn cell_edges(dimension: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// The nodes, in the lattice of a cell with `n` nodes per direction, of the edge that starts at corner `start` along `axis`.
 fn edge_nodes(dimension: usize, n: usize, start: usize, axis: usize) -> Vec<usize> {
-    let corner: usize = (0..dimension).map(|a| (start >> a & 1) * (n - 1) * n.pow(a as u32)).sum();
-    (0..n).map(|i| corner + i * n.pow(axis as u32)).collect()
+    (0..n).map(|i| corner_node(dimension, n, start) + i * n.pow(axis as u32)).collect()
 }
 
 /// Sets of nodes that are one node (union-find). The representative of a set is its smallest member.

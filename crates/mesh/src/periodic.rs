@@ -20,6 +20,13 @@ pub struct PeriodicPair<const D: usize> {
     pub translation: [f64; D],
 }
 
+/// A node of the plus side that is too far from its counterpart on the minus side.
+struct Apart {
+    position: Vec<f64>,
+    distance: f64,
+    tolerance: f64,
+}
+
 /// Whether pair `number` names two boundaries that exist and are in no other pair.
 pub(crate) fn check_pair<const D: usize>(number: usize, pairs: &[PeriodicPair<D>], count: usize) -> Result<(), MeshError> {
     let in_earlier = |boundary| pairs[..number].iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
@@ -43,8 +50,8 @@ pub(crate) fn match_pair<const D: usize>(
         let (minus_faces, plus_faces) = (minus_sides.len(), plus_sides.len());
         return Err(MeshError::PairCount { minus: minus.clone(), plus: plus.clone(), minus_faces, plus_faces });
     }
-    let mismatch = |(position, distance, tolerance): (Vec<f64>, f64, f64)| {
-        let (minus, plus) = (minus.clone(), plus.clone());
+    let mismatch = |apart: Apart| {
+        let (minus, plus, Apart { position, distance, tolerance }) = (minus.clone(), plus.clone(), apart);
         MeshError::PeriodicMismatch { minus, plus, position, distance, tolerance }
     };
     let twin = twin_vertices(mesh, minus_sides, plus_sides, &pair.translation).map_err(mismatch)?;
@@ -69,7 +76,7 @@ fn twin_vertices<const D: usize>(
     minus: &[Side],
     plus: &[Side],
     translation: &[f64; D],
-) -> Result<BTreeMap<usize, usize>, (Vec<f64>, f64, f64)> {
+) -> Result<BTreeMap<usize, usize>, Apart> {
     let tolerance = TOLERANCE * mesh.diameter();
     let candidates = vertex_positions(mesh, minus);
     let mut twin = BTreeMap::new();
@@ -78,8 +85,8 @@ fn twin_vertices<const D: usize>(
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
         match nearest {
             Some((d, candidate)) if d <= tolerance => twin.insert(vertex, candidate),
-            Some((d, _)) => return Err((x.to_vec(), d, tolerance)),
-            None => return Err((x.to_vec(), f64::INFINITY, tolerance)),
+            Some((distance, _)) => return Err(Apart { position: x.to_vec(), distance, tolerance }),
+            None => return Err(Apart { position: x.to_vec(), distance: f64::INFINITY, tolerance }),
         };
     }
     Ok(twin)
@@ -87,7 +94,7 @@ fn twin_vertices<const D: usize>(
 
 /// The vertices of some faces and where they are.
 fn vertex_positions<const D: usize>(mesh: &Mesh<D>, sides: &[Side]) -> BTreeMap<usize, [f64; D]> {
-    sides.iter().flat_map(|&side| mesh.face_corners(side).into_iter().zip(mesh.face_positions(side, 2))).collect()
+    sides.iter().flat_map(|&side| mesh.face_corners(side).into_iter().zip(mesh.face_corner_positions(side))).collect()
 }
 
 /// |x_plus - x_minus - translation|
@@ -95,17 +102,16 @@ fn distance<const D: usize>(plus: &[f64; D], minus: &[f64; D], translation: &[f6
     norm(&std::array::from_fn::<f64, D, _>(|i| plus[i] - minus[i] - translation[i]))
 }
 
-/// Whether the two sides of `facet` have the same nodes after translation. Fails with a node of the plus side, its distance from
-/// its counterpart, and the tolerance.
-fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation: &[f64; D]) -> Result<(), (Vec<f64>, f64, f64)> {
+/// Whether the two sides of `facet` have the same nodes after translation.
+fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation: &[f64; D]) -> Result<(), Apart> {
     let tolerance = TOLERANCE * mesh.diameter();
-    let minus = mesh.face_positions(facet.minus, mesh.order);
-    let plus = mesh.face_positions(facet.plus, mesh.order);
+    let minus = mesh.face_positions(facet.minus);
+    let plus = mesh.face_positions(facet.plus);
     for (i, x) in minus.iter().enumerate() {
         let y = &plus[facet.orientation.plus_index(D - 1, mesh.order, i)];
-        let d = distance(y, x, translation);
-        if d > tolerance {
-            return Err((y.to_vec(), d, tolerance));
+        let distance = distance(y, x, translation);
+        if distance > tolerance {
+            return Err(Apart { position: y.to_vec(), distance, tolerance });
         }
     }
     Ok(())
@@ -114,7 +120,7 @@ fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation:
 /// Whether all neighbours share the nodes of their facets.
 pub(crate) fn check_gaps<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
     for facet in &mesh.interior_facets {
-        check_gap(mesh, facet, &[0.0; D]).map_err(|(position, distance, tolerance)| {
+        check_gap(mesh, facet, &[0.0; D]).map_err(|Apart { position, distance, tolerance }| {
             let (minus, plus) = (facet.minus.cell, facet.plus.cell);
             MeshError::Gap { minus, plus, position, distance, tolerance }
         })?;

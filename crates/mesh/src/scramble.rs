@@ -1,6 +1,7 @@
 //! The same mesh with turned reference cells, so that facets meet in every orientation.
 
 use crate::facet::{axis_and_side, face_nodes};
+use crate::lattice::digit;
 use crate::mesh::point;
 use crate::random::SplitMix64;
 use crate::{InteriorFacet, Mesh, Orientation, Side};
@@ -15,7 +16,7 @@ pub(crate) struct Turn<const D: usize> {
 impl<const D: usize> Turn<D> {
     /// All D! 2^D signed permutations of the axes.
     pub(crate) fn all() -> Vec<Self> {
-        let digits = |code: usize| std::array::from_fn(|a| code / D.pow(a as u32) % D);
+        let digits = |code: usize| std::array::from_fn(|a| digit(code, D, a));
         let permutations = (0..D.pow(D as u32)).map(digits).filter(|axes: &[usize; D]| (0..D).all(|a| axes.contains(&a)));
         let signs = |axes| (0..1 << D).map(move |code| Turn { axes, reversed: std::array::from_fn(|a| code >> a & 1 == 1) });
         permutations.flat_map(signs).collect()
@@ -29,7 +30,7 @@ impl<const D: usize> Turn<D> {
 
     /// The old index of the node with new index `index`, in a lattice with `n` nodes per direction.
     pub(crate) fn old_index(&self, n: usize, index: usize) -> usize {
-        let new_digit = |a: usize| index / n.pow(a as u32) % n;
+        let new_digit = |a: usize| digit(index, n, a);
         let old_digit = |a: usize| if self.reversed[a] { n - 1 - new_digit(a) } else { new_digit(a) };
         (0..D).map(|a| old_digit(a) * n.pow(self.axes[a] as u32)).sum()
     }
@@ -130,7 +131,7 @@ mod tests {
     fn assert_sides_meet<const D: usize>(mesh: &Mesh<D>, periods: [f64; D]) {
         for facet in mesh.interior_facets() {
             let n = mesh.order();
-            let (minus, plus) = (mesh.face_positions(facet.minus, n), mesh.face_positions(facet.plus, n));
+            let (minus, plus) = (mesh.face_positions(facet.minus), mesh.face_positions(facet.plus));
             let (minus_normals, plus_normals) = (area_normals(mesh, facet.minus), area_normals(mesh, facet.plus));
             for i in 0..minus.len() {
                 let j = facet.orientation.plus_index(D - 1, n, i);

@@ -65,10 +65,14 @@ pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
     gradient: &[[T; M]; D],
 ) -> [[T; M]; D] {
     let stresses = Stresses::new(gas, u, gradient);
-    let mut flux = *gradient;
+    let mut flux = [[u[0].zero(); M]; D];
     for i in 0..D {
-        let work = dot(&stresses.tau[i], &stresses.velocity);
-        flux[i] = components(u[0].zero(), &stresses.tau[i], work + stresses.heat[i]);
+        for j in 0..D {
+            flux[i][1 + j] = stresses.tau[i][j];
+        }
+    }
+    for i in 0..D {
+        flux[i][M - 1] = dot(&stresses.tau[i], &stresses.velocity) + stresses.heat[i];
     }
     flux
 }
@@ -98,11 +102,12 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         let internal = energy - dot(&w, &w) * 0.5;
         let (mut w_grad, mut e_grad) = ([w; D], w);
         for i in 0..D {
-            let slope: Conserved<T, D> = Conserved::unpack(&gradient[i]);
             for j in 0..D {
-                w_grad[i][j] = (slope.momentum[j] - w[j] * slope.density) * inverse;
+                w_grad[i][j] = (gradient[i][1 + j] - w[j] * gradient[i][0]) * inverse;
             }
-            e_grad[i] = (slope.energy - energy * slope.density) * inverse - dot(&w, &w_grad[i]);
+        }
+        for i in 0..D {
+            e_grad[i] = (gradient[i][M - 1] - energy * gradient[i][0]) * inverse - dot(&w, &w_grad[i]);
         }
         // T = e / c_v with c_v = R / (gamma - 1), and kappa / c_v = mu gamma / Pr.
         let mu = gas.dynamic_viscosity(internal * ((gas.gamma() - 1.0) / gas.gas_constant()));

@@ -4,6 +4,9 @@
 //! cells. Every point function is generic in the number type and in the dimension, and inlined: it runs in SIMD lanes, and
 //! on dual numbers it gives the exact action of the Jacobian.
 //!
+//! Loops over directions are kept short, one statement each where there are two indices: a longer body is not unrolled for
+//! duals in three dimensions, and the arrays that it indexes then go through memory, at twice the cost.
+//!
 //! * [`Gas`], [`Viscosity`]: the equation of state; [`Reference`]: scales and dimensionless numbers.
 //! * [`Conserved`], [`Primitive`]: a state in names.
 //! * [`Riemann`]: numerical fluxes on moving facets.

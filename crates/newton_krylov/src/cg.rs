@@ -78,12 +78,11 @@ impl Workspace {
     }
 
     /// Makes room for a solve of the given length.
-    fn prepare(&mut self, length: usize, settings: &Settings) {
+    fn prepare(&mut self, length: usize) {
         for vector in [&mut self.r, &mut self.z, &mut self.p, &mut self.a_p] {
             vector.resize(length, 0.0);
         }
         self.history.clear();
-        self.history.reserve(settings.max_iterations + 1);
     }
 }
 
@@ -100,7 +99,7 @@ pub fn solve(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Report, Error> {
-    workspace.prepare(b.len(), settings);
+    workspace.prepare(b.len());
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let initial_norm = start(system, b, x, workspace);
     let mut report = Report { iterations: 0, initial_norm, final_norm: initial_norm };

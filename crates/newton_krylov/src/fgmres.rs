@@ -93,11 +93,9 @@ impl Workspace {
     }
 
     /// Makes room for a solve of the given length.
-    fn prepare(&mut self, length: usize, settings: &Settings) {
+    fn prepare(&mut self, length: usize) {
         self.residual.resize(length, 0.0);
-        self.least_squares.resize(settings.restart);
         self.history.clear();
-        self.history.reserve(settings.max_iterations + 1);
         self.prepare_columns(0);
     }
 
@@ -130,7 +128,7 @@ pub fn solve(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Report, Error> {
-    workspace.prepare(b.len(), settings);
+    workspace.prepare(b.len());
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let mut report = Report::default();
     report.initial_norm = true_residual(system, b, x, workspace, &mut report);
@@ -142,7 +140,7 @@ pub fn solve(
         }
         report.restarts = restarts;
         let before = report.final_norm;
-        let finite = before.is_finite() && cycle(system, settings, target, workspace, &mut report);
+        let finite = cycle(system, settings, target, workspace, &mut report);
         update(x, workspace);
         report.final_norm = true_residual(system, b, x, workspace, &mut report);
         check(settings, target, before, finite, report)?;
@@ -194,6 +192,9 @@ fn cycle(
 ) -> bool {
     let beta = report.final_norm;
     workspace.least_squares.start(beta);
+    if !beta.is_finite() {
+        return false;
+    }
     scaled_copy(1.0 / beta, &workspace.residual, &mut workspace.basis[0]);
     for j in 0..settings.restart.min(settings.max_iterations - report.iterations) {
         workspace.prepare_columns(j + 1);

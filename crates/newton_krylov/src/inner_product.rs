@@ -45,7 +45,7 @@ impl InnerProduct for Euclidean {
 /// (x, y) = sum_i w_i x_i y_i
 #[derive(Clone, Debug)]
 pub struct Weighted {
-    /// w_i >= 0, one per entry of the vectors; zero for entries that only pad the layout.
+    /// w_i >= 0, one per entry of the vectors; zero for entries that only pad the layout (which must be finite all the same).
     pub weights: Vec<f64>,
 }
 

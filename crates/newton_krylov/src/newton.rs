@@ -108,6 +108,9 @@ impl Workspace {
 ///
 /// # Errors
 /// [`Error`] if the tolerances are not met; z then is the last accepted, admissible iterate.
+///
+/// # Panics
+/// If the number of references is not that of the fields.
 pub fn solve<P: NonlinearProblem + ?Sized>(
     problem: &mut P,
     z: &mut [f64],

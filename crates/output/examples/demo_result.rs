@@ -144,6 +144,7 @@ impl Demo {
     fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         let directory = RunDirectory::open(path)?;
         let metadata = Metadata {
+            creator: "demo_result".to_owned(),
             case_name: "demo".to_owned(),
             ..Metadata::default()
         };

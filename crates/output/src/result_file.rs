@@ -1,6 +1,7 @@
 //! `result.vtkhdf`: written step by step, published whole.
 
 use std::fs;
+use std::mem;
 use std::path::{Path, PathBuf};
 
 use hdf5::File;
@@ -10,7 +11,7 @@ use crate::error::OutputError;
 use crate::files::{file_error, partial, publish};
 use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
-use crate::layout::Layout;
+use crate::layout::{ArraySpec, FieldSpec, Layout};
 use crate::state::{self, SolverState};
 use crate::{hdf, seal, vtkhdf};
 
@@ -38,8 +39,17 @@ pub struct ResultFile {
     layout: Layout,
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
-    /// The working copy, while there are steps that are not published.
-    file: Option<File>,
+    copy: WorkingCopy,
+}
+
+/// The private file to which steps are appended.
+#[derive(Debug)]
+enum WorkingCopy {
+    /// There is none: everything is published.
+    None,
+    Open(File),
+    /// Something could not be written. What the copy holds is unknown, so it is never published.
+    Failed,
 }
 
 impl ResultFile {
@@ -60,7 +70,7 @@ impl ResultFile {
             Ok(file)
         };
         let file = create().map_err(|source| result.write_error(source))?;
-        result.file = Some(file);
+        result.copy = WorkingCopy::Open(file);
         Ok(result)
     }
 
@@ -86,12 +96,13 @@ impl ResultFile {
 
     fn new(directory: &RunDirectory, layout: Layout) -> Self {
         let published = directory.path().join(RESULT_FILE);
+        let (working, order) = (partial(&published), vtk_order(&layout.grid));
         Self {
-            working: partial(&published),
             published,
-            order: vtk_order(&layout.grid),
+            working,
             layout,
-            file: None,
+            order,
+            copy: WorkingCopy::None,
         }
     }
 
@@ -111,44 +122,52 @@ impl ResultFile {
     /// [`OutputError::Absent`] or [`OutputError::Length`] if the step does not fit the layout, [`OutputError::Hdf5`] or
     /// [`OutputError::File`] if it cannot be written.
     pub fn append(&mut self, step: &Step) -> Result<(), OutputError> {
-        self.check(step)?;
-        self.open_working_copy()?;
-        let Some(file) = &self.file else {
-            return Ok(());
-        };
-        self.write_step(file, step)
-            .map_err(|source| self.write_error(source))
-    }
-
-    fn check(&self, step: &Step) -> Result<(), OutputError> {
-        let points = self.layout.grid.points();
-        check_length("points", step.points, 3 * points)?;
-        for field in &self.layout.fields {
-            check_length(
-                &field.name,
-                find(step.fields, &field.name)?,
-                field.components * points,
-            )?;
-        }
-        for array in &self.layout.exact {
-            check_length(&array.name, find(step.exact, &array.name)?, array.len())?;
-        }
+        let (fields, exact) = self.in_layout_order(step)?;
+        let file = self.take_working_copy()?;
+        self.write_step(&file, step, &fields, &exact)
+            .map_err(|source| self.write_error(source))?;
+        self.copy = WorkingCopy::Open(file);
         Ok(())
     }
 
-    fn write_step(&self, file: &File, step: &Step) -> hdf5::Result<()> {
+    /// Fields and coefficients of a step in the order of the layout, all lengths checked.
+    fn in_layout_order<'a>(
+        &self,
+        step: &Step<'a>,
+    ) -> Result<(Values<'a>, Values<'a>), OutputError> {
+        let points = self.layout.grid.points();
+        checked("points", step.points, 3 * points)?;
+        let field = |field: &FieldSpec| find(step.fields, &field.name, field.components * points);
+        let array = |array: &ArraySpec| find(step.exact, &array.name, array.len());
+        let fields = self
+            .layout
+            .fields
+            .iter()
+            .map(field)
+            .collect::<Result<_, _>>()?;
+        let exact = self
+            .layout
+            .exact
+            .iter()
+            .map(array)
+            .collect::<Result<_, _>>()?;
+        Ok((fields, exact))
+    }
+
+    fn write_step(
+        &self,
+        file: &File,
+        step: &Step,
+        fields: &[&[f64]],
+        exact: &[&[f64]],
+    ) -> hdf5::Result<()> {
         let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
         vtkhdf::append_points(&root, &self.to_vtk(step.points, 3))?;
-        for field in &self.layout.fields {
-            let values = find(step.fields, &field.name).unwrap_or_default();
+        for (field, values) in self.layout.fields.iter().zip(fields) {
             vtkhdf::append_field(&root, field, &self.to_vtk(values, field.components))?;
         }
-        for array in &self.layout.exact {
-            format::append_array(
-                &group,
-                &array.name,
-                find(step.exact, &array.name).unwrap_or_default(),
-            )?;
+        for (array, values) in self.layout.exact.iter().zip(exact) {
+            format::append_array(&group, &array.name, values)?;
         }
         vtkhdf::close_step(&root, step.time, &self.layout)
     }
@@ -176,30 +195,33 @@ impl ResultFile {
     /// # Errors
     /// [`OutputError::Hdf5`] or [`OutputError::File`]; the last published file is then still in place.
     pub fn checkpoint(&mut self, state: &SolverState) -> Result<(), OutputError> {
-        self.open_working_copy()?;
-        let Some(file) = self.file.take() else {
-            return Ok(());
-        };
+        let file = self.take_working_copy()?;
         let write = || {
             state::write(&file.group(format::GROUP)?, state)?;
             file.close()
         };
         write().map_err(|source| self.write_error(source))?;
         seal::write(&self.working)?;
-        publish(&self.working, &self.published)
+        publish(&self.working, &self.published)?;
+        self.copy = WorkingCopy::None;
+        Ok(())
     }
 
-    /// Opens the working copy, made from the published file if there is none.
-    fn open_working_copy(&mut self) -> Result<(), OutputError> {
-        if self.file.is_none() {
-            fs::copy(&self.published, &self.working)
-                .map_err(|source| file_error(&self.working, source))?;
-            let file = hdf::options()
-                .open_rw(&self.working)
-                .map_err(|source| self.write_error(source))?;
-            self.file = Some(file);
+    /// The working copy, made from the published file if there is none. It counts as failed until it is put back.
+    fn take_working_copy(&mut self) -> Result<File, OutputError> {
+        match mem::replace(&mut self.copy, WorkingCopy::Failed) {
+            WorkingCopy::Open(file) => Ok(file),
+            WorkingCopy::Failed => {
+                Err(self.write_error("an earlier step or checkpoint could not be written".into()))
+            }
+            WorkingCopy::None => {
+                fs::copy(&self.published, &self.working)
+                    .map_err(|source| file_error(&self.working, source))?;
+                hdf::options()
+                    .open_rw(&self.working)
+                    .map_err(|source| self.write_error(source))
+            }
         }
-        Ok(())
     }
 
     fn write_error(&self, source: hdf5::Error) -> OutputError {
@@ -213,25 +235,32 @@ impl ResultFile {
 impl Drop for ResultFile {
     /// Removes the unpublished copy. Nothing is lost if that fails: the next run overwrites it.
     fn drop(&mut self) {
-        if let Some(file) = self.file.take() {
+        if let WorkingCopy::Open(file) = mem::replace(&mut self.copy, WorkingCopy::None) {
             let _ = file.close();
         }
         let _ = fs::remove_file(&self.working);
     }
 }
 
-fn find<'a>(arrays: &[(&str, &'a [f64])], name: &str) -> Result<&'a [f64], OutputError> {
-    let found = arrays.iter().find(|array| array.0 == name);
-    found
-        .map(|array| array.1)
-        .ok_or_else(|| OutputError::Absent {
+/// Arrays of values in the order of the layout.
+type Values<'a> = Vec<&'a [f64]>;
+
+fn find<'a>(
+    arrays: &[(&str, &'a [f64])],
+    name: &str,
+    length: usize,
+) -> Result<&'a [f64], OutputError> {
+    match arrays.iter().find(|array| array.0 == name) {
+        Some(&(_, values)) => checked(name, values, length),
+        None => Err(OutputError::Absent {
             name: name.to_owned(),
-        })
+        }),
+    }
 }
 
-fn check_length(name: &str, values: &[f64], expected: usize) -> Result<(), OutputError> {
+fn checked<'a>(name: &str, values: &'a [f64], expected: usize) -> Result<&'a [f64], OutputError> {
     match values.len() {
-        found if found == expected => Ok(()),
+        found if found == expected => Ok(values),
         found => Err(OutputError::Length {
             name: name.to_owned(),
             expected,

@@ -137,6 +137,29 @@ fn a_step_that_does_not_fit_is_refused_before_anything_is_written() {
 }
 
 #[test]
+fn after_a_failed_write_nothing_more_is_published() {
+    let directory = tempfile::tempdir().unwrap();
+    let locked = RunDirectory::open(directory.path()).unwrap();
+    let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
+    result.checkpoint(&state(0)).unwrap();
+    let hidden = directory.path().join("hidden");
+    fs::rename(result.path(), &hidden).unwrap();
+    assert!(matches!(
+        result.checkpoint(&state(1)),
+        Err(OutputError::File { .. })
+    ));
+    fs::rename(&hidden, result.path()).unwrap();
+    assert!(matches!(
+        result.checkpoint(&state(1)),
+        Err(OutputError::Hdf5 { .. })
+    ));
+    assert_eq!(
+        read_checkpoint(result.path()).unwrap().1.integers["slab"],
+        0
+    );
+}
+
+#[test]
 fn inspect_tells_what_the_file_holds() {
     let directory = tempfile::tempdir().unwrap();
     run(directory.path(), 0, 4, 2);

@@ -2,6 +2,7 @@
 
 use super::curving::{Curving, Deformation};
 use crate::facet::axis_and_side;
+use crate::lattice::digit;
 use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
 use basis::gauss_lobatto;
 use std::array::from_fn;
@@ -108,7 +109,7 @@ impl<const D: usize> BoxMesh<D> {
             let place = self.place(cell);
             for k in 0..nodes.len().pow(D as u32) {
                 let r = from_fn(|a| {
-                    let xi = nodes[k / nodes.len().pow(a as u32) % nodes.len()];
+                    let xi = nodes[digit(k, nodes.len(), a)];
                     // Exact at both ends, so that neighbours have the same nodes to the bit.
                     breakpoints[a][place[a]] * (0.5 - 0.5 * xi) + breakpoints[a][place[a] + 1] * (0.5 + 0.5 * xi)
                 });

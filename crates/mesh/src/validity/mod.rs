@@ -123,28 +123,33 @@ impl<const D: usize> ValidityCheck<D> {
         self.search(positions, Some(reference)).decide(&self.directions)
     }
 
-    /// [`Self::decide`] for many cells on all threads; `positions(cell)` fills the array `[time][node][D]` that it is given.
+    /// [`Self::decide`] for cells 0..n_cells on all threads; `positions(cell, x)` fills the array x, `[time][node][D]`.
     pub fn decide_cells(&self, n_cells: usize, positions: impl Fn(usize, &mut [f64]) + Sync) -> Vec<Validity<D>> {
-        let buffer = || vec![0.0; self.positions_length()];
-        let decide = |x: &mut Vec<f64>, cell| {
-            positions(cell, x);
-            self.decide(x)
-        };
-        (0..n_cells).into_par_iter().map_init(buffer, decide).collect()
+        self.for_cells(n_cells, positions, |_, x| self.decide(x))
     }
 
-    /// [`Self::decide_relative`] for all cells of `reference` on all threads.
+    /// [`Self::decide_relative`] for all cells of `reference`, a mesh of the same order.
     pub fn decide_cells_relative(
         &self,
         reference: &Mesh<D>,
         positions: impl Fn(usize, &mut [f64]) + Sync,
     ) -> Vec<Validity<D>> {
+        let decide = |cell, x: &[f64]| self.decide_relative(x, reference.cell_coordinates(cell));
+        self.for_cells(reference.n_cells(), positions, decide)
+    }
+
+    fn for_cells(
+        &self,
+        n_cells: usize,
+        positions: impl Fn(usize, &mut [f64]) + Sync,
+        decide: impl Fn(usize, &[f64]) -> Validity<D> + Sync,
+    ) -> Vec<Validity<D>> {
         let buffer = || vec![0.0; self.positions_length()];
-        let decide = |x: &mut Vec<f64>, cell| {
+        let answer = |x: &mut Vec<f64>, cell| {
             positions(cell, x);
-            self.decide_relative(x, reference.cell_coordinates(cell))
+            decide(cell, x)
         };
-        (0..reference.n_cells()).into_par_iter().map_init(buffer, decide).collect()
+        (0..n_cells).into_par_iter().map_init(buffer, answer).collect()
     }
 
     fn search(&self, positions: &[f64], reference: Option<&[f64]>) -> Search<D> {

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::lattice::digit;
 use crate::random::SplitMix64;
 use basis::{gauss_lobatto, right_radau};
 use std::array::from_fn;
@@ -26,7 +27,7 @@ impl<const D: usize> RandomCell<D> {
         let mut positions = Vec::new();
         for s in &times {
             for k in 0..order.pow(D as u32) {
-                let xi: [f64; D] = from_fn(|a| nodes[k / order.pow(a as u32) % order]);
+                let xi: [f64; D] = from_fn(|a| nodes[digit(k, order, a)]);
                 let bump: [f64; D] = from_fn(|i| modes.iter().map(|mode| mode.value(&xi, *s, i)).sum());
                 positions.extend((0..D).map(|i| OFFSET + stretch[i] * (xi[i] + bump[i])));
             }
@@ -64,7 +65,7 @@ impl<const D: usize> RandomCell<D> {
     }
 }
 
-/// weight_i (1 + speed s) prod_a cos(k_a acos(xi_a))
+/// weight_i (1 + speed sin 3 s) prod_a cos(k_a acos(xi_a))
 struct BumpMode<const D: usize> {
     degree: [usize; D],
     speed: f64,
@@ -74,7 +75,7 @@ struct BumpMode<const D: usize> {
 impl<const D: usize> BumpMode<D> {
     fn value(&self, xi: &[f64; D], s: f64, i: usize) -> f64 {
         let shape: f64 = (0..D).map(|a| (self.degree[a] as f64 * xi[a].clamp(-1.0, 1.0).acos()).cos()).product();
-        self.weight[i] * (1.0 + self.speed * s) * shape
+        self.weight[i] * (1.0 + self.speed * (3.0 * s).sin()) * shape
     }
 }
 
@@ -136,7 +137,7 @@ fn no_false_proof_on_many_random_cells() {
 /// Positions `[time][node][D]` of a map, for tests with known determinants.
 fn positions<const D: usize>(order: usize, times: &[f64], x: impl Fn(&[f64; D], f64) -> [f64; D]) -> Vec<f64> {
     let nodes = gauss_lobatto(order).points;
-    let xi = |k: usize| from_fn(|a| nodes[k / order.pow(a as u32) % order]);
+    let xi = |k: usize| from_fn(|a| nodes[digit(k, order, a)]);
     times.iter().flat_map(|s| (0..order.pow(D as u32)).flat_map(|k| x(&xi(k), *s)).collect::<Vec<_>>()).collect()
 }
 
@@ -236,4 +237,29 @@ fn cells_are_decided_in_their_order() {
     for (cell, answer) in answers.iter().enumerate() {
         assert!((answer.bound().sampled_min - ((cell + 1) as f64).powi(2)).abs() < 1e-10);
     }
+}
+
+#[test]
+fn timing() {
+    for (order, m) in [(4,1),(4,2),(4,3),(8,3)] {
+        let mut random = SplitMix64::new(1);
+        for _ in 0..1 {
+        let cell = RandomCell::<2>::new(&mut random, order, m); let check=cell.check();
+        let t = std::time::Instant::now(); for _ in 0..100 { std::hint::black_box(check.decide(&cell.positions)); } eprintln!("2d {order} {m} {:?} {:?}", t.elapsed()/100, check.decide(&cell.positions));
+        let x: Vec<f64> = positions::<3>(order, &cell.times, |xi,s| [xi[0]+0.1*s*(xi[1]*2.0).sin(), xi[1]*(1.0+0.2*s*xi[2]), xi[2]+0.1*xi[0]*xi[1]]);
+        let check=ValidityCheck::<3>::new(order,&cell.times);
+        let t = std::time::Instant::now(); for _ in 0..10 { std::hint::black_box(check.decide(&x)); } eprintln!("3d {order} {m} {:?} {:?}", t.elapsed()/10, check.decide(&x));
+        }
+    }
+    let x: Vec<f64> = positions::<3>(16, &[0.0], |xi,s| [xi[0]+0.3*(xi[1]*2.0).sin(), xi[1]*(1.0+0.2*s*xi[2]), xi[2]+0.1*xi[0]*xi[1]]);
+    let check=ValidityCheck::<3>::new(16,&[0.0]);
+    let t = std::time::Instant::now(); eprintln!("3d 16 {:?} {:?}", check.decide(&x), t.elapsed());
+    let t = std::time::Instant::now();
+    let m = crate::BoxMesh{lower:[0.0;2],upper:[1.0;2],cells:[100,100],order:4,curving:crate::Curving::Smooth{amplitude:0.05},periodic:[true,false]}.build().unwrap();
+    eprintln!("100x100 {:?}", t.elapsed());
+    let t = std::time::Instant::now(); let n=crate::NodeNumbering::new(&m,4); eprintln!("numbering {} {:?}", n.count, t.elapsed());
+    let t = std::time::Instant::now();
+    let m = crate::BoxMesh{lower:[0.0;3],upper:[1.0;3],cells:[16;3],order:4,curving:crate::Curving::Smooth{amplitude:0.05},periodic:[true,false,true]}.build().unwrap();
+    eprintln!("16^3 {:?}", t.elapsed());
+    let t = std::time::Instant::now(); let n=crate::NodeNumbering::new(&m,4); eprintln!("numbering {} {:?}", n.count, t.elapsed());
 }

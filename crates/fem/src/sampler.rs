@@ -1,0 +1,117 @@
+//! Cells seen from any tensor grid of reference points: output, errors, integrals. Plain numbers, one cell at a time.
+
+use crate::moving_mesh::MovingMesh;
+use crate::operator::SlabOperator;
+use crate::{ConservationLaw, StateField};
+use basis::{Lagrange, Matrix, Rule, gauss};
+use rayon::prelude::*;
+use tensor::{cofactor, determinant};
+
+/// Values of flow and mesh polynomials on the tensor grid of some points per direction.
+pub struct Sampler<const D: usize> {
+    flow: Matrix,
+    mesh: Matrix,
+    mesh_derivatives: Matrix,
+}
+
+impl<const D: usize> Sampler<D> {
+    /// The grid of `points` in every direction, for a flow and a mesh of the given orders.
+    pub fn new(flow_order: usize, mesh_order: usize, points: &[f64]) -> Self {
+        let mesh = Lagrange::gauss_lobatto(mesh_order);
+        Sampler {
+            flow: Lagrange::gauss_lobatto(flow_order).value_matrix(points),
+            mesh: mesh.value_matrix(points),
+            mesh_derivatives: mesh.derivative_matrix(points),
+        }
+    }
+
+    /// Points of the grid.
+    pub fn points(&self) -> usize {
+        self.flow.rows().pow(D as u32)
+    }
+
+    /// A cell's coefficients `[component][node]` to `[component][point]`.
+    pub fn state(&self, coefficients: &[f64]) -> Vec<f64> {
+        along_axes::<D>(coefficients, |_| &self.flow)
+    }
+
+    /// A cell's nodal positions `[component][node]` to positions `[component][point]`.
+    pub fn positions(&self, nodal: &[f64]) -> Vec<f64> {
+        along_axes::<D>(nodal, |_| &self.mesh)
+    }
+
+    /// det dx/dxi at the points.
+    pub fn determinants(&self, nodal: &[f64]) -> Vec<f64> {
+        let columns: Vec<Vec<f64>> = (0..D)
+            .map(|j| along_axes::<D>(nodal, |axis| if axis == j { &self.mesh_derivatives } else { &self.mesh }))
+            .collect();
+        let n = self.points();
+        let jacobian = |p: usize| -> [[f64; D]; D] { std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p])) };
+        (0..n).map(|p| jacobian(p)).map(|m| determinant(&m, &cofactor(&m))).collect()
+    }
+}
+
+/// Applies one matrix per axis to tensors `[component][node]`, axis 0 fastest.
+fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a Matrix) -> Vec<f64> {
+    let mut tensor = input.to_vec();
+    let mut inner = 1;
+    for axis in 0..D {
+        let matrix = matrix(axis);
+        let (rows, cols) = (matrix.rows(), matrix.cols());
+        let mut output = vec![0.0; tensor.len() / cols * rows];
+        for (input, output) in tensor.chunks_exact(cols * inner).zip(output.chunks_exact_mut(rows * inner)) {
+            for (r, output) in output.chunks_exact_mut(inner).enumerate() {
+                for (weight, input) in matrix.row(r).iter().zip(input.chunks_exact(inner)) {
+                    output.iter_mut().zip(input).for_each(|(o, i)| *o += weight * i);
+                }
+            }
+        }
+        tensor = output;
+        inner *= rows;
+    }
+    tensor
+}
+
+/// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
+///
+/// `state` is laid out at one time, at which the mesh has position row `row` (see `Instant::position_row`).
+pub fn squared_errors<const D: usize, const M: usize, L: ConservationLaw<D, M>>(
+    operator: &SlabOperator<D, M, L>,
+    state: &[f64],
+    row: &[f64],
+    exact: &dyn StateField<D, M>,
+    t: f64,
+) -> [f64; M] {
+    let orders = operator.tables.orders;
+    let rule = gauss(2 * orders.flow.max(orders.mesh));
+    let sampler = Sampler::<D>::new(orders.flow, orders.mesh, &rule.points);
+    let (layout, moving) = (operator.layout.at_one_time(), &operator.mesh);
+    let cell = |cell: usize| cell_error(&sampler, &rule, moving, cell, &state[layout.cell(cell)], row, exact, t);
+    let errors: Vec<[f64; M]> = (0..layout.cells).into_par_iter().map(cell).collect();
+    errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
+}
+
+fn cell_error<const D: usize, const M: usize>(
+    sampler: &Sampler<D>,
+    rule: &Rule,
+    moving: &MovingMesh,
+    cell: usize,
+    state: &[f64],
+    row: &[f64],
+    exact: &dyn StateField<D, M>,
+    t: f64,
+) -> [f64; M] {
+    let mut nodal = vec![0.0; moving.slot_len()];
+    moving.positions(cell, row, &mut nodal);
+    let (x, det, u) = (sampler.positions(&nodal), sampler.determinants(&nodal), sampler.state(state));
+    let (n, q) = (sampler.points(), rule.points.len());
+    let mut sum = [0.0; M];
+    for p in 0..n {
+        let weight: f64 = (0..D).map(|d| rule.weights[p / q.pow(d as u32) % q]).product();
+        let exact = exact.value(&std::array::from_fn(|d| x[d * n + p]), t);
+        for m in 0..M {
+            sum[m] += weight * det[p] * (u[m * n + p] - exact[m]).powi(2);
+        }
+    }
+    sum
+}

@@ -1,0 +1,161 @@
+//! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
+
+mod flow;
+mod mesh;
+mod motion;
+mod states;
+mod time;
+
+pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver};
+pub use flow::{BoundaryData, Flow};
+pub use motion::{Motion, Stiffness};
+pub use time::{Output, Time};
+
+use super::checker::{Checked, Checker};
+use super::document::Document;
+use super::error::{CaseError, Cause};
+use super::key::Key;
+use super::raw;
+// The crate, beside a module of the same name.
+use ::mesh as mesh_crate;
+use std::path::Path;
+
+/// A case in two or three dimensions.
+#[derive(Debug)]
+pub enum AnyCase {
+    /// Two dimensions.
+    Plane(Box<Case<2>>),
+    /// Three dimensions.
+    Space(Box<Case<3>>),
+}
+
+/// A case that has been checked.
+#[derive(Debug)]
+pub struct Case<const D: usize> {
+    /// Name and texts.
+    pub about: About,
+    /// The mesh at rest.
+    pub mesh: mesh_crate::Mesh<D>,
+    /// How the mesh moves; None: it rests.
+    pub motion: Option<Motion<D>>,
+    /// The flow; None: only the mesh moves.
+    pub flow: Option<Flow<D>>,
+    /// The time to cover.
+    pub time: Time,
+    /// How the equations of a slab are solved.
+    pub solver: Solver,
+    /// What is written, and where.
+    pub output: Output,
+}
+
+/// What is known of a case apart from its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct About {
+    /// The name of the file without its extension.
+    pub name: String,
+    /// One line that says what the case is.
+    pub title: String,
+    /// The case in full, with all defaults, as it could be run again.
+    pub resolved: String,
+    /// The part of `resolved` that the numbers depend on, up to the end time: equal for cases that may continue each other.
+    pub numerics: String,
+    /// Every key that was left to its default, and the value taken.
+    pub defaults: Vec<(String, String)>,
+}
+
+impl AnyCase {
+    /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the case, the first thing only.
+    pub fn read(path: &Path, options: &[String]) -> Result<Self, CaseError> {
+        Self::check(&Document::read(path, options)?)
+    }
+
+    /// Checks a case.
+    ///
+    /// # Errors
+    /// As [`AnyCase::read`].
+    pub fn check(document: &Document) -> Result<Self, CaseError> {
+        let raw: raw::Case = document.deserialize()?;
+        let checker = Checker::new(document, &raw.constants)?;
+        match mesh::dimension(&checker, &raw.mesh)? {
+            2 => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw)?))),
+            _ => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw)?))),
+        }
+    }
+
+    /// What is known of the case apart from its numbers.
+    pub fn about(&self) -> &About {
+        match self {
+            AnyCase::Plane(case) => &case.about,
+            AnyCase::Space(case) => &case.about,
+        }
+    }
+}
+
+impl<const D: usize> Case<D> {
+    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Checked<Self> {
+        let mesh = mesh::build(checker, &raw.mesh)?;
+        let time = time::check(checker, &raw.time)?;
+        let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, time.start)).transpose()?;
+        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
+        if motion.is_none() && flow.is_none() {
+            let accepted = "a section [motion], a section [flow], or both";
+            return Err(checker.combination(&Key::default(), "there is nothing to solve: neither motion nor flow", accepted));
+        }
+        time::check_solver(checker, &raw.solver)?;
+        let output = time::check_output(checker, &raw.output, document.path())?;
+        Ok(Case { about: About::new(document, raw, &time), mesh, motion, flow, time, solver: raw.solver.clone(), output })
+    }
+}
+
+impl About {
+    fn new(document: &Document, raw: &raw::Case, time: &Time) -> Self {
+        let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
+        let time = raw::Time { end: 0.0, slabs: None, step: Some(time.step), ..raw.time.clone() };
+        let numerics = raw::Case { title: String::new(), output: raw::Output::default(), time, ..raw.clone() };
+        About {
+            name: name.into_owned(),
+            title: raw.title.clone(),
+            resolved: as_toml(raw),
+            numerics: as_toml(&numerics),
+            defaults: defaults_taken(document, raw),
+        }
+    }
+}
+
+fn as_toml(raw: &raw::Case) -> String {
+    toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
+}
+
+/// The keys of the case in full that the document does not have.
+fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
+    let full = toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
+    let mut defaults = Vec::new();
+    collect_defaults(document, &Key::default(), &full, &mut defaults);
+    defaults
+}
+
+fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, defaults: &mut Vec<(String, String)>) {
+    match value {
+        toml::Value::Table(table) => {
+            table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
+        }
+        toml::Value::String(text) if text.is_empty() => {}
+        _ if document.position(key).is_none() => defaults.push((key.to_string(), value.to_string())),
+        _ => {}
+    }
+}
+
+/// The orders that mesh and flow may have, as the sentence of an error.
+fn order(checker: &Checker<'_>, key: &Key, quantity: &str, order: usize) -> Checked<usize> {
+    let accepted = format!("{} to {} nodes per direction", mesh_crate::ORDERS.start(), mesh_crate::ORDERS.end());
+    checker.require(key, quantity, mesh_crate::ORDERS.contains(&order), &accepted)?;
+    Ok(order)
+}
+
+/// An error of the mesh, at `key`.
+fn mesh_error(checker: &Checker<'_>, key: &Key, error: mesh_crate::MeshError) -> CaseError {
+    checker.error(key, Cause::Mesh(error))
+}

@@ -1,0 +1,111 @@
+//! The time to cover, the solver, the output.
+
+use crate::case::checker::{Checked, Checker};
+use crate::case::key::Key;
+use crate::case::raw::{self, Field};
+use std::path::{Path, PathBuf};
+
+/// The time to cover, slab by slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Time {
+    /// N_t, nodes per slab.
+    pub order: usize,
+    /// The start.
+    pub start: f64,
+    /// The end.
+    pub end: f64,
+    /// The length of a slab; the last one may be shorter.
+    pub step: f64,
+    /// How many slabs that makes.
+    pub slabs: usize,
+}
+
+/// What is written, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// The directory that the case names; None: the default.
+    pub directory: Option<PathBuf>,
+    /// Slabs between checkpoints.
+    pub checkpoint_every: usize,
+    /// Slabs between fields.
+    pub every: usize,
+    /// Fields for drawing.
+    pub fields: Vec<Field>,
+}
+
+/// Checks `[time]`.
+pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
+    let key = Key::new("time");
+    let orders = 1..=16;
+    checker.require(&key.child("order"), "the order in time", orders.contains(&raw.order), "1 to 16 nodes per slab")?;
+    checker.require(&key.child("start"), "the start", raw.start.is_finite(), "a finite number")?;
+    let duration = raw.end - raw.start;
+    let accepted = format!("a time after the start, {}", raw.start);
+    checker.require(&key.child("end"), "the end", duration > 0.0 && duration.is_finite(), &accepted)?;
+    let (step, slabs) = match (raw.step, raw.slabs) {
+        (Some(step), None) => (step_length(checker, &key.child("step"), step)?, slabs_to_cover(duration, step)),
+        (None, Some(slabs)) => {
+            checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
+            (duration / slabs as f64, slabs)
+        }
+        (None, None) => return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`")),
+        _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
+    };
+    Ok(Time { order: raw.order, start: raw.start, end: raw.end, step, slabs })
+}
+
+fn step_length(checker: &Checker<'_>, key: &Key, step: f64) -> Checked<f64> {
+    checker.positive(key, "the length of a slab", step)
+}
+
+/// A step that fits up to round-off makes no sliver of a slab at the end.
+fn slabs_to_cover(duration: f64, step: f64) -> usize {
+    ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
+}
+
+/// Checks `[solver]`.
+pub(super) fn check_solver(checker: &Checker<'_>, raw: &raw::Solver) -> Checked<()> {
+    let key = Key::new("solver");
+    for (name, value, positive) in [
+        ("newton_tolerance", raw.newton_tolerance, true),
+        ("newton_absolute_tolerance", raw.newton_absolute_tolerance, false),
+        ("krylov_tolerance", raw.krylov_tolerance, true),
+    ] {
+        let accepted = if positive { "a number above 0 and below 1" } else { "a number from 0 to below 1" };
+        let fine = value < 1.0 && (value > 0.0 || value == 0.0 && !positive);
+        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
+    }
+    for (name, value) in [
+        ("newton_steps", raw.newton_steps),
+        ("krylov_iterations", raw.krylov_iterations),
+        ("krylov_restart", raw.krylov_restart),
+    ] {
+        checker.at_least_one(&key.child(name), "the number", value)?;
+    }
+    let key = key.child("pseudo_time");
+    let pseudo_time = &raw.pseudo_time;
+    for (name, value) in [
+        ("initial_inverse", pseudo_time.initial_inverse),
+        ("restart_inverse", pseudo_time.restart_inverse),
+        ("power", pseudo_time.power),
+    ] {
+        checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more")?;
+    }
+    Ok(())
+}
+
+/// Checks `[output]` of the case file `case`.
+pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path) -> Checked<Output> {
+    let key = Key::new("output");
+    Ok(Output {
+        directory: raw.directory.as_ref().map(|directory| beside(case, directory)),
+        checkpoint_every: checker.at_least_one(&key.child("checkpoint_every"), "the number of slabs", raw.checkpoint_every)?,
+        every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
+        fields: raw.fields.clone(),
+    })
+}
+
+/// `path` as seen from the directory of `case`.
+fn beside(case: &Path, path: &Path) -> PathBuf {
+    case.parent().unwrap_or(Path::new("")).join(path)
+}

@@ -1,0 +1,139 @@
+//! Checks that several sections of a case need. Every method names the key that an error points at.
+
+use super::document::Document;
+use super::error::{CaseError, Cause};
+use super::key::Key;
+use super::raw::Formula;
+use super::vector::Vector;
+use crate::expression::{Names, Program};
+use navier_stokes::InvalidParameter;
+use std::collections::BTreeMap;
+
+/// The result of a check.
+pub(super) type Checked<T> = Result<T, CaseError>;
+
+/// The document that errors point into, and the constants that formulas may contain.
+pub(super) struct Checker<'a> {
+    document: &'a Document,
+    names: Names,
+}
+
+/// The name that stands for all boundaries that are not named.
+const OTHERS: &str = "others";
+
+impl<'a> Checker<'a> {
+    /// A checker of `document` that knows its `constants`.
+    pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
+        let mut checker = Checker { document, names: Names::constants_only() };
+        let table = Key::new("constants");
+        // In the order of the text, so that a constant may use those above it.
+        let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
+        ordered.sort_by_key(|(key, ..)| document.position(key));
+        for (key, name, formula) in ordered {
+            let accepted = "a name that is not in use: not x, y, z, t, pi or a function".to_owned();
+            let spelt = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
+                && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+            if checker.names.is_taken(name) || !spelt {
+                return Err(checker.error(&key, Cause::OutOfRange { quantity: format!("the name `{name}`"), accepted }));
+            }
+            let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
+            checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
+            checker.names.define(name, value);
+        }
+        Ok(checker)
+    }
+
+    /// An error at `key`.
+    pub(super) fn error(&self, key: &Key, cause: Cause) -> CaseError {
+        self.document.error(key, cause)
+    }
+
+    /// An error unless `holds`.
+    pub(super) fn require(&self, key: &Key, quantity: &str, holds: bool, accepted: &str) -> Checked<()> {
+        if holds {
+            return Ok(());
+        }
+        Err(self.error(key, Cause::OutOfRange { quantity: quantity.to_owned(), accepted: accepted.to_owned() }))
+    }
+
+    /// `value`, if it is positive and finite.
+    pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
+        self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
+        Ok(value)
+    }
+
+    /// `value`, if it is 1 or more.
+    pub(super) fn at_least_one(&self, key: &Key, quantity: &str, value: usize) -> Checked<usize> {
+        self.require(key, quantity, value >= 1, "1 or more")?;
+        Ok(value)
+    }
+
+    /// An error of two keys that exclude or need each other.
+    pub(super) fn combination(&self, key: &Key, problem: &str, accepted: &str) -> CaseError {
+        self.error(key, Cause::Combination { problem: problem.to_owned(), accepted: accepted.to_owned() })
+    }
+
+    /// One entry per axis.
+    pub(super) fn vector<T: Clone, const D: usize>(&self, key: &Key, entries: &[T]) -> Checked<[T; D]> {
+        let length = || self.error(key, Cause::Length { found: entries.len(), dimension: D });
+        <[T; D]>::try_from(entries.to_vec()).map_err(|_| length())
+    }
+
+    /// One number per axis, zeros if there are none.
+    pub(super) fn vector_or_zero<const D: usize>(&self, key: &Key, entries: Option<&Vec<f64>>) -> Checked<[f64; D]> {
+        entries.map_or(Ok([0.0; D]), |entries| self.vector(key, entries))
+    }
+
+    /// What physics says of the value at `key`.
+    pub(super) fn physics<T>(&self, key: &Key, result: Result<T, InvalidParameter>) -> Checked<T> {
+        result.map_err(|error| self.error(key, Cause::Physics(error)))
+    }
+
+    /// A formula in the position.
+    pub(super) fn formula_of_position<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_coordinates(D))
+    }
+
+    /// A formula in position and time.
+    pub(super) fn formula<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_coordinates(D).with_time())
+    }
+
+    /// A formula in position and time for each axis.
+    pub(super) fn formulas<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        let formulas: [Formula; D] = self.vector(key, formulas)?;
+        let programs: Checked<Vec<Program>> =
+            formulas.iter().enumerate().map(|(axis, formula)| self.formula::<D>(&key.entry(axis), formula)).collect();
+        Ok(Vector::new(self.vector(key, &programs?)?))
+    }
+
+    fn program(&self, key: &Key, formula: &Formula, names: &Names) -> Checked<Program> {
+        match formula {
+            Formula::Number(value) => Ok(Program::constant(*value)),
+            Formula::Text(text) => {
+                Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))
+            }
+        }
+    }
+
+    /// For each of the `boundaries` of the mesh its entry of the table `given` at `key`, with the key of that entry.
+    pub(super) fn by_boundary<'b, T>(
+        &self,
+        key: &Key,
+        kind: &'static str,
+        given: &'b BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Checked<Vec<(Key, &'b T)>> {
+        if let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) {
+            let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
+            let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted };
+            return Err(self.error(&key.child(name), unknown));
+        }
+        let entry = |boundary: &String| {
+            let name = if given.contains_key(boundary) { boundary } else { OTHERS };
+            let missing = || self.error(key, Cause::NoCondition { name: boundary.clone(), kind });
+            given.get(name).map(|value| (key.child(name), value)).ok_or_else(missing)
+        };
+        boundaries.iter().map(entry).collect()
+    }
+}
