@@ -1,6 +1,8 @@
 //! Verification, regression, command-line and restart tests of stsolve: what the tests share.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+pub mod vortex;
+
 use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;

@@ -23,7 +23,8 @@ fn best_time(mut call: impl FnMut()) -> f64 {
 fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std::error::Error>> {
     let cells = (nodes / (order - 1)).max(2);
     let curving = Curving::Wavy { amplitude: 0.02 };
-    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }.build()?;
+    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
+        .build()?;
     let numbering = NodeNumbering::new(&mesh, order);
     let mut constrained = vec![false; numbering.count];
     (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);

@@ -26,7 +26,8 @@ impl<const D: usize> Batches<D> {
     pub(crate) fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
         let (cells, nodes_per_cell) = (mesh.n_cells(), numbering.order().pow(D as u32));
         let mut batches = Batches { cells, nodes_per_cell, nodes: Vec::new(), starts: Vec::new(), places: Vec::new() };
-        let lanes = (0..batches.count()).flat_map(|batch| (0..nodes_per_cell * WIDTH).map(move |k| (batch, k / WIDTH, k % WIDTH)));
+        let lanes = (0..batches.count())
+            .flat_map(|batch| (0..nodes_per_cell * WIDTH).map(move |k| (batch, k / WIDTH, k % WIDTH)));
         batches.nodes = lanes.map(|(batch, k, lane)| numbering.cell(batches.cell(batch, lane))[k]).collect();
         batches.find_places(numbering);
         batches

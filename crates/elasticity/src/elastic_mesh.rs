@@ -134,7 +134,12 @@ impl<const D: usize> ElasticMesh<D> {
         self.solve_equilibrium(None, d, tolerance)
     }
 
-    fn solve_equilibrium(&self, f: Option<&[f64]>, d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
+    fn solve_equilibrium(
+        &self,
+        f: Option<&[f64]>,
+        d: &mut [f64],
+        tolerance: f64,
+    ) -> Result<cg::Report, ElasticityError> {
         let mut work = self.solves.take(|| SolveWork::new(self.length()));
         let SolveWork { right_hand_side, solution, cg } = &mut work;
         self.right_hand_side(f, d, solution, right_hand_side);
@@ -144,7 +149,8 @@ impl<const D: usize> ElasticMesh<D> {
             // No tolerance relative to zero can be met from a guess.
             solution.fill(0.0);
         }
-        let settings = cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
+        let settings =
+            cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
         let result = cg::solve(&mut FreeNodes(self), right_hand_side, solution, &settings, cg);
         self.at_free(d, |i| solution[i]);
         self.solves.give(work);

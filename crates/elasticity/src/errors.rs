@@ -53,7 +53,9 @@ pub enum ElasticityError {
     #[error("no node of the mesh is constrained: prescribe the displacement on at least one boundary")]
     Unconstrained,
     /// The factorisation of the low-order matrix met a pivot that is not positive.
-    #[error("the stiffness matrix is not positive definite ({cause}): prescribe the displacement on more of the boundary, or check the stiffness")]
+    #[error(
+        "the stiffness matrix is not positive definite ({cause}): prescribe the displacement on more of the boundary, or check the stiffness"
+    )]
     NotDefinite {
         /// What the factorisation said.
         cause: String,

@@ -19,10 +19,18 @@ impl Material {
     /// [`ElasticityError::Material`] if a constant is out of range or not a number.
     pub fn new(young: f64, poisson: f64) -> Result<Self, ElasticityError> {
         if !(young > 0.0 && young.is_finite()) {
-            return Err(ElasticityError::Material { constant: "Young's modulus", value: young, accepted: "a positive number" });
+            return Err(ElasticityError::Material {
+                constant: "Young's modulus",
+                value: young,
+                accepted: "a positive number",
+            });
         }
         if !(poisson > -1.0 && poisson < 0.5) {
-            return Err(ElasticityError::Material { constant: "Poisson's ratio", value: poisson, accepted: "-1 < nu < 0.5" });
+            return Err(ElasticityError::Material {
+                constant: "Poisson's ratio",
+                value: poisson,
+                accepted: "-1 < nu < 0.5",
+            });
         }
         Ok(Material { young, poisson })
     }
@@ -127,7 +135,10 @@ mod tests {
     #[test]
     fn impossible_materials_are_refused() {
         for (young, poisson) in [(0.0, 0.3), (-1.0, 0.3), (f64::NAN, 0.3), (1.0, 0.5), (1.0, -1.0), (1.0, f64::NAN)] {
-            assert!(matches!(Material::new(young, poisson), Err(ElasticityError::Material { .. })), "E = {young}, nu = {poisson}");
+            assert!(
+                matches!(Material::new(young, poisson), Err(ElasticityError::Material { .. })),
+                "E = {young}, nu = {poisson}"
+            );
         }
     }
 }

@@ -8,8 +8,12 @@
 //! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0. Per cell: interpolate to the points, differentiate there, apply the law, and the
 //! transposes of both in reverse order: O(N^(D+1)).
 
-use crate::batches::Batches;
 use crate::ElasticityError;
+mod diagonal;
+#[cfg(test)]
+mod tests;
+
+use crate::batches::Batches;
 use crate::geometry::Sampler;
 use crate::material::Lame;
 use crate::pool::Pool;
@@ -97,15 +101,6 @@ impl<const D: usize> Operator<D> {
         self.workspaces.give(workspace);
     }
 
-    /// The diagonal of K, `[C0 node][component]`.
-    pub(crate) fn diagonal(&self, out: &mut [f64]) {
-        let mut results = zeroed(self.batches.field_length());
-        let derivatives = &self.lines.differentiate.product(&self.lines.interpolate);
-        let tasks = results.par_chunks_mut(self.batches.cell_length()).enumerate();
-        tasks.for_each(|(batch, results)| Arch::new().dispatch(CellDiagonals { operator: self, batch, derivatives, results }));
-        self.batches.assemble(&results, out);
-    }
-
     /// Work space for the threads there are now; a few tasks per thread, so that none waits long for another.
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
@@ -116,7 +111,8 @@ impl<const D: usize> Operator<D> {
 
     fn scratch(&self) -> Scratch {
         let points = self.lines.points::<D>();
-        let between = scratch_length(&[&self.lines.interpolate; D], D).max(scratch_length(&[&self.lines.interpolate_transposed; D], D));
+        let between = scratch_length(&[&self.lines.interpolate; D], D)
+            .max(scratch_length(&[&self.lines.interpolate_transposed; D], D));
         Scratch {
             nodal: zeroed(self.batches.cell_length()),
             values: zeroed(D * points),
@@ -133,7 +129,11 @@ impl<const D: usize> Operator<D> {
 }
 
 /// W and G of all batches.
-fn metric<const D: usize>(batches: &Batches<D>, rule: &Rule, sampler: &Sampler<'_, D>) -> Result<Vec<Pack>, ElasticityError> {
+fn metric<const D: usize>(
+    batches: &Batches<D>,
+    rule: &Rule,
+    sampler: &Sampler<'_, D>,
+) -> Result<Vec<Pack>, ElasticityError> {
     let weights = tensor_weights::<D>(&rule.weights);
     let length = weights.len() * (1 + D * D);
     let mut metric = zeroed(batches.count() * length);
@@ -161,7 +161,12 @@ pub(crate) fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
 
 /// W and G at one point.
 #[inline(always)]
-fn read_metric<S: Simd, const D: usize>(simd: S, metric: &[Pack], point: usize, part: usize) -> (Lanes<S>, [[Lanes<S>; D]; D]) {
+fn read_metric<S: Simd, const D: usize>(
+    simd: S,
+    metric: &[Pack],
+    point: usize,
+    part: usize,
+) -> (Lanes<S>, [[Lanes<S>; D]; D]) {
     let entry = &metric[point * (1 + D * D)..][..1 + D * D];
     let mut g = [[Lanes::splat(simd, 0.0); D]; D];
     for a in 0..D {
@@ -198,7 +203,15 @@ impl<const D: usize> WithSimd for ApplyToCells<'_, D> {
             apply_law::<S, D>(simd, operator.lame, operator.batch_metric(first + offset), gradients);
             apply_axis(simd, &lines.differentiate_transposed, 0, &extents, D, &gradients[..block], values);
             for a in 1..D {
-                apply_axis_add(simd, &lines.differentiate_transposed, a, &extents, D, &gradients[a * block..][..block], values);
+                apply_axis_add(
+                    simd,
+                    &lines.differentiate_transposed,
+                    a,
+                    &extents,
+                    D,
+                    &gradients[a * block..][..block],
+                    values,
+                );
             }
             apply_all_axes(simd, &[&lines.interpolate_transposed; D], D, values, result, between);
         }
@@ -230,66 +243,3 @@ fn apply_law<S: Simd, const D: usize>(simd: S, lame: Lame, metric: &[Pack], grad
         }
     }
 }
-
-/// Diagonals of the cell matrices of one batch.
-///
-/// With the gradients g_a of the reference coordinates (rows of G) a node's function has grad phi = sum_a phi_,a g_a, so that
-///
-/// ```text
-/// K_(k i)(k i) = sum_ab sum_points W block(g_a, g_b)[i][i] phi_k,a phi_k,b                                    (diag K)
-/// ```
-///
-/// and phi_k,a phi_k,b is a product over the axes, like a value.
-struct CellDiagonals<'a, const D: usize> {
-    operator: &'a Operator<D>,
-    batch: usize,
-    /// phi_k' at the points, `[point][node]`.
-    derivatives: &'a Matrix,
-    results: &'a mut [Pack],
-}
-
-impl<const D: usize> CellDiagonals<'_, D> {
-    /// phi_k,a phi_k,b along each axis, `[node][point]`.
-    fn products(&self, a: usize, b: usize) -> [Matrix; D] {
-        let values = &self.operator.lines.interpolate;
-        let factor = |derived: bool| if derived { self.derivatives } else { values };
-        std::array::from_fn(|axis| {
-            let (left, right) = (factor(axis == a), factor(axis == b));
-            Matrix::from_fn(values.cols(), values.rows(), |k, point| left[(point, k)] * right[(point, k)])
-        })
-    }
-
-    /// W block(g_a, g_b)[i][i], `[component][point]`.
-    fn coefficients(&self, a: usize, b: usize) -> Vec<Pack> {
-        let points = self.operator.lines.points::<D>();
-        let mut coefficients = zeroed(D * points);
-        for (point, entry) in self.operator.batch_metric(self.batch).chunks_exact(1 + D * D).enumerate() {
-            for lane in 0..WIDTH {
-                let row = |a: usize| std::array::from_fn(|j| entry[1 + a * D + j].0[lane]);
-                let block = self.operator.lame.block::<D>(&row(a), &row(b));
-                for i in 0..D {
-                    coefficients[i * points + point].0[lane] = entry[0].0[lane] * block[i][i];
-                }
-            }
-        }
-        coefficients
-    }
-}
-
-impl<const D: usize> WithSimd for CellDiagonals<'_, D> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for a in 0..D {
-            for b in 0..D {
-                let products = self.products(a, b);
-                let lines: [&Matrix; D] = std::array::from_fn(|axis| &products[axis]);
-                let mut between = zeroed(scratch_length(&lines, D));
-                basis::apply_all_axes_add(simd, &lines, D, &self.coefficients(a, b), self.results, &mut between);
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests;

@@ -62,7 +62,12 @@ pub(crate) fn largest(a: &[f64]) -> f64 {
 }
 
 /// K as a dense matrix, from the same law, stiffness and quadrature, but node by node and point by point.
-pub(crate) fn assembled<const D: usize>(mesh: &Mesh<D>, order: usize, lame: Lame, stiffness: Stiffness<'_, D>) -> Mat<f64> {
+pub(crate) fn assembled<const D: usize>(
+    mesh: &Mesh<D>,
+    order: usize,
+    lame: Lame,
+    stiffness: Stiffness<'_, D>,
+) -> Mat<f64> {
     let numbering = NodeNumbering::new(mesh, order);
     let rule = gauss(quadrature_points(D, order));
     let sampler = Sampler::new(mesh, stiffness, &rule.points);
@@ -79,7 +84,8 @@ pub(crate) fn assembled<const D: usize>(mesh: &Mesh<D>, order: usize, lame: Lame
                     let block = lame.block(grad_row, grad_column);
                     for i in 0..D {
                         for j in 0..D {
-                            k[(row * D + i, column * D + j)] += weight * sample.determinant * sample.stiffness * block[i][j];
+                            k[(row * D + i, column * D + j)] +=
+                                weight * sample.determinant * sample.stiffness * block[i][j];
                         }
                     }
                 }
@@ -90,7 +96,12 @@ pub(crate) fn assembled<const D: usize>(mesh: &Mesh<D>, order: usize, lame: Lame
 }
 
 /// The physical gradients of all nodal functions of a cell at one point.
-fn gradients_at<const D: usize>(values: &Matrix, derivatives: &Matrix, point: usize, inverse: &[[f64; D]; D]) -> Vec<[f64; D]> {
+fn gradients_at<const D: usize>(
+    values: &Matrix,
+    derivatives: &Matrix,
+    point: usize,
+    inverse: &[[f64; D]; D],
+) -> Vec<[f64; D]> {
     let (n, q) = (values.cols(), values.rows());
     let digit = |index: usize, base: usize, axis: usize| index / base.pow(axis as u32) % base;
     let factor = |node, axis, derived: bool| {

@@ -37,12 +37,15 @@ fn allocations(mut call: impl FnMut()) -> usize {
 #[test]
 fn operator_and_slab_residual_allocate_nothing() {
     let curving = Curving::Wavy { amplitude: 0.03 };
-    let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [8, 8], order: 4, curving, periodic: [false; 2] }.build().unwrap();
+    let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [8, 8], order: 4, curving, periodic: [false; 2] }
+        .build()
+        .unwrap();
     let numbering = NodeNumbering::new(&mesh, 4);
     let mut constrained = vec![false; numbering.count];
     numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| constrained[node] = true);
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
-    let elastic = ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), stiffness, &constrained).unwrap();
+    let elastic =
+        ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), stiffness, &constrained).unwrap();
     let motion = SlabMotion::new(RadauTime::new(2));
     let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 0.1 };
     let (bottom, field) = (vec![0.1; elastic.length()], vec![0.2; 2 * elastic.length()]);

@@ -60,7 +60,8 @@ fn load<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, lame: Lame) -
     at_points(mesh, n, |cell, point, x, weight| {
         let force = body_force(lame, &x);
         for (k, &node) in numbering.cell(cell).iter().enumerate() {
-            let phi: f64 = (0..D as u32).map(|axis| values[(point / n.pow(axis) % n, k / order.pow(axis) % order)]).product();
+            let phi: f64 =
+                (0..D as u32).map(|axis| values[(point / n.pow(axis) % n, k / order.pow(axis) % order)]).product();
             (0..D).for_each(|i| forces[node * D + i] += weight * phi * force[i]);
         }
     });
@@ -88,7 +89,9 @@ fn error<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, d: &[f64]) -
 /// The error with `cells` cells per direction.
 fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
     let curving = Curving::Wavy { amplitude: 0.02 };
-    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }.build().unwrap();
+    let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
+        .build()
+        .unwrap();
     let numbering = NodeNumbering::new(&mesh, order);
     let mut constrained = vec![false; numbering.count];
     (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| constrained[node] = true);
@@ -105,7 +108,6 @@ fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
 fn assert_order<const D: usize>(order: usize, cells: [usize; 2]) {
     let [coarse, fine] = cells.map(|cells| solution_error::<D>(cells, order));
     let found = (coarse / fine).ln() / (cells[1] as f64 / cells[0] as f64).ln();
-    println!("D = {D}, N = {order}: {coarse:.2e} -> {fine:.2e}, order {found:.2}");
     assert!(found >= order as f64 - 0.2, "D = {D}, N = {order}: order {found:.2}, errors {coarse:e}, {fine:e}");
 }
 

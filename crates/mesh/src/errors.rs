@@ -79,7 +79,10 @@ pub enum MeshError {
         position: Vec<f64>,
     },
     /// A face belongs to one cell only and to no boundary.
-    #[error("face {face} of cell {cell} at {position:?} has no neighbour and belongs to no boundary: a boundary without a name")]
+    #[error(
+        "face {face} of cell {cell} at {position:?} has no neighbour and belongs to no boundary: \
+         a boundary without a name"
+    )]
     Unnamed {
         /// The cell.
         cell: usize,
@@ -133,7 +136,10 @@ pub enum MeshError {
         name: String,
     },
     /// A periodic pair refers to a boundary that does not exist, to one twice, or to one of another pair.
-    #[error("periodic pair {pair} refers to boundary {boundary}: expected two different boundaries of 0..{count}, each in one pair")]
+    #[error(
+        "periodic pair {pair} refers to boundary {boundary}: expected two different boundaries of 0..{count}, \
+         each in one pair"
+    )]
     PairBoundary {
         /// Number of the pair.
         pair: usize,
@@ -156,8 +162,8 @@ pub enum MeshError {
     },
     /// Two periodic boundaries do not lie on each other after translation.
     #[error(
-        "periodic boundaries \"{minus}\" and \"{plus}\" do not match: the point {position:?} of \"{plus}\" is {distance:e} \
-         away from the translated \"{minus}\" (tolerance {tolerance:e})"
+        "periodic boundaries \"{minus}\" and \"{plus}\" do not match: the point {position:?} of \"{plus}\" is \
+         {distance:e} away from the translated \"{minus}\" (tolerance {tolerance:e})"
     )]
     PeriodicMismatch {
         /// The boundary that is translated.
@@ -173,8 +179,8 @@ pub enum MeshError {
     },
     /// Two neighbours do not have the same nodes on the face between them.
     #[error(
-        "cells {minus} and {plus} share the corners of a face but not its curve: nodes at {position:?} are {distance:e} apart \
-         (tolerance {tolerance:e})"
+        "cells {minus} and {plus} share the corners of a face but not its curve: nodes at {position:?} are \
+         {distance:e} apart (tolerance {tolerance:e})"
     )]
     Gap {
         /// One cell.

@@ -36,8 +36,8 @@ pub const fn axis_and_side(face: usize) -> (usize, usize) {
     (face / 2, face % 2)
 }
 
-/// The indices, in the lattice of a cell with `n` nodes per direction, of the nodes on `face`, in the order of the face's own
-/// lattice: the remaining axes in increasing order, the first one fastest. `n` = 2 gives the corners.
+/// The indices, in the lattice of a cell with `n` nodes per direction, of the nodes on `face`, in the order of the
+/// face's own lattice: the remaining axes in increasing order, the first one fastest. `n` = 2 gives the corners.
 pub fn face_nodes(dimension: usize, n: usize, face: usize) -> Vec<usize> {
     let (axis, side) = axis_and_side(face);
     let stride = n.pow(axis as u32);
@@ -46,7 +46,8 @@ pub fn face_nodes(dimension: usize, n: usize, face: usize) -> Vec<usize> {
     (0..n.pow(dimension as u32 - 1)).map(|i| i % stride + i / stride * stride * n + fixed).collect()
 }
 
-/// The index of corner `k` of a cell (bit a: the side along axis a) in the lattice of the cell with `n` nodes per direction.
+/// The index of corner `k` of a cell (bit a: the side along axis a) in the lattice of the cell with `n` nodes per
+/// direction.
 pub fn corner_node(dimension: usize, n: usize, k: usize) -> usize {
     (0..dimension).map(|a| (k >> a & 1) * (n - 1) * n.pow(a as u32)).sum()
 }
@@ -56,17 +57,18 @@ pub const fn outward_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// +1 where the tangents along the axes of the face's lattice make the outward normal, -1 where they make the inward one.
+/// +1 where the tangents along the axes of the face's lattice make the outward normal, -1 where they make the inward
+/// one.
 ///
-/// "Make" is the cross product in 3-D, the turn (t_x, t_y) -> (t_y, -t_x) in 2-D: both give +e_0 for axis 0 and -e_1 for axis 1,
-/// and the cross product gives +e_2 for axis 2.
+/// "Make" is the cross product in 3-D, the turn (t_x, t_y) -> (t_y, -t_x) in 2-D: both give +e_0 for axis 0 and -e_1
+/// for axis 1, and the cross product gives +e_2 for axis 2.
 pub const fn tangent_sign(face: usize) -> f64 {
     let parity = if face / 2 == 1 { -1.0 } else { 1.0 };
     parity * outward_sign(face)
 }
 
-/// How the face lattice of the plus side lies on that of the minus side: (i_0, i_1) becomes (i_1, i_0) if `swap`, and then
-/// index k is counted from the other end if `flip[k]`. In 2-D only `flip[0]` is used.
+/// How the face lattice of the plus side lies on that of the minus side: (i_0, i_1) becomes (i_1, i_0) if `swap`, and
+/// then index k is counted from the other end if `flip[k]`. In 2-D only `flip[0]` is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Orientation {
     swap: bool,
@@ -74,8 +76,8 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    /// The lexicographic index in the plus face's lattice of the node with index `i` in the minus face's lattice, with `n` nodes
-    /// per direction on a facet of dimension `facet_dimension` (D - 1: 1 or 2).
+    /// The lexicographic index in the plus face's lattice of the node with index `i` in the minus face's lattice, with
+    /// `n` nodes per direction on a facet of dimension `facet_dimension` (D - 1: 1 or 2).
     pub fn plus_index(self, facet_dimension: usize, n: usize, i: usize) -> usize {
         let turned = |k: usize, index: usize| if self.flip[k] { n - 1 - index } else { index };
         if facet_dimension == 1 {
@@ -86,8 +88,8 @@ impl Orientation {
         turned(0, j0) + n * turned(1, j1)
     }
 
-    /// The orientation that carries the vertices `minus` of a face (2 or 4, in the order of the face's lattice) to the same
-    /// vertices as the other side lists them. `None` if there is none.
+    /// The orientation that carries the vertices `minus` of a face (2 or 4, in the order of the face's lattice) to the
+    /// same vertices as the other side lists them. `None` if there is none.
     pub fn from_corners(minus: &[usize], plus: &[usize]) -> Option<Self> {
         let facet_dimension = match (minus.len(), plus.len()) {
             (2, 2) => 1,
@@ -123,10 +125,12 @@ mod tests {
     #[test]
     fn tangents_make_normals_with_the_sign() {
         let unit = |axis: usize| std::array::from_fn::<f64, 3, _>(|i| f64::from(u8::from(i == axis)));
-        let cross = |a: [f64; 3], b: [f64; 3]| std::array::from_fn::<f64, 3, _>(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            a[j] * b[k] - a[k] * b[j]
-        });
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            std::array::from_fn::<f64, 3, _>(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                a[j] * b[k] - a[k] * b[j]
+            })
+        };
         for face in 0..6 {
             let (axis, _) = axis_and_side(face);
             let tangents: Vec<_> = (0..3).filter(|&a| a != axis).map(unit).collect();
@@ -142,7 +146,8 @@ mod tests {
         for dimension in [1, 2] {
             for orientation in Orientation::all(dimension) {
                 let n = 4_usize;
-                let mut image: Vec<usize> = (0..n.pow(dimension as u32)).map(|i| orientation.plus_index(dimension, n, i)).collect();
+                let mut image: Vec<usize> =
+                    (0..n.pow(dimension as u32)).map(|i| orientation.plus_index(dimension, n, i)).collect();
                 image.sort_unstable();
                 assert_eq!(image, (0..image.len()).collect::<Vec<_>>());
 

@@ -151,7 +151,9 @@ mod tests {
     use crate::{BoxMesh, Curving};
 
     fn curved<const D: usize>(order: usize, curving: Curving) -> Mesh<D> {
-        BoxMesh { lower: [-1.0; D], upper: [1.0; D], cells: [2; D], order, curving, periodic: [false; D] }.build().unwrap()
+        BoxMesh { lower: [-1.0; D], upper: [1.0; D], cells: [2; D], order, curving, periodic: [false; D] }
+            .build()
+            .unwrap()
     }
 
     #[test]
@@ -187,7 +189,9 @@ mod tests {
 
     #[test]
     fn curving_inside_a_box_keeps_its_volume() {
-        for curving in [Curving::None, Curving::Smooth { amplitude: 0.04 }, Curving::Random { amplitude: 0.04, seed: 2 }] {
+        for curving in
+            [Curving::None, Curving::Smooth { amplitude: 0.04 }, Curving::Random { amplitude: 0.04, seed: 2 }]
+        {
             for order in [2, 3, 6] {
                 assert!((curved::<2>(order, curving).volume() - 4.0).abs() < 1e-13);
                 assert!((curved::<3>(order, curving).volume() - 8.0).abs() < 1e-13);
@@ -213,7 +217,8 @@ mod tests {
         let mesh = curved::<3>(3, Curving::Random { amplitude: 0.04, seed: 3 });
         let back = mesh.with_order(7).with_order(3);
         assert_eq!((mesh.with_order(7).order(), mesh.with_order(7).nodes_per_cell()), (7, 343));
-        let distance = mesh.coordinates().iter().zip(back.coordinates()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let distance =
+            mesh.coordinates().iter().zip(back.coordinates()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(distance < 1e-14, "{distance}");
     }
 }

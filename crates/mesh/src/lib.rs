@@ -1,8 +1,9 @@
 //! Topology and curved geometry of quadrilateral and hexahedral meshes.
 //!
-//! A [`Mesh`] is a list of cells, each with the numbers of its 2^D vertices (who is whose neighbour) and the positions of its
-//! N^D Gauss-Lobatto nodes (where it is). Everything else follows: facets with the [`Orientation`] in which two lattices meet,
-//! the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that it is invertible.
+//! A [`Mesh`] is a list of cells, each with the numbers of its 2^D vertices (who is whose neighbour) and the positions
+//! of its N^D Gauss-Lobatto nodes (where it is). Everything else follows: facets with the [`Orientation`] in which two
+//! lattices meet, the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that it
+//! is invertible.
 //!
 //! | module | holds |
 //! |---|---|
@@ -30,7 +31,9 @@ mod topology;
 mod validity;
 
 pub use errors::MeshError;
-pub use facet::{BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign};
+pub use facet::{
+    BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign,
+};
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
 pub use mesh::{Mesh, ORDERS};

@@ -7,8 +7,8 @@ use tensor::norm;
 /// Orders that a mesh may have.
 pub const ORDERS: std::ops::RangeInclusive<usize> = 2..=16;
 
-/// Quadrilaterals (D = 2) or hexahedra (D = 3), curved: the map of every cell is a polynomial of degree N - 1 per direction,
-/// given by its values x(xi) at the N^D Gauss-Lobatto nodes.
+/// Quadrilaterals (D = 2) or hexahedra (D = 3), curved: the map of every cell is a polynomial of degree N - 1 per
+/// direction, given by its values x(xi) at the N^D Gauss-Lobatto nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<const D: usize> {
     pub(crate) order: usize,
@@ -20,8 +20,8 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Builds a mesh and checks it: every face is matched once, named or periodic; neighbours share the nodes of their facet;
-    /// det J > 0 is proved in every cell.
+    /// Builds a mesh and checks it: every face is matched once, named or periodic; neighbours share the nodes of their
+    /// facet; det J > 0 is proved in every cell.
     ///
     /// * `order`: N, nodes per direction of the geometry, 2..=16
     /// * `corners`: vertex numbers, `[cell][2^D]`; bit a of the local number is the side along axis a
@@ -81,7 +81,8 @@ impl<const D: usize> Mesh<D> {
         &self.boundary_names
     }
 
-    /// The same cells with the geometry interpolated to `order` nodes per direction: exact where `order` is not smaller.
+    /// The same cells with the geometry interpolated to `order` nodes per direction: exact where `order` is not
+    /// smaller.
     ///
     /// # Panics
     /// If `order` is outside [`ORDERS`].

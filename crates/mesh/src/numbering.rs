@@ -4,8 +4,8 @@ use crate::facet::{corner_node, face_nodes};
 use crate::{Mesh, Side};
 use std::collections::BTreeMap;
 
-/// Global numbers of the Gauss-Lobatto nodes of order N of all cells: nodes at the same place, or at places that periodicity
-/// identifies, have the same number.
+/// Global numbers of the Gauss-Lobatto nodes of order N of all cells: nodes at the same place, or at places that
+/// periodicity identifies, have the same number.
 ///
 /// Built from topology alone. Numbers increase in the order in which the cells first meet their nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct NodeNumbering {
 }
 
 impl NodeNumbering {
-    /// Numbers the nodes of order `order`, which need not be the order of the geometry.
+    /// Numbers the nodes of order `order`, at least 2, which need not be the order of the geometry.
     pub fn new<const D: usize>(mesh: &Mesh<D>, order: usize) -> Self {
         let nodes_per_cell = order.pow(D as u32);
         let mut classes = Classes::new(mesh.n_cells() * nodes_per_cell);
@@ -67,8 +67,8 @@ fn join_facets<const D: usize>(mesh: &Mesh<D>, order: usize, classes: &mut Class
     }
 }
 
-/// Joins nodes on edges with the same two vertices, running from the smaller number to the larger, and with them the vertices:
-/// cells may touch in an edge without a chain of facets that connects them.
+/// Joins nodes on edges with the same two vertices, running from the smaller number to the larger, and with them the
+/// vertices: cells may touch in an edge without a chain of facets that connects them.
 fn join_edges<const D: usize>(mesh: &Mesh<D>, order: usize, classes: &mut Classes) {
     let nodes_per_cell = order.pow(D as u32);
     let mut edges = BTreeMap::new();
@@ -96,7 +96,8 @@ fn cell_edges(dimension: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..dimension).flat_map(move |axis| (0..1 << dimension).filter(move |k| k >> axis & 1 == 0).map(move |k| (k, axis)))
 }
 
-/// The nodes, in the lattice of a cell with `n` nodes per direction, of the edge that starts at corner `start` along `axis`.
+/// The nodes, in the lattice of a cell with `n` nodes per direction, of the edge that starts at corner `start` along
+/// `axis`.
 fn edge_nodes(dimension: usize, n: usize, start: usize, axis: usize) -> Vec<usize> {
     (0..n).map(|i| corner_node(dimension, n, start) + i * n.pow(axis as u32)).collect()
 }
@@ -154,8 +155,8 @@ mod tests {
         BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 3, curving, periodic }.build().unwrap()
     }
 
-    /// Nodes of order n with the same number are at the same place, up to periods of 1 along the periodic axes, and different
-    /// numbers are at different places.
+    /// Nodes of order n with the same number are at the same place, up to periods of 1 along the periodic axes, and
+    /// different numbers are at different places.
     fn assert_numbers_are_places<const D: usize>(mesh: &Mesh<D>, n: usize, periodic: [bool; D]) {
         let numbering = NodeNumbering::new(mesh, n);
         let fine = mesh.with_order(n);
@@ -253,9 +254,12 @@ mod tests {
         for (boundary, name) in mesh.boundary_names().iter().enumerate() {
             let side = crate::generate::BOX_BOUNDARIES.iter().position(|n| n == name).unwrap();
             let on_side = |x: &[f64; 3]| (x[side / 2] - (side % 2) as f64).abs() < 1e-12;
-            let cells = (0..mesh.n_cells()).flat_map(|cell| numbering.cell(cell).iter().enumerate().map(move |(k, g)| (cell, k, *g)));
-            let mut expected: Vec<usize> =
-                cells.filter(|&(cell, k, _)| on_side(&point(fine.cell_coordinates(cell), k))).map(|node| node.2).collect();
+            let cells = (0..mesh.n_cells())
+                .flat_map(|cell| numbering.cell(cell).iter().enumerate().map(move |(k, g)| (cell, k, *g)));
+            let mut expected: Vec<usize> = cells
+                .filter(|&(cell, k, _)| on_side(&point(fine.cell_coordinates(cell), k)))
+                .map(|node| node.2)
+                .collect();
             expected.sort_unstable();
             expected.dedup();
             assert_eq!(numbering.on_boundary(&mesh, boundary), expected);

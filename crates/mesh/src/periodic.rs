@@ -8,8 +8,8 @@ use tensor::norm;
 /// Two nodes coincide if they are closer than this times the diameter of the mesh: files carry about ten digits.
 const TOLERANCE: f64 = 1e-9;
 
-/// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of boundaries
-/// that [`Mesh::new`] receives.
+/// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of
+/// boundaries that [`Mesh::new`] receives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodicPair<const D: usize> {
     /// The boundary that is translated.
@@ -28,7 +28,11 @@ struct Apart {
 }
 
 /// Whether pair `number` names two boundaries that exist and are in no other pair.
-pub(crate) fn check_pair<const D: usize>(number: usize, pairs: &[PeriodicPair<D>], count: usize) -> Result<(), MeshError> {
+pub(crate) fn check_pair<const D: usize>(
+    number: usize,
+    pairs: &[PeriodicPair<D>],
+    count: usize,
+) -> Result<(), MeshError> {
     let in_earlier = |boundary| pairs[..number].iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
     let PeriodicPair { minus, plus, .. } = pairs[number];
     for (boundary, other) in [(minus, plus), (plus, minus)] {
@@ -50,34 +54,46 @@ pub(crate) fn match_pair<const D: usize>(
         let (minus_faces, plus_faces) = (minus_sides.len(), plus_sides.len());
         return Err(MeshError::PairCount { minus: minus.clone(), plus: plus.clone(), minus_faces, plus_faces });
     }
+    let tolerance = TOLERANCE * mesh.diameter();
     let mismatch = |apart: Apart| {
         let (minus, plus, Apart { position, distance, tolerance }) = (minus.clone(), plus.clone(), apart);
         MeshError::PeriodicMismatch { minus, plus, position, distance, tolerance }
     };
-    let twin = twin_vertices(mesh, minus_sides, plus_sides, &pair.translation).map_err(mismatch)?;
-    let by_vertices: BTreeMap<_, _> = minus_sides.iter().map(|&side| (face_key(mesh.face_corners(side)), side)).collect();
+    let twin = twin_vertices(mesh, minus_sides, plus_sides, &pair.translation, tolerance).map_err(mismatch)?;
+    let by_vertices: BTreeMap<_, _> =
+        minus_sides.iter().map(|&side| (face_key(mesh.face_corners(side)), side)).collect();
 
     let mut facets = Vec::with_capacity(plus_sides.len());
     for &plus in plus_sides {
-        let corners: Vec<usize> = mesh.face_corners(plus).iter().map(|vertex| twin[vertex]).collect();
-        let minus = *by_vertices.get(&face_key(corners.clone())).ok_or_else(|| not_manifold(mesh, plus, 1))?;
-        let orientation = Orientation::from_corners(&mesh.face_corners(minus), &corners);
-        let orientation = orientation.ok_or_else(|| not_manifold(mesh, plus, 2))?;
-        let facet = InteriorFacet { minus, plus, orientation, periodic: true };
-        check_gap(mesh, &facet, &pair.translation).map_err(mismatch)?;
+        let facet = twin_facet(mesh, plus, &twin, &by_vertices)?;
+        check_gap(mesh, &facet, &pair.translation, tolerance).map_err(mismatch)?;
         facets.push(facet);
     }
     Ok(facets)
 }
 
-/// For each vertex of `plus` the vertex of `minus` that the translation carries there: the nearest, if it is near enough.
+/// The facet of side `plus` and the side of the other boundary that has the twins of its vertices.
+fn twin_facet<const D: usize>(
+    mesh: &Mesh<D>,
+    plus: Side,
+    twin: &BTreeMap<usize, usize>,
+    by_vertices: &BTreeMap<Vec<usize>, Side>,
+) -> Result<InteriorFacet, MeshError> {
+    let corners: Vec<usize> = mesh.face_corners(plus).iter().map(|vertex| twin[vertex]).collect();
+    let minus = *by_vertices.get(&face_key(corners.clone())).ok_or_else(|| not_manifold(mesh, plus, 1))?;
+    let orientation = Orientation::from_corners(&mesh.face_corners(minus), &corners);
+    let orientation = orientation.ok_or_else(|| not_manifold(mesh, plus, 2))?;
+    Ok(InteriorFacet { minus, plus, orientation, periodic: true })
+}
+
+/// For each vertex of `plus` the vertex of `minus` that the translation carries there: the nearest, if near enough.
 fn twin_vertices<const D: usize>(
     mesh: &Mesh<D>,
     minus: &[Side],
     plus: &[Side],
     translation: &[f64; D],
+    tolerance: f64,
 ) -> Result<BTreeMap<usize, usize>, Apart> {
-    let tolerance = TOLERANCE * mesh.diameter();
     let candidates = vertex_positions(mesh, minus);
     let mut twin = BTreeMap::new();
     for (vertex, x) in vertex_positions(mesh, plus) {
@@ -103,8 +119,12 @@ fn distance<const D: usize>(plus: &[f64; D], minus: &[f64; D], translation: &[f6
 }
 
 /// Whether the two sides of `facet` have the same nodes after translation.
-fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation: &[f64; D]) -> Result<(), Apart> {
-    let tolerance = TOLERANCE * mesh.diameter();
+fn check_gap<const D: usize>(
+    mesh: &Mesh<D>,
+    facet: &InteriorFacet,
+    translation: &[f64; D],
+    tolerance: f64,
+) -> Result<(), Apart> {
     let minus = mesh.face_positions(facet.minus);
     let plus = mesh.face_positions(facet.plus);
     for (i, x) in minus.iter().enumerate() {
@@ -119,8 +139,9 @@ fn check_gap<const D: usize>(mesh: &Mesh<D>, facet: &InteriorFacet, translation:
 
 /// Whether all neighbours share the nodes of their facets.
 pub(crate) fn check_gaps<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError> {
+    let tolerance = TOLERANCE * mesh.diameter();
     for facet in &mesh.interior_facets {
-        check_gap(mesh, facet, &[0.0; D]).map_err(|Apart { position, distance, tolerance }| {
+        check_gap(mesh, facet, &[0.0; D], tolerance).map_err(|Apart { position, distance, tolerance }| {
             let (minus, plus) = (facet.minus.cell, facet.plus.cell);
             MeshError::Gap { minus, plus, position, distance, tolerance }
         })?;

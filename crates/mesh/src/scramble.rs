@@ -6,7 +6,8 @@ use crate::mesh::point;
 use crate::random::SplitMix64;
 use crate::{InteriorFacet, Mesh, Orientation, Side};
 
-/// A rotation or reflection of the reference cell: new axis a runs along old axis `axes[a]`, backwards if `reversed[a]`.
+/// A rotation or reflection of the reference cell: new axis a runs along old axis `axes[a]`, backwards if
+/// `reversed[a]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Turn<const D: usize> {
     axes: [usize; D],
@@ -17,14 +18,17 @@ impl<const D: usize> Turn<D> {
     /// All D! 2^D signed permutations of the axes.
     pub(crate) fn all() -> Vec<Self> {
         let digits = |code: usize| std::array::from_fn(|a| digit(code, D, a));
-        let permutations = (0..D.pow(D as u32)).map(digits).filter(|axes: &[usize; D]| (0..D).all(|a| axes.contains(&a)));
-        let signs = |axes| (0..1 << D).map(move |code| Turn { axes, reversed: std::array::from_fn(|a| code >> a & 1 == 1) });
+        let permutations =
+            (0..D.pow(D as u32)).map(digits).filter(|axes: &[usize; D]| (0..D).all(|a| axes.contains(&a)));
+        let signs =
+            |axes| (0..1 << D).map(move |code| Turn { axes, reversed: std::array::from_fn(|a| code >> a & 1 == 1) });
         permutations.flat_map(signs).collect()
     }
 
     /// Whether a right-handed cell stays right-handed: an even number of exchanges and reversals.
     pub(crate) fn is_rotation(&self) -> bool {
-        let exchanges = (0..D).flat_map(|a| (0..a).map(move |b| (a, b))).filter(|&(a, b)| self.axes[b] > self.axes[a]).count();
+        let exchanges =
+            (0..D).flat_map(|a| (0..a).map(move |b| (a, b))).filter(|&(a, b)| self.axes[b] > self.axes[a]).count();
         (exchanges + self.reversed.iter().filter(|&&reversed| reversed).count()).is_multiple_of(2)
     }
 
@@ -55,8 +59,8 @@ impl<const D: usize> Turn<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// The same mesh with the axes of every reference cell turned by a random rotation. A tool of tests: whatever is computed on
-    /// it must be as on the original, up to round-off.
+    /// The same mesh with the axes of every reference cell turned by a random rotation. A tool of tests: whatever is
+    /// computed on it must be as on the original, up to round-off.
     pub fn scrambled(&self, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let rotations: Vec<Turn<D>> = Turn::all().into_iter().filter(Turn::is_rotation).collect();
@@ -178,7 +182,8 @@ mod tests {
                 assert_sides_meet(&turned, [0.0; D]);
                 assert_eq!(rebuilt(&turned).unwrap(), turned);
             } else {
-                assert!(matches!(rebuilt(&turned), Err(MeshError::Inverted { cell: 1, determinant, .. }) if determinant < 0.0));
+                let error = rebuilt(&turned).unwrap_err();
+                assert!(matches!(error, MeshError::Inverted { cell: 1, determinant, .. } if determinant < 0.0));
             }
         }
         assert_eq!((right_handed, Turn::<D>::all().len()), (rotations, 2 * rotations));
@@ -197,7 +202,14 @@ mod tests {
     #[test]
     fn scrambled_periodic_boxes_meet_in_every_orientation() {
         let curving = Curving::Random { amplitude: 0.03, seed: 4 };
-        let mesh = BoxMesh { lower: [0.0; 3], upper: [1.0, 2.0, 3.0], cells: [3, 1, 8], order: 4, curving, periodic: [true; 3] };
+        let mesh = BoxMesh {
+            lower: [0.0; 3],
+            upper: [1.0, 2.0, 3.0],
+            cells: [3, 1, 8],
+            order: 4,
+            curving,
+            periodic: [true; 3],
+        };
         let mesh = mesh.build().unwrap().scrambled(7);
         assert_sides_meet(&mesh, [1.0, 2.0, 3.0]);
         let mut orientations: Vec<Orientation> = mesh.interior_facets().iter().map(|facet| facet.orientation).collect();

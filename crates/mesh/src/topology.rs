@@ -53,7 +53,8 @@ pub(crate) fn face_key(mut vertices: Vec<usize>) -> Vec<usize> {
     vertices
 }
 
-/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, one with a partner must not.
+/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, one with a partner must
+/// not.
 fn match_faces<const D: usize>(
     mesh: &Mesh<D>,
     owner: &BTreeMap<Side, usize>,
@@ -187,13 +188,18 @@ mod tests {
     fn bad_boundaries_are_refused() {
         let error = two_squares().refused(|p| p.boundaries.truncate(1));
         assert_eq!(error, MeshError::Unnamed { cell: 0, face: 2, position: vec![0.5, 0.0] });
-        assert!(error.to_string().contains("face 2 of cell 0") && error.to_string().contains("boundary without a name"));
+        assert!(
+            error.to_string().contains("face 2 of cell 0") && error.to_string().contains("boundary without a name")
+        );
         let error = two_squares().refused(|p| p.boundaries[1].0 = "inflow".to_owned());
         assert_eq!(error, MeshError::NameTwice { name: "inflow".to_owned() });
         let error = two_squares().refused(|p| p.boundaries[2].1.push(side(1, 1)));
-        assert!(matches!(error, MeshError::TwoBoundaries { cell: 1, face: 1, first, second } if (first == "outflow") && second == "wall"));
+        let (first, second) = ("outflow".to_owned(), "wall".to_owned());
+        assert_eq!(error, MeshError::TwoBoundaries { cell: 1, face: 1, first, second });
         let error = two_squares().refused(|p| p.boundaries[0].1.push(side(1, 0)));
-        assert!(matches!(error, MeshError::Inside { name, position, .. } if name == "inflow" && position == [1.0, 0.5]));
+        assert!(
+            matches!(error, MeshError::Inside { name, position, .. } if name == "inflow" && position == [1.0, 0.5])
+        );
         for wrong in [side(2, 0), side(0, 4)] {
             let error = two_squares().refused(|p| p.boundaries[0].1.push(wrong));
             assert!(matches!(error, MeshError::NoSuchFace { cell, face, .. } if side(cell, face) == wrong));
@@ -221,31 +227,47 @@ mod tests {
         // A corner collapsed onto its neighbour: det J = 0 there.
         let mut parts = two_squares();
         parts.coordinates[12..16].copy_from_slice(&[1.0, 1.0, 1.0, 1.0]);
-        assert!(matches!(parts.build(), Err(MeshError::Inverted { cell: 1, .. } | MeshError::Degenerate { cell: 1, .. })));
+        assert!(matches!(
+            parts.build(),
+            Err(MeshError::Inverted { cell: 1, .. } | MeshError::Degenerate { cell: 1, .. })
+        ));
     }
 
     #[test]
     fn bad_periodic_pairs_are_refused() {
         let pair = |minus, plus, x| PeriodicPair { minus, plus, translation: [x, 0.0] };
         let error = two_squares().refused(|p| p.periodic.push(pair(1, 0, -1.875)));
-        assert!(matches!(&error, MeshError::PeriodicMismatch { distance: 0.125, minus, .. } if minus == "outflow"), "{error}");
+        assert!(
+            matches!(&error, MeshError::PeriodicMismatch { distance: 0.125, minus, .. } if minus == "outflow"),
+            "{error}"
+        );
         let error = two_squares().refused(|p| p.periodic.push(pair(1, 2, 0.0)));
         assert!(matches!(error, MeshError::PairCount { minus_faces: 1, plus_faces: 4, .. }));
-        for (pairs, wrong) in [(vec![pair(1, 3, 0.0)], 3), (vec![pair(1, 1, 0.0)], 1), (vec![pair(1, 0, -2.0), pair(0, 2, 0.0)], 0)] {
+        for (pairs, wrong) in
+            [(vec![pair(1, 3, 0.0)], 3), (vec![pair(1, 1, 0.0)], 1), (vec![pair(1, 0, -2.0), pair(0, 2, 0.0)], 0)]
+        {
             let pair = pairs.len() - 1;
-            assert_eq!(two_squares().refused(|p| p.periodic = pairs), MeshError::PairBoundary { pair, boundary: wrong, count: 3 });
+            assert_eq!(
+                two_squares().refused(|p| p.periodic = pairs),
+                MeshError::PairBoundary { pair, boundary: wrong, count: 3 }
+            );
         }
     }
 
     #[test]
     fn a_periodic_pair_with_different_curves_is_refused() {
         let curving = Curving::Wavy { amplitude: 0.02 };
-        let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [1, 1], order: 4, curving, periodic: [false; 2] }.build().unwrap();
+        let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [1, 1], order: 4, curving, periodic: [false; 2] }
+            .build()
+            .unwrap();
         let mut coordinates = mesh.coordinates.clone();
         coordinates[2 * 4] += 1e-3;
         let boundaries = (0..4).map(|face| (face.to_string(), vec![side(0, face)])).collect();
         let periodic = vec![PeriodicPair { minus: 1, plus: 0, translation: [-1.0, 0.0] }];
         let error = Mesh::new(4, mesh.corners.clone(), coordinates, boundaries, periodic).unwrap_err();
-        assert!(matches!(error, MeshError::PeriodicMismatch { distance, .. } if (distance - 1e-3).abs() < 1e-12), "{error}");
+        assert!(
+            matches!(error, MeshError::PeriodicMismatch { distance, .. } if (distance - 1e-3).abs() < 1e-12),
+            "{error}"
+        );
     }
 }

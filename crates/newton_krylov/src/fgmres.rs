@@ -228,7 +228,7 @@ fn orthonormalise(
 ) -> Option<f64> {
     let initial = inner_product.norm(w);
     let mut norm = initial;
-    for _ in 0..3 {
+    for _ in 0..2 {
         let before = norm;
         let minus_h = least_squares.subtract_from_column(|i| inner_product.dot(&v[i], w));
         add_combination(minus_h, v, w);

@@ -48,7 +48,7 @@ pub trait NonlinearProblem {
     /// The inner product of residuals, weighted so that fields compare. It must not change during a solve.
     fn inner_product(&self) -> &dyn InnerProduct;
 
-    /// r := R(z)
+    /// r := R(z), without effect on the point of linearisation.
     ///
     /// # Errors
     /// [`Inadmissible`] if R is not defined at z; `r` then has no meaning.

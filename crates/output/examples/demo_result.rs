@@ -10,21 +10,13 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use output::{
-    ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step,
-    vtk_order,
-};
+use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step, vtk_order};
 use serde_json::{Value, json};
 
 const TIMES: [f64; 4] = [0.0, 0.25, 0.5, 0.8];
 
 /// Reference points in [0, 1]^3 beside the lattice points at which the reader evaluates.
-const INSIDE: [[f64; 3]; 4] = [
-    [0.13, 0.7, 0.4],
-    [0.9, 0.2, 0.55],
-    [0.5, 0.5, 0.5],
-    [0.01, 0.3, 0.98],
-];
+const INSIDE: [[f64; 3]; 4] = [[0.13, 0.7, 0.4], [0.9, 0.2, 0.55], [0.5, 0.5, 0.5], [0.01, 0.3, 0.98]];
 
 /// A box of m^D cells: X in [0, 1]^D is the position at rest, third component 0 in two dimensions.
 struct Demo {
@@ -35,14 +27,7 @@ struct Demo {
 impl Demo {
     fn new(dimension: usize, degree: usize, cells_per_direction: usize) -> Self {
         let cells = cells_per_direction.pow(dimension as u32);
-        Self {
-            grid: Grid {
-                dimension,
-                points_per_direction: degree + 1,
-                cells,
-            },
-            cells_per_direction,
-        }
+        Self { grid: Grid { dimension, points_per_direction: degree + 1, cells }, cells_per_direction }
     }
 
     fn degree(&self) -> usize {
@@ -62,11 +47,7 @@ impl Demo {
 
     /// x(X, t), of degree 3 at most in each direction.
     fn position(&self, [x, y, z]: [f64; 3], t: f64) -> [f64; 3] {
-        [
-            x + 0.1 * t * y.powi(3) + 0.2 * y * y * z,
-            y + 0.1 * (1.0 + t) * x.powi(3),
-            z * (1.0 + 0.3 * t * x * y),
-        ]
+        [x + 0.1 * t * y.powi(3) + 0.2 * y * y * z, y + 0.1 * (1.0 + t) * x.powi(3), z * (1.0 + 0.3 * t * x * y)]
     }
 
     /// A scalar of the full degree.
@@ -90,22 +71,13 @@ impl Demo {
     /// Positions at rest of all lattice points, [cell][point].
     fn all_points(&self) -> Vec<[f64; 3]> {
         let lattice = self.lattice();
-        (0..self.grid.cells)
-            .flat_map(|cell| lattice.iter().map(move |&r| self.rest(cell, r)))
-            .collect()
+        (0..self.grid.cells).flat_map(|cell| lattice.iter().map(move |&r| self.rest(cell, r))).collect()
     }
 
     fn layout(&self) -> Layout {
         let fields = vec![FieldSpec::scalar("density"), FieldSpec::vector("velocity")];
-        let axes = [
-            ("cell", self.grid.cells),
-            ("space node", self.grid.points_per_cell()),
-        ];
-        Layout {
-            grid: self.grid,
-            fields,
-            exact: vec![ArraySpec::new("density", &axes)],
-        }
+        let axes = [("cell", self.grid.cells), ("space node", self.grid.points_per_cell())];
+        Layout { grid: self.grid, fields, exact: vec![ArraySpec::new("density", &axes)] }
     }
 
     fn append(&self, result: &mut ResultFile, t: f64) -> Result<(), Box<dyn Error>> {
@@ -114,12 +86,7 @@ impl Demo {
         let density: Vec<f64> = rest.iter().map(|&x| self.density(x, t)).collect();
         let velocity: Vec<f64> = rest.iter().flat_map(|&x| self.velocity(x, t)).collect();
         let fields: [(&str, &[f64]); 2] = [("velocity", &velocity), ("density", &density)];
-        Ok(result.append(&Step {
-            time: t,
-            points: &points,
-            fields: &fields,
-            exact: &[("density", &density)],
-        })?)
+        Ok(result.append(&Step { time: t, points: &points, fields: &fields, exact: &[("density", &density)] })?)
     }
 
     /// What a reader must find at the lattice points and inside of every cell.
@@ -135,50 +102,34 @@ impl Demo {
             json!({ "cell": cell, "reference": r, "point": self.position(x, t),
                     "fields": { "density": [self.density(x, t)], "velocity": self.velocity(x, t) } })
         };
-        (0..self.grid.cells)
-            .flat_map(|cell| points.iter().map(move |&r| sample(cell, r)))
-            .collect()
+        (0..self.grid.cells).flat_map(|cell| points.iter().map(move |&r| sample(cell, r))).collect()
     }
 
     /// Writes the steps with a checkpoint after every second one, and what is expected.
     fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         let directory = RunDirectory::open(path)?;
-        let metadata = Metadata {
-            creator: "demo_result".to_owned(),
-            case_name: "demo".to_owned(),
-            ..Metadata::default()
-        };
+        let metadata =
+            Metadata { creator: "demo_result".to_owned(), case_name: "demo".to_owned(), ..Metadata::default() };
         let mut result = ResultFile::create(&directory, self.layout(), &metadata)?;
         for pair in TIMES.chunks(2) {
             pair.iter().try_for_each(|&t| self.append(&mut result, t))?;
             result.checkpoint(&SolverState::default())?;
         }
-        Ok(fs::write(
-            path.join("expected.json"),
-            self.expected().to_string(),
-        )?)
+        Ok(fs::write(path.join("expected.json"), self.expected().to_string())?)
     }
 }
 
 /// The numbering of the nodes for every number of points per direction that the program accepts.
 fn node_orders(dimension: usize) -> Vec<Value> {
     let order = |points_per_direction| {
-        let grid = Grid {
-            dimension,
-            points_per_direction,
-            cells: 1,
-        };
+        let grid = Grid { dimension, points_per_direction, cells: 1 };
         json!({ "dimension": dimension, "points_per_direction": points_per_direction, "order": vtk_order(&grid) })
     };
     (2..=17).map(order).collect()
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let directory = PathBuf::from(
-        std::env::args()
-            .nth(1)
-            .ok_or("usage: demo_result DIRECTORY")?,
-    );
+    let directory = PathBuf::from(std::env::args().nth(1).ok_or("usage: demo_result DIRECTORY")?);
     Demo::new(2, 4, 3).write(&directory.join("quadrilaterals"))?;
     Demo::new(3, 3, 2).write(&directory.join("hexahedra"))
 }

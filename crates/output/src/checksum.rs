@@ -28,20 +28,13 @@ impl Checksum {
     /// The checksum with a text: its length, then its bytes, so that neighbouring texts do not run together.
     #[must_use]
     pub fn text(self, text: &str) -> Self {
-        text.bytes()
-            .fold(self.word(text.len() as u64), |sum, byte| {
-                sum.word(u64::from(byte))
-            })
+        text.bytes().fold(self.word(text.len() as u64), |sum, byte| sum.word(u64::from(byte)))
     }
 
     /// The checksum with numbers: their count, then their bits.
     #[must_use]
     pub fn numbers(self, numbers: &[f64]) -> Self {
-        numbers
-            .iter()
-            .fold(self.word(numbers.len() as u64), |sum, number| {
-                sum.word(number.to_bits())
-            })
+        numbers.iter().fold(self.word(numbers.len() as u64), |sum, number| sum.word(number.to_bits()))
     }
 
     /// The value.
@@ -63,10 +56,7 @@ mod tests {
     #[test]
     fn reference_value_of_fnv_1a() {
         // FNV-1a of the single byte "a" as published with the algorithm.
-        assert_eq!(
-            Checksum::default().word(u64::from(b'a')).value(),
-            0xaf63_dc4c_8601_ec8c
-        );
+        assert_eq!(Checksum::default().word(u64::from(b'a')).value(), 0xaf63_dc4c_8601_ec8c);
     }
 
     #[test]
@@ -77,20 +67,13 @@ mod tests {
             for bit in 0..64 {
                 let mut damaged = numbers;
                 damaged[index] = f64::from_bits(numbers[index].to_bits() ^ (1 << bit));
-                assert_ne!(
-                    Checksum::default().numbers(&damaged),
-                    sum,
-                    "number {index}, bit {bit}"
-                );
+                assert_ne!(Checksum::default().numbers(&damaged), sum, "number {index}, bit {bit}");
             }
         }
     }
 
     #[test]
     fn texts_do_not_run_together() {
-        assert_ne!(
-            Checksum::default().text("ab").text("c"),
-            Checksum::default().text("a").text("bc")
-        );
+        assert_ne!(Checksum::default().text("ab").text("c"), Checksum::default().text("a").text("bc"));
     }
 }

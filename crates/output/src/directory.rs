@@ -25,19 +25,10 @@ pub struct LockOwner {
 
 impl LockOwner {
     fn this_process() -> Self {
-        let host = fs::read_to_string("/proc/sys/kernel/hostname")
-            .or_else(|_| fs::read_to_string("/etc/hostname"));
+        let host = fs::read_to_string("/proc/sys/kernel/hostname").or_else(|_| fs::read_to_string("/etc/hostname"));
         Self {
             pid: std::process::id(),
             host: host.map_or_else(|_| "this machine".to_owned(), |name| name.trim().to_owned()),
-            started: seconds_since_1970(),
-        }
-    }
-
-    fn unknown() -> Self {
-        Self {
-            pid: 0,
-            host: String::new(),
             started: seconds_since_1970(),
         }
     }
@@ -46,17 +37,12 @@ impl LockOwner {
 impl fmt::Display for LockOwner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = seconds_since_1970().saturating_sub(self.started);
-        match self.pid {
-            0 => write!(f, "another process"),
-            pid => write!(f, "process {pid} on {}, started {seconds} s ago", self.host),
-        }
+        write!(f, "process {} on {}, started {seconds} s ago", self.pid, self.host)
     }
 }
 
 fn seconds_since_1970() -> u64 {
-    SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs())
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
 /// The output directory of a run, made if need be and locked until this value is dropped.
@@ -78,14 +64,8 @@ impl RunDirectory {
     /// # Errors
     /// [`OutputError::Directory`] if it cannot be made or written, [`OutputError::Busy`] if another run holds it.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let absent = path
-            .ancestors()
-            .filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
-        let mut directory = Self {
-            path: path.to_owned(),
-            made: absent.map(Path::to_owned).collect(),
-            lock: None,
-        };
+        let absent = path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
+        let mut directory = Self { path: path.to_owned(), made: absent.map(Path::to_owned).collect(), lock: None };
         fs::create_dir_all(path).map_err(|source| directory.error(source))?;
         while !directory.try_lock()? {}
         Ok(directory)
@@ -99,13 +79,8 @@ impl RunDirectory {
     /// Takes the lock; false if its last owner removed the file between our opening and locking it.
     fn try_lock(&mut self) -> Result<bool, OutputError> {
         let path = self.path.join(LOCK_FILE);
-        let open = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path);
-        let mut file = open.map_err(|source| self.error(source))?;
+        let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let file = open.map_err(|source| self.error(source))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(self.busy(&path)),
@@ -113,31 +88,23 @@ impl RunDirectory {
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::Error(source)) => return Err(self.error(source)),
         }
-        let owner = serde_json::to_vec(&LockOwner::this_process())
-            .map_err(|error| self.error(error.into()))?;
-        file.set_len(0)
-            .and_then(|()| file.write_all(&owner))
-            .map_err(|source| self.error(source))?;
-        let ours = fs::read(&path).is_ok_and(|found| found == owner);
-        self.lock = ours.then_some(file);
+        // From here on the file is ours to remove, also if its disk is full.
+        let file = self.lock.insert(file);
+        let owner = format!("{}\n", serde_json::json!(LockOwner::this_process()));
+        let written = file.set_len(0).and_then(|()| file.write_all(owner.as_bytes()));
+        written.map_err(|source| self.error(source))?;
+        let ours = fs::read_to_string(&path).is_ok_and(|found| found == owner);
+        self.lock = self.lock.take().filter(|_| ours);
         Ok(ours)
     }
 
     fn busy(&self, lock: &Path) -> OutputError {
-        let owner = fs::read(lock)
-            .ok()
-            .and_then(|bytes| serde_json::from_slice(&bytes).ok());
-        OutputError::Busy {
-            path: self.path.clone(),
-            owner: owner.unwrap_or_else(LockOwner::unknown),
-        }
+        let owner = fs::read(lock).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        OutputError::Busy { path: self.path.clone(), owner }
     }
 
     fn error(&self, source: io::Error) -> OutputError {
-        OutputError::Directory {
-            path: self.path.clone(),
-            source,
-        }
+        OutputError::Directory { path: self.path.clone(), source }
     }
 }
 

@@ -10,9 +10,7 @@ use crate::directory::LockOwner;
 #[non_exhaustive]
 pub enum OutputError {
     /// The output directory cannot be made or written. Found before any work; nothing is left behind.
-    #[error(
-        "cannot write into the output directory `{path}`: {source}; choose another one or make it writable"
-    )]
+    #[error("cannot write into the output directory `{path}`: {source}; choose another one or make it writable")]
     Directory {
         /// The directory asked for.
         path: PathBuf,
@@ -20,27 +18,21 @@ pub enum OutputError {
         source: io::Error,
     },
     /// Another process runs in the output directory.
-    #[error(
-        "the output directory `{path}` is in use by {owner}; stop it or choose another directory"
-    )]
+    #[error("the output directory `{path}` is in use by {}; stop it or choose another directory", who(.owner))]
     Busy {
         /// The directory asked for.
         path: PathBuf,
-        /// Who holds it.
-        owner: LockOwner,
+        /// Who holds it; absent if it has not told yet.
+        owner: Option<LockOwner>,
     },
     /// There is nothing to resume from.
-    #[error(
-        "`{path}` does not exist, so there is no checkpoint to resume from; start without resuming"
-    )]
+    #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
     NoCheckpoint {
         /// The result file looked for.
         path: PathBuf,
     },
     /// A result file is torn: truncated, overwritten, or not a result file at all.
-    #[error(
-        "`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming"
-    )]
+    #[error("`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming")]
     Damaged {
         /// The file read.
         path: PathBuf,
@@ -104,4 +96,8 @@ pub enum OutputError {
         /// What the system said.
         source: io::Error,
     },
+}
+
+fn who(owner: &Option<LockOwner>) -> String {
+    owner.as_ref().map_or_else(|| "another process".to_owned(), LockOwner::to_string)
 }

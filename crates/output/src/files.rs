@@ -19,12 +19,7 @@ pub(crate) fn publish(partial: &Path, path: &Path) -> Result<(), OutputError> {
         File::open(partial)?.sync_all()?;
         fs::rename(partial, path)?;
         // The new name is safe once the directory is on the disk too.
-        File::open(
-            path.parent()
-                .filter(|parent| !parent.as_os_str().is_empty())
-                .unwrap_or(Path::new(".")),
-        )?
-        .sync_all()
+        File::open(path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")))?.sync_all()
     };
     replace().map_err(|source| file_error(path, source))
 }
@@ -42,10 +37,7 @@ pub fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), OutputError>
 }
 
 pub(crate) fn file_error(path: &Path, source: io::Error) -> OutputError {
-    OutputError::File {
-        path: path.to_owned(),
-        source,
-    }
+    OutputError::File { path: path.to_owned(), source }
 }
 
 #[cfg(test)]
@@ -60,11 +52,7 @@ mod tests {
         write_atomically(&path, b"first, longer").unwrap();
         write_atomically(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
-        assert_eq!(
-            fs::read_dir(directory.path()).unwrap().count(),
-            1,
-            "no partial file is left"
-        );
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1, "no partial file is left");
     }
 
     #[test]

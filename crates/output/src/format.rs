@@ -3,8 +3,8 @@
 use hdf5::{Group, Result};
 
 use crate::hdf::{
-    append, constant, growing, read_integer, read_labels, read_length, read_text, write_integer,
-    write_labels, write_text,
+    append, constant, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels,
+    write_text,
 };
 use crate::layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
 
@@ -44,9 +44,8 @@ pub(crate) fn create(group: &Group, layout: &Layout, metadata: &Metadata) -> Res
     let exact = group.create_group("exact")?;
     for array in &layout.exact {
         let row: Vec<usize> = array.axes.iter().map(|axis| axis.length).collect();
-        let labels: Vec<&str> = std::iter::once(STEP_LABEL)
-            .chain(array.axes.iter().map(|axis| axis.label.as_str()))
-            .collect();
+        let labels: Vec<&str> =
+            std::iter::once(STEP_LABEL).chain(array.axes.iter().map(|axis| axis.label.as_str())).collect();
         write_labels(&growing::<f64>(&exact, &array.name, 1, &row)?, &labels)?;
     }
     Ok(())
@@ -82,11 +81,7 @@ pub(crate) fn read_version(group: &Group) -> Result<i64> {
 
 fn write_grid(group: &Group, grid: &Grid) -> Result<()> {
     write_integer(group, "dimension", grid.dimension as i64)?;
-    write_integer(
-        group,
-        "points_per_direction",
-        grid.points_per_direction as i64,
-    )?;
+    write_integer(group, "points_per_direction", grid.points_per_direction as i64)?;
     write_integer(group, "cells", grid.cells as i64)
 }
 
@@ -102,36 +97,20 @@ fn read_grid(group: &Group) -> Result<Grid> {
 pub(crate) fn read_layout(group: &Group, vtkhdf: &Group) -> Result<Layout> {
     let (point_data, exact) = (vtkhdf.group("PointData")?, group.group("exact")?);
     let field = |name: String| {
-        let components = point_data
-            .dataset(&name)?
-            .shape()
-            .get(1)
-            .copied()
-            .unwrap_or(1);
+        let components = point_data.dataset(&name)?.shape().get(1).copied().unwrap_or(1);
         Ok(FieldSpec { name, components })
     };
     Ok(Layout {
         grid: read_grid(group)?,
-        fields: point_data
-            .member_names()?
-            .into_iter()
-            .map(field)
-            .collect::<Result<_>>()?,
-        exact: exact
-            .member_names()?
-            .into_iter()
-            .map(|name| read_array(&exact, name))
-            .collect::<Result<_>>()?,
+        fields: point_data.member_names()?.into_iter().map(field).collect::<Result<_>>()?,
+        exact: exact.member_names()?.into_iter().map(|name| read_array(&exact, name)).collect::<Result<_>>()?,
     })
 }
 
 fn read_array(exact: &Group, name: String) -> Result<ArraySpec> {
     let dataset = exact.dataset(&name)?;
     let axes = read_labels(&dataset)?.into_iter().zip(dataset.shape());
-    let axes = axes
-        .skip(1)
-        .map(|(label, length)| Axis { label, length })
-        .collect();
+    let axes = axes.skip(1).map(|(label, length)| Axis { label, length }).collect();
     Ok(ArraySpec { name, axes })
 }
 

@@ -2,8 +2,7 @@
 
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{
-    Dataset, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result,
-    SimpleExtents, SliceOrIndex,
+    Dataset, Error, Extent, File, FileBuilder, Group, H5Type, Hyperslab, Location, Result, SimpleExtents, SliceOrIndex,
 };
 use ndarray::ArrayViewD;
 
@@ -17,7 +16,7 @@ const SMALL_STEP_BYTES: usize = 1 << 12;
 /// core; level 4 gains one per cent more.
 const DEFLATE_LEVEL: u8 = 1;
 
-/// Files in the format of HDF5 1.10, whichever library writes them: the same file on every machine.
+/// Files in the format of HDF5 1.10, whichever library writes them: every reader of that or a later version opens them.
 pub(crate) fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|access| access.libver_v110());
@@ -25,37 +24,18 @@ pub(crate) fn options() -> FileBuilder {
 }
 
 /// Creates an array of shape (0, `row`...) that grows along axis 0 by `rows` at each step.
-pub(crate) fn growing<T: H5Type>(
-    group: &Group,
-    name: &str,
-    rows: usize,
-    row: &[usize],
-) -> Result<Dataset> {
+pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
     let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
-    let builder = group
-        .new_dataset::<T>()
-        .obj_track_times(false)
-        .chunk(chunk(rows, row, bytes));
-    let builder = if bytes < SMALL_STEP_BYTES {
-        builder
-    } else {
-        builder.shuffle().deflate(DEFLATE_LEVEL)
-    };
+    let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));
+    let builder = if bytes < SMALL_STEP_BYTES { builder } else { builder.shuffle().deflate(DEFLATE_LEVEL) };
     let axes = row.iter().map(|&length| Extent::fixed(length));
-    builder
-        .shape(SimpleExtents::from_vec(
-            std::iter::once(Extent::resizable(0)).chain(axes).collect(),
-        ))
-        .create(name)
+    builder.shape(SimpleExtents::from_vec(std::iter::once(Extent::resizable(0)).chain(axes).collect())).create(name)
 }
 
 /// Shape of a chunk: many small steps, or equal parts of one step of `bytes` bytes, cut along its slowest axis.
 fn chunk(rows: usize, row: &[usize], bytes: usize) -> Vec<usize> {
     let parts = bytes.div_ceil(CHUNK_BYTES).max(1);
-    let mut chunk: Vec<usize> = std::iter::once(rows)
-        .chain(row.iter().copied())
-        .map(|length| length.max(1))
-        .collect();
+    let mut chunk: Vec<usize> = std::iter::once(rows).chain(row.iter().copied()).map(|length| length.max(1)).collect();
     if bytes < SMALL_STEP_BYTES {
         chunk[0] *= SMALL_STEP_BYTES / bytes.max(8);
     } else {
@@ -72,47 +52,27 @@ pub(crate) fn append<T: H5Type>(dataset: &Dataset, rows: usize, values: &[T]) ->
     shape[0] += rows;
     dataset.resize(&shape)?;
     let whole = std::iter::repeat_n(SliceOrIndex::from(..), shape.len() - 1);
-    let selection: Vec<_> = std::iter::once(SliceOrIndex::from(first..first + rows))
-        .chain(whole)
-        .collect();
+    let selection: Vec<_> = std::iter::once(SliceOrIndex::from(first..first + rows)).chain(whole).collect();
     shape[0] = rows;
-    dataset.write_slice(
-        ArrayViewD::from_shape(shape, values)?,
-        Hyperslab::from(selection),
-    )
+    dataset.write_slice(ArrayViewD::from_shape(shape, values)?, Hyperslab::from(selection))
 }
 
 /// Writes an array that does not grow.
 pub(crate) fn constant<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Result<()> {
-    group
-        .new_dataset_builder()
-        .obj_track_times(false)
-        .with_data(values)
-        .create(name)
-        .map(drop)
+    group.new_dataset_builder().obj_track_times(false).with_data(values).create(name).map(drop)
 }
 
 /// Writes an array of indices that does not grow; they follow a pattern and nearly vanish when compressed.
 pub(crate) fn indices(group: &Group, name: &str, values: &[i64]) -> Result<()> {
-    let builder = group
-        .new_dataset_builder()
-        .obj_track_times(false)
-        .shuffle()
-        .deflate(DEFLATE_LEVEL);
+    let builder = group.new_dataset_builder().obj_track_times(false).shuffle().deflate(DEFLATE_LEVEL);
     builder.with_data(values).create(name).map(drop)
 }
 
 /// Writes a text as an attribute.
 pub(crate) fn write_text(location: &Location, name: &str, text: &str) -> Result<()> {
-    let value: VarLenUnicode = text.parse().map_err(|_| {
-        Error::from(format!(
-            "`{name}` contains a zero byte, which HDF5 cannot store"
-        ))
-    })?;
-    location
-        .new_attr::<VarLenUnicode>()
-        .create(name)?
-        .write_scalar(&value)
+    let value: VarLenUnicode =
+        text.parse().map_err(|_| Error::from(format!("`{name}` contains a zero byte, which HDF5 cannot store")))?;
+    location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&value)
 }
 
 /// Reads a text from an attribute.
@@ -120,16 +80,12 @@ pub(crate) fn read_text(location: &Location, name: &str) -> Result<String> {
     let value: VarLenUnicode = location.attr(name)?.read_scalar()?;
     // `as_str` would take for granted that the bytes are UTF-8.
     let text = std::str::from_utf8(value.as_bytes());
-    text.map(str::to_owned)
-        .map_err(|_| Error::from(format!("`{name}` is not a UTF-8 text")))
+    text.map(str::to_owned).map_err(|_| Error::from(format!("`{name}` is not a UTF-8 text")))
 }
 
 /// Writes an integer as an attribute.
 pub(crate) fn write_integer(location: &Location, name: &str, value: i64) -> Result<()> {
-    location
-        .new_attr::<i64>()
-        .create(name)?
-        .write_scalar(&value)
+    location.new_attr::<i64>().create(name)?.write_scalar(&value)
 }
 
 /// Reads an integer from an attribute.
@@ -140,28 +96,18 @@ pub(crate) fn read_integer(location: &Location, name: &str) -> Result<i64> {
 /// Reads a length, which is an integer that is not negative.
 pub(crate) fn read_length(location: &Location, name: &str) -> Result<usize> {
     let value = read_integer(location, name)?;
-    usize::try_from(value)
-        .map_err(|_| Error::from(format!("`{name}` is {value}, a length was expected")))
+    usize::try_from(value).map_err(|_| Error::from(format!("`{name}` is {value}, a length was expected")))
 }
 
-/// Labels the axes of an array, slowest first, as HDF5's dimension scales do (`H5DSset_label`).
+/// Labels the axes of an array in ASCII, slowest first, as HDF5's dimension scales do (`H5DSset_label`).
 pub(crate) fn write_labels(dataset: &Dataset, labels: &[&str]) -> Result<()> {
-    let ascii = |label: &&str| {
-        VarLenAscii::from_ascii(label).map_err(|error| Error::from(error.to_string()))
-    };
+    let ascii = |label: &&str| VarLenAscii::from_ascii(label).map_err(|error| Error::from(error.to_string()));
     let labels = labels.iter().map(ascii).collect::<Result<Vec<_>>>()?;
-    dataset
-        .new_attr_builder()
-        .with_data(&labels)
-        .create("DIMENSION_LABELS")
-        .map(drop)
+    dataset.new_attr_builder().with_data(&labels).create("DIMENSION_LABELS").map(drop)
 }
 
 /// Reads the labels of the axes of an array, slowest first.
 pub(crate) fn read_labels(dataset: &Dataset) -> Result<Vec<String>> {
     let labels: Vec<VarLenAscii> = dataset.attr("DIMENSION_LABELS")?.read_raw()?;
-    Ok(labels
-        .iter()
-        .map(|label| String::from_utf8_lossy(label.as_bytes()).into_owned())
-        .collect())
+    Ok(labels.iter().map(|label| String::from_utf8_lossy(label.as_bytes()).into_owned()).collect())
 }

@@ -27,30 +27,16 @@ impl History {
     ///
     /// # Errors
     /// [`OutputError::Length`] if `rows` does not consist of whole rows, [`OutputError::File`] if the system refuses.
-    pub fn create(
-        directory: &RunDirectory,
-        columns: &[String],
-        rows: &[f64],
-    ) -> Result<Self, OutputError> {
+    pub fn create(directory: &RunDirectory, columns: &[String], rows: &[f64]) -> Result<Self, OutputError> {
         let whole = rows.len() - rows.len() % columns.len().max(1);
         check_length("rows of the history", rows.len(), whole)?;
         let path = directory.path().join(HISTORY_FILE);
         let header = line(columns.iter().map(|name| quoted(name)));
-        let body = rows
-            .chunks_exact(columns.len().max(1))
-            .map(|row| line(row.iter().copied().map(number)));
+        let body = rows.chunks_exact(columns.len().max(1)).map(|row| line(row.iter().copied().map(number)));
         let text: String = std::iter::once(header).chain(body).collect();
         write_atomically(&path, text.as_bytes())?;
-        let file = OpenOptions::new()
-            .append(true)
-            .open(&path)
-            .map_err(|source| file_error(&path, source))?;
-        Ok(Self {
-            path,
-            file,
-            columns: columns.len(),
-            rows: rows.to_vec(),
-        })
+        let file = OpenOptions::new().append(true).open(&path).map_err(|source| file_error(&path, source))?;
+        Ok(Self { path, file, columns: columns.len(), rows: rows.to_vec() })
     }
 
     /// Writes one row.
@@ -61,9 +47,7 @@ impl History {
         check_length("row of the history", row.len(), self.columns)?;
         let text = line(row.iter().copied().map(number));
         // One write per row: a reader sees whole rows, and a killed run loses none.
-        self.file
-            .write_all(text.as_bytes())
-            .map_err(|source| file_error(&self.path, source))?;
+        self.file.write_all(text.as_bytes()).map_err(|source| file_error(&self.path, source))?;
         self.rows.extend_from_slice(row);
         Ok(())
     }
@@ -80,15 +64,7 @@ impl History {
 }
 
 fn check_length(name: &str, found: usize, expected: usize) -> Result<(), OutputError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(OutputError::Length {
-            name: name.to_owned(),
-            expected,
-            found,
-        })
-    }
+    if found == expected { Ok(()) } else { Err(OutputError::Length { name: name.to_owned(), expected, found }) }
 }
 
 fn line(cells: impl Iterator<Item = String>) -> String {
@@ -97,20 +73,12 @@ fn line(cells: impl Iterator<Item = String>) -> String {
 
 /// The shortest decimal that reads back as the same number; whole numbers without a fraction.
 fn number(value: f64) -> String {
-    if value.fract() == 0.0 && value.abs() < 1e15 {
-        format!("{value}")
-    } else {
-        format!("{value:?}")
-    }
+    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value}") } else { format!("{value:?}") }
 }
 
 /// A name as a CSV cell (RFC 4180).
 fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", name.replace('"', "\"\""))
-    } else {
-        name.to_owned()
-    }
+    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
 #[cfg(test)]
@@ -120,40 +88,18 @@ mod tests {
     use std::fs;
 
     fn columns() -> Vec<String> {
-        ["t", "newton", "drag, \"left\" wall"]
-            .map(str::to_owned)
-            .to_vec()
+        ["t", "newton", "drag, \"left\" wall"].map(str::to_owned).to_vec()
     }
 
     fn row(slab: usize) -> [f64; 3] {
-        [
-            0.1 * slab as f64,
-            slab as f64,
-            (-1.0_f64).powi(slab as i32) * 1e-17 / 3.0,
-        ]
+        [0.1 * slab as f64, slab as f64, (-1.0_f64).powi(slab as i32) * 1e-17 / 3.0]
     }
 
     #[test]
     fn numbers_are_short_and_read_back_bit_by_bit() {
-        assert_eq!(
-            [0.1 + 0.2, 3.0, 1e-7, -1e300].map(number),
-            ["0.30000000000000004", "3", "1e-7", "-1e300"]
-        );
-        for value in [
-            1.0 / 3.0,
-            f64::MIN_POSITIVE,
-            5e-324,
-            1e15,
-            1e15 - 1.0,
-            123_456.75,
-            -0.0,
-            f64::INFINITY,
-        ] {
-            assert_eq!(
-                number(value).parse::<f64>().unwrap().to_bits(),
-                value.to_bits(),
-                "{value:?}"
-            );
+        assert_eq!([0.1 + 0.2, 3.0, 1e-7, -1e300].map(number), ["0.30000000000000004", "3", "1e-7", "-1e300"]);
+        for value in [1.0 / 3.0, f64::MIN_POSITIVE, 5e-324, 1e15, 1e15 - 1.0, 123_456.75, -0.0, f64::INFINITY] {
+            assert_eq!(number(value).parse::<f64>().unwrap().to_bits(), value.to_bits(), "{value:?}");
         }
         assert_eq!(number(f64::NAN), "NaN");
     }
@@ -163,16 +109,9 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let run = RunDirectory::open(directory.path()).unwrap();
         let mut history = History::create(&run, &columns(), &[]).unwrap();
-        assert_eq!(
-            fs::read_to_string(history.path()).unwrap(),
-            "t,newton,\"drag, \"\"left\"\" wall\"\n"
-        );
+        assert_eq!(fs::read_to_string(history.path()).unwrap(), "t,newton,\"drag, \"\"left\"\" wall\"\n");
         history.push(&[0.5, 3.0, -2.25]).unwrap();
-        assert!(
-            fs::read_to_string(history.path())
-                .unwrap()
-                .ends_with("\n0.5,3,-2.25\n")
-        );
+        assert!(fs::read_to_string(history.path()).unwrap().ends_with("\n0.5,3,-2.25\n"));
     }
 
     #[test]
@@ -192,10 +131,7 @@ mod tests {
         let mut second = History::create(&again, &columns(), &checkpoint).unwrap();
         (3..6).for_each(|slab| second.push(&row(slab)).unwrap());
         assert_eq!(second.rows(), history.rows());
-        assert_eq!(
-            fs::read(second.path()).unwrap(),
-            fs::read(history.path()).unwrap()
-        );
+        assert_eq!(fs::read(second.path()).unwrap(), fs::read(history.path()).unwrap());
     }
 
     #[test]
@@ -203,31 +139,8 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let run = RunDirectory::open(directory.path()).unwrap();
         let error = History::create(&run, &columns(), &[1.0; 4]).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                OutputError::Length {
-                    expected: 3,
-                    found: 4,
-                    ..
-                }
-            ),
-            "{error:?}"
-        );
-        let error = History::create(&run, &columns(), &[])
-            .unwrap()
-            .push(&[1.0])
-            .unwrap_err();
-        assert!(
-            matches!(
-                error,
-                OutputError::Length {
-                    expected: 3,
-                    found: 1,
-                    ..
-                }
-            ),
-            "{error:?}"
-        );
+        assert!(matches!(error, OutputError::Length { expected: 3, found: 4, .. }), "{error:?}");
+        let error = History::create(&run, &columns(), &[]).unwrap().push(&[1.0]).unwrap_err();
+        assert!(matches!(error, OutputError::Length { expected: 3, found: 1, .. }), "{error:?}");
     }
 }

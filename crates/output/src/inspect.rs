@@ -79,11 +79,7 @@ fn read(file: &hdf5::File) -> hdf5::Result<ResultInfo> {
 impl From<state::SolverState> for CheckpointInfo {
     fn from(state: state::SolverState) -> Self {
         Self {
-            arrays: state
-                .arrays
-                .into_iter()
-                .map(|(name, values)| (name, values.len()))
-                .collect(),
+            arrays: state.arrays.into_iter().map(|(name, values)| (name, values.len())).collect(),
             integers: state.integers.into_iter().collect(),
             texts: state.texts.into_iter().collect(),
         }

@@ -11,16 +11,12 @@ use crate::layout::Grid;
 pub fn vtk_order(grid: &Grid) -> Vec<usize> {
     let n = grid.points_per_direction;
     let lattice = |q: usize| [q % n, q / n % n, q / (n * n)];
-    (0..grid.points_per_cell())
-        .map(|q| vtk_node(grid.dimension, n, lattice(q)))
-        .collect()
+    (0..grid.points_per_cell()).map(|q| vtk_node(grid.dimension, n, lattice(q))).collect()
 }
 
 /// VTK's number of the lattice point (i, j, k), each in 0..`points_per_direction`; k is 0 in two dimensions.
 pub fn vtk_node(dimension: usize, points_per_direction: usize, [i, j, k]: [usize; 3]) -> usize {
-    let lattice = Lattice {
-        last: points_per_direction - 1,
-    };
+    let lattice = Lattice { last: points_per_direction - 1 };
     match dimension {
         2 => lattice.quadrilateral(i, j),
         _ => lattice.hexahedron(i, j, k),
@@ -73,9 +69,7 @@ impl Lattice {
         match (self.is_end(i), self.is_end(j), self.is_end(k)) {
             (true, true, true) => corner(i, j) + if k > 0 { 4 } else { 0 },
             (true, true, false) => edges + 8 * n + n * corner(i, j) + (k - 1),
-            (_, _, true) if self.is_end(i) || self.is_end(j) => {
-                edges + self.edge(i, j) + if k > 0 { 4 * n } else { 0 }
-            }
+            (_, _, true) if self.is_end(i) || self.is_end(j) => edges + self.edge(i, j) + if k > 0 { 4 * n } else { 0 },
             (true, false, false) => face(0, i, j, k),
             (false, true, false) => face(1, j, i, k),
             (false, false, true) => face(2, k, i, j),
@@ -102,11 +96,7 @@ mod tests {
     fn every_node_is_numbered_once() {
         for dimension in [2, 3] {
             for points_per_direction in 2..=17 {
-                let grid = Grid {
-                    dimension,
-                    points_per_direction,
-                    cells: 1,
-                };
+                let grid = Grid { dimension, points_per_direction, cells: 1 };
                 let mut order = vtk_order(&grid);
                 order.sort_unstable();
                 assert!(order.into_iter().eq(0..grid.points_per_cell()), "{grid:?}");
@@ -116,21 +106,13 @@ mod tests {
 
     #[test]
     fn a_biquadratic_quadrilateral_is_numbered_like_the_nine_node_element() {
-        let grid = Grid {
-            dimension: 2,
-            points_per_direction: 3,
-            cells: 1,
-        };
+        let grid = Grid { dimension: 2, points_per_direction: 3, cells: 1 };
         assert_eq!(vtk_order(&grid), [0, 4, 1, 7, 8, 5, 3, 6, 2]);
     }
 
     #[test]
     fn a_triquadratic_hexahedron_has_its_bottom_top_and_middle_layer() {
-        let grid = Grid {
-            dimension: 3,
-            points_per_direction: 3,
-            cells: 1,
-        };
+        let grid = Grid { dimension: 3, points_per_direction: 3, cells: 1 };
         let bottom = [0, 8, 1, 11, 24, 9, 3, 10, 2];
         let middle = [16, 22, 17, 20, 26, 21, 19, 23, 18];
         let top = [4, 12, 5, 15, 25, 13, 7, 14, 6];

@@ -37,18 +37,12 @@ pub struct FieldSpec {
 impl FieldSpec {
     /// A field with one value per point.
     pub fn scalar(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            components: 1,
-        }
+        Self { name: name.to_owned(), components: 1 }
     }
 
     /// A field with three values per point.
     pub fn vector(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            components: 3,
-        }
+        Self { name: name.to_owned(), components: 3 }
     }
 }
 
@@ -73,14 +67,8 @@ pub struct ArraySpec {
 impl ArraySpec {
     /// An array with labelled axes, slowest first: `ArraySpec::new("flow", &[("cell", 16), ("time node", 2)])`.
     pub fn new(name: &str, axes: &[(&str, usize)]) -> Self {
-        let axis = |&(label, length): &(&str, usize)| Axis {
-            label: label.to_owned(),
-            length,
-        };
-        Self {
-            name: name.to_owned(),
-            axes: axes.iter().map(axis).collect(),
-        }
+        let axis = |&(label, length): &(&str, usize)| Axis { label: label.to_owned(), length };
+        Self { name: name.to_owned(), axes: axes.iter().map(axis).collect() }
     }
 
     /// Number of values in one step.

@@ -23,9 +23,10 @@ pub const RESULT_FILE: &str = "result.vtkhdf";
 pub struct Step<'a> {
     /// Time.
     pub time: f64,
-    /// Points, [cell][lattice point, lexicographic][3].
+    /// Points, `[cell][lattice point, lexicographic][3]`.
     pub points: &'a [f64],
-    /// Every field of the layout, in any order: its name and [cell][lattice point, lexicographic][component].
+    /// Every field of the layout, in any order: its name and
+    /// `[cell][lattice point, lexicographic][component]`.
     pub fields: &'a [(&'a str, &'a [f64])],
     /// Every array of coefficients of the layout, in any order: its name and its values, last axis fastest.
     pub exact: &'a [(&'a str, &'a [f64])],
@@ -57,11 +58,7 @@ impl ResultFile {
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] if the file cannot be written.
-    pub fn create(
-        directory: &RunDirectory,
-        layout: Layout,
-        metadata: &Metadata,
-    ) -> Result<Self, OutputError> {
+    pub fn create(directory: &RunDirectory, layout: Layout, metadata: &Metadata) -> Result<Self, OutputError> {
         let mut result = Self::new(directory, layout);
         let create = || {
             let file = hdf::options().create(&result.working)?;
@@ -78,18 +75,11 @@ impl ResultFile {
     ///
     /// # Errors
     /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`] or [`OutputError::OtherCase`].
-    pub fn resume(
-        directory: &RunDirectory,
-        case: &str,
-    ) -> Result<(Self, SolverState, Metadata), OutputError> {
+    pub fn resume(directory: &RunDirectory, case: &str) -> Result<(Self, SolverState, Metadata), OutputError> {
         let path = directory.path().join(RESULT_FILE);
         let (metadata, state, layout) = read(&path)?;
         if metadata.case_fingerprint != case {
-            return Err(OutputError::OtherCase {
-                path,
-                expected: case.to_owned(),
-                found: metadata.case_fingerprint,
-            });
+            return Err(OutputError::OtherCase { path, expected: case.to_owned(), found: metadata.case_fingerprint });
         }
         Ok((Self::new(directory, layout), state, metadata))
     }
@@ -97,13 +87,7 @@ impl ResultFile {
     fn new(directory: &RunDirectory, layout: Layout) -> Self {
         let published = directory.path().join(RESULT_FILE);
         let (working, order) = (partial(&published), vtk_order(&layout.grid));
-        Self {
-            published,
-            working,
-            layout,
-            order,
-            copy: WorkingCopy::None,
-        }
+        Self { published, working, layout, order, copy: WorkingCopy::None }
     }
 
     /// Path of the published file.
@@ -124,43 +108,23 @@ impl ResultFile {
     pub fn append(&mut self, step: &Step) -> Result<(), OutputError> {
         let (fields, exact) = self.in_layout_order(step)?;
         let file = self.take_working_copy()?;
-        self.write_step(&file, step, &fields, &exact)
-            .map_err(|source| self.write_error(source))?;
+        self.write_step(&file, step, &fields, &exact).map_err(|source| self.write_error(source))?;
         self.copy = WorkingCopy::Open(file);
         Ok(())
     }
 
     /// Fields and coefficients of a step in the order of the layout, all lengths checked.
-    fn in_layout_order<'a>(
-        &self,
-        step: &Step<'a>,
-    ) -> Result<(Values<'a>, Values<'a>), OutputError> {
+    fn in_layout_order<'a>(&self, step: &Step<'a>) -> Result<(Values<'a>, Values<'a>), OutputError> {
         let points = self.layout.grid.points();
         checked("points", step.points, 3 * points)?;
         let field = |field: &FieldSpec| find(step.fields, &field.name, field.components * points);
         let array = |array: &ArraySpec| find(step.exact, &array.name, array.len());
-        let fields = self
-            .layout
-            .fields
-            .iter()
-            .map(field)
-            .collect::<Result<_, _>>()?;
-        let exact = self
-            .layout
-            .exact
-            .iter()
-            .map(array)
-            .collect::<Result<_, _>>()?;
+        let fields = self.layout.fields.iter().map(field).collect::<Result<_, _>>()?;
+        let exact = self.layout.exact.iter().map(array).collect::<Result<_, _>>()?;
         Ok((fields, exact))
     }
 
-    fn write_step(
-        &self,
-        file: &File,
-        step: &Step,
-        fields: &[&[f64]],
-        exact: &[&[f64]],
-    ) -> hdf5::Result<()> {
+    fn write_step(&self, file: &File, step: &Step, fields: &[&[f64]], exact: &[&[f64]]) -> hdf5::Result<()> {
         let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
         vtkhdf::append_points(&root, &self.to_vtk(step.points, 3))?;
         for (field, values) in self.layout.fields.iter().zip(fields) {
@@ -172,14 +136,11 @@ impl ResultFile {
         vtkhdf::close_step(&root, step.time, &self.layout)
     }
 
-    /// Values in VTK's order of the points of each cell: from and to [cell][point][component].
+    /// Values in VTK's order of the points of each cell: from and to `[cell][point][component]`.
     fn to_vtk(&self, lexicographic: &[f64], components: usize) -> Vec<f64> {
         let mut values = vec![0.0; lexicographic.len()];
         let cell = self.order.len() * components;
-        for (from, to) in lexicographic
-            .chunks_exact(cell)
-            .zip(values.chunks_exact_mut(cell))
-        {
+        for (from, to) in lexicographic.chunks_exact(cell).zip(values.chunks_exact_mut(cell)) {
             for (point, &vtk) in from.chunks_exact(components).zip(&self.order) {
                 to[vtk * components..][..components].copy_from_slice(point);
             }
@@ -211,24 +172,16 @@ impl ResultFile {
     fn take_working_copy(&mut self) -> Result<File, OutputError> {
         match mem::replace(&mut self.copy, WorkingCopy::Failed) {
             WorkingCopy::Open(file) => Ok(file),
-            WorkingCopy::Failed => {
-                Err(self.write_error("an earlier step or checkpoint could not be written".into()))
-            }
+            WorkingCopy::Failed => Err(self.write_error("an earlier step or checkpoint could not be written".into())),
             WorkingCopy::None => {
-                fs::copy(&self.published, &self.working)
-                    .map_err(|source| file_error(&self.working, source))?;
-                hdf::options()
-                    .open_rw(&self.working)
-                    .map_err(|source| self.write_error(source))
+                fs::copy(&self.published, &self.working).map_err(|source| file_error(&self.working, source))?;
+                hdf::options().open_rw(&self.working).map_err(|source| self.write_error(source))
             }
         }
     }
 
     fn write_error(&self, source: hdf5::Error) -> OutputError {
-        OutputError::Hdf5 {
-            path: self.working.clone(),
-            source,
-        }
+        OutputError::Hdf5 { path: self.working.clone(), source }
     }
 }
 
@@ -245,27 +198,17 @@ impl Drop for ResultFile {
 /// Arrays of values in the order of the layout.
 type Values<'a> = Vec<&'a [f64]>;
 
-fn find<'a>(
-    arrays: &[(&str, &'a [f64])],
-    name: &str,
-    length: usize,
-) -> Result<&'a [f64], OutputError> {
+fn find<'a>(arrays: &[(&str, &'a [f64])], name: &str, length: usize) -> Result<&'a [f64], OutputError> {
     match arrays.iter().find(|array| array.0 == name) {
         Some(&(_, values)) => checked(name, values, length),
-        None => Err(OutputError::Absent {
-            name: name.to_owned(),
-        }),
+        None => Err(OutputError::Absent { name: name.to_owned() }),
     }
 }
 
 fn checked<'a>(name: &str, values: &'a [f64], expected: usize) -> Result<&'a [f64], OutputError> {
     match values.len() {
         found if found == expected => Ok(values),
-        found => Err(OutputError::Length {
-            name: name.to_owned(),
-            expected,
-            found,
-        }),
+        found => Err(OutputError::Length { name: name.to_owned(), expected, found }),
     }
 }
 
@@ -292,30 +235,17 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
 /// damaged bytes and is not asked to judge them.
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
-        return Err(OutputError::NoCheckpoint {
-            path: path.to_owned(),
-        });
+        return Err(OutputError::NoCheckpoint { path: path.to_owned() });
     }
     seal::verify(path)?;
-    let file = hdf::options()
-        .open(path)
-        .map_err(|error| damaged(path, &error))?;
-    let version = file
-        .group(format::GROUP)
-        .and_then(|group| format::read_version(&group));
+    let file = hdf::options().open(path).map_err(|error| damaged(path, &error))?;
+    let version = file.group(format::GROUP).and_then(|group| format::read_version(&group));
     match version.map_err(|error| damaged(path, &error))? {
         FORMAT_VERSION => Ok(file),
-        found => Err(OutputError::Version {
-            path: path.to_owned(),
-            found,
-            supported: FORMAT_VERSION,
-        }),
+        found => Err(OutputError::Version { path: path.to_owned(), found, supported: FORMAT_VERSION }),
     }
 }
 
 pub(crate) fn damaged(path: &Path, error: &hdf5::Error) -> OutputError {
-    OutputError::Damaged {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    }
+    OutputError::Damaged { path: path.to_owned(), reason: error.to_string() }
 }

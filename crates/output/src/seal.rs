@@ -30,10 +30,7 @@ pub(crate) fn write(path: &Path) -> Result<(), OutputError> {
 
 /// Compares a file with its seal.
 pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
-    let damaged = |reason: &str| OutputError::Damaged {
-        path: path.to_owned(),
-        reason: reason.to_owned(),
-    };
+    let damaged = |reason: &str| OutputError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
     let read = || {
         let mut file = File::open(path)?;
         let Some(length) = file.metadata()?.len().checked_sub(LENGTH as u64) else {
@@ -46,9 +43,7 @@ pub(crate) fn verify(path: &Path) -> Result<(), OutputError> {
     };
     match read().map_err(|source: io::Error| file_error(path, source))? {
         Some((expected, found)) if found == expected => Ok(()),
-        Some((_, found)) if found.starts_with(NAME) => {
-            Err(damaged("its contents do not match its checksum"))
-        }
+        Some((_, found)) if found.starts_with(NAME) => Err(damaged("its contents do not match its checksum")),
         _ => Err(damaged("its end is missing, or it is not a result file")),
     }
 }
@@ -73,11 +68,7 @@ fn checksum(file: &File, length: u64) -> io::Result<Checksum> {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
         block.resize(read.next_multiple_of(8), 0);
-        sum = block
-            .as_chunks()
-            .0
-            .iter()
-            .fold(sum, |sum, &word| sum.word(u64::from_le_bytes(word)));
+        sum = block.as_chunks().0.iter().fold(sum, |sum, &word| sum.word(u64::from_le_bytes(word)));
         left -= read as u64;
     }
     Ok(sum)
@@ -102,15 +93,9 @@ mod tests {
                 let mut damaged = whole.clone();
                 damaged[position] ^= 1;
                 fs::write(&path, damaged).unwrap();
-                assert!(
-                    matches!(verify(&path), Err(OutputError::Damaged { .. })),
-                    "byte {position} of {length}"
-                );
+                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "byte {position} of {length}");
                 fs::write(&path, &whole[..position]).unwrap();
-                assert!(
-                    matches!(verify(&path), Err(OutputError::Damaged { .. })),
-                    "cut at {position} of {length}"
-                );
+                assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "cut at {position} of {length}");
             }
         }
     }
@@ -128,10 +113,7 @@ mod tests {
             bytes.clone_from(&sealed);
             bytes[position] ^= 0x80;
             fs::write(&path, &bytes).unwrap();
-            assert!(
-                matches!(verify(&path), Err(OutputError::Damaged { .. })),
-                "byte {position}"
-            );
+            assert!(matches!(verify(&path), Err(OutputError::Damaged { .. })), "byte {position}");
         }
     }
 }

@@ -23,45 +23,24 @@ pub(crate) fn write(parent: &Group, state: &SolverState) -> Result<()> {
         parent.unlink("state")?;
     }
     let group = parent.create_group("state")?;
-    let (arrays, integers, texts) = (
-        group.create_group("arrays")?,
-        group.create_group("integers")?,
-        group.create_group("texts")?,
-    );
-    state
-        .arrays
-        .iter()
-        .try_for_each(|(name, values)| constant(&arrays, name, values))?;
-    state
-        .integers
-        .iter()
-        .try_for_each(|(name, &value)| write_integer(&integers, name, value))?;
-    state
-        .texts
-        .iter()
-        .try_for_each(|(name, text)| write_text(&texts, name, text))
+    let (arrays, integers, texts) =
+        (group.create_group("arrays")?, group.create_group("integers")?, group.create_group("texts")?);
+    state.arrays.iter().try_for_each(|(name, values)| constant(&arrays, name, values))?;
+    state.integers.iter().try_for_each(|(name, &value)| write_integer(&integers, name, value))?;
+    state.texts.iter().try_for_each(|(name, text)| write_text(&texts, name, text))
 }
 
 /// Reads the state in the group `parent`.
 pub(crate) fn read(parent: &Group) -> Result<SolverState> {
     let group = parent.group("state")?;
-    let (arrays, integers, texts) = (
-        group.group("arrays")?,
-        group.group("integers")?,
-        group.group("texts")?,
-    );
+    let (arrays, integers, texts) = (group.group("arrays")?, group.group("integers")?, group.group("texts")?);
     Ok(SolverState {
-        arrays: named(arrays.member_names()?, |name| {
-            arrays.dataset(name)?.read_raw()
-        })?,
+        arrays: named(arrays.member_names()?, |name| arrays.dataset(name)?.read_raw())?,
         integers: named(integers.attr_names()?, |name| read_integer(&integers, name))?,
         texts: named(texts.attr_names()?, |name| read_text(&texts, name))?,
     })
 }
 
 fn named<T>(names: Vec<String>, read: impl Fn(&str) -> Result<T>) -> Result<BTreeMap<String, T>> {
-    names
-        .into_iter()
-        .map(|name| read(&name).map(|value| (name, value)))
-        .collect()
+    names.into_iter().map(|name| read(&name).map(|value| (name, value))).collect()
 }

@@ -194,8 +194,7 @@ impl Summary {
     /// [`OutputError::File`] if the system refuses.
     pub fn write(&self, directory: &RunDirectory) -> Result<(), OutputError> {
         let path = directory.path().join(SUMMARY_FILE);
-        let text =
-            serde_json::to_string_pretty(self).map_err(|error| file_error(&path, error.into()))?;
+        let text = serde_json::to_string_pretty(self).map_err(|error| file_error(&path, error.into()))?;
         write_atomically(&path, (text + "\n").as_bytes())
     }
 }
@@ -212,39 +211,20 @@ mod tests {
             version: "0.1.0".to_owned(),
             completed: false,
             reason: Some("stopped by a signal".to_owned()),
-            mesh: MeshSize {
-                dimension: 2,
-                cells: 16,
-                order: 4,
-            },
-            unknowns: Unknowns {
-                flow: Some(2048),
-                mesh: Some(676),
-            },
+            mesh: MeshSize { dimension: 2, cells: 16, order: 4 },
+            unknowns: Unknowns { flow: Some(2048), mesh: Some(676) },
             slabs: 3,
             rejected_slabs: 1,
             time: 0.3,
-            newton: Some(Newton {
-                total: 9,
-                max: 4,
-                per_slab: 3.0,
-            }),
-            krylov: Some(Krylov {
-                total: 81,
-                max_per_newton: 12,
-                mean_per_newton: 9.0,
-                elasticity_total: Some(40),
-            }),
+            newton: Some(Newton { total: 9, max: 4, per_slab: 3.0 }),
+            krylov: Some(Krylov { total: 81, max_per_newton: 12, mean_per_newton: 9.0, elasticity_total: Some(40) }),
             mesh_quality: Some(MeshQuality {
                 det_j_lower_bound: Some(0.5),
                 det_j_sampled_min: Some(0.6),
                 scaled_jacobian_min: Some(0.7),
                 first_invalid_time: Some(1.5),
             }),
-            conservation: Some(Conservation {
-                mass_error: Some(1e-15),
-                free_stream_error: Some(2e-14),
-            }),
+            conservation: Some(Conservation { mass_error: Some(1e-15), free_stream_error: Some(2e-14) }),
             error: Some(ErrorNorms {
                 density_l2: Some(1e-3),
                 momentum_l2: Some(2e-3),
@@ -253,11 +233,7 @@ mod tests {
             }),
             walls: BTreeMap::from([(
                 "foil".to_owned(),
-                Wall {
-                    impulse: vec![1.0, -2.0],
-                    work: 0.5,
-                    drag_coefficient: Some(0.12),
-                },
+                Wall { impulse: vec![1.0, -2.0], work: 0.5, drag_coefficient: Some(0.12) },
             )]),
             cost: Cost {
                 wall_seconds: 2.5,
@@ -297,23 +273,8 @@ mod tests {
     #[test]
     fn what_does_not_apply_is_absent() {
         let bare = serde_json::to_value(Summary::default()).unwrap();
-        let keys: Vec<&str> = bare
-            .as_object()
-            .unwrap()
-            .keys()
-            .map(String::as_str)
-            .collect();
-        let always = [
-            "case",
-            "completed",
-            "cost",
-            "mesh",
-            "rejected_slabs",
-            "slabs",
-            "time",
-            "unknowns",
-            "version",
-        ];
+        let keys: Vec<&str> = bare.as_object().unwrap().keys().map(String::as_str).collect();
+        let always = ["case", "completed", "cost", "mesh", "rejected_slabs", "slabs", "time", "unknowns", "version"];
         assert_eq!(keys, always);
         assert!(!bare.to_string().contains("null"), "{bare}");
     }

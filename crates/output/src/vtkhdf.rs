@@ -38,35 +38,20 @@ pub(crate) fn create(root: &Group, layout: &Layout) -> Result<()> {
 
 /// A scalar field is an array with one axis, any other has a second axis of its components.
 fn components(field: &FieldSpec) -> Vec<usize> {
-    if field.components == 1 {
-        vec![]
-    } else {
-        vec![field.components]
-    }
+    if field.components == 1 { vec![] } else { vec![field.components] }
 }
 
 fn write_type(root: &Group) -> Result<()> {
-    root.new_attr_builder()
-        .with_data(&[2_i64, 2])
-        .create("Version")?;
-    let name = FixedAscii::<16>::from_ascii("UnstructuredGrid")
-        .map_err(|error| Error::from(error.to_string()))?;
-    root.new_attr::<FixedAscii<16>>()
-        .create("Type")?
-        .write_scalar(&name)
+    root.new_attr_builder().with_data(&[2_i64, 2]).create("Version")?;
+    let name = FixedAscii::<16>::from_ascii("UnstructuredGrid").map_err(|error| Error::from(error.to_string()))?;
+    root.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&name)
 }
 
 /// Each cell owns its points, numbered one cell after the other: neighbours may differ, as the scheme allows.
 fn write_topology(root: &Group, grid: &Grid) -> Result<()> {
     let connectivity: Vec<i64> = (0..grid.points() as i64).collect();
-    let offsets: Vec<i64> = (0..=grid.cells)
-        .map(|cell| (cell * grid.points_per_cell()) as i64)
-        .collect();
-    let kind = if grid.dimension == 2 {
-        LAGRANGE_QUADRILATERAL
-    } else {
-        LAGRANGE_HEXAHEDRON
-    };
+    let offsets: Vec<i64> = (0..=grid.cells).map(|cell| (cell * grid.points_per_cell()) as i64).collect();
+    let kind = if grid.dimension == 2 { LAGRANGE_QUADRILATERAL } else { LAGRANGE_HEXAHEDRON };
     constant(root, "NumberOfPoints", &[grid.points() as i64])?;
     constant(root, "NumberOfCells", &[grid.cells as i64])?;
     constant(root, "NumberOfConnectivityIds", &[grid.points() as i64])?;
@@ -83,9 +68,7 @@ fn create_steps(root: &Group, fields: &[FieldSpec]) -> Result<()> {
         growing::<i64>(&steps, name, 1, entry.as_slice())?;
     }
     let offsets = steps.create_group("PointDataOffsets")?;
-    fields
-        .iter()
-        .try_for_each(|field| growing::<i64>(&offsets, &field.name, 1, &[]).map(drop))
+    fields.iter().try_for_each(|field| growing::<i64>(&offsets, &field.name, 1, &[]).map(drop))
 }
 
 /// Times of the steps.
@@ -93,18 +76,14 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
     root.dataset("Steps/Values")?.read_raw()
 }
 
-/// Appends the points of a step, [point][3], already in VTK's order.
+/// Appends the points of a step, `[point][3]`, already in VTK's order.
 pub(crate) fn append_points(root: &Group, points: &[f64]) -> Result<()> {
     append(&root.dataset("Points")?, points.len() / 3, points)
 }
 
-/// Appends a field of a step, [point][component], already in VTK's order.
+/// Appends a field of a step, `[point][component]`, already in VTK's order.
 pub(crate) fn append_field(root: &Group, field: &FieldSpec, values: &[f64]) -> Result<()> {
-    append(
-        &root.group("PointData")?.dataset(&field.name)?,
-        values.len() / field.components,
-        values,
-    )
+    append(&root.group("PointData")?.dataset(&field.name)?, values.len() / field.components, values)
 }
 
 /// Makes the appended points and fields a step: nothing counts before its number is raised here.

@@ -48,10 +48,7 @@ fn start(path: &Path, slabs: u64) -> Child {
         .unwrap();
     let wanted = format!("slab {slabs} done");
     let mut lines = BufReader::new(victim.stdout.take().unwrap()).lines();
-    assert!(
-        lines.any(|line| line.is_ok_and(|line| line.ends_with(&wanted))),
-        "the victim ended early"
-    );
+    assert!(lines.any(|line| line.is_ok_and(|line| line.ends_with(&wanted))), "the victim ended early");
     // Its output must not fill the pipe and stop it.
     thread::spawn(move || lines.for_each(drop));
     victim
@@ -74,29 +71,14 @@ fn a_killed_run_loses_at_most_one_interval() {
         let path = directory.path().join(RESULT_FILE);
         let (_, found) = read_checkpoint(&path).unwrap();
         let slab = found.integers["slab"] as u64;
-        assert!(
-            slab + INTERVAL > seen,
-            "slab {slab} is more than one interval behind slab {seen}"
-        );
-        assert_eq!(
-            inspect(&path).unwrap().times.len() as u64,
-            slab,
-            "as many steps as the state says"
-        );
+        assert!(slab + INTERVAL > seen, "slab {slab} is more than one interval behind slab {seen}");
+        assert_eq!(inspect(&path).unwrap().times.len() as u64, slab, "as many steps as the state says");
 
         run(directory.path(), slab, slab + INTERVAL, INTERVAL);
         let through = tempfile::tempdir().unwrap();
         run(through.path(), 0, slab + INTERVAL, slab + INTERVAL);
-        assert_eq!(
-            contents(&path),
-            contents(&through.path().join(RESULT_FILE)),
-            "trial {trial}"
-        );
-        assert_eq!(
-            fs::read_dir(directory.path()).unwrap().count(),
-            1,
-            "nothing else is left"
-        );
+        assert_eq!(contents(&path), contents(&through.path().join(RESULT_FILE)), "trial {trial}");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1, "nothing else is left");
     }
 }
 
@@ -105,16 +87,8 @@ fn a_second_run_is_refused_and_told_by_whom() {
     let directory = tempfile::tempdir().unwrap();
     let victim = start(directory.path(), 1);
     let error = RunDirectory::open(directory.path()).unwrap_err();
-    assert!(
-        matches!(&error, OutputError::Busy { owner, .. } if owner.pid == victim.id()),
-        "{error:?}"
-    );
-    assert!(
-        error
-            .to_string()
-            .contains(&format!("process {}", victim.id())),
-        "{error}"
-    );
+    assert!(matches!(&error, OutputError::Busy { owner: Some(owner), .. } if owner.pid == victim.id()), "{error:?}");
+    assert!(error.to_string().contains(&format!("process {}", victim.id())), "{error}");
     kill(victim);
     // The lock file is still there, the lock is not.
     assert!(directory.path().join("run.lock").exists());
@@ -126,10 +100,7 @@ fn a_second_run_is_refused_and_told_by_whom() {
 fn a_directory_is_free_again_after_the_run() {
     let directory = tempfile::tempdir().unwrap();
     let first = RunDirectory::open(directory.path()).unwrap();
-    assert!(matches!(
-        RunDirectory::open(directory.path()),
-        Err(OutputError::Busy { .. })
-    ));
+    assert!(matches!(RunDirectory::open(directory.path()), Err(OutputError::Busy { .. })));
     drop(first);
     RunDirectory::open(directory.path()).unwrap();
 }
@@ -142,10 +113,7 @@ fn a_directory_that_cannot_be_written_is_refused_and_nothing_is_left() {
     for path in [file.join("a/b"), "/proc/stsolve/run".into()] {
         let error = RunDirectory::open(&path).unwrap_err();
         assert!(matches!(error, OutputError::Directory { .. }), "{error:?}");
-        assert!(
-            error.to_string().contains(&*path.to_string_lossy()),
-            "{error}"
-        );
+        assert!(error.to_string().contains(&*path.to_string_lossy()), "{error}");
     }
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
 }
@@ -155,10 +123,7 @@ fn directories_made_for_a_run_that_writes_nothing_are_removed() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("runs/box");
     let run = RunDirectory::open(&path).unwrap();
-    assert!(matches!(
-        ResultFile::resume(&run, CASE),
-        Err(OutputError::NoCheckpoint { .. })
-    ));
+    assert!(matches!(ResultFile::resume(&run, CASE), Err(OutputError::NoCheckpoint { .. })));
     drop(run);
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
 }

@@ -7,17 +7,11 @@ mod common;
 use std::fs;
 
 use common::{CASE, append, contents, layout, metadata, noise, run, seal, state};
-use output::{
-    OutputError, RESULT_FILE, ResultFile, RunDirectory, SolverState, Step, inspect, read_checkpoint,
-};
+use output::{OutputError, RESULT_FILE, ResultFile, RunDirectory, SolverState, Step, inspect, read_checkpoint};
 
 /// NaN is not equal to itself: compare the bits.
 fn bits(state: &SolverState) -> Vec<Vec<u64>> {
-    state
-        .arrays
-        .values()
-        .map(|values| values.iter().map(|value| value.to_bits()).collect())
-        .collect()
+    state.arrays.values().map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
 }
 
 #[test]
@@ -28,10 +22,7 @@ fn the_state_and_the_metadata_come_back_bit_by_bit() {
     let expected = state(3);
     assert_eq!(found_metadata, metadata());
     assert_eq!(bits(&found), bits(&expected));
-    assert_eq!(
-        (found.integers, found.texts),
-        (expected.integers, expected.texts)
-    );
+    assert_eq!((found.integers, found.texts), (expected.integers, expected.texts));
 }
 
 #[test]
@@ -40,24 +31,14 @@ fn coefficients_points_and_fields_come_back_bit_by_bit() {
     run(directory.path(), 0, 3, 3);
     let found = contents(&directory.path().join(RESULT_FILE));
     let as_bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
-    let expected: Vec<f64> = (1..=3)
-        .flat_map(|slab| noise(slab + 300, 40 * 2 * 4 * 9))
-        .collect();
-    assert_eq!(
-        found["/stsolve/exact/flow"],
-        (vec![3, 40, 2, 4, 9], as_bits(expected))
-    );
+    let expected: Vec<f64> = (1..=3).flat_map(|slab| noise(slab + 300, 40 * 2 * 4 * 9)).collect();
+    assert_eq!(found["/stsolve/exact/flow"], (vec![3, 40, 2, 4, 9], as_bits(expected)));
 
     // VTK's order of the nine nodes: corners, edges, centre.
     let lexicographic = [0, 2, 8, 6, 1, 5, 7, 3, 4];
     let density = noise(2 + 100, 360);
-    let second: Vec<f64> = (0..360)
-        .map(|i| density[i / 9 * 9 + lexicographic[i % 9]])
-        .collect();
-    assert_eq!(
-        found["/VTKHDF/PointData/density"].1[360..720],
-        as_bits(second)
-    );
+    let second: Vec<f64> = (0..360).map(|i| density[i / 9 * 9 + lexicographic[i % 9]]).collect();
+    assert_eq!(found["/VTKHDF/PointData/density"].1[360..720], as_bits(second));
 }
 
 #[test]
@@ -69,15 +50,8 @@ fn resuming_writes_the_same_file_as_running_through() {
     run(resumed.path(), 2, 3, 2);
     run(resumed.path(), 2, 4, 2);
     run(resumed.path(), 4, 6, 2);
-    let (through, resumed) = (
-        contents(&through.path().join(RESULT_FILE)),
-        contents(&resumed.path().join(RESULT_FILE)),
-    );
-    assert!(
-        through.len() > 20,
-        "the comparison must see the whole file: {:?}",
-        through.keys()
-    );
+    let (through, resumed) = (contents(&through.path().join(RESULT_FILE)), contents(&resumed.path().join(RESULT_FILE)));
+    assert!(through.len() > 20, "the comparison must see the whole file: {:?}", through.keys());
     assert_eq!(through, resumed);
 }
 
@@ -90,16 +64,11 @@ fn checkpoints_use_the_space_of_the_old_state_again() {
     large.arrays.insert("large".to_owned(), noise(7, 1 << 16));
     let mut size_after = |count| {
         (0..count).for_each(|_| result.checkpoint(&large).unwrap());
-        fs::metadata(directory.path().join(RESULT_FILE))
-            .unwrap()
-            .len()
+        fs::metadata(directory.path().join(RESULT_FILE)).unwrap().len()
     };
     let first = size_after(1);
     let twentieth = size_after(19);
-    assert!(
-        twentieth < first + first / 4,
-        "{first} bytes grew to {twentieth}"
-    );
+    assert!(twentieth < first + first / 4, "{first} bytes grew to {twentieth}");
 }
 
 #[test]
@@ -108,29 +77,10 @@ fn a_step_that_does_not_fit_is_refused_before_anything_is_written() {
     let locked = RunDirectory::open(directory.path()).unwrap();
     let mut result = ResultFile::create(&locked, layout(), &metadata()).unwrap();
     let points = vec![0.0; 3 * 360];
-    let short = Step {
-        time: 0.0,
-        points: &points[1..],
-        fields: &[],
-        exact: &[],
-    };
-    assert!(matches!(
-        result.append(&short),
-        Err(OutputError::Length {
-            expected: 1080,
-            found: 1079,
-            ..
-        })
-    ));
-    let without_fields = Step {
-        time: 0.0,
-        points: &points,
-        fields: &[],
-        exact: &[],
-    };
-    assert!(
-        matches!(result.append(&without_fields), Err(OutputError::Absent { name }) if name == "velocity")
-    );
+    let short = Step { time: 0.0, points: &points[1..], fields: &[], exact: &[] };
+    assert!(matches!(result.append(&short), Err(OutputError::Length { expected: 1080, found: 1079, .. })));
+    let without_fields = Step { time: 0.0, points: &points, fields: &[], exact: &[] };
+    assert!(matches!(result.append(&without_fields), Err(OutputError::Absent { name }) if name == "velocity"));
     append(&mut result, 1);
     result.checkpoint(&state(1)).unwrap();
     assert_eq!(inspect(result.path()).unwrap().times, [1.0]);
@@ -144,19 +94,10 @@ fn after_a_failed_write_nothing_more_is_published() {
     result.checkpoint(&state(0)).unwrap();
     let hidden = directory.path().join("hidden");
     fs::rename(result.path(), &hidden).unwrap();
-    assert!(matches!(
-        result.checkpoint(&state(1)),
-        Err(OutputError::File { .. })
-    ));
+    assert!(matches!(result.checkpoint(&state(1)), Err(OutputError::File { .. })));
     fs::rename(&hidden, result.path()).unwrap();
-    assert!(matches!(
-        result.checkpoint(&state(1)),
-        Err(OutputError::Hdf5 { .. })
-    ));
-    assert_eq!(
-        read_checkpoint(result.path()).unwrap().1.integers["slab"],
-        0
-    );
+    assert!(matches!(result.checkpoint(&state(1)), Err(OutputError::Hdf5 { .. })));
+    assert_eq!(read_checkpoint(result.path()).unwrap().1.integers["slab"], 0);
 }
 
 #[test]
@@ -165,14 +106,8 @@ fn inspect_tells_what_the_file_holds() {
     run(directory.path(), 0, 4, 2);
     let info = inspect(&directory.path().join(RESULT_FILE)).unwrap();
     assert_eq!(info.times, [1.0, 2.0, 3.0, 4.0]);
-    assert_eq!(
-        (info.layout.grid, &info.layout.exact),
-        (layout().grid, &layout().exact)
-    );
-    assert_eq!(
-        (info.space_nodes, info.time_nodes, info.case_name.as_str()),
-        (3, 2, "box")
-    );
+    assert_eq!((info.layout.grid, &info.layout.exact), (layout().grid, &layout().exact));
+    assert_eq!((info.space_nodes, info.time_nodes, info.case_name.as_str()), (3, 2, "box"));
     assert!(info.checkpoint.arrays.contains(&("flow".to_owned(), 700)));
     assert!(info.checkpoint.integers.contains(&("slab".to_owned(), 4)));
 }
@@ -180,37 +115,19 @@ fn inspect_tells_what_the_file_holds() {
 #[test]
 fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();
-    let resume = |case: &str| {
-        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), case).map(drop)
-    };
-    assert!(matches!(
-        resume(CASE),
-        Err(OutputError::NoCheckpoint { .. })
-    ));
+    let resume = |case: &str| ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), case).map(drop);
+    assert!(matches!(resume(CASE), Err(OutputError::NoCheckpoint { .. })));
     run(directory.path(), 0, 1, 1);
     assert!(resume(CASE).is_ok());
     let error = resume("another").unwrap_err();
-    assert!(
-        matches!(&error, OutputError::OtherCase { expected, found, .. } if expected == "another" && found == CASE)
-    );
+    assert!(matches!(&error, OutputError::OtherCase { expected, found, .. } if expected == "another" && found == CASE));
 
     let file = hdf5::File::open_rw(directory.path().join(RESULT_FILE)).unwrap();
-    file.group("stsolve")
-        .unwrap()
-        .attr("format_version")
-        .unwrap()
-        .write_scalar(&99_i64)
-        .unwrap();
+    file.group("stsolve").unwrap().attr("format_version").unwrap().write_scalar(&99_i64).unwrap();
     file.close().unwrap();
-    assert!(
-        matches!(resume(CASE), Err(OutputError::Damaged { .. })),
-        "a changed file has lost its seal"
-    );
+    assert!(matches!(resume(CASE), Err(OutputError::Damaged { .. })), "a changed file has lost its seal");
     seal(&directory.path().join(RESULT_FILE));
-    assert!(matches!(
-        resume(CASE),
-        Err(OutputError::Version { found: 99, .. })
-    ));
+    assert!(matches!(resume(CASE), Err(OutputError::Version { found: 99, .. })));
 }
 
 #[test]
@@ -219,16 +136,10 @@ fn a_truncated_file_is_reported_as_damaged() {
     run(directory.path(), 0, 2, 2);
     let path = directory.path().join(RESULT_FILE);
     let whole = fs::read(&path).unwrap();
-    for length in (0..whole.len())
-        .step_by(whole.len() / 60)
-        .chain([whole.len() - 1])
-    {
+    for length in (0..whole.len()).step_by(whole.len() / 60).chain([whole.len() - 1]) {
         fs::write(&path, &whole[..length]).unwrap();
         let error = read_checkpoint(&path).unwrap_err();
-        assert!(
-            matches!(error, OutputError::Damaged { .. }),
-            "{length} bytes: {error:?}"
-        );
+        assert!(matches!(error, OutputError::Damaged { .. }), "{length} bytes: {error:?}");
         assert!(error.to_string().contains(RESULT_FILE), "{error}");
     }
 }
@@ -244,10 +155,7 @@ fn every_damaged_byte_is_reported() {
         damaged[position] ^= 0x5a;
         fs::write(&path, &damaged).unwrap();
         let error = read_checkpoint(&path).unwrap_err();
-        assert!(
-            matches!(error, OutputError::Damaged { .. }),
-            "byte {position}: {error:?}"
-        );
+        assert!(matches!(error, OutputError::Damaged { .. }), "byte {position}: {error:?}");
     }
 }
 
@@ -256,19 +164,10 @@ fn a_file_of_another_kind_is_reported_even_with_a_seal() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join(RESULT_FILE);
     fs::write(&path, "# a text, long enough to hold a seal at its end\n").unwrap();
-    assert!(matches!(
-        read_checkpoint(&path),
-        Err(OutputError::Damaged { .. })
-    ));
+    assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
     seal(&path);
-    assert!(matches!(
-        read_checkpoint(&path),
-        Err(OutputError::Damaged { .. })
-    ));
+    assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
     hdf5::File::create(&path).unwrap().close().unwrap();
     seal(&path);
-    assert!(matches!(
-        read_checkpoint(&path),
-        Err(OutputError::Damaged { .. })
-    ));
+    assert!(matches!(read_checkpoint(&path), Err(OutputError::Damaged { .. })));
 }

@@ -47,7 +47,8 @@ fn matrix_free_is_assembled_in_3d() {
 #[test]
 fn matrix_free_is_assembled_on_periodic_meshes_and_other_geometry() {
     let curving = Curving::Wavy { amplitude: 0.03 };
-    let periodic = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [3, 3], order: 4, curving, periodic: [true, false] };
+    let periodic =
+        BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [3, 3], order: 4, curving, periodic: [true, false] };
     agrees_with_assembled(&periodic.build().unwrap(), 3, GRADED);
     agrees_with_assembled(&unit_box([2, 2], 3, 0.03), 5, GRADED);
 }

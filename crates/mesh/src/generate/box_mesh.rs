@@ -10,8 +10,8 @@ use std::array::from_fn;
 /// Names of the boundaries of a box, at the index of the face: x low, x high, y low, y high, z low, z high.
 pub const BOX_BOUNDARIES: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
 
-/// A box with `cells[a]` cells along axis a, of equal size before curving. Boundaries are named [`BOX_BOUNDARIES`]; those of a
-/// periodic axis are joined and have no name.
+/// A box with `cells[a]` cells along axis a, of equal size before curving. Boundaries are named [`BOX_BOUNDARIES`];
+/// those of a periodic axis are joined and have no name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxMesh<const D: usize> {
     /// The corner with the smallest coordinates.
@@ -34,7 +34,8 @@ impl<const D: usize> BoxMesh<D> {
         self.build_graded([1.0; D])
     }
 
-    /// The mesh, with cells whose sizes along axis a form a geometric sequence: the last is `ratios[a]` times the first.
+    /// The mesh, with cells whose sizes along axis a form a geometric sequence: the last is `ratios[a]` times the
+    /// first.
     pub fn build_graded(&self, ratios: [f64; D]) -> Result<Mesh<D>, MeshError> {
         self.check(&ratios)?;
         let breakpoints: [Vec<f64>; D] = from_fn(|axis| graded(self.cells[axis], ratios[axis]));
@@ -57,7 +58,12 @@ impl<const D: usize> BoxMesh<D> {
                 ("the extent", extent, "a positive number", positive(extent)),
                 ("the number of cells", cells, "at least 1", cells >= 1.0),
                 ("the size ratio", ratios[axis], "a positive number", positive(ratios[axis])),
-                ("the amplitude of the curving", self.curving.amplitude(), "a number", self.curving.amplitude().is_finite()),
+                (
+                    "the amplitude of the curving",
+                    self.curving.amplitude(),
+                    "a number",
+                    self.curving.amplitude().is_finite(),
+                ),
             ] {
                 if !fine {
                     return Err(MeshError::Box { quantity, axis, value, accepted });
@@ -121,7 +127,8 @@ impl<const D: usize> BoxMesh<D> {
     }
 }
 
-/// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the first.
+/// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the
+/// first.
 fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
     let lengths: Vec<f64> = (0..cells).map(|i| growth.powi(i as i32)).collect();
@@ -145,7 +152,9 @@ mod tests {
 
     #[test]
     fn boundaries_lie_where_their_names_say() {
-        let mesh = BoxMesh { lower: [-1.0, 2.0, 5.0], upper: [1.0, 3.0, 9.0], ..unit([2, 3, 2], Curving::None) }.build().unwrap();
+        let mesh = BoxMesh { lower: [-1.0, 2.0, 5.0], upper: [1.0, 3.0, 9.0], ..unit([2, 3, 2], Curving::None) }
+            .build()
+            .unwrap();
         assert_eq!(mesh.boundary_names(), BOX_BOUNDARIES);
         let place = [-1.0, 1.0, 2.0, 3.0, 5.0, 9.0];
         for facet in mesh.boundary_facets() {
@@ -203,7 +212,10 @@ mod tests {
             mesh.build().unwrap_err()
         };
         assert!(matches!(refused(|b| b.cells[1] = 0), MeshError::Box { quantity: "the number of cells", axis: 1, .. }));
-        assert!(matches!(refused(|b| b.upper[0] = 0.0), MeshError::Box { quantity: "the extent", axis: 0, value: 0.0, .. }));
+        assert!(matches!(
+            refused(|b| b.upper[0] = 0.0),
+            MeshError::Box { quantity: "the extent", axis: 0, value: 0.0, .. }
+        ));
         assert!(matches!(refused(|b| b.lower[1] = f64::NAN), MeshError::Box { quantity: "the extent", .. }));
         assert_eq!(refused(|b| b.order = 17), MeshError::Order { order: 17 });
         assert!(matches!(refused(|b| b.curving = Curving::Smooth { amplitude: 0.5 }), MeshError::Inverted { .. }));

@@ -4,8 +4,8 @@ use crate::random::SplitMix64;
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 
-/// How a generated box is deformed: r becomes r + d(r) in coordinates r in [0, 1]^D of the box. No component of d exceeds
-/// `amplitude`, a fraction of the extent of the box; up to 0.05 no cell is inverted in two or three dimensions.
+/// How a generated box is deformed: r becomes r + d(r) in coordinates r in [0, 1]^D of the box. No component of d
+/// exceeds `amplitude`, a fraction of the extent of the box; with up to 0.05 cells stay valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curving {
     /// Straight cells.
@@ -20,8 +20,8 @@ pub enum Curving {
         /// The largest displacement.
         amplitude: f64,
     },
-    /// A few random Fourier modes, periodic. Along axes that are not periodic d is damped by sin(pi r_a), so that the boundary
-    /// there stays.
+    /// A few random Fourier modes, periodic. Along axes that are not periodic d is damped by sin(pi r_a), so that the
+    /// boundary there stays.
     Random {
         /// A bound of the displacement.
         amplitude: f64,
@@ -35,7 +35,9 @@ impl Curving {
     pub(crate) fn amplitude(&self) -> f64 {
         match *self {
             Curving::None => 0.0,
-            Curving::Smooth { amplitude } | Curving::Wavy { amplitude } | Curving::Random { amplitude, .. } => amplitude,
+            Curving::Smooth { amplitude } | Curving::Wavy { amplitude } | Curving::Random { amplitude, .. } => {
+                amplitude
+            }
         }
     }
 }

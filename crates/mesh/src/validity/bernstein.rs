@@ -1,17 +1,18 @@
 //! Polynomials on a box in Chebyshev form, and their range by Bernstein coefficients.
 //!
-//! Bernstein coefficients of degree p bound a polynomial, but to compute them from values amplifies round-off by about 2^p per
-//! direction, which for det J in three dimensions of order 8 (p = 20) is fatal. Chebyshev coefficients are well conditioned, and
-//! those of high degree are small. So only the modes up to degree q = [`BERNSTEIN_DEGREE`] per direction are turned into Bernstein
-//! coefficients; the rest is bounded by the sum of its moduli, because |T_k| <= 1:
+//! Bernstein coefficients of degree p bound a polynomial, but to compute them from values amplifies round-off by about
+//! 2^p per direction, which for det J in three dimensions of order 8 (p = 20) is fatal. Chebyshev coefficients are well
+//! conditioned, and those of high degree are small. So only the modes up to degree q = [`BERNSTEIN_DEGREE`] per
+//! direction are turned into Bernstein coefficients; the rest is bounded by the sum of its moduli, because |T_k| <= 1:
 //!
 //! ```text
-//! f = sum_{k <= q} c_k T_k + tail,   min_i b_i - |tail| <= f <= max_i b_i + |tail|,   |tail| <= sum_{k > q} |c_k|     (range)
+//! f = sum_{k <= q} c_k T_k + tail,   |tail| <= sum_{k > q} |c_k|,
+//! min_i b_i - |tail| <= f <= max_i b_i + |tail|                                                            (range)
 //! ```
 //!
-//! Round-off enters twice. The given values are wrong by at most `error`, hence their interpolant by L `error` with the Lebesgue
-//! constant L: an error of f itself, not amplified by what follows. And the sums that make b_i are wrong by a few units in the
-//! last place of sum_k |c_k| max_i |b_i(T_k)|, in which the large factors meet the small coefficients.
+//! Round-off enters twice. The given values are wrong by at most `error`, hence their interpolant by L `error` with the
+//! Lebesgue constant L: an error of f itself, not amplified by what follows. And the sums that make b_i are wrong by a
+//! few units in the last place of sum_k |c_k| max_i |b_i(T_k)|, in which the large factors meet the small coefficients.
 
 use crate::lattice::Lattice;
 use basis::Matrix;
@@ -98,8 +99,8 @@ fn chebyshev(degree: usize, x: f64) -> Vec<f64> {
     t
 }
 
-/// Bernstein coefficient i of degree q of T_k: those of degree k are (-1)^{k-j} C(2k, 2j) / C(k, j), raised to degree q by
-/// C(k, j) C(q-k, i-j) / C(q, i). All terms are integers until the last division.
+/// Bernstein coefficient i of degree q of T_k: those of degree k are (-1)^{k-j} C(2k, 2j) / C(k, j), raised to degree q
+/// by C(k, j) C(q-k, i-j) / C(q, i). All terms are integers until the last division.
 fn bernstein_coefficient(q: usize, i: usize, k: usize) -> f64 {
     let term = |j: usize| {
         let sign = if (k - j).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -127,7 +128,8 @@ pub(super) struct Enclosure {
 }
 
 impl Polynomial {
-    /// The polynomial with given values at the grid of the directions' points; `error` bounds the absolute error of the values.
+    /// The polynomial with given values at the grid of the directions' points; `error` bounds the absolute error of the
+    /// values.
     pub(super) fn interpolate(directions: &[Direction], values: Lattice, error: f64) -> Self {
         let coefficients = values.apply_each(|axis| &directions[axis].to_chebyshev);
         let lebesgue: f64 = directions.iter().map(Direction::lebesgue_constant).product();

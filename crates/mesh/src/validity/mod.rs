@@ -1,12 +1,17 @@
 //! Proved validity of cells that move: lower bounds of det J over a cell and a slab.
 //!
-//! With positions of degree N - 1 per direction in space and M - 1 in time, det J(xi, s) is a polynomial of degree D (N-1) - 1 per
-//! direction (one column of J has one degree less) and D (M-1) in time. It is interpolated on a grid that determines it; the
-//! Bernstein coefficients of the interpolant bound it from both sides everywhere, not only at points. Where the bound is not
-//! sharp enough to decide, the box in space and time is bisected.
+//! With positions of degree N - 1 per direction in space and M - 1 in time, det J(xi, s) is a polynomial:
 //!
-//! With a reference cell the same is done for the ratio det J / det J_0: if f has coefficients b_i and g > 0 has c_i > 0, then
-//! f >= min_i (b_i / c_i) g.
+//! ```text
+//! degree in xi_a = D (N-1) - 1  (column a of J has one degree less),    degree in s = D (M-1)            (degrees)
+//! ```
+//!
+//! It is interpolated on a grid that determines it; the Bernstein coefficients of the interpolant bound it from both
+//! sides everywhere, not only at points. Where the bound is not sharp enough to decide, the box in space and time is
+//! bisected. Positions are taken as they are given; the rounding of everything after them is part of the bound.
+//!
+//! With a reference cell the same is done for the ratio det J / det J_0: if f has the coefficients b_i, and g the
+//! coefficients c_i > 0, then f >= min_i (b_i / c_i) g.
 
 mod bernstein;
 mod search;
@@ -45,7 +50,8 @@ pub struct Bound<const D: usize> {
 }
 
 impl<const D: usize> Bound<D> {
-    /// The scaled Jacobian, min / max over the cell and the slab, as sampled: 1 for a parallelepiped at rest, negative if inverted.
+    /// The scaled Jacobian, min / max over the cell and the slab, as sampled: 1 for a parallelepiped at rest, negative
+    /// if inverted.
     pub fn scaled_jacobian(&self) -> f64 {
         self.sampled_min / self.sampled_max
     }
@@ -88,11 +94,15 @@ pub struct ValidityCheck<const D: usize> {
 }
 
 impl<const D: usize> ValidityCheck<D> {
-    /// For positions at the Gauss-Lobatto nodes of order `order` and at the distinct times `times` in [0, 1], of which the
-    /// positions are a polynomial. One time means cells at rest.
+    /// For positions at the Gauss-Lobatto nodes of order `order` and at the distinct times `times` in [0, 1], of which
+    /// the positions are a polynomial. One time means cells at rest.
+    ///
+    /// # Panics
+    /// If `order` is less than 2 or there is no time.
     pub fn new(order: usize, times: &[f64]) -> Self {
+        // (degrees)
         let space = Direction::new(D * (order - 1) - 1);
-        let time = Direction::new(D * (times.len() - 1));
+        let time = Direction::new((D-1) * (times.len() - 1));
         let s: Vec<f64> = time.points.iter().map(|x| 0.5 + 0.5 * x).collect();
         ValidityCheck {
             order,
@@ -175,15 +185,15 @@ impl<const D: usize> ValidityCheck<D> {
     }
 }
 
-/// Positions relative to the first one, and their largest distance along an axis: what they have in common costs digits.
+/// Positions relative to the first one, whose common part would cost digits, and their largest distance along an axis.
 fn centred<const D: usize>(positions: &[f64]) -> (Vec<f64>, f64) {
     let relative: Vec<f64> = positions.iter().enumerate().map(|(i, x)| x - positions[i % D]).collect();
     let size = relative.iter().map(|x| x.abs()).fold(0.0, f64::max);
     (relative, size)
 }
 
-/// A bound of the error of det m whose columns m_a are wrong by `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|, and some
-/// operations on prod_a |m_a|.
+/// A bound of the error of det m whose columns m_a are wrong by `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|, and
+/// some operations on prod_a |m_a|.
 fn determinant_error<const D: usize>(m: &[[f64; D]; D], entry_error: f64) -> f64 {
     let lengths: [f64; D] = std::array::from_fn(|a| norm(&m.map(|row| row[a])));
     let others = |a: usize| (0..D).filter(|&b| b != a).map(|b| lengths[b]).product::<f64>();

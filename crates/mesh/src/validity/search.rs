@@ -14,7 +14,7 @@ const SHARPNESS: f64 = 0.5;
 
 /// The search for the minimum of f, or of f / g with g > 0.
 pub(super) struct Search<const D: usize> {
-    boxes: BinaryHeap<Part>,
+    parts: BinaryHeap<Part>,
     sampled_min: f64,
     sampled_max: f64,
     /// Where the smallest value was seen, in [-1, 1]^(D+1).
@@ -48,41 +48,46 @@ impl<const D: usize> Search<D> {
         let at = f.0.digits(lowest).iter().zip(directions).map(|(&j, direction)| direction.points[j]).collect();
         let sampled_min = ratio(lowest);
         let whole = Part::new(directions, f.1, g.map(|g| g.1), vec![0.0; D + 1], vec![1.0; D + 1]);
-        Search { boxes: BinaryHeap::from([whole]), sampled_min, sampled_max, at }
+        Search { parts: BinaryHeap::from([whole]), sampled_min, sampled_max, at }
     }
 
     /// What is known now.
     pub(super) fn bound(&self) -> Bound<D> {
-        let lower = self.boxes.peek().map_or(f64::NEG_INFINITY, |part| part.lower);
+        let lower = self.parts.peek().map_or(f64::NEG_INFINITY, |part| part.lower);
         let at = SlabPoint { xi: std::array::from_fn(|a| self.at[a]), s: 0.5 + 0.5 * self.at[D] };
         Bound { lower, sampled_min: self.sampled_min, sampled_max: self.sampled_max, at }
     }
 
     pub(super) fn decide(mut self, directions: &[Direction]) -> Validity<D> {
         for _ in 0..BISECTIONS {
-            let bound = self.bound();
-            if bound.sampled_min.is_nan() || bound.sampled_min <= 0.0 {
-                return Validity::Invalid(bound);
+            match self.answer(SHARPNESS) {
+                Validity::Undecided(_) => self.bisect_lowest(directions),
+                settled => return settled,
             }
-            if bound.lower >= SHARPNESS * bound.sampled_min {
-                return Validity::Valid(bound);
-            }
-            self.bisect_lowest(directions);
         }
-        match self.bound() {
-            bound if bound.lower > 0.0 => Validity::Valid(bound),
-            bound => Validity::Undecided(bound),
+        self.answer(0.0)
+    }
+
+    /// What follows from the bounds so far, if the lower one has to reach `sharpness` times the smallest value seen.
+    fn answer(&self, sharpness: f64) -> Validity<D> {
+        let bound = self.bound();
+        if bound.sampled_min.is_nan() || bound.sampled_min <= 0.0 {
+            Validity::Invalid(bound)
+        } else if bound.lower > 0.0 && bound.lower >= sharpness * bound.sampled_min {
+            Validity::Valid(bound)
+        } else {
+            Validity::Undecided(bound)
         }
     }
 
     /// Halves the part with the lowest bound along the direction in which it is most curved.
     fn bisect_lowest(&mut self, directions: &[Direction]) {
-        let Some(part) = self.boxes.pop() else { return };
+        let Some(part) = self.parts.pop() else { return };
         let axis = part.longest_axis(directions);
         for side in [0, 1] {
             let half = part.half(directions, axis, side);
             self.sample(&half);
-            self.boxes.push(half);
+            self.parts.push(half);
         }
     }
 
@@ -97,7 +102,13 @@ impl<const D: usize> Search<D> {
 }
 
 impl Part {
-    fn new(directions: &[Direction], f: Polynomial, g: Option<Polynomial>, centre: Vec<f64>, half_width: Vec<f64>) -> Self {
+    fn new(
+        directions: &[Direction],
+        f: Polynomial,
+        g: Option<Polynomial>,
+        centre: Vec<f64>,
+        half_width: Vec<f64>,
+    ) -> Self {
         let enclosure = f.enclose(directions);
         let denominator = g.as_ref().map(|g| g.enclose(directions));
         let ratios = (0..enclosure.bernstein.values.len()).map(|i| lower_ratio(&enclosure, denominator.as_ref(), i));
@@ -121,7 +132,7 @@ impl Part {
     fn longest_axis(&self, directions: &[Direction]) -> usize {
         let mut curvature = self.f.curvature(directions);
         if let Some(g) = &self.g {
-            // In f - r g, with r the ratio sought, g counts with its ratio to f.
+            // What is bounded is f - r g, with r the lowest ratio.
             let g_curvature = g.curvature(directions);
             curvature.iter_mut().zip(g_curvature).for_each(|(f, g)| *f += self.lower.abs().min(1.0) * g);
         }
@@ -134,8 +145,8 @@ impl Part {
     }
 }
 
-/// A number r_i such that f >= (min_i r_i) g on the box. For f alone, r_i = b_i - margin. With g: the smallest f over the largest g
-/// where f is positive, over the smallest g where it is not; none if g is not proved positive.
+/// A number r_i such that f >= (min_i r_i) g on the box. For f alone, r_i = b_i - margin. With g: the smallest f over
+/// the largest g where f is positive, over the smallest g where it is not; none if g is not proved positive.
 fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     let smallest = f.bernstein.values[i] - f.margin;
     let Some(g) = g else { return smallest };
@@ -147,7 +158,7 @@ fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     }
 }
 
-/// The part with the lowest bound is the greatest. Bounds that tie go by place, so that the order never depends on the heap.
+/// The part with the lowest bound is the greatest. Equal bounds go by place: the order never depends on the heap.
 impl Ord for Part {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_place = || self.centre.iter().map(|x| x.to_bits()).cmp(other.centre.iter().map(|x| x.to_bits()));

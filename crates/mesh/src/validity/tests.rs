@@ -9,8 +9,8 @@ use std::array::from_fn;
 /// Cells do not lie at the origin.
 const OFFSET: f64 = 100.0;
 
-/// A cell that moves and curves at random: an affine image of [-1, 1]^D plus a polynomial whose coefficients decay with the degree.
-/// `roughness` is drawn too, so that about half of the cells are invalid.
+/// A cell that moves and curves at random: an affine image of [-1, 1]^D plus a polynomial whose coefficients decay with
+/// the degree. `roughness` is drawn too, so that about half of the cells are invalid.
 struct RandomCell<const D: usize> {
     order: usize,
     times: Vec<f64>,
@@ -48,8 +48,8 @@ impl<const D: usize> RandomCell<D> {
         ValidityCheck::new(self.order, &self.times)
     }
 
-    /// The smallest det J on a dense grid with both ends, by another route than the check: nodes interpolated in time one by one.
-    /// The common offset is taken off first, exactly, because it would cost the oracle its last digits.
+    /// The smallest det J on a dense grid with both ends, by another route than the check: nodes interpolated in time
+    /// one by one. The common offset is taken off first, exactly, because it would cost the oracle its last digits.
     fn dense_min(&self, n: usize, n_times: usize) -> f64 {
         let points: Vec<f64> = (0..n).map(|i| -1.0 + 2.0 * i as f64 / (n - 1) as f64).collect();
         let map = CellMap::<D>::on_grid(self.order, &points);
@@ -58,7 +58,9 @@ impl<const D: usize> RandomCell<D> {
         let mut lowest = f64::INFINITY;
         for step in 0..n_times {
             let l = lagrange.values(step as f64 / (n_times.max(2) - 1) as f64);
-            let x: Vec<f64> = (0..length).map(|k| (0..l.len()).map(|m| l[m] * (self.positions[m * length + k] - OFFSET)).sum()).collect();
+            let x: Vec<f64> = (0..length)
+                .map(|k| (0..l.len()).map(|m| l[m] * (self.positions[m * length + k] - OFFSET)).sum())
+                .collect();
             lowest = map.determinants(&x).into_iter().fold(lowest, f64::min);
         }
         lowest
@@ -143,10 +145,10 @@ fn positions<const D: usize>(order: usize, times: &[f64], x: impl Fn(&[f64; D], 
 
 #[test]
 fn the_bound_of_an_affine_cell_is_its_determinant() {
-    for order in [2, 5, 8] {
+    for order in [2, 5, 8, 16] {
         let x = positions::<3>(order, &[0.0], |xi, _| [2.0 * xi[0] + xi[1], 3.0 * xi[1] - xi[2], 50.0 + 0.5 * xi[2]]);
         let bound = ValidityCheck::<3>::new(order, &[0.0]).bound(&x);
-        assert!(bound.lower <= 3.0 && bound.lower > 3.0 * (1.0 - 1e-8), "order {order}: {bound:?}");
+        assert!(bound.lower <= 3.0 && bound.lower > 3.0 * (1.0 - 1e-7), "order {order}: {bound:?}");
         assert!((bound.scaled_jacobian() - 1.0).abs() < 1e-11);
     }
 }
@@ -179,7 +181,8 @@ fn finds_where_a_cell_folds() {
     let x = |c: f64| positions::<2>(3, &[0.0], move |xi, _| [xi[0] + c * xi[0] * xi[0], xi[1]]);
     let check = ValidityCheck::<2>::new(3, &[0.0]);
     assert!(matches!(check.decide(&x(0.49)), Validity::Valid(bound) if bound.lower >= 0.01 && bound.lower < 0.0201));
-    assert!(matches!(check.decide(&x(0.51)), Validity::Invalid(bound) if bound.at.xi[0] < -0.98 && bound.sampled_min < -0.0199));
+    let folded = check.decide(&x(0.51));
+    assert!(matches!(folded, Validity::Invalid(bound) if bound.at.xi[0] < -0.98 && bound.sampled_min < -0.0199));
     // det J = 0 on a side, neither positive nor negative beyond round-off: not valid.
     assert!(!check.decide(&x(0.5)).is_valid());
 }
@@ -218,7 +221,8 @@ fn relative_bounds_hold_against_sampling() {
         for _ in 0..200 {
             let (xi, s) = (from_fn(|_| random.symmetric()), random.unit());
             let l = Lagrange::new(cell.times.clone()).values(s);
-            let x: Vec<f64> = (0..length).map(|k| l[0] * cell.positions[k] + l[1] * cell.positions[length + k]).collect();
+            let x: Vec<f64> =
+                (0..length).map(|k| l[0] * cell.positions[k] + l[1] * cell.positions[length + k]).collect();
             let det = |x: &[f64]| CellMap::<2>::at(4, &xi).determinants(x)[0];
             assert!(det(&x) / det(&cell.positions[..length]) >= bound.lower);
         }
@@ -237,29 +241,4 @@ fn cells_are_decided_in_their_order() {
     for (cell, answer) in answers.iter().enumerate() {
         assert!((answer.bound().sampled_min - ((cell + 1) as f64).powi(2)).abs() < 1e-10);
     }
-}
-
-#[test]
-fn timing() {
-    for (order, m) in [(4,1),(4,2),(4,3),(8,3)] {
-        let mut random = SplitMix64::new(1);
-        for _ in 0..1 {
-        let cell = RandomCell::<2>::new(&mut random, order, m); let check=cell.check();
-        let t = std::time::Instant::now(); for _ in 0..100 { std::hint::black_box(check.decide(&cell.positions)); } eprintln!("2d {order} {m} {:?} {:?}", t.elapsed()/100, check.decide(&cell.positions));
-        let x: Vec<f64> = positions::<3>(order, &cell.times, |xi,s| [xi[0]+0.1*s*(xi[1]*2.0).sin(), xi[1]*(1.0+0.2*s*xi[2]), xi[2]+0.1*xi[0]*xi[1]]);
-        let check=ValidityCheck::<3>::new(order,&cell.times);
-        let t = std::time::Instant::now(); for _ in 0..10 { std::hint::black_box(check.decide(&x)); } eprintln!("3d {order} {m} {:?} {:?}", t.elapsed()/10, check.decide(&x));
-        }
-    }
-    let x: Vec<f64> = positions::<3>(16, &[0.0], |xi,s| [xi[0]+0.3*(xi[1]*2.0).sin(), xi[1]*(1.0+0.2*s*xi[2]), xi[2]+0.1*xi[0]*xi[1]]);
-    let check=ValidityCheck::<3>::new(16,&[0.0]);
-    let t = std::time::Instant::now(); eprintln!("3d 16 {:?} {:?}", check.decide(&x), t.elapsed());
-    let t = std::time::Instant::now();
-    let m = crate::BoxMesh{lower:[0.0;2],upper:[1.0;2],cells:[100,100],order:4,curving:crate::Curving::Smooth{amplitude:0.05},periodic:[true,false]}.build().unwrap();
-    eprintln!("100x100 {:?}", t.elapsed());
-    let t = std::time::Instant::now(); let n=crate::NodeNumbering::new(&m,4); eprintln!("numbering {} {:?}", n.count, t.elapsed());
-    let t = std::time::Instant::now();
-    let m = crate::BoxMesh{lower:[0.0;3],upper:[1.0;3],cells:[16;3],order:4,curving:crate::Curving::Smooth{amplitude:0.05},periodic:[true,false,true]}.build().unwrap();
-    eprintln!("16^3 {:?}", t.elapsed());
-    let t = std::time::Instant::now(); let n=crate::NodeNumbering::new(&m,4); eprintln!("numbering {} {:?}", n.count, t.elapsed());
 }

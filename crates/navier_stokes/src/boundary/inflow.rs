@@ -1,6 +1,6 @@
 //! Subsonic inflow from a reservoir.
 
-use super::{Condition, nothing};
+use super::{Condition, nothing, projection};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::inviscid_normal;
 use crate::gas::Gas;
@@ -49,11 +49,7 @@ impl<const D: usize> Inflow<D> {
         let k = 0.5 * (gas.gamma() - 1.0);
         let c_0_squared = gas.gamma() * gas.gas_constant() * self.total_temperature;
 
-        let mut cosine = n[0] * self.direction[0];
-        for i in 1..D {
-            cosine += n[i] * self.direction[i];
-        }
-        let a = T::lift(cosine);
+        let a = T::lift(projection(&self.direction, n));
         let choking = ((a * a * (0.99 * k) + 1.0) * (c_0_squared / (k * k))).sqrt();
         let c = gas.sound_speed(inside.density, inside.pressure);
         let invariant = (along(&inside.velocity, n) + c * (1.0 / k)).max(like.zero()).min(choking);

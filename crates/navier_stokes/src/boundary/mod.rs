@@ -161,3 +161,13 @@ fn pressure_flux<T: Over<G>, G: Real, const D: usize, const M: usize>(p: T, n: &
     }
     components(p.zero(), &push, along(&push, v))
 }
+
+/// a . n of a constant vector.
+#[inline(always)]
+fn projection<G: Real, const D: usize>(a: &[f64; D], n: &[G; D]) -> G {
+    let mut sum = n[0] * a[0];
+    for i in 1..D {
+        sum += n[i] * a[i];
+    }
+    sum
+}

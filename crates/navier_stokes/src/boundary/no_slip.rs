@@ -4,15 +4,13 @@
 //! it does. The gas loses to it the energy p v_n - (tau n) . w_b - kappa T_,n of pressure, friction and heat: none at all
 //! where the wall is at rest and adiabatic.
 
+use super::projection;
 use tensor::{Over, Real};
 
 /// w_b, the velocity of the wall.
 #[inline(always)]
 pub(super) fn wall_velocity<G: Real, const D: usize>(slide: &[f64; D], n: &[G; D], v: &[G; D]) -> [G; D] {
-    let mut normal_part = n[0] * slide[0];
-    for i in 1..D {
-        normal_part += n[i] * slide[i];
-    }
+    let normal_part = projection(slide, n);
     let mut w_b = *v;
     for i in 0..D {
         w_b[i] = v[i] + slide[i] - normal_part * n[i];

@@ -71,7 +71,7 @@ fn equal_plain_numbers<const D: usize, const M: usize>() {
             for ((name, expected), [value, derivative]) in plain.iter().zip(&results[lane]) {
                 let of_value = difference(value, &expected.map(|e| e.value));
                 let of_derivative = difference(derivative, &expected.map(|e| e.derivative));
-                assert!(of_value <= 1e-14 && of_derivative <= 1e-13, "{name}: {of_value:e}, {of_derivative:e}");
+                assert!(of_value <= 1e-14 && of_derivative <= 1e-14, "{name}: {of_value:e}, {of_derivative:e}");
             }
         }
     }

@@ -5,29 +5,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use output::{
-    ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step,
-};
+use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step};
 
 pub const CASE: &str = "0123456789abcdef";
 
 pub fn layout() -> Layout {
     Layout {
-        grid: Grid {
-            dimension: 2,
-            points_per_direction: 3,
-            cells: 40,
-        },
+        grid: Grid { dimension: 2, points_per_direction: 3, cells: 40 },
         fields: vec![FieldSpec::vector("velocity"), FieldSpec::scalar("density")],
-        exact: vec![ArraySpec::new(
-            "flow",
-            &[
-                ("cell", 40),
-                ("time node", 2),
-                ("component", 4),
-                ("space node", 9),
-            ],
-        )],
+        exact: vec![ArraySpec::new("flow", &[("cell", 40), ("time node", 2), ("component", 4), ("space node", 9)])],
     }
 }
 
@@ -46,9 +32,7 @@ pub fn metadata() -> Metadata {
 /// Bits without pattern (SplitMix64), so that nothing can be guessed or compressed; NaN and infinity occur.
 pub fn noise(seed: u64, count: usize) -> Vec<f64> {
     let mix = |i: u64| {
-        let mut z = (seed << 32 | i)
-            .wrapping_add(1)
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mut z = (seed << 32 | i).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         f64::from_bits(z ^ (z >> 31))
@@ -62,40 +46,20 @@ pub fn state(slab: u64) -> SolverState {
         arrays: BTreeMap::from([
             ("flow".to_owned(), noise(1000 + slab, 700)),
             ("history".to_owned(), noise(2000, 3 * slab as usize)),
-            (
-                "special".to_owned(),
-                vec![-0.0, f64::NAN, f64::NEG_INFINITY, 5e-324, 0.1 + 0.2],
-            ),
+            ("special".to_owned(), vec![-0.0, f64::NAN, f64::NEG_INFINITY, 5e-324, 0.1 + 0.2]),
         ]),
-        integers: BTreeMap::from([
-            ("slab".to_owned(), slab as i64),
-            ("lowest".to_owned(), i64::MIN),
-        ]),
-        texts: BTreeMap::from([
-            ("note".to_owned(), "Δt halved".to_owned()),
-            ("empty".to_owned(), String::new()),
-        ]),
+        integers: BTreeMap::from([("slab".to_owned(), slab as i64), ("lowest".to_owned(), i64::MIN)]),
+        texts: BTreeMap::from([("note".to_owned(), "Δt halved".to_owned()), ("empty".to_owned(), String::new())]),
     }
 }
 
 pub fn append(result: &mut ResultFile, slab: u64) {
     let layout = layout();
     let points = layout.grid.points();
-    let (x, density, velocity) = (
-        noise(slab, 3 * points),
-        noise(slab + 100, points),
-        noise(slab + 200, 3 * points),
-    );
+    let (x, density, velocity) = (noise(slab, 3 * points), noise(slab + 100, points), noise(slab + 200, 3 * points));
     let flow = noise(slab + 300, layout.exact[0].len());
     let fields: [(&str, &[f64]); 2] = [("density", &density), ("velocity", &velocity)];
-    result
-        .append(&Step {
-            time: slab as f64,
-            points: &x,
-            fields: &fields,
-            exact: &[("flow", &flow)],
-        })
-        .unwrap();
+    result.append(&Step { time: slab as f64, points: &x, fields: &fields, exact: &[("flow", &flow)] }).unwrap();
 }
 
 /// Runs slabs `from`..`to` with a checkpoint after every `interval` slabs, resuming if `from` is not 0.
@@ -121,20 +85,10 @@ pub fn seal(path: &Path) {
     let mut bytes = std::fs::read(path).unwrap();
     let length = bytes.len() as u64;
     bytes.resize(bytes.len().div_ceil(8) * 8, 0);
-    let words = bytes
-        .chunks_exact(8)
-        .map(|word| u64::from_le_bytes(word.try_into().unwrap()));
-    let sum = words.fold(0xcbf2_9ce4_8422_2325, |sum: u64, word| {
-        (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3)
-    });
+    let words = bytes.chunks_exact(8).map(|word| u64::from_le_bytes(word.try_into().unwrap()));
+    let sum = words.fold(0xcbf2_9ce4_8422_2325, |sum: u64, word| (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3));
     bytes.truncate(length as usize);
-    bytes.extend(
-        b"stsolve\n"
-            .iter()
-            .copied()
-            .chain(length.to_le_bytes())
-            .chain(sum.to_le_bytes()),
-    );
+    bytes.extend(b"stsolve\n".iter().copied().chain(length.to_le_bytes()).chain(sum.to_le_bytes()));
     std::fs::write(path, bytes).unwrap();
 }
 
@@ -155,17 +109,7 @@ fn collect(group: &hdf5::Group, found: &mut BTreeMap<String, (Vec<usize>, Vec<u6
     }
     for dataset in group.datasets().unwrap() {
         let values: Vec<f64> = dataset.read_raw().unwrap();
-        found.insert(
-            dataset.name(),
-            (
-                dataset.shape(),
-                values.into_iter().map(f64::to_bits).collect(),
-            ),
-        );
+        found.insert(dataset.name(), (dataset.shape(), values.into_iter().map(f64::to_bits).collect()));
     }
-    group
-        .groups()
-        .unwrap()
-        .iter()
-        .for_each(|child| collect(child, found));
+    group.groups().unwrap().iter().for_each(|child| collect(child, found));
 }

@@ -18,6 +18,8 @@ pub struct Flow<const D: usize> {
     pub order: usize,
     /// The gas, the numerical flux, the reference state.
     pub law: NavierStokes<D>,
+    /// A typical speed, that of the reference state.
+    pub reference_speed: f64,
     /// A typical length, for the Reynolds number.
     pub reference_length: f64,
     /// The quadrature points.
@@ -51,7 +53,7 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
     };
     let (exact, initial) = (state("exact", &raw.exact)?, state("initial", &raw.initial)?);
     let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
-    let (reference, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
+    let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
     let exact = exact.map(|typical| typical.state);
     let Some(initial) = initial.map(|typical| typical.state).or_else(|| exact.clone()) else {
         return Err(checker.combination(&key, "there is no initial state", "a key `initial`, or `exact` from which it is taken"));
@@ -64,7 +66,8 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
     let boundary = boundary(checker, &key.child("boundary"), raw, mesh, exact.as_ref(), gas)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
-    Ok(Flow { order, law, reference_length, quadrature, initial, exact, manufactured: raw.source.is_some(), boundary })
+    let manufactured = raw.source.is_some();
+    Ok(Flow { order, law, reference_speed, reference_length, quadrature, initial, exact, manufactured, boundary })
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
@@ -86,26 +89,28 @@ fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
     checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity))
 }
 
-/// The reference state that is given, or the `stream`.
+/// The reference state that is given, or the `stream`; with its speed and a length.
 fn reference<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: Option<&raw::Reference>,
     stream: Option<navier_stokes::Primitive<f64, D>>,
     gas: Gas,
-) -> Checked<(Reference, f64)> {
+) -> Checked<(Reference, f64, f64)> {
     let key_reference = key.child("reference");
     if let Some(raw) = raw {
         let length = checker.positive(&key_reference.child("length"), "the length", raw.length)?;
-        return Ok((checker.physics(&key_reference, Reference::new(&gas, raw.density, raw.speed, raw.pressure))?, length));
+        let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
+        return Ok((checker.physics(&key_reference, reference)?, raw.speed, length));
     }
     let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
-    let Some(stream) = stream.filter(|stream| tensor::norm(&stream.velocity) > 0.0) else {
+    let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
+    let Some(stream) = stream.filter(|_| speed > 0.0) else {
         let problem = "the size of the velocity cannot be told from the exact or the initial state";
         return Err(checker.combination(&key_reference, problem, accepted));
     };
-    let reference = Reference::new(&gas, stream.density, tensor::norm(&stream.velocity), stream.pressure);
-    Ok((checker.physics(&key_reference, reference)?, 1.0))
+    let reference = Reference::new(&gas, stream.density, speed, stream.pressure);
+    Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
 }
 
 /// Formulas may give anything: the initial state must be one.

@@ -1,5 +1,4 @@
 //! Identities of the space-time operator of one slab.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use fem::{ConservationLaw, Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;

@@ -1,0 +1,95 @@
+//! The command line.
+
+use clap::{ArgAction, Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Coupled space-time solver: elasticity moves a curved high-order mesh, compressible flow is solved on it.
+///
+/// Exit codes: 0 done, 1 the solve failed (the last good state is written), 2 bad input (nothing is written).
+#[derive(Clone, Debug, Parser)]
+#[command(name = "stsolve", version)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Solve a case: mesh and flow, slab by slab.
+    Run(RunArguments),
+    /// Move the mesh alone, over the whole run, and prove that it stays valid.
+    Motion(RunArguments),
+    /// Validate a case and explain it: sizes, memory, non-dimensional numbers, defaults taken. Solves nothing.
+    Check {
+        /// The case.
+        #[command(flatten)]
+        case: CaseArguments,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Tell what a result file holds.
+    Info {
+        /// The file.
+        file: PathBuf,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the JSON Schema of the case file: every key, its type, default and meaning.
+    Schema,
+}
+
+/// A case, with changes.
+#[derive(Clone, Debug, Args)]
+pub struct CaseArguments {
+    /// The case file (TOML).
+    pub case: PathBuf,
+    /// Write a value over that of the case file, for instance `--set flow.order=6`.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// What `run` and `motion` take.
+#[derive(Clone, Debug, Args)]
+pub struct RunArguments {
+    /// The case.
+    #[command(flatten)]
+    pub case: CaseArguments,
+    /// Where to write [default: as in the case, or runs/<case name>].
+    #[arg(long, value_name = "DIRECTORY")]
+    pub output: Option<PathBuf>,
+    /// How many threads to use [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Continue from the checkpoint in the output directory.
+    #[arg(long)]
+    pub resume: bool,
+    /// How much to print.
+    #[command(flatten)]
+    pub verbosity: Verbosity,
+}
+
+/// How much to print.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct Verbosity {
+    /// Print nothing but errors.
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Print more: every Newton step; twice: every Krylov solve.
+    #[arg(short, long, action = ArgAction::Count)]
+    pub verbose: u8,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

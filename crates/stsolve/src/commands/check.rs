@@ -1,0 +1,137 @@
+//! `stsolve check`
+
+use super::print;
+use super::table::Table;
+use crate::case::{About, AnyCase, Case, Flow, Motion};
+use crate::failure::Failure;
+use mesh::NodeNumbering;
+use serde_json::{Map, Value};
+
+/// Explains a checked case.
+///
+/// # Errors
+/// If stdout cannot be written.
+pub fn check(case: &AnyCase, json: bool) -> Result<(), Failure> {
+    let tables = match case {
+        AnyCase::Plane(case) => tables(case),
+        AnyCase::Space(case) => tables(case),
+    };
+    if json {
+        let object: Map<String, Value> = tables.iter().map(Table::json).collect();
+        return print(&Value::Object(object).to_string());
+    }
+    print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
+}
+
+fn tables<const D: usize>(case: &Case<D>) -> Vec<Table> {
+    let size = smallest_size(case);
+    let mut tables = vec![about(&case.about), mesh_table(case, size), time_table(case)];
+    tables.extend(case.motion.as_ref().map(motion_table));
+    tables.extend(case.flow.as_ref().map(|flow| flow_table(case, flow, size)));
+    tables.push(cost_table(case));
+    tables.push(defaults(&case.about));
+    tables
+}
+
+fn about(about: &About) -> Table {
+    let mut table = Table::new("case");
+    table.row("name", about.name.clone(), "").row("title", about.title.clone(), "");
+    table
+}
+
+/// The smallest edge of the boxes, along the axes, around the cells.
+fn smallest_size<const D: usize>(case: &Case<D>) -> f64 {
+    let edges = |cell| {
+        let (lower, upper) = case.mesh.cell_box(cell);
+        (0..D).map(move |axis| upper[axis] - lower[axis])
+    };
+    (0..case.mesh.n_cells()).flat_map(edges).fold(f64::INFINITY, f64::min)
+}
+
+fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
+    let mesh = &case.mesh;
+    let mut table = Table::new("mesh");
+    table
+        .row("dimension", D, "")
+        .row("cells", mesh.n_cells(), "")
+        .row("order", mesh.order(), "nodes per direction")
+        .row("volume", mesh.volume(), "")
+        .row("smallest cell", size, "")
+        .row("boundaries", mesh.boundary_names().to_vec(), "");
+    table
+}
+
+fn time_table<const D: usize>(case: &Case<D>) -> Table {
+    let time = &case.time;
+    let mut table = Table::new("time");
+    table
+        .row("start", time.start, "")
+        .row("end", time.end, "")
+        .row("slabs", time.slabs, "")
+        .row("length of a slab", time.step, "")
+        .row("order", time.order, "nodes per slab");
+    table
+}
+
+fn motion_table<const D: usize>(motion: &Motion<D>) -> Table {
+    let mut table = Table::new("motion");
+    match motion {
+        Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
+        Motion::Elastic { poisson_ratio, boundary, .. } => table
+            .row("interior", "linear elasticity", "")
+            .row("Poisson's ratio", *poisson_ratio, "")
+            .row("moving boundaries", boundary.iter().flatten().count(), ""),
+    };
+    table
+}
+
+fn flow_table<const D: usize>(case: &Case<D>, flow: &Flow<D>, size: f64) -> Table {
+    let (gas, reference) = (&flow.law.gas, &flow.law.reference);
+    let reynolds = reference.reynolds(gas, flow.reference_length);
+    let orders = orders(case, flow);
+    // The fastest wave over the distance of nodes.
+    let cfl = flow.reference_speed * (1.0 + 1.0 / reference.mach()) * case.time.step * (flow.order as f64 - 1.0) / size;
+    let mut table = Table::new("flow");
+    table
+        .row("order", flow.order, "nodes per direction and cell")
+        .row("numerical flux", format!("{:?}", flow.law.riemann), "")
+        .row("quadrature points", flow.quadrature.space_points(D, orders), "per direction")
+        .row("quadrature points in time", flow.quadrature.time_points(D, orders), "per slab")
+        .row("ratio of specific heats", gas.gamma(), "")
+        .row("Mach number", reference.mach(), "")
+        .row("Reynolds number", if reynolds.is_finite() { Value::from(reynolds) } else { "infinite (no viscosity)".into() }, "")
+        .row("Prandtl number", gas.prandtl(), "")
+        .row("acoustic CFL number", cfl, "");
+    table
+}
+
+fn orders<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> fem::Orders {
+    fem::Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order }
+}
+
+/// Unknowns of a slab, and memory.
+fn cost_table<const D: usize>(case: &Case<D>) -> Table {
+    let nodes = NodeNumbering::new(&case.mesh, case.mesh.order()).count;
+    let mesh = if case.motion.is_some() { nodes * D * case.time.order } else { 0 };
+    let per_cell = case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
+    let flow = case.mesh.n_cells() * per_cell * case.time.order;
+    // Krylov: two vectors for each iteration up to the restart. Preconditioner of the flow: for each node in time the block of
+    // each cell, in single precision.
+    let krylov = 8 * 2 * case.solver.krylov_restart * (mesh + flow);
+    let preconditioner = 4 * flow * per_cell;
+    let mut table = Table::new("unknowns and memory");
+    table
+        .row("flow unknowns", flow, "per slab")
+        .row("mesh unknowns", mesh, "per slab")
+        .row("Krylov vectors", krylov as f64 / 1e6, "MB at most")
+        .row("preconditioner blocks", preconditioner as f64 / 1e6, "MB, estimated");
+    table
+}
+
+fn defaults(about: &About) -> Table {
+    let mut table = Table::new("defaults taken");
+    for (key, value) in &about.defaults {
+        table.row(key, value.clone(), "");
+    }
+    table
+}

@@ -1,0 +1,29 @@
+//! The commands, one file each.
+
+mod check;
+mod info;
+mod session;
+mod table;
+
+pub use check::check;
+pub use info::info;
+pub use session::Session;
+
+use crate::failure::Failure;
+use std::io::Write;
+
+/// `stsolve schema`
+///
+/// # Errors
+/// If stdout cannot be written.
+pub fn schema() -> Result<(), Failure> {
+    print(&serde_json::to_string_pretty(&crate::case::schema()).map_err(Failure::bad_input)?)
+}
+
+/// Writes to stdout. A reader that has seen enough, as `head` does, is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::solve(error)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,44 @@
+//! What a command that computes sets up before the first slab.
+
+use crate::case::About;
+use crate::cli::RunArguments;
+use crate::failure::Failure;
+use crate::logging;
+use crate::signals::StopFlag;
+use crate::terminal::Terminal;
+use output::RunDirectory;
+use std::path::{Path, PathBuf};
+
+/// The output directory, locked; the log, the threads and the signal handlers of this process.
+#[derive(Debug)]
+pub struct Session {
+    /// The output directory.
+    pub directory: RunDirectory,
+    /// stderr.
+    pub terminal: Terminal,
+    /// Whether the run has been asked to stop.
+    pub stop: StopFlag,
+}
+
+impl Session {
+    /// Sets up. `directory` is the one that the case names, if it names one.
+    ///
+    /// # Errors
+    /// An output directory that cannot be written or is in use, threads or handlers that the system refuses.
+    pub fn start(arguments: &RunArguments, about: &About, directory: Option<&Path>) -> Result<Self, Failure> {
+        let (terminal, stop) = (Terminal::default(), StopFlag::default());
+        if let Some(threads) = arguments.threads {
+            rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)?;
+        }
+        let directory = RunDirectory::open(&output_directory(arguments, about, directory))?;
+        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal).map_err(Failure::bad_input)?;
+        stop.install(&terminal).map_err(Failure::bad_input)?;
+        Ok(Session { directory, terminal, stop })
+    }
+}
+
+/// From the command line, else from the case, else `runs/<case name>`.
+pub fn output_directory(arguments: &RunArguments, about: &About, directory: Option<&Path>) -> PathBuf {
+    let chosen = arguments.output.clone().or_else(|| directory.map(Path::to_owned));
+    chosen.unwrap_or_else(|| Path::new("runs").join(&about.name))
+}

@@ -1,0 +1,80 @@
+//! Tables of keys and values, for people and for programs.
+
+use serde_json::{Map, Value};
+
+/// A titled table.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Table {
+    title: String,
+    rows: Vec<(String, Value, &'static str)>,
+}
+
+impl Table {
+    pub(super) fn new(title: &str) -> Self {
+        Table { title: title.to_owned(), rows: Vec::new() }
+    }
+
+    /// Adds a row; `unit` or remark follows the value where people read it.
+    pub(super) fn row(&mut self, key: &str, value: impl Into<Value>, unit: &'static str) -> &mut Self {
+        self.rows.push((key.to_owned(), value.into(), unit));
+        self
+    }
+
+    /// The rows as an object with the title as key.
+    pub(super) fn json(&self) -> (String, Value) {
+        let rows: Map<String, Value> = self.rows.iter().map(|(key, value, _)| (key.clone(), value.clone())).collect();
+        (self.title.clone(), Value::Object(rows))
+    }
+
+    /// The title, then the rows, keys and values aligned.
+    pub(super) fn text(&self) -> String {
+        let width = self.rows.iter().map(|(key, ..)| key.chars().count()).max().unwrap_or(0);
+        let line = |(key, value, unit): &(String, Value, &str)| {
+            let padding = " ".repeat(width - key.chars().count());
+            format!("  {key}{padding}  {} {unit}", plain(value)).trim_end().to_owned()
+        };
+        std::iter::once(self.title.clone()).chain(self.rows.iter().map(line)).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Numbers short, texts without quotes, arrays as lists.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(entries) => entries.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Value::Null => "-".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// Six digits, with an exponent where that is shorter.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let digits = 5 - value.abs().max(1.0).log10().floor() as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in
+            [(0.0, "0"), (0.5, "0.5"), (1.0 / 3.0, "0.33333"), (123456.7, "123457"), (1e-5, "1.00000e-5"), (-2.5e7, "-2.50000e7"), (100.0, "100")]
+        {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    #[test]
+    fn a_table_aligns_its_values() {
+        let mut table = Table::new("mesh");
+        table.row("cells", 100, "").row("smallest cell", 0.25, "m");
+        assert_eq!(table.text(), "mesh\n  cells          100\n  smallest cell  0.25 m");
+    }
+}

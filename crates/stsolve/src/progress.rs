@@ -1,0 +1,124 @@
+//! How far a run is: a bar where somebody watches, lines otherwise, nothing if asked.
+
+use crate::case::Time;
+use crate::cli::Verbosity;
+use crate::terminal::Terminal;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::{Duration, Instant};
+
+/// A slab that is done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabDone {
+    /// Its number in the run, from 1.
+    pub number: usize,
+    /// The time at its end.
+    pub time: f64,
+    /// Newton steps that it took.
+    pub newton: usize,
+    /// Krylov iterations that it took.
+    pub krylov: usize,
+    /// Its residual in the end, relative to the first one.
+    pub residual: f64,
+}
+
+/// Reports the progress of a run.
+#[derive(Debug)]
+pub struct Progress {
+    display: Display,
+    terminal: Terminal,
+    /// The interval that this process covers.
+    start: f64,
+    end: f64,
+    begun: Instant,
+}
+
+#[derive(Debug)]
+enum Display {
+    Bar(ProgressBar),
+    Lines,
+    Nothing,
+}
+
+/// The bar counts time in these parts: slabs may be halved, so their number is not known.
+const PARTS: u64 = 10_000;
+
+impl Progress {
+    /// Of a run that covers `time` from `start`, which is later than the case's own start if it is resumed.
+    pub fn new(time: &Time, start: f64, verbosity: Verbosity, terminal: &Terminal) -> Self {
+        let display = if verbosity.quiet {
+            Display::Nothing
+        } else if terminal.is_interactive() {
+            Display::Bar(terminal.bars().add(bar()))
+        } else {
+            Display::Lines
+        };
+        Progress { display, terminal: terminal.clone(), start, end: time.end, begun: Instant::now() }
+    }
+
+    /// Reports a slab.
+    pub fn slab(&self, slab: &SlabDone) {
+        let fraction = ((slab.time - self.start) / (self.end - self.start)).clamp(0.0, 1.0);
+        let text = describe(slab, self.end);
+        match &self.display {
+            Display::Bar(bar) => {
+                bar.set_position((fraction * PARTS as f64) as u64);
+                bar.set_message(text);
+            }
+            Display::Lines => self.terminal.print(&format!("{text}  {}", remaining(self.begun.elapsed(), fraction))),
+            Display::Nothing => {}
+        }
+    }
+
+    /// Says something above the bar, unless asked to be quiet.
+    pub fn say(&self, line: &str) {
+        if !matches!(self.display, Display::Nothing) {
+            self.terminal.print(line);
+        }
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}  {elapsed} elapsed, {eta} left")
+        .expect("the template is fixed and has been tried");
+    ProgressBar::new(PARTS).with_style(style)
+}
+
+/// slab 12  t = 0.24 of 8  newton 3  krylov 27  residual 1.2e-9
+fn describe(slab: &SlabDone, end: f64) -> String {
+    let SlabDone { number, time, newton, krylov, residual } = slab;
+    format!("slab {number}  t = {time:.6} of {end}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
+}
+
+/// 12 s elapsed, 48 s left
+fn remaining(elapsed: Duration, fraction: f64) -> String {
+    let seconds = elapsed.as_secs_f64();
+    if fraction <= 0.0 {
+        return format!("{seconds:.0} s elapsed");
+    }
+    format!("{seconds:.0} s elapsed, {:.0} s left", seconds * (1.0 - fraction) / fraction)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_in_proportion() {
+        assert_eq!(remaining(Duration::from_secs(12), 0.2), "12 s elapsed, 48 s left");
+        assert_eq!(remaining(Duration::from_secs(3), 0.0), "3 s elapsed");
+        assert_eq!(remaining(Duration::from_secs(5), 1.0), "5 s elapsed, 0 s left");
+    }
+
+    #[test]
+    fn a_slab_is_one_line() {
+        let slab = SlabDone { number: 12, time: 0.24, newton: 3, krylov: 27, residual: 1.25e-9 };
+        assert_eq!(describe(&slab, 8.0), "slab 12  t = 0.240000 of 8  newton 3  krylov 27  residual 1.2e-9");
+    }
+}

@@ -1,0 +1,39 @@
+//! How a run is interrupted.
+
+use crate::terminal::Terminal;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::emulate_default_handler;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether the run has been asked to stop.
+#[derive(Clone, Debug, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Whether to stop after the slab in hand.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// From now on the first Ctrl-C or SIGTERM sets the flag, the second one ends the process at once.
+    ///
+    /// # Errors
+    /// If the system refuses to install the handlers.
+    pub fn install(&self, terminal: &Terminal) -> io::Result<()> {
+        let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        let (flag, terminal) = (self.clone(), terminal.clone());
+        std::thread::spawn(move || {
+            for signal in signals.forever() {
+                if flag.0.swap(true, Ordering::Relaxed) {
+                    // Does not return: the process ends as if it had not caught the signal.
+                    let _ = emulate_default_handler(signal);
+                }
+                terminal.print("finishing this slab, then writing a checkpoint; press again to stop at once");
+            }
+        });
+        Ok(())
+    }
+}

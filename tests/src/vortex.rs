@@ -1,0 +1,93 @@
+//! The vortex of the paper (IV.A) on a mesh that stretches and follows it.
+
+use crate::prescribed;
+use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, Predictor, Settings, SlabProblem, weights};
+use elasticity::{ElasticMesh, Material, Stiffness};
+use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
+use mesh::{BoxMesh, Curving, NodeNumbering};
+use navier_stokes::exact::Vortex;
+use navier_stokes::{Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+use newton_krylov::newton;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// (13), (14) of the paper, (14) corrected: x' = x + 0.1 (x - x_c) sin(pi t / 4) + t, y' = y - 0.1 (y - y_c) sin(pi t / 4).
+pub struct Stretching;
+
+impl VectorField<2> for Stretching {
+    fn value(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
+        let s = 0.1 * (PI * t / 4.0).sin();
+        [(x[0] - 5.0) * s + t, -(x[1] - 5.0) * s]
+    }
+    fn rate(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
+        let s = 0.1 * PI / 4.0 * (PI * t / 4.0).cos();
+        [(x[0] - 5.0) * s + 1.0, -(x[1] - 5.0) * s]
+    }
+}
+
+/// A run of the vortex.
+pub struct VortexRun {
+    /// The run.
+    pub march: March<2, 4, NavierStokes<2>>,
+    /// The exact solution.
+    pub exact: Arc<dyn StateField<2, 4>>,
+}
+
+/// How a vortex is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// N_s of flow and mesh.
+    pub order: usize,
+    /// N_t.
+    pub time_order: usize,
+    /// Cells along each side.
+    pub cells: usize,
+    /// Slabs until `end`.
+    pub slabs: usize,
+    /// The end of the run; the period of the mesh is 8.
+    pub end: f64,
+    /// Newton's relative tolerance.
+    pub tolerance: f64,
+    /// First guess of the mesh.
+    pub predictor: Predictor,
+}
+
+impl VortexRun {
+    /// Sets a run up.
+    pub fn new(setting: Setting) -> Self {
+        let Setting { order, time_order, cells, slabs, end, tolerance, predictor } = setting;
+        let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
+        let free_stream = Primitive { density: 1.0, velocity: [1.0, 0.0], pressure: 1.0 / (1.4 * 0.25) };
+        let exact = Arc::new(Exact(Vortex::new(gas, free_stream, [5.0, 5.0], 1.0, 0.2, None).unwrap()));
+        let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap() };
+        let (lower, upper, cells) = ([0.0; 2], [10.0; 2], [cells; 2]);
+        let mesh = BoxMesh { lower, upper, cells, order, curving: Curving::None, periodic: [false; 2] }.build().unwrap();
+        let numbering = NodeNumbering::new(&mesh, order);
+        let boundary = || BoundaryCondition { condition: prescribed(), data: Some(exact.clone() as Arc<dyn StateField<2, 4>>) };
+        let problem = Problem { law, boundaries: (0..4).map(|_| boundary()).collect(), source: None };
+        let orders = Orders { flow: order, mesh: order, time: time_order };
+        let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
+        let constrained: Vec<bool> = {
+            let mut constrained = vec![false; numbering.count];
+            (0..4).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+            constrained
+        };
+        let elastic = ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), Stiffness::Constant, &constrained).unwrap();
+        let mesh_weights = weights::mesh(&elastic, &mesh, &numbering, time_order);
+        let positions = elastic.coordinates().to_vec();
+        let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
+        let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
+        let motion = MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 };
+        let u = coupled::interpolate(&flow, exact.as_ref(), 0.0);
+        let newton = newton::Settings { relative_tolerance: tolerance, absolute_tolerance: 1e-13, ..newton::Settings::default() };
+        let settings = Settings { start: 0.0, end, slabs, newton, predictor, jacobian: Jacobian::Exact, max_halvings: 0, prove: true };
+        VortexRun { march: March::new(SlabProblem::new(flow, motion, mesh_weights), mesh, positions, u, settings), exact }
+    }
+
+    /// The L2 error of the density at the time reached.
+    pub fn density_error(&self) -> f64 {
+        let flow = &self.march.problem.flow;
+        let row = flow.top_row();
+        squared_errors(flow, &self.march.state.u, row.row(0), self.exact.as_ref(), self.march.state.time)[0].sqrt()
+    }
+}
