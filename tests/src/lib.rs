@@ -51,7 +51,10 @@ pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStok
 pub fn curved_box<const D: usize>(cells: usize, order: usize) -> Mesh<D> {
     let curving = Curving::Random { amplitude: 0.03, seed: 7 };
     let cells = [cells; D];
-    BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap().scrambled(3)
+    BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }
+        .build()
+        .unwrap()
+        .scrambled(3)
 }
 
 /// An operator whose boundaries all have `condition`, with `data` where the condition takes states.

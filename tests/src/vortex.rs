@@ -59,11 +59,17 @@ impl VortexRun {
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let free_stream = Primitive { density: 1.0, velocity: [1.0, 0.0], pressure: 1.0 / (1.4 * 0.25) };
         let exact = Arc::new(Exact(Vortex::new(gas, free_stream, [5.0, 5.0], 1.0, 0.2, None).unwrap()));
-        let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap() };
+        let law = NavierStokes {
+            gas,
+            riemann: Riemann::Roe,
+            reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap(),
+        };
         let (lower, upper, cells) = ([0.0; 2], [10.0; 2], [cells; 2]);
-        let mesh = BoxMesh { lower, upper, cells, order, curving: Curving::None, periodic: [false; 2] }.build().unwrap();
+        let mesh =
+            BoxMesh { lower, upper, cells, order, curving: Curving::None, periodic: [false; 2] }.build().unwrap();
         let numbering = NodeNumbering::new(&mesh, order);
-        let boundary = || BoundaryCondition { condition: prescribed(), data: Some(exact.clone() as Arc<dyn StateField<2, 4>>) };
+        let boundary =
+            || BoundaryCondition { condition: prescribed(), data: Some(exact.clone() as Arc<dyn StateField<2, 4>>) };
         let problem = Problem { law, boundaries: (0..4).map(|_| boundary()).collect(), source: None };
         let orders = Orders { flow: order, mesh: order, time: time_order };
         let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
@@ -72,16 +78,34 @@ impl VortexRun {
             (0..4).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
             constrained
         };
-        let elastic = ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), Stiffness::Constant, &constrained).unwrap();
+        let elastic =
+            ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), Stiffness::Constant, &constrained)
+                .unwrap();
         let mesh_weights = weights::mesh(&elastic, &mesh, &numbering, time_order);
         let positions = elastic.coordinates().to_vec();
         let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
         let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
         let motion = MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 };
         let u = coupled::interpolate(&flow, exact.as_ref(), 0.0);
-        let newton = newton::Settings { relative_tolerance: tolerance, absolute_tolerance: 1e-13, ..newton::Settings::default() };
-        let settings = Settings { start: 0.0, end, slabs, newton, predictor, jacobian: Jacobian::Exact, max_halvings: 0, prove: true };
-        VortexRun { march: March::new(SlabProblem::new(flow, motion, mesh_weights), mesh, positions, u, settings), exact }
+        let newton = newton::Settings {
+            relative_tolerance: tolerance,
+            absolute_tolerance: 1e-13,
+            ..newton::Settings::default()
+        };
+        let settings = Settings {
+            start: 0.0,
+            end,
+            slabs,
+            newton,
+            predictor,
+            jacobian: Jacobian::Exact,
+            max_halvings: 0,
+            prove: true,
+        };
+        VortexRun {
+            march: March::new(SlabProblem::new(flow, motion, mesh_weights), mesh, positions, u, settings),
+            exact,
+        }
     }
 
     /// The L2 error of the density at the time reached.

@@ -133,7 +133,13 @@ pub struct March<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     /// A run of `problem` on `reference` (of the order of the mesh motion) from the flow `u` at one time; `positions` are those of
     /// the C0 nodes.
-    pub fn new(problem: SlabProblem<D, M, L>, reference: Mesh<D>, positions: Vec<[f64; D]>, u: Vec<f64>, settings: Settings) -> Self {
+    pub fn new(
+        problem: SlabProblem<D, M, L>,
+        reference: Mesh<D>,
+        positions: Vec<[f64; D]>,
+        u: Vec<f64>,
+        settings: Settings,
+    ) -> Self {
         let mut d = vec![0.0; problem.flow.mesh.field_len()];
         if let MeshMotion::Prescribed(_) = problem.motion {
             problem.motion.prescribed(&positions, settings.start, &mut d);
@@ -170,7 +176,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
             match self.attempt(interval) {
                 Ok((report, z)) => return Ok(self.accept(interval, rejected, report, &z)),
                 Err(source) if interval.halvings >= self.settings.max_halvings => {
-                    return Err(MarchError { slab: self.state.slab + 1, interval, halvings: interval.halvings, source });
+                    return Err(MarchError {
+                        slab: self.state.slab + 1,
+                        interval,
+                        halvings: interval.halvings,
+                        source,
+                    });
                 }
                 Err(source) => {
                     tracing::warn!(start = interval.start, end = interval.end, cause = %chain(&source), "slab rejected, halving it");
@@ -196,7 +207,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         self.improve_guess(&mut z, dt);
         let settings = &self.settings.newton;
         let report = match self.settings.jacobian {
-            Jacobian::Exact => newton::solve(&mut self.problem, &mut z, Some(&references), settings, &mut self.workspace)?,
+            Jacobian::Exact => {
+                newton::solve(&mut self.problem, &mut z, Some(&references), settings, &mut self.workspace)?
+            }
             Jacobian::FiniteDifference => {
                 let mut problem = FiniteDifference::new(&mut self.problem, Scheme::OneSided);
                 newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)?
@@ -273,7 +286,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         let mut r = vec![0.0; z.len()];
         let evaluated = self.problem.residual(z, &mut r);
         debug_assert!(evaluated.is_ok(), "the solution is admissible");
-        let through = (0..self.reference.boundary_names().len()).map(|b| self.problem.flow.through_boundary(b).to_vec()).collect();
+        let through = (0..self.reference.boundary_names().len())
+            .map(|b| self.problem.flow.through_boundary(b).to_vec())
+            .collect();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
         self.problem.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
@@ -297,7 +312,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         let mut moments = vec![0.0; one.len()];
         let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
         flow.moments(&self.state.u, &row, &mut moments);
-        (0..M).map(|m| (0..one.cells).map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>()).sum()).collect()
+        (0..M)
+            .map(|m| {
+                (0..one.cells)
+                    .map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
+                    .sum()
+            })
+            .collect()
     }
 
     /// Marks the preconditioner stale when its iterations have grown too much since it was made.
@@ -313,7 +334,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     /// Proves det J > 0 for the motion of a slab.
     pub fn quality(&self, bottom: &[f64], v: &[f64], interval: Interval) -> MeshQuality {
         let (numbering, len) = (self.problem.flow.mesh.numbering(), bottom.len());
-        let times: Vec<f64> = std::iter::once(0.0).chain(self.problem.slab_motion.time().nodes().iter().copied()).collect();
+        let times: Vec<f64> =
+            std::iter::once(0.0).chain(self.problem.slab_motion.time().nodes().iter().copied()).collect();
         let dt = interval.end - interval.start;
         let mut displacements = vec![0.0; len * times.len()];
         for (s, d) in times.iter().zip(displacements.chunks_exact_mut(len)) {
@@ -334,7 +356,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
 
 /// The smallest bound and the smallest sample of all cells.
 fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuality {
-    let mut quality = MeshQuality { lower_bound: f64::INFINITY, sampled_min: f64::INFINITY, cell: 0, time: interval.start };
+    let mut quality =
+        MeshQuality { lower_bound: f64::INFINITY, sampled_min: f64::INFINITY, cell: 0, time: interval.start };
     for (cell, validity) in cells.iter().enumerate() {
         let bound = validity.bound();
         quality.lower_bound = quality.lower_bound.min(bound.lower);

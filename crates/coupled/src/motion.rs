@@ -60,7 +60,14 @@ impl<const D: usize> MeshMotion<D> {
     ///
     /// # Errors
     /// As [`ElasticMesh::solve`].
-    pub fn velocities(&self, motion: &SlabMotion, dt: f64, bottom: &[f64], g: &[f64], v: &mut [f64]) -> Result<usize, ElasticityError> {
+    pub fn velocities(
+        &self,
+        motion: &SlabMotion,
+        dt: f64,
+        bottom: &[f64],
+        g: &[f64],
+        v: &mut [f64],
+    ) -> Result<usize, ElasticityError> {
         match self {
             MeshMotion::Still => v.fill(0.0),
             MeshMotion::Prescribed(_) => {

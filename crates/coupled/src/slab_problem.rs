@@ -123,7 +123,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
     /// As [`ElasticMesh::solve`].
     pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
         let (_, dt) = self.flow.interval();
-        self.counts.elasticity_iterations += self.motion.velocities(&self.slab_motion, dt, &self.bottom, &self.prescribed, v)?;
+        self.counts.elasticity_iterations +=
+            self.motion.velocities(&self.slab_motion, dt, &self.bottom, &self.prescribed, v)?;
         self.set_velocities(v);
         Ok(())
     }
@@ -169,7 +170,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
             let jacobian = self.flow.space_jacobian(0.5);
             let old = self.preconditioner.take().map(|p| p.into_parts().1);
             let ordering = old.or_else(|| self.ordering.take());
-            self.preconditioner = Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
+            self.preconditioner =
+                Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
             self.counts.rebuilds += 1;
         } else if change(self.built_for.0, dt) || change(self.built_for.1, damping) {
             self.preconditioner.iter_mut().for_each(|p| p.refactor(dt, damping));

@@ -25,7 +25,8 @@ pub fn flow<const D: usize, const M: usize, L: ConservationLaw<D, M>>(operator: 
                 for i in 0..layout.nodes {
                     // A strongly curved cell may have a node of vanishing mass: it gets a share of the mean.
                     let mass = masses[one.index(cell, 0, m, i)].max(1e-2 * mean);
-                    weights[layout.index(cell, a, m, i)] = 1.0 / (scale * scale * mass * volume * layout.time_order as f64);
+                    weights[layout.index(cell, a, m, i)] =
+                        1.0 / (scale * scale * mass * volume * layout.time_order as f64);
                 }
             }
         }
@@ -34,7 +35,12 @@ pub fn flow<const D: usize, const M: usize, L: ConservationLaw<D, M>>(operator: 
 }
 
 /// Weights of the mesh equations in a slab of `time_order` nodes.
-pub fn mesh<const D: usize>(elastic: &ElasticMesh<D>, mesh: &Mesh<D>, numbering: &NodeNumbering, time_order: usize) -> Vec<f64> {
+pub fn mesh<const D: usize>(
+    elastic: &ElasticMesh<D>,
+    mesh: &Mesh<D>,
+    numbering: &NodeNumbering,
+    time_order: usize,
+) -> Vec<f64> {
     let spacing = node_spacing(mesh, numbering);
     let diagonal = elastic.diagonal();
     let count = (diagonal.len() * time_order) as f64;

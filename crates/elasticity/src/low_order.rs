@@ -149,12 +149,7 @@ impl<const D: usize> SubCells<D> {
 }
 
 /// Adds W block(grad phi_row, grad phi_column) for all pairs of functions.
-fn add_corner<const D: usize>(
-    lame: Lame,
-    corner: &Corner<D>,
-    unknowns: &[Option<usize>],
-    matrix: &mut BlockMatrix<D>,
-) {
+fn add_corner<const D: usize>(lame: Lame, corner: &Corner<D>, unknowns: &[Option<usize>], matrix: &mut BlockMatrix<D>) {
     for (row, grad_row) in &corner.gradients {
         for (column, grad_column) in &corner.gradients {
             if let (Some(row), Some(column)) = (unknowns[*row], unknowns[*column]) {
@@ -201,7 +196,11 @@ mod tests {
     use tensor::dot;
 
     /// The matrix of all nodes, none constrained, times a displacement.
-    fn product<const D: usize>(mesh: &Mesh<D>, order: usize, d: impl Fn(&[f64; D]) -> [f64; D]) -> (Vec<f64>, Vec<f64>) {
+    fn product<const D: usize>(
+        mesh: &Mesh<D>,
+        order: usize,
+        d: impl Fn(&[f64; D]) -> [f64; D],
+    ) -> (Vec<f64>, Vec<f64>) {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
@@ -234,11 +233,15 @@ mod tests {
 
     #[test]
     fn an_inverted_sub_cell_is_named() {
-        let sample = |x, y| Sample { position: [x, y], determinant: 1.0, inverse_jacobian: [[0.0; 2]; 2], stiffness: 1.0 };
+        let sample =
+            |x, y| Sample { position: [x, y], determinant: 1.0, inverse_jacobian: [[0.0; 2]; 2], stiffness: 1.0 };
         // The last corner is pulled over the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(vec![]);
         let error = SubCells::new(2).add_cell(material().lame(), 7, &samples, &[None; 4], &mut matrix).unwrap_err();
-        assert!(matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[1.0, 0.0]), "{error}");
+        assert!(
+            matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),
+            "{error}"
+        );
     }
 }

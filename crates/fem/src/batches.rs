@@ -50,8 +50,10 @@ impl Facets {
             })
         };
         let same = number(identity);
-        let interior: Vec<_> = mesh.interior_facets().iter().map(|f| (f.minus, (f.plus, number(f.orientation)), None)).collect();
-        let boundary: Vec<_> = mesh.boundary_facets().iter().map(|f| (f.side, (f.side, same), Some(f.boundary))).collect();
+        let interior: Vec<_> =
+            mesh.interior_facets().iter().map(|f| (f.minus, (f.plus, number(f.orientation)), None)).collect();
+        let boundary: Vec<_> =
+            mesh.boundary_facets().iter().map(|f| (f.side, (f.side, same), Some(f.boundary))).collect();
         let mut batches: Vec<FacetBatch> = interior.chunks(WIDTH).map(batch::<D>).collect();
         batches.extend(boundary.chunk_by(|a, b| a.2 == b.2).flat_map(|same| same.chunks(WIDTH)).map(batch::<D>));
         let of_face = faces_to_facets(&batches, mesh.n_cells() * 2 * D, 2 * D);

@@ -213,7 +213,12 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
 
 /// Jacobian matrix, mesh velocity, state and its reference gradient at the points.
 #[inline(always)]
-fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, viscous: bool, scratch: &mut CellScratch) {
+fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    viscous: bool,
+    scratch: &mut CellScratch,
+) {
     let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
     let CellScratch { jacobian, v, u, gradient, scratch: room, .. } = scratch;
     evaluate(simd, &tables.mesh, D, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
@@ -347,7 +352,13 @@ pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
 
 /// The state at point `p`; `u[b][m][p]`.
 #[inline(always)]
-pub(crate) fn load_state<const M: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack], points: usize, p: usize, part: usize) -> [T; M] {
+pub(crate) fn load_state<const M: usize, T: LaneNumber<S>, S: Simd>(
+    simd: S,
+    u: &[Pack],
+    points: usize,
+    p: usize,
+    part: usize,
+) -> [T; M] {
     let mut state = [T::load(simd, u, M * points, p, part); M];
     for m in 1..M {
         state[m] = T::load(simd, u, M * points, m * points + p, part);

@@ -208,7 +208,12 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Step 2: the mesh velocity at the points, the same from both sides.
 #[inline(always)]
-fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, instant: &Instant, scratch: &mut FacetScratch) {
+fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    instant: &Instant,
+    scratch: &mut FacetScratch,
+) {
     let g = K::GEOMETRY_BLOCKS;
     let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
     let FacetScratch { sides, velocity_now, v, scratch: room, .. } = scratch;
@@ -231,7 +236,13 @@ struct FacetPoint<G, const D: usize> {
 }
 
 #[inline(always)]
-fn facet_point<const D: usize, K: Mode, S: Simd>(simd: S, scratch: &FacetScratch, points: usize, p: usize, part: usize) -> FacetPoint<K::Geometry<S>, D> {
+fn facet_point<const D: usize, K: Mode, S: Simd>(
+    simd: S,
+    scratch: &FacetScratch,
+    points: usize,
+    p: usize,
+    part: usize,
+) -> FacetPoint<K::Geometry<S>, D> {
     let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[0].jacobian, points, p, part);
     let sign = Lanes::read(simd, &scratch.normal_sign, part);
     let mut v = [det; D];
@@ -268,11 +279,33 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
             let here = facet_point::<D, K, S>(simd, scratch, points, p, part);
             let minus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[0].u, points, p, part);
             let plus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[1].u, points, p, part);
-            let mut f = law.numerical_flux::<K::State<S>, K::Geometry<S>>(&minus, &plus, &here.n, tensor::dot(&here.n, &here.v));
+            let mut f = law.numerical_flux::<K::State<S>, K::Geometry<S>>(
+                &minus,
+                &plus,
+                &here.n,
+                tensor::dot(&here.n, &here.v),
+            );
             if viscous {
-                let (cof_plus, det_plus) = metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[1].jacobian, points, p, part);
-                let gradient_minus = physical_gradient::<D, M, K, S>(simd, &scratch.sides[0].gradient, points, p, part, &here.cof, here.det);
-                let gradient_plus = physical_gradient::<D, M, K, S>(simd, &scratch.sides[1].gradient, points, p, part, &cof_plus, det_plus);
+                let (cof_plus, det_plus) =
+                    metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[1].jacobian, points, p, part);
+                let gradient_minus = physical_gradient::<D, M, K, S>(
+                    simd,
+                    &scratch.sides[0].gradient,
+                    points,
+                    p,
+                    part,
+                    &here.cof,
+                    here.det,
+                );
+                let gradient_plus = physical_gradient::<D, M, K, S>(
+                    simd,
+                    &scratch.sides[1].gradient,
+                    points,
+                    p,
+                    part,
+                    &cof_plus,
+                    det_plus,
+                );
                 let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(&minus, &plus, &here.n);
                 let jump_flux_minus = law.viscous_flux(&minus, &jump);
                 let jump_flux_plus = law.viscous_flux(&plus, &jump);
@@ -289,8 +322,28 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
                 // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
                 let half = -0.5 * weight;
                 let [side_minus, side_plus] = &mut scratch.sides;
-                symmetric_term::<D, M, K, S>(&jump_flux_minus, &here.cof, here.det, here.area, half, points, p, part, &mut side_minus.tested_gradient);
-                symmetric_term::<D, M, K, S>(&jump_flux_plus, &cof_plus, det_plus, here.area, half, points, p, part, &mut side_plus.tested_gradient);
+                symmetric_term::<D, M, K, S>(
+                    &jump_flux_minus,
+                    &here.cof,
+                    here.det,
+                    here.area,
+                    half,
+                    points,
+                    p,
+                    part,
+                    &mut side_minus.tested_gradient,
+                );
+                symmetric_term::<D, M, K, S>(
+                    &jump_flux_plus,
+                    &cof_plus,
+                    det_plus,
+                    here.area,
+                    half,
+                    points,
+                    p,
+                    part,
+                    &mut side_plus.tested_gradient,
+                );
             }
             for m in 0..M {
                 let term = (f[m].scale(here.area) * weight).result();
@@ -305,7 +358,11 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
 
 /// (a - b) n, indexed `[direction][component]`.
 #[inline(always)]
-fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(a: &[T; M], b: &[T; M], n: &[G; D]) -> [[T; M]; D] {
+fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
+    a: &[T; M],
+    b: &[T; M],
+    n: &[G; D],
+) -> [[T; M]; D] {
     let mut product = [*a; D];
     for k in 0..D {
         for m in 0..M {
@@ -380,17 +437,29 @@ fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
             let mut f = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
             if viscous {
                 let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
-                let gradient = physical_gradient::<D, M, K, S>(simd, &scratch.sides[0].gradient, points, p, part, &here.cof, here.det);
+                let gradient = physical_gradient::<D, M, K, S>(
+                    simd,
+                    &scratch.sides[0].gradient,
+                    points,
+                    p,
+                    part,
+                    &here.cof,
+                    here.det,
+                );
                 let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(&minus, &state, n);
-                let through = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
-                let penalised = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
+                let through =
+                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
+                let penalised =
+                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
                 let sigma = here.area * here.det.abs().recip() * penalty;
                 for m in 0..M {
                     f[m] -= through[m] - penalised[m].scale(sigma);
                 }
                 let jump_flux = law.viscous_flux(&state, &jump);
                 let gradients = &mut scratch.sides[0].tested_gradient;
-                symmetric_term::<D, M, K, S>(&jump_flux, &here.cof, here.det, here.area, -weight, points, p, part, gradients);
+                symmetric_term::<D, M, K, S>(
+                    &jump_flux, &here.cof, here.det, here.area, -weight, points, p, part, gradients,
+                );
             }
             for m in 0..M {
                 (f[m].scale(here.area) * weight).result().write(&mut scratch.sides[0].tested[m * points + p], part);
@@ -402,7 +471,14 @@ fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
 
 /// Step 4: tests one side's terms in space and sends them to the time nodes.
 #[inline(always)]
-fn test<const D: usize, const M: usize, S: Simd>(simd: S, tables: &Tables<D>, instant: &Instant, viscous: bool, side: &mut SideScratch, room: &mut Scratch) {
+fn test<const D: usize, const M: usize, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    instant: &Instant,
+    viscous: bool,
+    side: &mut SideScratch,
+    room: &mut Scratch,
+) {
     let points = tables.facet_points();
     let nodes = tables.orders.flow.pow(D as u32 - 1);
     let SideScratch { terms, terms_now, tested, tested_gradient, .. } = side;

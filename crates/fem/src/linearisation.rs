@@ -126,7 +126,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         let traces = TraceSpace::new(&self.flow_faces, 2 * D, M, self.layout.nodes, self.problem.law.is_viscous());
         let (mut diagonal, mass) = self.cell_blocks(&frozen);
         let batches = self.facets.batches.par_iter();
-        let facets: Vec<FacetBlocks> = batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, &traces)).collect();
+        let facets: Vec<FacetBlocks> =
+            batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, &traces)).collect();
         let first = self.first_of_batches();
         diagonal.par_chunks_mut(block * block).enumerate().for_each(|(cell, diagonal)| {
             for face in 0..2 * D {
@@ -179,7 +180,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         (diagonal, mass)
     }
 
-    fn cell_batch_blocks(&self, batch: usize, frozen: &Frozen, scratch: &mut CellScratch, diagonal: &mut [f64], mass: &mut [f64]) {
+    fn cell_batch_blocks(
+        &self,
+        batch: usize,
+        frozen: &Frozen,
+        scratch: &mut CellScratch,
+        diagonal: &mut [f64],
+        mass: &mut [f64],
+    ) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
         let cells = cells_of(batch, self.layout.cells);
         gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
@@ -197,7 +205,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         for column in 0..block {
             scratch.state_now[block..2 * block].fill(Pack::ZERO);
             scratch.state_now[block + column] = Pack([1.0; WIDTH]);
-            let kernel = SpaceCells { context: &context, instant: &frozen.instant, scratch, mode: PhantomData::<AlongState> };
+            let kernel =
+                SpaceCells { context: &context, instant: &frozen.instant, scratch, mode: PhantomData::<AlongState> };
             self.arch.dispatch(kernel);
             write_column(&scratch.flux_now, block, column, diagonal);
             if column < nodes {
@@ -262,7 +271,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     }
 
     /// Runs the facet kernel along one unit direction: trace `column[1]` of side `column[0]`.
-    fn facet_column(&self, batch: &FacetBatch, frozen: &Frozen, column: [usize; 2], traces: &TraceSpace, scratch: &mut FacetScratch) {
+    fn facet_column(
+        &self,
+        batch: &FacetBatch,
+        frozen: &Frozen,
+        column: [usize; 2],
+        traces: &TraceSpace,
+        scratch: &mut FacetScratch,
+    ) {
         let len = frozen.traces.layout.kind_len();
         for packs in scratch.sides.iter_mut().flat_map(|side| &mut side.state) {
             packs[len..2 * len].fill(Pack::ZERO);
@@ -283,7 +299,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt, start };
         let instants = std::slice::from_ref(&frozen.instant);
         let mode = PhantomData::<AlongState>;
-        let kernel = FacetKernel { context: &context, instants, position_rows: &frozen.rows, weight: 1.0, across: &across, scratch, mode };
+        let kernel = FacetKernel {
+            context: &context,
+            instants,
+            position_rows: &frozen.rows,
+            weight: 1.0,
+            across: &across,
+            scratch,
+            mode,
+        };
         self.arch.dispatch(kernel);
     }
 }
@@ -309,7 +333,14 @@ impl FacetBlocks {
     }
 
     /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` lead to each side's own lattice.
-    fn write(&mut self, lane: usize, column: [usize; 2], traces: &TraceSpace, scratch: &FacetScratch, lattices: [&[usize]; 2]) {
+    fn write(
+        &mut self,
+        lane: usize,
+        column: [usize; 2],
+        traces: &TraceSpace,
+        scratch: &FacetScratch,
+        lattices: [&[usize]; 2],
+    ) {
         let [side, number] = column;
         let column = traces.permuted(number, lattices[side]);
         for row_side in 0..(if self.coupling.is_some() { 2 } else { 1 }) {

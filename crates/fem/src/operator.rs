@@ -93,7 +93,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     ///
     /// # Panics
     /// If the orders disagree with the mesh, or a boundary has no condition.
-    pub fn new(problem: Problem<D, M, L>, mesh: &Mesh<D>, numbering: NodeNumbering, orders: Orders, quadrature: Quadrature) -> Self {
+    pub fn new(
+        problem: Problem<D, M, L>,
+        mesh: &Mesh<D>,
+        numbering: NodeNumbering,
+        orders: Orders,
+        quadrature: Quadrature,
+    ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.boundaries.len(), "every boundary needs a condition");
         let tables = Tables::<D>::new(orders, quadrature);
@@ -185,11 +191,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     pub fn through_boundary(&self, boundary: usize) -> [f64; M] {
         let layout = self.state_traces.layout;
         let mut total = [0.0; M];
-        for (number, batch) in self.facets.batches.iter().enumerate().filter(|(_, batch)| batch.boundary == Some(boundary)) {
+        for (number, batch) in
+            self.facets.batches.iter().enumerate().filter(|(_, batch)| batch.boundary == Some(boundary))
+        {
             for lane in 0..batch.count {
                 let start = 2 * (number * WIDTH + lane) * layout.face_len();
                 // Test functions of values sum to one, in space and time.
-                for (tensor, values) in self.terms[start..start + layout.kind_len()].chunks_exact(layout.face_nodes).enumerate() {
+                for (tensor, values) in
+                    self.terms[start..start + layout.kind_len()].chunks_exact(layout.face_nodes).enumerate()
+                {
                     total[tensor % M] += values.iter().sum::<f64>();
                 }
             }
@@ -283,7 +293,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt: self.dt, start: self.start };
         let (instants, rows) = (&self.tables.instants, &self.position_rows[..self.tables.instants.len()]);
         let mode = PhantomData::<K>;
-        let kernel = FacetKernel { context: &context, instants, position_rows: rows, weight: self.dt, across: &across, scratch, mode };
+        let kernel = FacetKernel {
+            context: &context,
+            instants,
+            position_rows: rows,
+            weight: self.dt,
+            across: &across,
+            scratch,
+            mode,
+        };
         self.arch.dispatch(kernel);
         self.scatter_terms(batch, scratch, viscous, terms);
     }
@@ -304,7 +322,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
                 gather_trace(&mesh[..K::GEOMETRY_BLOCKS], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
                 if batch.boundary.is_none() {
                     gather_trace(&state[..K::STATE_BLOCKS], side, kind, &permutation.flow, lane, &mut plus.state[kind]);
-                    gather_trace(&mesh[..K::GEOMETRY_BLOCKS], side, kind, &permutation.mesh, lane, &mut plus.mesh[kind]);
+                    gather_trace(
+                        &mesh[..K::GEOMETRY_BLOCKS],
+                        side,
+                        kind,
+                        &permutation.mesh,
+                        lane,
+                        &mut plus.mesh[kind],
+                    );
                 }
             }
         }
@@ -317,7 +342,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
                 let permutation = if side == 0 { 0 } else { batch.plus[lane].1 };
                 let Permutation { flow, .. } = &self.facets.permutations[permutation];
-                for (kind, terms) in terms.chunks_exact_mut(layout.kind_len()).take(if viscous { 2 } else { 1 }).enumerate() {
+                for (kind, terms) in
+                    terms.chunks_exact_mut(layout.kind_len()).take(if viscous { 2 } else { 1 }).enumerate()
+                {
                     let packs = scratch.sides[side].terms[kind].chunks_exact(layout.face_nodes);
                     for (tensor, packs) in terms.chunks_exact_mut(layout.face_nodes).zip(packs) {
                         for (pack, &i) in packs.iter().zip(flow) {
@@ -334,7 +361,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     }
 
     /// Volume terms and facet terms of one batch of cells.
-    fn cell_batch<K: Mode>(&self, batch: usize, direction: Option<&[f64]>, scratch: &mut CellScratch, terms: &[f64], out: &mut [f64]) {
+    fn cell_batch<K: Mode>(
+        &self,
+        batch: usize,
+        direction: Option<&[f64]>,
+        scratch: &mut CellScratch,
+        terms: &[f64],
+        out: &mut [f64],
+    ) {
         let (layout, mesh_len) = (self.layout, self.mesh.cell_len());
         let (cells, cell_len) = (cells_of(batch, layout.cells), layout.cell_len());
         gather(cells.map(|c| &self.state[layout.cell(c)]), &mut scratch.state[..cell_len]);
@@ -410,7 +444,14 @@ fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -
 }
 
 /// Reads one kind of one side's traces into a lane, nodes reordered by `permutation`; one block per entry of `traces`.
-pub(crate) fn gather_trace(traces: &[&Traces], side: mesh::Side, kind: usize, permutation: &[usize], lane: usize, packs: &mut [tensor::Pack]) {
+pub(crate) fn gather_trace(
+    traces: &[&Traces],
+    side: mesh::Side,
+    kind: usize,
+    permutation: &[usize],
+    lane: usize,
+    packs: &mut [tensor::Pack],
+) {
     let len = traces[0].layout.kind_len();
     for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
         let nodes = traces.layout.face_nodes;

@@ -46,7 +46,8 @@ impl<const D: usize> Sampler<D> {
             .map(|j| along_axes::<D>(nodal, |axis| if axis == j { &self.mesh_derivatives } else { &self.mesh }))
             .collect();
         let n = self.points();
-        let jacobian = |p: usize| -> [[f64; D]; D] { std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p])) };
+        let jacobian =
+            |p: usize| -> [[f64; D]; D] { std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p])) };
         (0..n).map(|p| jacobian(p)).map(|m| determinant(&m, &cofactor(&m))).collect()
     }
 }

@@ -101,7 +101,8 @@ pub fn integrate<S: Simd>(
         let first_pass = axis + 1 == dimension;
         let with_gradients = parts != Parts::Values;
         for tensor in 0..=(if with_gradients { axis } else { 0 }) {
-            let output = if axis == 0 { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
+            let output =
+                if axis == 0 { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
             let mut fresh = axis > 0;
             let missing = first_pass && tensor == 0 && parts == Parts::Gradients;
             if !missing {
@@ -128,7 +129,15 @@ pub fn integrate<S: Simd>(
 
 /// Contracts into `output`, overwriting it when it is fresh.
 #[inline(always)]
-fn send<S: Simd>(simd: S, matrix: &basis::Matrix, outer: usize, inner: usize, input: &[Pack], output: &mut [Pack], fresh: bool) {
+fn send<S: Simd>(
+    simd: S,
+    matrix: &basis::Matrix,
+    outer: usize,
+    inner: usize,
+    input: &[Pack],
+    output: &mut [Pack],
+    fresh: bool,
+) {
     if fresh {
         contract(simd, matrix, outer, inner, input, output);
     } else {

@@ -78,7 +78,8 @@ impl FaceMaps {
     pub fn functionals(&self, face: usize, both: bool) -> Vec<Vec<(usize, f64)>> {
         let map = &self.faces[face];
         let values = map.on_face.iter().map(|&node| vec![(node, 1.0)]);
-        let line = |start: &usize| map.derivatives.iter().enumerate().map(|(k, &w)| (start + k * map.stride, w)).collect();
+        let line =
+            |start: &usize| map.derivatives.iter().enumerate().map(|(k, &w)| (start + k * map.stride, w)).collect();
         let derivatives = map.line_starts.iter().map(line);
         if both { values.chain(derivatives).collect() } else { values.collect() }
     }

@@ -35,16 +35,19 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         let (mesh, flow) = (&self.tables.mesh, &self.tables.flow);
         let tensor = |nodal: &[f64], line: &crate::tables::Line, derivative: Option<usize>| -> f64 {
             let weight = |i: usize| -> f64 {
-                (0..D).map(|d| {
-                    let matrix = if derivative == Some(d) { &line.derivatives } else { &line.values };
-                    matrix[(index[d], i / line.order.pow(d as u32) % line.order)]
-                }).product()
+                (0..D)
+                    .map(|d| {
+                        let matrix = if derivative == Some(d) { &line.derivatives } else { &line.values };
+                        matrix[(index[d], i / line.order.pow(d as u32) % line.order)]
+                    })
+                    .product()
             };
             nodal.iter().enumerate().map(|(i, value)| weight(i) * value).sum()
         };
         let nodes = position.len() / D;
-        let jacobian: [[f64; D]; D] =
-            std::array::from_fn(|i| std::array::from_fn(|j| tensor(&position[i * nodes..(i + 1) * nodes], mesh, Some(j))));
+        let jacobian: [[f64; D]; D] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| tensor(&position[i * nodes..(i + 1) * nodes], mesh, Some(j)))
+        });
         let det = determinant(&jacobian, &cofactor(&jacobian));
         if det.is_nan() || det <= 0.0 {
             return Some(("det J", det));

@@ -8,7 +8,12 @@ use verification::{Noise, curved_box, free_stream, law, operator, prescribed, re
 type Operator<const D: usize, const M: usize> = SlabOperator<D, M, NavierStokes<D>>;
 
 /// A slab whose mesh moves smoothly in space and at random in time, and the uniform state in it.
-fn moving_slab<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, riemann: Riemann, cells: usize) -> (Operator<D, M>, Vec<f64>)
+fn moving_slab<const D: usize, const M: usize>(
+    orders: Orders,
+    viscosity: Viscosity,
+    riemann: Riemann,
+    cells: usize,
+) -> (Operator<D, M>, Vec<f64>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -22,7 +27,9 @@ where
     let positions = node_positions(&mesh, orders.mesh);
     let field = |amplitude: f64, phase: f64| -> Vec<f64> {
         (positions.iter().enumerate())
-            .map(|(i, x)| amplitude * (3.0 * x[0] + 2.0 * x[1] + phase + (i % D) as f64).sin() * (2.0 * x[D - 1] + phase).cos())
+            .map(|(i, x)| {
+                amplitude * (3.0 * x[0] + 2.0 * x[1] + phase + (i % D) as f64).sin() * (2.0 * x[D - 1] + phase).cos()
+            })
             .collect()
     };
     operator.begin_slab(0.3, 0.1, &bottom, &field(0.02, 0.4));
@@ -32,7 +39,11 @@ where
     (operator, state)
 }
 
-fn uniform_coefficients<const D: usize, const M: usize>(operator: &Operator<D, M>, state: &[f64; M], slots: usize) -> Vec<f64>
+fn uniform_coefficients<const D: usize, const M: usize>(
+    operator: &Operator<D, M>,
+    state: &[f64; M],
+    slots: usize,
+) -> Vec<f64>
 where
     NavierStokes<D>: ConservationLaw<D, M>,
 {

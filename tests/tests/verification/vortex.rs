@@ -28,8 +28,15 @@ fn experiment() {
         let its: Vec<usize> = report.newton.steps.iter().map(|s| s.krylov_iterations).collect();
         println!(
             "{:3} t = {:.3} {:.2}s newton {:?} {:.1e} -> {:.1e} {:?} det {:.4} mass {:.2e}",
-            report.slab, report.interval.end, clock.elapsed().as_secs_f64(), its, report.newton.initial_norm, report.newton.final_norm(),
-            report.counts, report.quality.lower_bound, (report.totals[0] - before + out) / before
+            report.slab,
+            report.interval.end,
+            clock.elapsed().as_secs_f64(),
+            its,
+            report.newton.initial_norm,
+            report.newton.final_norm(),
+            report.counts,
+            report.quality.lower_bound,
+            (report.totals[0] - before + out) / before
         );
     }
     let d = run.march.state.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));

@@ -95,7 +95,14 @@ fn store(parts: &Parts, n: usize, stored: &mut [f32]) {
 }
 
 /// dt^2 A_jk D_k^{-1} A_kj for the later neighbours j of the cell k at `position`.
-fn fill(jacobian: &SpaceJacobian, links: &[Link], ordering: &Ordering, position: usize, dt: f64, inverse: &Parts) -> Vec<Update> {
+fn fill(
+    jacobian: &SpaceJacobian,
+    links: &[Link],
+    ordering: &Ordering,
+    position: usize,
+    dt: f64,
+    inverse: &Parts,
+) -> Vec<Update> {
     let t = jacobian.traces.len();
     let later = links.iter().filter(|link| ordering.positions[link.cell] > position);
     let update = |link: &Link| {
@@ -107,7 +114,11 @@ fn fill(jacobian: &SpaceJacobian, links: &[Link], ordering: &Ordering, position:
             let product = back * MatRef::from_row_major_slice(&inner, t, t) * there;
             (0..t * t).map(|i| dt * dt * product[(i / t, i % t)]).collect()
         };
-        Update { position: ordering.positions[link.cell], face: link.other_face, parts: inverse.iter().map(part).collect() }
+        Update {
+            position: ordering.positions[link.cell],
+            face: link.other_face,
+            parts: inverse.iter().map(part).collect(),
+        }
     };
     later.map(update).collect()
 }

@@ -32,11 +32,19 @@ pub struct FlowPreconditioner {
 impl FlowPreconditioner {
     /// Factors the modes of a slab of length `dt` around `jacobian`, damped by `damping` = dt / dtau. The order of
     /// elimination is found anew unless one is given.
-    pub fn new(layout: Layout, modes: TemporalModes, jacobian: SpaceJacobian, dt: f64, damping: f64, ordering: Option<Ordering>) -> Self {
+    pub fn new(
+        layout: Layout,
+        modes: TemporalModes,
+        jacobian: SpaceJacobian,
+        dt: f64,
+        damping: f64,
+        ordering: Option<Ordering>,
+    ) -> Self {
         let links = links(&jacobian, layout.cells);
         let ordering = ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, dt, modes.mean_shift()));
         let t = jacobian.traces.len();
-        let couplings = (jacobian.couplings.par_iter()).map(|c| [single(&c.minus_plus, t), single(&c.plus_minus, t)]).collect();
+        let couplings =
+            (jacobian.couplings.par_iter()).map(|c| [single(&c.minus_plus, t), single(&c.plus_minus, t)]).collect();
         let size = layout.cells * modes.forward.rows() * padded(jacobian.block);
         let mut preconditioner = FlowPreconditioner {
             layout,
@@ -131,7 +139,9 @@ impl FlowPreconditioner {
         let mut start = 0;
         for &end in &self.ordering.level_ends {
             let (done, rest) = result.split_at_mut(start * len);
-            let rows = rest[..(end - start) * len].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
+            let rows = rest[..(end - start) * len]
+                .par_chunks_exact_mut(len)
+                .zip(panel[start * len..].par_chunks_exact_mut(len));
             rows.enumerate().with_min_len(4).for_each(|(i, (z, c))| {
                 let position = start + i;
                 self.subtract(position, |k| (k < position).then(|| &done[k * len..(k + 1) * len]), c);
@@ -150,7 +160,8 @@ impl FlowPreconditioner {
         for (level, &end) in self.ordering.level_ends.iter().enumerate().rev() {
             let start = if level == 0 { 0 } else { self.ordering.level_ends[level - 1] };
             let (before, done) = result.split_at_mut(end * len);
-            let rows = before[start * len..].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
+            let rows =
+                before[start * len..].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
             rows.enumerate().with_min_len(4).for_each(|(i, (x, c))| {
                 let position = start + i;
                 c.fill(0.0);

@@ -21,7 +21,8 @@ pub struct Ordering {
 
 /// The order for lambda M + dt A with one real lambda.
 pub fn minimum_discarded_fill(jacobian: &SpaceJacobian, links: &[Vec<Link>], dt: f64, lambda: f64) -> Ordering {
-    let strengths: Vec<Vec<f64>> = (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
+    let strengths: Vec<Vec<f64>> =
+        (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
     by_level(&eliminate(links, &strengths), links)
 }
 
@@ -55,10 +56,14 @@ fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
     };
     let weight = |k: usize, gone: &[bool]| -> f64 {
         let alive = || links[k].iter().enumerate().filter(|(_, link)| !gone[link.cell]);
-        alive().flat_map(|(a, i)| alive().filter(move |(b, _)| *b != a).map(move |(b, _)| (i, b))).map(|(i, b)| (towards(k, i) * strengths[k][b]).powi(2)).sum()
+        alive()
+            .flat_map(|(a, i)| alive().filter(move |(b, _)| *b != a).map(move |(b, _)| (i, b)))
+            .map(|(i, b)| (towards(k, i) * strengths[k][b]).powi(2))
+            .sum()
     };
     let mut weights: Vec<f64> = (0..links.len()).map(|k| weight(k, &gone)).collect();
-    let mut queue: std::collections::BTreeSet<(u64, usize)> = weights.iter().enumerate().map(|(k, w)| (w.to_bits(), k)).collect();
+    let mut queue: std::collections::BTreeSet<(u64, usize)> =
+        weights.iter().enumerate().map(|(k, w)| (w.to_bits(), k)).collect();
     let mut order = Vec::with_capacity(links.len());
     while let Some((_, k)) = queue.pop_first() {
         gone[k] = true;

@@ -28,12 +28,21 @@ impl TemporalModes {
             .collect();
         let part = |z: c64, real: bool| if real { z.re } else { z.im };
         TemporalModes {
-            eigenvalues: modes.iter().map(|&k| if is_real(values[k]) { c64::new(values[k].re, 0.0) } else { values[k] }).collect(),
+            eigenvalues: modes
+                .iter()
+                .map(|&k| if is_real(values[k]) { c64::new(values[k].re, 0.0) } else { values[k] })
+                .collect(),
             forward: Matrix::from_fn(n, n, |column, a| part(inverse[(parts[column].0, a)], parts[column].1) / w[a]),
             backward: Matrix::from_fn(n, n, |a, column| {
                 let (k, real) = parts[column];
                 // Q_ak c_k plus its conjugate: 2 Re Q Re c - 2 Im Q Im c.
-                let twice = if is_real(values[k]) { 1.0 } else if real { 2.0 } else { -2.0 };
+                let twice = if is_real(values[k]) {
+                    1.0
+                } else if real {
+                    2.0
+                } else {
+                    -2.0
+                };
                 twice * part(q[(a, k)], real)
             }),
         }
@@ -69,7 +78,11 @@ mod tests {
             for &l in &modes.eigenvalues {
                 let old = scaled.clone();
                 if is_real(l) {
-                    scaled = Matrix::from_fn(order, order, |i, j| if i == column { l.re * old[(i, j)] } else { old[(i, j)] });
+                    scaled = Matrix::from_fn(
+                        order,
+                        order,
+                        |i, j| if i == column { l.re * old[(i, j)] } else { old[(i, j)] },
+                    );
                     column += 1;
                 } else {
                     scaled = Matrix::from_fn(order, order, |i, j| match i {
@@ -85,7 +98,10 @@ mod tests {
             for a in 0..order {
                 for b in 0..order {
                     let expected = time.slab_matrix()[(a, b)] / w[a] / w[b];
-                    assert!((rebuilt[(a, b)] - expected).abs() < 1e-9 * (1.0 + expected.abs()), "N_t = {order}: {a}, {b}");
+                    assert!(
+                        (rebuilt[(a, b)] - expected).abs() < 1e-9 * (1.0 + expected.abs()),
+                        "N_t = {order}: {a}, {b}"
+                    );
                 }
             }
         }

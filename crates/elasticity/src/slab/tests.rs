@@ -75,7 +75,7 @@ fn motion_has_order_one_more_than_its_nodes() {
         (1..40).map(|i| at(i as f64 / 40.0)).fold(0.0, f64::max)
     };
     for order in 1..=4 {
-        let found = (error(order, 0.5) / error(order, 0.25)).log2();
+        let found = (error(order, 0.1) / error(order, 0.05)).log2();
         assert!(found > order as f64 + 0.8, "N_t = {order}: order {found}");
     }
 }

@@ -102,7 +102,7 @@ impl<const D: usize> ValidityCheck<D> {
     pub fn new(order: usize, times: &[f64]) -> Self {
         // (degrees)
         let space = Direction::new(D * (order - 1) - 1);
-        let time = Direction::new((D-1) * (times.len() - 1));
+        let time = Direction::new(D * (times.len() - 1));
         let s: Vec<f64> = time.points.iter().map(|x| 0.5 + 0.5 * x).collect();
         ValidityCheck {
             order,

@@ -153,7 +153,7 @@ fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     let (low, high) = (g.bernstein.values[i] - g.margin, g.bernstein.values[i] + g.margin);
     match (low > 0.0, smallest > 0.0) {
         (false, _) => f64::NEG_INFINITY,
-        (true, true) => smallest / high,
+        (true, true) => smallest / low,
         (true, false) => smallest / low,
     }
 }
