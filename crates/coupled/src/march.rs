@@ -231,11 +231,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         guess
     }
 
-    /// Norms of the residual of the constant guess: what relative tolerances refer to.
+    /// Norms of the residual at the guess: what relative tolerances refer to. For the mesh it is the spacing
+    /// of nodes.
     fn references(&mut self, z: &[f64]) -> Result<Vec<f64>, Inadmissible> {
         let mut r = vec![0.0; z.len()];
         self.problem.residual(z, &mut r)?;
-        Ok(self.problem.field_norms(&r))
+        let mut norms = self.problem.field_norms(&r);
+        if self.problem.mesh_len() > 0 {
+            norms[0] = 1.0;
+        }
+        Ok(norms)
     }
 
     /// Replaces the flow's guess by the polynomial of the slab before, if that has the smaller residual.

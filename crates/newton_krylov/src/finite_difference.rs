@@ -99,6 +99,10 @@ impl<P: NonlinearProblem + ?Sized> NonlinearProblem for FiniteDifference<'_, P> 
         self.problem.linearise(z, inverse_pseudo_time)
     }
 
+    fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
+        self.problem.guess_increment(right_side, increment);
+    }
+
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
         if self.quotient(direction, out).is_err() {
             out.fill(f64::NAN);

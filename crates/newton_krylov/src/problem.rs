@@ -60,6 +60,13 @@ pub trait NonlinearProblem {
     /// [`Inadmissible`] if dR/dz is not defined at z.
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible>;
 
+    /// increment := a first guess of the solution of (newton-step), given -R. A problem whose matrix is block triangular can
+    /// solve the leading block here, exactly, and leave its part of all further directions zero. Zero if not overridden.
+    fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
+        debug_assert_eq!(right_side.len(), increment.len());
+        increment.fill(0.0);
+    }
+
     /// out := dR/dz direction, without T, at the point of linearisation.
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]);
 

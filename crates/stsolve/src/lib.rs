@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Schema => commands::schema(),
         Command::Run(arguments) | Command::Motion(arguments) => {
             let case = read(&arguments.case)?;
-            let _session = commands::Session::start(arguments, case.about(), None)?;
+            let _session = commands::Session::start(arguments, case.about(), case.output_directory())?;
             Ok(())
         }
     }

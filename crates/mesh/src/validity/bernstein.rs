@@ -227,6 +227,19 @@ mod tests {
     }
 
     #[test]
+    fn the_margin_covers_errors_of_the_values() {
+        let mut random = SplitMix64::new(5);
+        let directions = [7, 5].map(Direction::new);
+        for _ in 0..50 {
+            let (mut values, f) = random_polynomial(&directions, &mut random);
+            values.values.iter_mut().for_each(|value| *value += 1e-3 * random.symmetric().signum());
+            let enclosure = Polynomial::interpolate(&directions, values, 1e-3).enclose(&directions);
+            let x = [random.symmetric(), random.symmetric()];
+            assert!((f.value(&x) - bernstein_sum(&enclosure.bernstein, &x)).abs() <= enclosure.margin);
+        }
+    }
+
+    #[test]
     fn halves_are_the_same_polynomial() {
         let mut random = SplitMix64::new(3);
         let directions = [Direction::new(13), Direction::new(5)];

@@ -153,7 +153,7 @@ fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     let (low, high) = (g.bernstein.values[i] - g.margin, g.bernstein.values[i] + g.margin);
     match (low > 0.0, smallest > 0.0) {
         (false, _) => f64::NEG_INFINITY,
-        (true, true) => smallest / low,
+        (true, true) => smallest / high,
         (true, false) => smallest / low,
     }
 }
@@ -176,3 +176,21 @@ impl PartialEq for Part {
     }
 }
 impl Eq for Part {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn constant(value: f64, margin: f64) -> Enclosure {
+        Enclosure { bernstein: Lattice::new(vec![1], vec![value]), margin }
+    }
+
+    #[test]
+    fn the_ratio_takes_the_worse_end_of_the_denominator() {
+        let g = constant(1.0, 0.5);
+        assert_eq!(lower_ratio(&constant(2.5, 0.25), None, 0), 2.25);
+        assert_eq!(lower_ratio(&constant(2.5, 0.25), Some(&g), 0), 2.25 / 1.5);
+        assert_eq!(lower_ratio(&constant(-2.0, 0.25), Some(&g), 0), -2.25 / 0.5);
+        assert_eq!(lower_ratio(&constant(2.0, 0.0), Some(&constant(1.0, 1.0)), 0), f64::NEG_INFINITY);
+    }
+}

@@ -242,3 +242,25 @@ fn cells_are_decided_in_their_order() {
         assert!((answer.bound().sampled_min - ((cell + 1) as f64).powi(2)).abs() < 1e-10);
     }
 }
+
+/// Thin bilinear cells with coordinates on a grid of 2^-40: det J takes its minimum at a corner, known exactly in
+/// integers.
+#[test]
+fn the_bound_covers_round_off() {
+    let mut random = SplitMix64::new(21);
+    let check = ValidityCheck::<2>::new(2, &[0.0]);
+    for _ in 0..2000 {
+        let mut draw = |scale: f64| (scale * random.symmetric() * 2_f64.powi(40)) as i128;
+        let (long, thin) = ([draw(1.0), draw(1.0)], 1e-6);
+        let corner = |k: i128, draw: &mut dyn FnMut(f64) -> i128| long.map(|x| k % 2 * x + draw(thin));
+        let x: Vec<[i128; 2]> = (0..4).map(|k| corner(k, &mut draw)).collect();
+        let edge = |a: usize, b: usize| [x[b][0] - x[a][0], x[b][1] - x[a][1]];
+        let cross = |a: [i128; 2], b: [i128; 2]| a[0] * b[1] - a[1] * b[0];
+        let corners = [(0, 1, 0, 2), (0, 1, 1, 3), (2, 3, 0, 2), (2, 3, 1, 3)];
+        let exact = corners.into_iter().map(|(a, b, c, d)| cross(edge(a, b), edge(c, d))).min().unwrap_or(0);
+        let positions: Vec<f64> = x.iter().flatten().map(|x| *x as f64 * 2_f64.powi(-40)).collect();
+        // det J = (1/4) cross product in units of 2^-80; compared in integers of 2^-130.
+        let lower = (check.bound(&positions).lower * 2_f64.powi(130)).ceil() as i128;
+        assert!(lower <= exact << 48, "{lower} against {}", exact << 48);
+    }
+}

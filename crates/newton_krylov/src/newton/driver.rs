@@ -97,19 +97,21 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         Ok(Attempt { linear, search })
     }
 
-    /// (newton-step): dz from zero.
+    /// (newton-step): dz from the problem's guess.
     fn solve_linear(&mut self, forcing: f64) -> Result<fgmres::Report, fgmres::Error> {
         let w = &mut *self.workspace;
         scaled_copy(-1.0, &w.residual, &mut w.right_side);
-        w.increment.fill(0.0);
-        let settings =
-            fgmres::Settings { relative_tolerance: forcing, absolute_tolerance: 0.0, ..self.settings.krylov };
+        self.problem.guess_increment(&w.right_side, &mut w.increment);
+        // eta |R|, whatever the guess has left of it.
+        let norm = self.report.final_norm();
+        let absolute_tolerance = forcing * norm;
+        let settings = fgmres::Settings { relative_tolerance: 0.0, absolute_tolerance, ..self.settings.krylov };
         let mut system = Linearised { problem: &mut *self.problem, damped: self.pseudo_time.is_active() };
         let result = fgmres::solve(&mut system, &w.right_side, &mut w.increment, &settings, &mut w.krylov);
         let report = *result.as_ref().unwrap_or_else(fgmres::Error::report);
         self.report.krylov_iterations += report.iterations;
         self.report.jacobian_products += report.products;
-        let usable = report.final_norm <= self.settings.usable_linear_residual * report.initial_norm;
+        let usable = report.final_norm <= self.settings.usable_linear_residual * norm;
         if usable { Ok(report) } else { result }
     }
 
@@ -147,7 +149,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             residual_norm,
             field_norms,
             forcing,
-            linear_residual: attempt.linear.final_norm / attempt.linear.initial_norm,
+            linear_residual: attempt.linear.final_norm / self.report.final_norm(),
             krylov_iterations: attempt.linear.iterations,
             step_length: attempt.search.step_length,
             inverse_pseudo_time: self.pseudo_time.inverse().to_vec(),

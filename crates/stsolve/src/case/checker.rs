@@ -7,6 +7,7 @@ use super::raw::Formula;
 use super::vector::Vector;
 use crate::expression::{Names, Program};
 use navier_stokes::InvalidParameter;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// The result of a check.
@@ -16,6 +17,7 @@ pub(super) type Checked<T> = Result<T, CaseError>;
 pub(super) struct Checker<'a> {
     document: &'a Document,
     names: Names,
+    defaults: RefCell<Vec<(String, String)>>,
 }
 
 /// The name that stands for all boundaries that are not named.
@@ -24,23 +26,30 @@ const OTHERS: &str = "others";
 impl<'a> Checker<'a> {
     /// A checker of `document` that knows its `constants`.
     pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
-        let mut checker = Checker { document, names: Names::constants_only() };
+        let mut checker = Checker { document, names: Names::constants_only(), defaults: RefCell::default() };
         let table = Key::new("constants");
         // In the order of the text, so that a constant may use those above it.
         let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
         ordered.sort_by_key(|(key, ..)| document.position(key));
         for (key, name, formula) in ordered {
-            let accepted = "a name that is not in use: not x, y, z, t, pi or a function".to_owned();
-            let spelt = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
-                && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-            if checker.names.is_taken(name) || !spelt {
-                return Err(checker.error(&key, Cause::OutOfRange { quantity: format!("the name `{name}`"), accepted }));
-            }
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
             checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
-            checker.names.define(name, value);
+            if !checker.names.define(name, value) {
+                let accepted = "another name, of letters, digits and _; not x, y, z, t, pi or a function";
+                return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), accepted));
+            }
         }
         Ok(checker)
+    }
+
+    /// Takes note of a default that follows from other keys, with what was taken.
+    pub(super) fn note_default(&self, key: &Key, taken: &str) {
+        self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
+    }
+
+    /// The defaults noted.
+    pub(super) fn noted_defaults(&self) -> Vec<(String, String)> {
+        self.defaults.borrow().clone()
     }
 
     /// An error at `key`.
@@ -79,9 +88,23 @@ impl<'a> Checker<'a> {
         <[T; D]>::try_from(entries.to_vec()).map_err(|_| length())
     }
 
-    /// One number per axis, zeros if there are none.
-    pub(super) fn vector_or_zero<const D: usize>(&self, key: &Key, entries: Option<&Vec<f64>>) -> Checked<[f64; D]> {
-        entries.map_or(Ok([0.0; D]), |entries| self.vector(key, entries))
+    /// A finite number per axis.
+    pub(super) fn finite_vector<const D: usize>(&self, key: &Key, quantity: &str, entries: &[f64]) -> Checked<[f64; D]> {
+        let vector: [f64; D] = self.vector(key, entries)?;
+        for (axis, entry) in vector.iter().enumerate() {
+            self.require(&key.entry(axis), quantity, entry.is_finite(), "a finite number")?;
+        }
+        Ok(vector)
+    }
+
+    /// A finite number per axis, zeros if there are none.
+    pub(super) fn vector_or_zero<const D: usize>(
+        &self,
+        key: &Key,
+        quantity: &str,
+        entries: Option<&Vec<f64>>,
+    ) -> Checked<[f64; D]> {
+        entries.map_or(Ok([0.0; D]), |entries| self.finite_vector(key, quantity, entries))
     }
 
     /// What physics says of the value at `key`.

@@ -134,7 +134,8 @@ impl Document {
             descend(root.get_ref(), span.start, &mut key);
         }
         let value = self.find(&key).value.map(|span| self.excerpt(&span));
-        CaseError { place: self.place(&span), key: key.to_string(), value, cause: Cause::from_serde(error.message()) }
+        let cause = Cause::from_serde(error.message(), value.as_deref());
+        CaseError { place: self.place(&span), key: key.to_string(), value, cause }
     }
 
     /// The text at `span`, on one line, cut if it is long.
@@ -207,13 +208,13 @@ fn overwrite<'a>(table: &mut Table<'a>, option: Table<'a>, depth: usize) -> Resu
     match (table.get_mut(key.get_ref().as_ref()), value.into_inner()) {
         (Some(old), DeValue::Table(inner)) if depth > 1 => match old.get_mut() {
             DeValue::Table(old) => overwrite(old, inner, depth - 1),
-            other => Err(format!("`{}` is a {}, not a table: there are no keys in it", key.get_ref(), other.type_str())),
+            _ => Err(format!("`{}` is not a table: it has no keys", key.get_ref())),
         },
-        (Some(old), value) => {
-            *old = Spanned::new(span, value);
-            Ok(())
-        }
-        (None, value) => {
+        (old, value) => {
+            // A table is known by the place of its key. Otherwise the key stays: constants are defined in its order.
+            if value.is_table() || old.is_none() {
+                table.remove(key.get_ref().as_ref());
+            }
             table.insert(key, Spanned::new(span, value));
             Ok(())
         }

@@ -48,9 +48,17 @@ pub enum Cause {
     /// The file cannot be read.
     #[error("cannot read the case: {0}")]
     Read(#[source] std::io::Error),
-    /// The text is no TOML, or a value has the wrong type, or a key is missing.
+    /// The text is no TOML, or a key is missing.
     #[error("{0}")]
     Toml(String),
+    /// A value of the wrong type.
+    #[error("wrong type: {found}")]
+    Type {
+        /// What the value is.
+        found: String,
+        /// What is accepted.
+        accepted: String,
+    },
     /// A name that is not known here.
     #[error("unknown {kind} `{name}`")]
     Unknown {
@@ -70,7 +78,7 @@ pub enum Cause {
         accepted: String,
     },
     /// An array that does not have one entry per axis.
-    #[error("{found} entries in {dimension} dimensions")]
+    #[error("wrong number of entries: {found}, in {dimension} dimensions")]
     Length {
         /// How many there are.
         found: usize,
@@ -115,16 +123,28 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// The cause of a message of serde. Of an unknown name, it lists what is known, all between backticks.
-    pub(super) fn from_serde(message: &str) -> Self {
-        let kind = ["field", "variant"].into_iter().find(|kind| message.starts_with(&format!("unknown {kind} `")));
+    /// The cause of a `message` of serde about `value`. Of an unknown name, the message lists what is known, all between
+    /// backticks.
+    pub(super) fn from_serde(message: &str, value: Option<&str>) -> Self {
         let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
-        match (kind, names.next()) {
-            (Some(kind), Some(name)) => {
-                let kind = if kind == "field" { "key" } else { "choice" };
-                Cause::Unknown { kind, name, accepted: names.collect() }
+        for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
+            if let (true, Some(name)) = (message.starts_with(start), names.next()) {
+                return Cause::Unknown { kind, name, accepted: names.collect() };
             }
-            _ => Cause::Toml(message.to_owned()),
+        }
+        let described = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+        match described.and_then(|rest| rest.split_once(", expected ")) {
+            Some(("unit variant", _)) => {
+                let name = value.unwrap_or_default().trim_matches('"');
+                let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
+                Cause::Type { found: format!("`{name}` alone"), accepted }
+            }
+            Some((found, expected)) => Cause::Type { found: found.to_owned(), accepted: plain_type(expected) },
+            None if message.starts_with("wanted exactly 1 element") => {
+                let problem = "one choice is needed here, and only one".to_owned();
+                Cause::Combination { problem, accepted: "a table with a single key, the choice".to_owned() }
+            }
+            None => Cause::Toml(message.to_owned()),
         }
     }
 
@@ -133,11 +153,14 @@ impl Cause {
         match self {
             Cause::Unknown { accepted, .. } if accepted.is_empty() => Some("nothing: there are none here".to_owned()),
             Cause::Unknown { accepted, .. } => Some(quoted(accepted)),
-            Cause::OutOfRange { accepted, .. } | Cause::Combination { accepted, .. } => Some(accepted.clone()),
+            Cause::Type { accepted, .. } | Cause::OutOfRange { accepted, .. } | Cause::Combination { accepted, .. } => {
+                Some(accepted.clone())
+            }
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
             Cause::NoCondition { name, .. } => Some(format!(
                 "a key `{name}` in this table, or `others` for all boundaries that are not named"
             )),
+            Cause::Mesh(mesh::MeshError::Inverted { .. }) => Some("a smaller amplitude, or a higher order of the mesh".to_owned()),
             Cause::MovedAtStart { .. } => Some("a displacement that is zero everywhere at the start".to_owned()),
             _ => None,
         }
@@ -148,6 +171,20 @@ impl Cause {
             Cause::Unknown { name, accepted, .. } => crate::nearest::nearest(name, accepted.iter().map(String::as_str)),
             _ => None,
         }
+    }
+}
+
+/// A type of Rust, as serde names it, in the words of a case file.
+fn plain_type(expected: &str) -> String {
+    match expected {
+        "usize" | "u64" => "a whole number, 0 or more".to_owned(),
+        "f64" => "a number".to_owned(),
+        "a string" => "a text in quotes".to_owned(),
+        "a sequence" => "a list in brackets, [ ... ]".to_owned(),
+        "a map" => "a table".to_owned(),
+        _ if expected.starts_with("struct ") => "a table, { ... }".to_owned(),
+        _ if expected.starts_with("string or table") => "a name in quotes, or a table".to_owned(),
+        _ => expected.to_owned(),
     }
 }
 
@@ -163,9 +200,11 @@ impl fmt::Display for CaseError {
             Place::Option(option) => write!(f, "--set {option}: ")?,
             Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
         }
+        // An option that sets just this key says key and value itself.
+        let said = matches!(&self.place, Place::Option(option) if option.split('=').next().map(str::trim) == Some(&self.key));
         match (&self.key, &self.value) {
-            (key, Some(value)) if !key.is_empty() => write!(f, "`{key} = {value}`: ")?,
-            (key, None) if !key.is_empty() => write!(f, "`{key}`: ")?,
+            (key, Some(value)) if !said && !key.is_empty() => write!(f, "`{key} = {value}`: ")?,
+            (key, None) if !said && !key.is_empty() => write!(f, "`{key}`: ")?,
             _ => {}
         }
         write!(f, "{}", self.cause)?;

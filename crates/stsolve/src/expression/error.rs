@@ -75,7 +75,7 @@ fn did_you_mean(nearest: &Option<String>) -> String {
 impl fmt::Display for ExpressionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        writeln!(f, "{} at character {}", self.problem, self.position + 1)?;
+        writeln!(f, "at character {}: {}", self.position + 1, self.problem)?;
         writeln!(f, "    {line}")?;
         write!(f, "    {}{}", " ".repeat(self.position), "^".repeat(self.length.max(1)))
     }

@@ -63,6 +63,11 @@ fn next(characters: &[char], position: usize) -> Result<Token, (usize, Problem)>
     Ok(Token { kind, position, length })
 }
 
+/// Whether all of `text` is one name.
+pub(super) fn is_name(text: &str) -> bool {
+    matches!(tokens(text).as_deref(), Ok([Token { kind: Kind::Name(name), .. }, _]) if name == text)
+}
+
 fn is_name_start(c: char) -> bool {
     c.is_alphabetic() || c == '_'
 }

@@ -1,5 +1,6 @@
 //! What a name in a formula may mean.
 
+use super::lexer;
 use std::collections::BTreeMap;
 
 /// A quantity that a formula depends on.
@@ -98,14 +99,14 @@ impl Names {
         Names { time: true, ..self.clone() }
     }
 
-    /// Defines a constant.
-    pub fn define(&mut self, name: &str, value: f64) {
+    /// Defines a constant; false if `name` cannot be read as a name, or means something already in this or another formula.
+    pub fn define(&mut self, name: &str, value: f64) -> bool {
+        let taken = name == "t" || COORDINATES.contains(&name) || self.meaning(name).is_some();
+        if taken || !lexer::is_name(name) {
+            return false;
+        }
         self.constants.insert(name.to_owned(), value);
-    }
-
-    /// Whether `name` is taken already, by whatever it means in any formula.
-    pub fn is_taken(&self, name: &str) -> bool {
-        name == "t" || COORDINATES.contains(&name) || self.meaning(name).is_some()
+        true
     }
 
     pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {

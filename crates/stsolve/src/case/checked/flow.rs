@@ -55,6 +55,9 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
     let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
     let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
     let exact = exact.map(|typical| typical.state);
+    if initial.is_none() && exact.is_some() {
+        checker.note_default(&key.child("initial"), "flow.exact");
+    }
     let Some(initial) = initial.map(|typical| typical.state).or_else(|| exact.clone()) else {
         return Err(checker.combination(&key, "there is no initial state", "a key `initial`, or `exact` from which it is taken"));
     };
@@ -71,22 +74,39 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
+    let accepted = "a number above 1 (air: 1.4)";
+    checker.require(&key.child("gamma"), "the ratio of specific heats", raw.gamma > 1.0 && raw.gamma.is_finite(), accepted)?;
+    checker.positive(&key.child("prandtl"), "the Prandtl number", raw.prandtl)?;
     let gas_constant = match (raw.gas_constant, raw.mach) {
-        (given, None) => given.unwrap_or(1.0),
+        (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
+        (None, None) => {
+            checker.note_default(&key.child("gas_constant"), "1.0");
+            1.0
+        }
         (None, Some(mach)) => {
             let mach = checker.positive(&key.child("mach"), "the Mach number", mach)?;
             1.0 / (raw.gamma * mach * mach)
         }
         _ => return Err(checker.combination(key, "the gas constant is given twice", "`gas_constant` or `mach`")),
     };
-    let viscosity = match raw.viscosity {
-        raw::Viscosity::Inviscid => Viscosity::Inviscid,
-        raw::Viscosity::Constant(viscosity) => Viscosity::Constant(viscosity),
-        raw::Viscosity::Sutherland { viscosity, temperature, constant } => {
-            Viscosity::Sutherland { viscosity, temperature, constant }
-        }
-    };
+    let viscosity = viscosity(checker, &key.child("viscosity"), &raw.viscosity)?;
     checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity))
+}
+
+fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
+    match *raw {
+        raw::Viscosity::Inviscid => Ok(Viscosity::Inviscid),
+        raw::Viscosity::Constant(viscosity) => {
+            Ok(Viscosity::Constant(checker.positive(&key.child("constant"), "the viscosity", viscosity)?))
+        }
+        raw::Viscosity::Sutherland { viscosity, temperature, constant } => {
+            let key = key.child("sutherland");
+            for (name, value) in [("viscosity", viscosity), ("temperature", temperature), ("constant", constant)] {
+                checker.positive(&key.child(name), "the number", value)?;
+            }
+            Ok(Viscosity::Sutherland { viscosity, temperature, constant })
+        }
+    }
 }
 
 /// The reference state that is given, or the `stream`; with its speed and a length.
@@ -99,9 +119,13 @@ fn reference<const D: usize>(
 ) -> Checked<(Reference, f64, f64)> {
     let key_reference = key.child("reference");
     if let Some(raw) = raw {
-        let length = checker.positive(&key_reference.child("length"), "the length", raw.length)?;
+        let numbers =
+            [("density", raw.density), ("speed", raw.speed), ("pressure", raw.pressure), ("length", raw.length)];
+        for (name, value) in numbers {
+            checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
+        }
         let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
-        return Ok((checker.physics(&key_reference, reference)?, raw.speed, length));
+        return Ok((checker.physics(&key_reference, reference)?, raw.speed, raw.length));
     }
     let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
     let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
@@ -109,7 +133,10 @@ fn reference<const D: usize>(
         let problem = "the size of the velocity cannot be told from the exact or the initial state";
         return Err(checker.combination(&key_reference, problem, accepted));
     };
-    let reference = Reference::new(&gas, stream.density, speed, stream.pressure);
+    let (density, pressure) = (stream.density, stream.pressure);
+    let taken = format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
+    checker.note_default(&key_reference, &taken);
+    let reference = Reference::new(&gas, density, speed, pressure);
     Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
 }
 
@@ -187,19 +214,22 @@ fn condition<const D: usize>(
         }
         raw::Condition::AdiabaticWall(wall) => {
             let key = key.child("adiabatic_wall");
-            let slide = checker.vector_or_zero(&key.child("slide"), wall.slide.as_ref())?;
+            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
             Boundary::AdiabaticWall(checker.physics(&key, AdiabaticWall::new(slide))?)
         }
         raw::Condition::IsothermalWall(wall) => {
             let key = key.child("isothermal_wall");
-            let slide = checker.vector_or_zero(&key.child("slide"), wall.slide.as_ref())?;
-            Boundary::IsothermalWall(checker.physics(&key, IsothermalWall::new(wall.temperature, slide))?)
+            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
+            let temperature = checker.positive(&key.child("temperature"), "the temperature", wall.temperature)?;
+            Boundary::IsothermalWall(checker.physics(&key, IsothermalWall::new(temperature, slide))?)
         }
         raw::Condition::Inflow(inflow) => {
             let key = key.child("inflow");
             let direction = checker.vector(&key.child("direction"), &inflow.direction)?;
-            let inflow = Inflow::new(inflow.total_pressure, inflow.total_temperature, direction);
-            Boundary::Inflow(checker.physics(&key, inflow)?)
+            let pressure = checker.positive(&key.child("total_pressure"), "the pressure", inflow.total_pressure)?;
+            let temperature = checker.positive(&key.child("total_temperature"), "the temperature", inflow.total_temperature)?;
+            let inflow = Inflow::new(pressure, temperature, direction);
+            Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?)
         }
         raw::Condition::Outflow(outflow) => {
             Boundary::Outflow(checker.physics(&key.child("outflow").child("pressure"), Outflow::new(outflow.pressure))?)

@@ -1,7 +1,8 @@
 //! The mesh of a case.
 
-use super::{mesh_crate, mesh_error, order};
+use super::{mesh_crate, order};
 use crate::case::checker::{Checked, Checker};
+use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw::{Axis, BoxGenerator, Curving, Generate, Mesh};
 use mesh_crate::BoxMesh;
@@ -35,6 +36,9 @@ fn box_mesh<const D: usize>(checker: &Checker<'_>, raw: &BoxGenerator, order: us
         checker.require(&at("upper"), "the corner", extent > 0.0 && extent.is_finite(), "more than the same entry of `lower`")?;
         checker.at_least_one(&at("cells"), "the number of cells", cells[axis])?;
     }
+    // Checked before anything is allocated.
+    let nodes = cells.iter().fold(order.pow(D as u32), |product, n| product.saturating_mul(*n));
+    checker.require(&key.child("cells"), "the size of the mesh", nodes <= MOST_NODES, "fewer cells: at most 2^28 nodes in all")?;
     let ratios = match &raw.size_ratio {
         Some(ratios) => checker.vector(&key.child("size_ratio"), ratios)?,
         None => [1.0; D],
@@ -45,7 +49,8 @@ fn box_mesh<const D: usize>(checker: &Checker<'_>, raw: &BoxGenerator, order: us
     let periodic = periodic_axes(checker, &key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
     // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
-    generator.build_graded(ratios).map_err(|error| mesh_error(checker, &key.child("curving"), error))
+    let key = curving_key(&key.child("curving"), raw.curving);
+    generator.build_graded(ratios).map_err(|error| checker.error(&key, Cause::Mesh(error)))
 }
 
 fn box_key() -> Key {
@@ -60,6 +65,20 @@ fn periodic_axes<const D: usize>(checker: &Checker<'_>, key: &Key, axes: &[Axis]
         periodic[place] = true;
     }
     Ok(periodic)
+}
+
+/// Nodes of a mesh at most: coordinates of some gigabytes.
+const MOST_NODES: usize = 1 << 28;
+
+/// The key of the amplitude.
+fn curving_key(key: &Key, raw: Curving) -> Key {
+    let name = match raw {
+        Curving::None => return key.clone(),
+        Curving::Smooth { .. } => "smooth",
+        Curving::Wavy { .. } => "wavy",
+        Curving::Random { .. } => "random",
+    };
+    key.child(name).child("amplitude")
 }
 
 fn curving(raw: Curving) -> mesh_crate::Curving {

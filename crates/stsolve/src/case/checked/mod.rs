@@ -13,7 +13,7 @@ pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker};
 use super::document::Document;
-use super::error::{CaseError, Cause};
+use super::error::CaseError;
 use super::key::Key;
 use super::raw;
 // The crate, beside a module of the same name.
@@ -85,6 +85,14 @@ impl AnyCase {
         }
     }
 
+    /// The output directory that the case names, if it names one.
+    pub fn output_directory(&self) -> Option<&Path> {
+        match self {
+            AnyCase::Plane(case) => case.output.directory.as_deref(),
+            AnyCase::Space(case) => case.output.directory.as_deref(),
+        }
+    }
+
     /// What is known of the case apart from its numbers.
     pub fn about(&self) -> &About {
         match self {
@@ -106,12 +114,12 @@ impl<const D: usize> Case<D> {
         }
         time::check_solver(checker, &raw.solver)?;
         let output = time::check_output(checker, &raw.output, document.path())?;
-        Ok(Case { about: About::new(document, raw, &time), mesh, motion, flow, time, solver: raw.solver.clone(), output })
+        Ok(Case { about: About::new(checker, document, raw, &time), mesh, motion, flow, time, solver: raw.solver.clone(), output })
     }
 }
 
 impl About {
-    fn new(document: &Document, raw: &raw::Case, time: &Time) -> Self {
+    fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case, time: &Time) -> Self {
         let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
         let time = raw::Time { end: 0.0, slabs: None, step: Some(time.step), ..raw.time.clone() };
         let numerics = raw::Case { title: String::new(), output: raw::Output::default(), time, ..raw.clone() };
@@ -120,7 +128,7 @@ impl About {
             title: raw.title.clone(),
             resolved: as_toml(raw),
             numerics: as_toml(&numerics),
-            defaults: defaults_taken(document, raw),
+            defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
         }
     }
 }
@@ -143,7 +151,11 @@ fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, default
             table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
         }
         toml::Value::String(text) if text.is_empty() => {}
-        _ if document.position(key).is_none() => defaults.push((key.to_string(), value.to_string())),
+        _ if document.position(key).is_none() => {
+            // Rust writes small numbers shorter than TOML does.
+            let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+            defaults.push((key.to_string(), text));
+        }
         _ => {}
     }
 }
@@ -153,9 +165,4 @@ fn order(checker: &Checker<'_>, key: &Key, quantity: &str, order: usize) -> Chec
     let accepted = format!("{} to {} nodes per direction", mesh_crate::ORDERS.start(), mesh_crate::ORDERS.end());
     checker.require(key, quantity, mesh_crate::ORDERS.contains(&order), &accepted)?;
     Ok(order)
-}
-
-/// An error of the mesh, at `key`.
-fn mesh_error(checker: &Checker<'_>, key: &Key, error: mesh_crate::MeshError) -> CaseError {
-    checker.error(key, Cause::Mesh(error))
 }

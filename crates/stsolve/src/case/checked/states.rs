@@ -31,7 +31,8 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw:
         raw::State::Waves(waves) => {
             let key = key.child("waves");
             let mean = free_stream(checker, &key.child("mean"), &waves.mean, gas)?;
-            let state = checker.physics(&key, Waves::new(gas, mean, waves.amplitude, waves.length))?;
+            let length = checker.positive(&key.child("length"), "the period", waves.length)?;
+            let state = checker.physics(&key.child("amplitude"), Waves::new(gas, mean, waves.amplitude, length))?;
             Ok(Typical { state: State::Waves(state), stream: Some(mean) })
         }
         raw::State::Expression(primitive) => expression(checker, &key.child("expression"), primitive, gas),
@@ -46,16 +47,28 @@ fn vortex<const D: usize>(
     gas: Gas,
 ) -> Checked<Typical<D>> {
     let stream = free_stream(checker, &key.child("free_stream"), &raw.free_stream, gas)?;
-    let centre = checker.vector(&key.child("centre"), &raw.centre)?;
-    let vortex = Vortex::new(gas, stream, centre, raw.radius, strength, raw.period);
-    Ok(Typical { state: State::Vortex(checker.physics(key, vortex)?), stream: Some(stream) })
+    let centre = checker.finite_vector(&key.child("centre"), "the centre", &raw.centre)?;
+    let radius = checker.positive(&key.child("radius"), "the radius", raw.radius)?;
+    for (axis, length) in raw.period.into_iter().flatten().enumerate() {
+        checker.positive(&key.child("period").entry(axis), "the period", length)?;
+    }
+    let vortex = Vortex::new(gas, stream, centre, radius, strength, raw.period);
+    Ok(Typical { state: State::Vortex(checker.physics(&key.child("strength"), vortex)?), stream: Some(stream) })
 }
 
 fn couette<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Couette, gas: Gas) -> Checked<Typical<D>> {
-    let frame: [f64; D] = checker.vector_or_zero(&key.child("frame"), raw.frame.as_ref())?;
+    let frame: [f64; D] = checker.vector_or_zero(&key.child("frame"), "the velocity", raw.frame.as_ref())?;
+    for (name, value) in [
+        ("height", raw.height),
+        ("lower_temperature", raw.lower_temperature),
+        ("upper_temperature", raw.upper_temperature),
+        ("pressure", raw.pressure),
+    ] {
+        checker.positive(&key.child(name), "the number", value)?;
+    }
     let temperatures = [raw.lower_temperature, raw.upper_temperature];
     let couette = Couette::new(gas, raw.height, raw.speed, temperatures, raw.pressure, frame);
-    let state = State::Couette(checker.physics(key, couette)?);
+    let state = State::Couette(checker.physics(&key.child("speed"), couette)?);
     // The speed of the plate, relative to the other one, beside the state of the lower one.
     let mut velocity = [0.0; D];
     velocity[0] = raw.speed;
@@ -78,7 +91,7 @@ pub(super) fn free_stream<const D: usize>(
     gas: Gas,
 ) -> Checked<Primitive<f64, D>> {
     let density = checker.positive(&key.child("density"), "the density", raw.density)?;
-    let velocity: [f64; D] = checker.vector(&key.child("velocity"), &raw.velocity)?;
+    let velocity: [f64; D] = checker.finite_vector(&key.child("velocity"), "the velocity", &raw.velocity)?;
     let pressure = match (raw.pressure, raw.temperature, raw.mach) {
         (Some(pressure), None, None) => checker.positive(&key.child("pressure"), "the pressure", pressure)?,
         (None, Some(temperature), None) => {

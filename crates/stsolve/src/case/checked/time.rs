@@ -43,7 +43,10 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
     let accepted = format!("a time after the start, {}", raw.start);
     checker.require(&key.child("end"), "the end", duration > 0.0 && duration.is_finite(), &accepted)?;
     let (step, slabs) = match (raw.step, raw.slabs) {
-        (Some(step), None) => (step_length(checker, &key.child("step"), step)?, slabs_to_cover(duration, step)),
+        (Some(step), None) => {
+            let step = checker.positive(&key.child("step"), "the length of a slab", step)?.min(duration);
+            (step, slabs_to_cover(duration, step))
+        }
         (None, Some(slabs)) => {
             checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
             (duration / slabs as f64, slabs)
@@ -52,10 +55,6 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
     Ok(Time { order: raw.order, start: raw.start, end: raw.end, step, slabs })
-}
-
-fn step_length(checker: &Checker<'_>, key: &Key, step: f64) -> Checked<f64> {
-    checker.positive(key, "the length of a slab", step)
 }
 
 /// A step that fits up to round-off makes no sliver of a slab at the end.
