@@ -1,7 +1,7 @@
 //! The vortex of the paper (IV.A) on a mesh that stretches and follows it.
 
 use crate::prescribed;
-use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, Predictor, Settings, SlabProblem, weights};
+use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Settings, SlabProblem};
 use elasticity::{ElasticMesh, Material, Stiffness};
 use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, NodeNumbering};
@@ -81,8 +81,6 @@ impl VortexRun {
         let elastic =
             ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), Stiffness::Constant, &constrained)
                 .unwrap();
-        let mesh_weights = weights::mesh(&elastic, &mesh, &numbering, time_order);
-        let positions = elastic.coordinates().to_vec();
         let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
         let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
         let motion = MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 };

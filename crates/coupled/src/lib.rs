@@ -2,6 +2,7 @@
 
 mod initial;
 mod march;
+mod mesh_mover;
 mod motion;
 pub mod preconditioner;
 mod slab_problem;
@@ -9,7 +10,8 @@ mod state;
 pub mod weights;
 
 pub use initial::interpolate;
-pub use march::{Jacobian, March, MarchError, MeshQuality, Predictor, Settings, SlabError, SlabReport, chain};
+pub use march::{Jacobian, March, MarchError, Predictor, Settings, SlabError, SlabReport, chain};
+pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
 pub use slab_problem::{Counts, SlabProblem};
 pub use state::{Interval, Past, State};

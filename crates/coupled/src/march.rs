@@ -1,21 +1,23 @@
 //! The march from slab to slab.
 
+use crate::mesh_mover::MeshQuality;
 use crate::motion::MeshMotion;
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
 use fem::ConservationLaw;
-use mesh::{Mesh, Validity, ValidityCheck};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 
-/// Where the first guess of the mesh velocities in a slab comes from.
+/// The first guess of a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
-    /// The mesh in equilibrium with its boundary: Newton starts on the final mesh.
+    /// The flow extended, on the mesh in equilibrium with its boundary: Newton starts on the final mesh.
     Elastic,
     /// The polynomial of the slab before, extended: Newton moves mesh and flow together.
     Extrapolated,
+    /// The state and the position at the bottom.
+    Constant,
 }
 
 /// How Jacobian products are taken.
@@ -34,7 +36,9 @@ pub struct Settings {
     pub start: f64,
     /// The time at the end.
     pub end: f64,
-    /// Slabs of equal length that the run has, unless some are halved.
+    /// The length of a slab; the last may be shorter.
+    pub step: f64,
+    /// The slabs that the run has, unless some are halved.
     pub slabs: usize,
     /// The Newton driver. Its relative tolerance refers to the residual of the constant guess.
     pub newton: newton::Settings,
@@ -44,8 +48,6 @@ pub struct Settings {
     pub jacobian: Jacobian,
     /// How often a slab may be halved before the run gives up.
     pub max_halvings: u32,
-    /// Whether det J > 0 is proved in every cell of every slab.
-    pub prove: bool,
 }
 
 /// What a slab has done.
@@ -67,19 +69,6 @@ pub struct SlabReport {
     pub through: Vec<Vec<f64>>,
     /// The integral of every component at the top of the slab.
     pub totals: Vec<f64>,
-}
-
-/// The quality of the mesh over a slab.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshQuality {
-    /// Proved: det J / det J_0 is nowhere smaller.
-    pub lower_bound: f64,
-    /// The smallest det J / det J_0 seen.
-    pub sampled_min: f64,
-    /// The cell where it was seen.
-    pub cell: usize,
-    /// The time at which it was seen.
-    pub time: f64,
 }
 
 /// Why a slab could not be solved.
@@ -124,30 +113,18 @@ pub struct March<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// Where the run stands.
     pub state: State,
     settings: Settings,
-    positions: Vec<[f64; D]>,
-    reference: Mesh<D>,
-    check: ValidityCheck<D>,
     workspace: Workspace,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
-    /// A run of `problem` on `reference` (of the order of the mesh motion) from the flow `u` at one time; `positions` are those of
-    /// the C0 nodes.
-    pub fn new(
-        problem: SlabProblem<D, M, L>,
-        reference: Mesh<D>,
-        positions: Vec<[f64; D]>,
-        u: Vec<f64>,
-        settings: Settings,
-    ) -> Self {
-        let mut d = vec![0.0; problem.flow.mesh.field_len()];
-        if let MeshMotion::Prescribed(_) = problem.motion {
-            problem.motion.prescribed(&positions, settings.start, &mut d);
+    /// A run of `problem` from the flow `u` at one time.
+    pub fn new(problem: SlabProblem<D, M, L>, u: Vec<f64>, settings: Settings) -> Self {
+        let mut d = vec![0.0; problem.mover.field_len()];
+        if let MeshMotion::Prescribed(_) = problem.mover.motion {
+            problem.mover.prescribed(settings.start, &mut d);
         }
-        let times: Vec<f64> = std::iter::once(0.0).chain(problem.slab_motion.time().nodes().iter().copied()).collect();
-        let check = ValidityCheck::new(reference.order(), &times);
         let state = State::new(settings.start, u, d);
-        March { problem, state, settings, positions, reference, check, workspace: Workspace::default() }
+        March { problem, state, settings, workspace: Workspace::default() }
     }
 
     /// The settings.
@@ -166,15 +143,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     /// [`MarchError`]; the state is then that of the last slab that succeeded.
     pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
         if self.state.pending.is_empty() {
-            let (start, span) = (self.settings.start, self.settings.end - self.settings.start);
-            let at = |n: usize| start + span * (n as f64 / self.settings.slabs as f64);
-            self.state.pending.push(Interval { start: self.state.time, end: at(self.state.nominal + 1), halvings: 0 });
+            let Settings { start, end, step, slabs, .. } = self.settings;
+            let next = self.state.nominal + 1;
+            let end = if next == slabs { end } else { start + step * next as f64 };
+            self.state.pending.push(Interval { start: self.state.time, end, halvings: 0 });
         }
         let mut rejected = 0;
         loop {
             let Some(&interval) = self.state.pending.last() else { unreachable!("an interval was pushed above") };
             match self.attempt(interval) {
-                Ok((report, z)) => return Ok(self.accept(interval, rejected, report, &z)),
+                Ok((report, quality, z)) => return Ok(self.accept(interval, rejected, report, quality, &z)),
                 Err(source) if interval.halvings >= self.settings.max_halvings => {
                     return Err(MarchError {
                         slab: self.state.slab + 1,
@@ -194,17 +172,21 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     }
 
     /// Solves one slab from the current state.
-    fn attempt(&mut self, interval: Interval) -> Result<(newton::Report, Vec<f64>), SlabError> {
+    fn attempt(&mut self, interval: Interval) -> Result<(newton::Report, MeshQuality, Vec<f64>), SlabError> {
         let dt = interval.end - interval.start;
-        self.problem.begin(interval.start, dt, &self.state.u, &self.state.d, &self.positions);
+        self.problem.begin(interval.start, dt, &self.state.u, &self.state.d);
         let mut v = self.extrapolated_velocities(dt);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
+            // Before any flow is solved on it.
+            self.check_mesh(&v, interval)?;
         }
         let mut z = v[..self.problem.mesh_len()].to_vec();
         z.extend(self.constant_guess());
         let references = self.references(&z)?;
-        self.improve_guess(&mut z, dt);
+        if self.settings.predictor != Predictor::Constant {
+            self.improve_guess(&mut z, dt);
+        }
         let settings = &self.settings.newton;
         let report = match self.settings.jacobian {
             Jacobian::Exact => {
@@ -215,7 +197,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
                 newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)?
             }
         };
-        Ok((report, z))
+        let quality = self.check_mesh(self.problem.velocities(), interval)?;
+        Ok((report, quality, z))
+    }
+
+    /// The quality of the mesh, if it is proved to be valid.
+    fn check_mesh(&self, v: &[f64], interval: Interval) -> Result<MeshQuality, SlabError> {
+        let quality = self.problem.mover.quality(&self.state.d, v, interval);
+        if quality.is_valid() { Ok(quality) } else { Err(SlabError::Invalid { quality }) }
     }
 
     /// The state at the bottom, at every time node.
@@ -248,7 +237,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         let Some(past) = &self.state.past else { return };
         let (layout, range) = (self.problem.flow.layout, self.problem.flow_range());
         let mut candidate = z.to_vec();
-        let time = self.problem.slab_motion.time();
+        let time = self.problem.mover.slab_motion.time();
         for (a, s) in time.nodes().iter().enumerate() {
             let phi = time.extrapolation(dt / past.dt, *s);
             for cell in 0..layout.cells {
@@ -270,10 +259,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
 
     /// The velocities of the slab before, extended; at rest in the first slab.
     fn extrapolated_velocities(&self, dt: f64) -> Vec<f64> {
-        let time = self.problem.slab_motion.time();
+        let time = self.problem.mover.slab_motion.time();
         let len = self.problem.flow.mesh.field_len();
         let mut v = vec![0.0; len * time.order()];
-        let Some(past) = &self.state.past else { return v };
+        let past = self.state.past.as_ref().filter(|_| self.settings.predictor != Predictor::Constant);
+        let Some(past) = past else { return v };
         for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(len)) {
             for (phi, old) in time.extrapolation(dt / past.dt, *s).iter().zip(past.v.chunks_exact(len)) {
                 v.iter_mut().zip(old).for_each(|(v, old)| *v += phi * old);
@@ -283,7 +273,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(&mut self, interval: Interval, rejected: usize, newton: newton::Report, z: &[f64]) -> SlabReport {
+    fn accept(
+        &mut self,
+        interval: Interval,
+        rejected: usize,
+        newton: newton::Report,
+        quality: MeshQuality,
+        z: &[f64],
+    ) -> SlabReport {
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
@@ -291,18 +288,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         let mut r = vec![0.0; z.len()];
         let evaluated = self.problem.residual(z, &mut r);
         debug_assert!(evaluated.is_ok(), "the solution is admissible");
-        let through = (0..self.reference.boundary_names().len())
+        let through = (0..self.problem.mover.reference.boundary_names().len())
             .map(|b| self.problem.flow.through_boundary(b).to_vec())
             .collect();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
-        self.problem.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
+        self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         let one = layout.at_one_time();
         for cell in 0..layout.cells {
             self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
         }
         let totals = self.totals();
-        let quality = self.quality(&bottom, &v, interval);
         self.refresh_rule(&newton);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
@@ -335,43 +331,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
             self.problem.stale = true;
         }
     }
-
-    /// Proves det J > 0 for the motion of a slab.
-    pub fn quality(&self, bottom: &[f64], v: &[f64], interval: Interval) -> MeshQuality {
-        let (numbering, len) = (self.problem.flow.mesh.numbering(), bottom.len());
-        let times: Vec<f64> =
-            std::iter::once(0.0).chain(self.problem.slab_motion.time().nodes().iter().copied()).collect();
-        let dt = interval.end - interval.start;
-        let mut displacements = vec![0.0; len * times.len()];
-        for (s, d) in times.iter().zip(displacements.chunks_exact_mut(len)) {
-            self.problem.slab_motion.displacement(dt, bottom, v, *s, d);
-        }
-        let positions = |cell: usize, out: &mut [f64]| {
-            let reference = self.reference.cell_coordinates(cell);
-            for (d, out) in displacements.chunks_exact(len).zip(out.chunks_exact_mut(reference.len())) {
-                for (i, x) in out.iter_mut().enumerate() {
-                    *x = reference[i] + d[numbering.cell(cell)[i / D] * D + i % D];
-                }
-            }
-        };
-        let bounds = self.check.decide_cells_relative(&self.reference, positions);
-        worst(&bounds, interval)
-    }
-}
-
-/// The smallest bound and the smallest sample of all cells.
-fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuality {
-    let mut quality =
-        MeshQuality { lower_bound: f64::INFINITY, sampled_min: f64::INFINITY, cell: 0, time: interval.start };
-    for (cell, validity) in cells.iter().enumerate() {
-        let bound = validity.bound();
-        quality.lower_bound = quality.lower_bound.min(bound.lower);
-        if bound.sampled_min < quality.sampled_min {
-            let time = interval.start + bound.at.s * (interval.end - interval.start);
-            quality = MeshQuality { sampled_min: bound.sampled_min, cell, time, ..quality };
-        }
-    }
-    quality
 }
 
 /// An error and its causes in one line.

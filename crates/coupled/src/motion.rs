@@ -47,14 +47,6 @@ impl<const D: usize> MeshMotion<D> {
         }
     }
 
-    /// The displacements at the time nodes of the slab from `start` with length `dt`, `[time node][C0 node][component]`.
-    pub fn prescribed_in_slab(&self, motion: &SlabMotion, x: &[[f64; D]], start: f64, dt: f64, out: &mut [f64]) {
-        let nodes = motion.time().nodes();
-        for (s, out) in nodes.iter().zip(out.chunks_exact_mut(x.len() * D)) {
-            self.prescribed(x, start + s * dt, out);
-        }
-    }
-
     /// Velocities whose displacement meets the prescribed one `g` at the time nodes; for an elastic mesh in equilibrium at
     /// all of them, found from the guess in `v`. Returns the CG iterations.
     ///

@@ -6,9 +6,10 @@
 //!
 //! Motions that are prescribed everywhere leave V out of z.
 
+use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use crate::preconditioner::{FlowPreconditioner, Ordering, TemporalModes};
-use elasticity::{ElasticMesh, ElasticSlab, SlabMotion};
+use elasticity::{ElasticMesh, ElasticSlab};
 use fem::{ConservationLaw, SlabOperator, Violation};
 use newton_krylov::inner_product::{InnerProduct, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
@@ -40,9 +41,7 @@ pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>>
     /// The flow and the moving mesh.
     pub flow: SlabOperator<D, M, L>,
     /// The motion of the mesh.
-    pub motion: MeshMotion<D>,
-    /// The time basis of the motion.
-    pub slab_motion: SlabMotion,
+    pub mover: MeshMover<D>,
     /// What has been done since the counts were last taken.
     pub counts: Counts,
     /// Set to have the preconditioner rebuilt at the next linearisation.
@@ -63,10 +62,9 @@ pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>>
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M, L> {
-    /// The problem of `flow` on a mesh with the given motion; `mesh_weights` are those of the mesh equations, empty unless the
-    /// mesh is elastic.
-    pub fn new(flow: SlabOperator<D, M, L>, motion: MeshMotion<D>, mesh_weights: Vec<f64>) -> Self {
-        let slab_motion = SlabMotion::new(basis::RadauTime::new(flow.tables.orders.time));
+    /// The problem of `flow` on the mesh that `mover` moves.
+    pub fn new(flow: SlabOperator<D, M, L>, mover: MeshMover<D>) -> Self {
+        let mesh_weights = crate::weights::mesh(&mover, flow.tables.orders.time);
         let (mesh_len, velocity_len) = (mesh_weights.len(), flow.mesh.field_len() * flow.tables.orders.time);
         let flow_len = flow.layout.len();
         let mut fields = Vec::new();
@@ -91,9 +89,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
             built_for: (0.0, 0.0),
             mesh_work: vec![0.0; mesh_len],
             flow_work: vec![0.0; flow_len],
-            slab_motion,
             flow,
-            motion,
+            mover,
         }
     }
 
@@ -110,12 +107,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
         &self.velocities
     }
 
-    /// Moves to the slab from `start` of length `dt`, on top of the state `u` and the displacement `d`. `positions` are those
-    /// of the C0 nodes in the reference mesh.
-    pub fn begin(&mut self, start: f64, dt: f64, u: &[f64], d: &[f64], positions: &[[f64; D]]) {
+    /// Moves to the slab from `start` of length `dt`, on top of the state `u` and the displacement `d`.
+    pub fn begin(&mut self, start: f64, dt: f64, u: &[f64], d: &[f64]) {
         self.flow.begin_slab(start, dt, u, d);
         self.bottom.copy_from_slice(d);
-        self.motion.prescribed_in_slab(&self.slab_motion, positions, start, dt, &mut self.prescribed);
+        self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
         self.inverse_pseudo_time.fill(0.0);
     }
@@ -126,8 +122,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
     /// As [`ElasticMesh::solve`].
     pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
         let (_, dt) = self.flow.interval();
-        self.counts.elasticity_iterations +=
-            self.motion.velocities(&self.slab_motion, dt, &self.bottom, &self.prescribed, v)?;
+        self.counts.elasticity_iterations += self.mover.velocities(dt, &self.bottom, &self.prescribed, v)?;
         self.set_velocities(v);
         Ok(())
     }
@@ -147,12 +142,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
     }
 
     fn elastic(&self) -> Option<(ElasticSlab<'_, D>, f64)> {
-        let MeshMotion::Elastic { mesh, tolerance, .. } = &self.motion else { return None };
-        Some((ElasticSlab { mesh, motion: &self.slab_motion, dt: self.flow.interval().1 }, *tolerance))
+        let MeshMotion::Elastic { mesh, tolerance, .. } = &self.mover.motion else { return None };
+        Some((ElasticSlab { mesh, motion: &self.mover.slab_motion, dt: self.flow.interval().1 }, *tolerance))
     }
 
     fn elastic_mesh(&self) -> Option<&ElasticMesh<D>> {
-        let MeshMotion::Elastic { mesh, .. } = &self.motion else { return None };
+        let MeshMotion::Elastic { mesh, .. } = &self.mover.motion else { return None };
         Some(mesh)
     }
 
@@ -258,7 +253,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> NonlinearProblem 
         let (_, dt) = self.flow.interval();
         let ((w, x), (out_e, out_f)) = (direction.split_at(n), out.split_at_mut(n));
         if let Some(mesh) = self.elastic_mesh() {
-            let (diagonal, collocation) = (mesh.diagonal(), self.slab_motion.time().collocation());
+            let (diagonal, collocation) = (mesh.diagonal(), self.mover.slab_motion.time().collocation());
             let len = diagonal.len();
             for (i, out) in out_e.iter_mut().enumerate() {
                 let row = collocation.row(i / len);

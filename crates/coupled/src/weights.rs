@@ -5,7 +5,8 @@
 //! |R_e|^2 = (1 / n) sum (R_i / (K_ii h_i))^2                           an error of position, relative to the node spacing  (norm)
 //! ```
 
-use elasticity::ElasticMesh;
+use crate::mesh_mover::MeshMover;
+use crate::motion::MeshMotion;
 use fem::{ConservationLaw, SlabOperator};
 use mesh::{Mesh, NodeNumbering};
 
@@ -34,14 +35,10 @@ pub fn flow<const D: usize, const M: usize, L: ConservationLaw<D, M>>(operator: 
     weights
 }
 
-/// Weights of the mesh equations in a slab of `time_order` nodes.
-pub fn mesh<const D: usize>(
-    elastic: &ElasticMesh<D>,
-    mesh: &Mesh<D>,
-    numbering: &NodeNumbering,
-    time_order: usize,
-) -> Vec<f64> {
-    let spacing = node_spacing(mesh, numbering);
+/// Weights of the mesh equations in a slab of `time_order` nodes; empty unless the mesh is elastic.
+pub fn mesh<const D: usize>(mover: &MeshMover<D>, time_order: usize) -> Vec<f64> {
+    let MeshMotion::Elastic { mesh: elastic, .. } = &mover.motion else { return Vec::new() };
+    let spacing = node_spacing(&mover.reference, &mover.numbering);
     let diagonal = elastic.diagonal();
     let count = (diagonal.len() * time_order) as f64;
     let weight = |i: usize| 1.0 / ((diagonal[i] * spacing[i / D]).powi(2) * count);

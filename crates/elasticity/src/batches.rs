@@ -9,8 +9,8 @@ const NODES_PER_TASK: usize = 4096;
 
 /// The cells of a mesh, [`WIDTH`] at a time.
 ///
-/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes beyond the last cell
-/// repeat it; they are read but never assembled.
+/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes behind the last cell
+/// repeat it: they are computed, but not assembled.
 pub(crate) struct Batches<const D: usize> {
     cells: usize,
     nodes_per_cell: usize,
@@ -65,13 +65,9 @@ impl<const D: usize> Batches<D> {
     pub(crate) fn field_length(&self) -> usize {
         self.count() * self.cell_length()
     }
-    /// The cell in a lane of a batch.
+    /// The cell in a lane of a batch; behind the last cell, the last cell again.
     pub(crate) fn cell(&self, batch: usize, lane: usize) -> usize {
         (batch * WIDTH + lane).min(self.cells - 1)
-    }
-    /// Whether the lane holds a cell, and not a repetition of the last.
-    pub(crate) fn is_cell(&self, batch: usize, lane: usize) -> bool {
-        batch * WIDTH + lane < self.cells
     }
 
     /// One batch of a cell field from the nodal vector `d`, `[C0 node][component]`.

@@ -27,7 +27,7 @@ pub(crate) struct Operator<const D: usize> {
     lame: Lame,
     batches: Batches<D>,
     lines: Lines,
-    /// W and G, `[batch][point][1 + D D]`; W = 0 in lanes without a cell.
+    /// W and G, `[batch][point][1 + D D]`.
     metric: Vec<Pack>,
     workspaces: Pool<Workspace>,
 }
@@ -141,7 +141,6 @@ fn metric<const D: usize>(
         for lane in 0..WIDTH {
             let samples = sampler.cell(batches.cell(batch, lane))?;
             for ((weight, sample), entry) in weights.iter().zip(&samples).zip(metric.chunks_exact_mut(1 + D * D)) {
-                let weight = if batches.is_cell(batch, lane) { *weight } else { 0.0 };
                 entry[0].0[lane] = weight * sample.determinant * sample.stiffness;
                 for (pack, g) in entry[1..].iter_mut().zip(sample.inverse_jacobian.as_flattened()) {
                     pack.0[lane] = *g;
@@ -150,7 +149,9 @@ fn metric<const D: usize>(
         }
         Ok(())
     };
-    metric.par_chunks_mut(length).enumerate().map(fill).collect::<Result<(), _>>()?;
+    // All batches, then the first error: the same one for any number of threads.
+    let filled: Vec<Result<(), _>> = metric.par_chunks_mut(length).enumerate().map(fill).collect();
+    filled.into_iter().collect::<Result<(), _>>()?;
     Ok(metric)
 }
 

@@ -1,0 +1,152 @@
+//! The mesh of a run: how it moves, and the proof that it stays valid.
+
+use crate::motion::MeshMotion;
+use crate::state::Interval;
+use basis::RadauTime;
+use elasticity::{ElasticityError, SlabMotion};
+use mesh::{Mesh, NodeNumbering, Validity, ValidityCheck};
+
+/// The quality of the mesh over a slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshQuality {
+    /// Proved: det J / det J_0 is nowhere smaller.
+    pub lower_bound: f64,
+    /// The smallest det J / det J_0 seen.
+    pub sampled_min: f64,
+    /// The smallest ratio of the smallest to the largest det J / det J_0 seen in a cell.
+    pub scaled_jacobian: f64,
+    /// The cell where det J / det J_0 is smallest.
+    pub cell: usize,
+    /// The time at which it is.
+    pub time: f64,
+}
+
+impl MeshQuality {
+    /// Whether det J > 0 is proved everywhere.
+    pub fn is_valid(&self) -> bool {
+        self.lower_bound > 0.0
+    }
+
+    /// The worse of two in every respect.
+    pub fn worst(self, other: MeshQuality) -> MeshQuality {
+        let worse = if other.sampled_min < self.sampled_min { other } else { self };
+        MeshQuality {
+            lower_bound: self.lower_bound.min(other.lower_bound),
+            scaled_jacobian: self.scaled_jacobian.min(other.scaled_jacobian),
+            ..worse
+        }
+    }
+}
+
+/// The reference mesh and its motion, slab by slab.
+pub struct MeshMover<const D: usize> {
+    /// Where the displacement comes from.
+    pub motion: MeshMotion<D>,
+    /// The polynomials of a slab.
+    pub slab_motion: SlabMotion,
+    /// The mesh at rest.
+    pub reference: Mesh<D>,
+    /// Its C0 nodes.
+    pub numbering: NodeNumbering,
+    positions: Vec<[f64; D]>,
+    times: Vec<f64>,
+    check: ValidityCheck<D>,
+}
+
+impl<const D: usize> MeshMover<D> {
+    /// A mover of `reference` with `time_order` nodes per slab; `numbering` has the order of the mesh.
+    pub fn new(motion: MeshMotion<D>, reference: Mesh<D>, numbering: NodeNumbering, time_order: usize) -> Self {
+        let slab_motion = SlabMotion::new(RadauTime::new(time_order));
+        let times: Vec<f64> = std::iter::once(0.0).chain(slab_motion.time().nodes().iter().copied()).collect();
+        let check = ValidityCheck::new(reference.order(), &times);
+        let mut positions = vec![[0.0; D]; numbering.count];
+        for cell in 0..reference.n_cells() {
+            for (node, x) in numbering.cell(cell).iter().zip(reference.cell_coordinates(cell).chunks_exact(D)) {
+                positions[*node] = std::array::from_fn(|d| x[d]);
+            }
+        }
+        MeshMover { motion, slab_motion, reference, numbering, positions, times, check }
+    }
+
+    /// Entries of a displacement, `[C0 node][component]`.
+    pub fn field_len(&self) -> usize {
+        self.positions.len() * D
+    }
+    /// Reference positions of the C0 nodes.
+    pub fn positions(&self) -> &[[f64; D]] {
+        &self.positions
+    }
+
+    /// The displacement prescribed at time `t`; for an elastic mesh zero at free nodes.
+    pub fn prescribed(&self, t: f64, out: &mut [f64]) {
+        self.motion.prescribed(&self.positions, t, out);
+    }
+
+    /// The displacements prescribed at the time nodes of a slab, `[time node][C0 node][component]`.
+    pub fn prescribed_in_slab(&self, start: f64, dt: f64, out: &mut [f64]) {
+        let nodes = self.slab_motion.time().nodes();
+        for (s, out) in nodes.iter().zip(out.chunks_exact_mut(self.field_len())) {
+            self.prescribed(start + s * dt, out);
+        }
+    }
+
+    /// Velocities that meet the displacements `g` prescribed at the time nodes, from the guess in `v`. Returns the CG iterations.
+    ///
+    /// # Errors
+    /// As [`elasticity::ElasticMesh::solve`].
+    pub fn velocities(&self, dt: f64, bottom: &[f64], g: &[f64], v: &mut [f64]) -> Result<usize, ElasticityError> {
+        self.motion.velocities(&self.slab_motion, dt, bottom, g, v)
+    }
+
+    /// Proves det J > 0 for the motion of a slab.
+    pub fn quality(&self, bottom: &[f64], v: &[f64], interval: Interval) -> MeshQuality {
+        self.quality_until(bottom, v, interval, 1.0)
+    }
+
+    /// The same for its first part, s <= `part`.
+    fn quality_until(&self, bottom: &[f64], v: &[f64], interval: Interval, part: f64) -> MeshQuality {
+        let (dt, len) = (interval.end - interval.start, bottom.len());
+        let mut displacements = vec![0.0; len * self.times.len()];
+        for (s, d) in self.times.iter().zip(displacements.chunks_exact_mut(len)) {
+            self.slab_motion.displacement(dt, bottom, v, part * s, d);
+        }
+        let positions = |cell: usize, out: &mut [f64]| {
+            let reference = self.reference.cell_coordinates(cell);
+            for (d, out) in displacements.chunks_exact(len).zip(out.chunks_exact_mut(reference.len())) {
+                for (i, x) in out.iter_mut().enumerate() {
+                    *x = reference[i] + d[self.numbering.cell(cell)[i / D] * D + i % D];
+                }
+            }
+        };
+        let cells = self.check.decide_cells_relative(&self.reference, positions);
+        worst(&cells, Interval { end: interval.start + part * dt, ..interval })
+    }
+
+    /// The first time in a slab at which a cell is not proved to be valid, to a thousandth of the slab; `None` if all are.
+    pub fn first_invalid(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Option<f64> {
+        if self.quality(bottom, v, interval).is_valid() {
+            return None;
+        }
+        let (mut valid, mut invalid) = (0.0, 1.0);
+        while invalid - valid > 1e-3 {
+            let middle = 0.5 * (valid + invalid);
+            if self.quality_until(bottom, v, interval, middle).is_valid() { valid = middle } else { invalid = middle }
+        }
+        Some(interval.start + invalid * (interval.end - interval.start))
+    }
+}
+
+/// The smallest bound and the smallest sample of all cells.
+fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuality {
+    let quality = |(cell, validity): (usize, &Validity<D>)| {
+        let bound = validity.bound();
+        MeshQuality {
+            lower_bound: bound.lower,
+            sampled_min: bound.sampled_min,
+            scaled_jacobian: bound.scaled_jacobian(),
+            cell,
+            time: interval.start + bound.at.s * (interval.end - interval.start),
+        }
+    };
+    cells.iter().enumerate().map(quality).reduce(MeshQuality::worst).expect("a mesh has cells")
+}

@@ -1,0 +1,42 @@
+# shellcheck shell=bash
+# Sourced by the other scripts: where things are, what this machine has, and which HDF5 the build takes.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# Python packages that the build or the checks need, away from those of the system.
+venv=$root/.venv
+
+# Where cargo builds.
+target=${CARGO_TARGET_DIR:-target}
+[[ $target == /* ]] || target=$root/$target
+
+# rustup changes PATH only for shells that start after it.
+[[ ! -d $HOME/.cargo/bin ]] || PATH=$PATH:$HOME/.cargo/bin
+
+# Whether a command exists.
+has() {
+    command -v "$1" >/dev/null 2>&1
+}
+
+# version_at_least FOUND WANTED: whether a version "major.minor..." is new enough.
+version_at_least() {
+    local found_major found_minor wanted_major wanted_minor
+    IFS=. read -r found_major found_minor _ <<<"$1."
+    IFS=. read -r wanted_major wanted_minor _ <<<"$2."
+    ((found_major > wanted_major || (found_major == wanted_major && ${found_minor:-0} >= wanted_minor)))
+}
+
+# Whether the build finds an HDF5 library: named by the user, known to pkg-config, or Homebrew's.
+has_hdf5() {
+    [[ -n ${HDF5_DIR:-} ]] || { has pkg-config && pkg-config --exists hdf5; } ||
+        { has brew && [[ -d $(brew --prefix hdf5 2>/dev/null) ]]; }
+}
+
+# Without the system's library, HDF5 is built in; the tools for that may be those of `venv`.
+hdf5_feature=
+use_hdf5() {
+    has_hdf5 && return
+    hdf5_feature=stsolve/static-hdf5
+    PATH=$venv/bin:$PATH
+    [[ ! -x $venv/bin/ninja ]] || export CMAKE_GENERATOR=Ninja
+}
