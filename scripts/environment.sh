@@ -32,10 +32,12 @@ has_hdf5() {
         { has brew && [[ -d $(brew --prefix hdf5 2>/dev/null) ]]; }
 }
 
-# Without the system's library, HDF5 is built in; the tools for that may be those of `venv`.
+# Without the system's library, HDF5 is built in; the tools for that may be those of `venv`. `hdf5_feature` is for cargo.
+# shellcheck disable=SC2034
 hdf5_feature=
 use_hdf5() {
     has_hdf5 && return
+    # shellcheck disable=SC2034
     hdf5_feature=stsolve/static-hdf5
     PATH=$venv/bin:$PATH
     [[ ! -x $venv/bin/ninja ]] || export CMAKE_GENERATOR=Ninja

@@ -90,20 +90,11 @@ impl VortexRun {
             absolute_tolerance: 1e-13,
             ..newton::Settings::default()
         };
-        let settings = Settings {
-            start: 0.0,
-            end,
-            slabs,
-            newton,
-            predictor,
-            jacobian: Jacobian::Exact,
-            max_halvings: 0,
-            prove: true,
-        };
-        VortexRun {
-            march: March::new(SlabProblem::new(flow, motion, mesh_weights), mesh, positions, u, settings),
-            exact,
-        }
+        let step = end / slabs as f64;
+        let jacobian = Jacobian::Exact;
+        let settings = Settings { start: 0.0, end, step, slabs, newton, predictor, jacobian, max_halvings: 0 };
+        let mover = MeshMover::new(motion, mesh, numbering, time_order);
+        VortexRun { march: March::new(SlabProblem::new(flow, mover), u, settings), exact }
     }
 
     /// The L2 error of the density at the time reached.

@@ -136,10 +136,11 @@ impl<const D: usize> ElasticSlab<'_, D> {
             self.mesh.at_constrained(d, |i| r[i] / self.mesh.diagonal()[i]);
             self.mesh.solve(r, d, tolerance)
         };
-        let reports = w.par_chunks_exact_mut(length).zip(r.par_chunks_exact(length)).map(solve_node).collect();
+        let modes = w.par_chunks_exact_mut(length).zip(r.par_chunks_exact(length));
+        let reports: Vec<Result<_, _>> = modes.map(solve_node).collect();
         w.iter_mut().for_each(|d| *d /= self.dt);
         combine_nodes(self.motion.time.inverse_collocation(), w);
-        reports
+        reports.into_iter().collect()
     }
 }
 

@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Run(arguments) | Command::Motion(arguments) => {
             let case = read(&arguments.case)?;
             let _session = commands::Session::start(arguments, case.about(), case.output_directory())?;
-            Ok(())
+            Err(Failure::solve(anyhow::anyhow!("the solver is not connected to the command line")))
         }
     }
 }

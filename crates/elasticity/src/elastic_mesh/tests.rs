@@ -8,7 +8,7 @@ use tensor::dot;
 
 /// An affine displacement of the boundary must come back as the same affine displacement inside, if E is constant.
 fn patch_test<const D: usize>(cells: [usize; D], order: usize) {
-    let elastic = clamped(&unit_box(cells, order, 0.03), order, Stiffness::Constant);
+    let elastic = clamped(&unit_box(cells, order, 0.05), order, Stiffness::Constant);
     let gradient: [[f64; D]; D] =
         std::array::from_fn(|i| std::array::from_fn(|j| 0.2 + 0.1 * i as f64 - 0.3 * j as f64));
     let exact = nodal(&elastic, |x| gradient.map(|row| 0.5 + dot(&row, x)));
@@ -27,7 +27,7 @@ fn patch_test_on_curved_meshes_in_2d() {
 
 #[test]
 fn patch_test_on_curved_meshes_in_3d() {
-    for (cells, order) in [([3, 3, 4], 2), ([3, 2, 2], 3), ([2, 2, 3], 4), ([2, 2, 2], 7)] {
+    for (cells, order) in [([3, 3, 4], 2), ([3, 2, 2], 3), ([2, 2, 3], 4), ([1, 2, 1], 7)] {
         patch_test(cells, order);
     }
 }

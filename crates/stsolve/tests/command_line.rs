@@ -1,0 +1,120 @@
+//! The command as a user meets it: exit codes, messages, files.
+
+#![allow(clippy::unwrap_used)]
+
+use assert_cmd::Command;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+fn stsolve() -> Command {
+    let mut command = Command::cargo_bin("stsolve").unwrap();
+    command.env_remove("RUST_BACKTRACE");
+    command
+}
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
+}
+
+/// Runs with `arguments`; exit code, stdout, stderr.
+fn outcome(directory: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = stsolve().current_dir(directory).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+fn is_empty(directory: &TempDir) -> bool {
+    std::fs::read_dir(directory.path()).unwrap().next().is_none()
+}
+
+#[test]
+fn check_explains_every_shipped_case_and_writes_nothing() {
+    let directory = TempDir::new().unwrap();
+    for name in ["vortex", "vortex_sinusoidal", "free_stream", "free_stream_3d", "couette", "manufactured"] {
+        let case = shipped(&format!("{name}.toml"));
+        let (code, stdout, stderr) = outcome(directory.path(), &["check", case.to_str().unwrap()]);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{name}");
+        for part in [name, "Mach number", "flow unknowns", "defaults taken", "solver.newton_tolerance"] {
+            assert!(stdout.contains(part), "{name}: no {part}");
+        }
+    }
+    assert!(is_empty(&directory));
+}
+
+#[test]
+fn check_as_json_has_the_numbers() {
+    let case = shipped("vortex.toml");
+    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", case.to_str().unwrap(), "--set", "flow.order=6"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(code, 0);
+    assert_eq!(json["mesh"]["cells"], 100);
+    // 100 cells, 2 nodes in time, 4 components, 6^2 nodes.
+    assert_eq!(json["unknowns and memory"]["flow unknowns"], 28800);
+    assert!((json["flow"]["Mach number"].as_f64().unwrap() - 0.5).abs() < 1e-14);
+}
+
+#[test]
+fn the_schema_is_valid_json_and_lists_the_sections() {
+    let (code, stdout, _) = outcome(Path::new("."), &["schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(code, 0);
+    for section in ["title", "constants", "mesh", "motion", "flow", "time", "solver", "output"] {
+        assert!(schema["properties"][section].is_object(), "{section}");
+    }
+}
+
+#[test]
+fn bad_input_ends_with_code_2_names_the_place_and_writes_nothing() {
+    let directory = TempDir::new().unwrap();
+    let case = shipped("vortex.toml");
+    for command in ["run", "motion", "check"] {
+        let (code, stdout, stderr) = outcome(directory.path(), &[command, case.to_str().unwrap(), "--set", "flow.order=17"]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{command}");
+        assert_eq!(stderr, "error: --set flow.order=17: the order of the flow is out of range\n  accepted: 2 to 16 nodes per direction\n");
+    }
+    assert!(is_empty(&directory));
+}
+
+#[test]
+fn an_error_in_the_file_shows_its_line() {
+    let directory = TempDir::new().unwrap();
+    let text = std::fs::read_to_string(shipped("couette.toml")).unwrap();
+    let file = directory.path().join("damaged.toml");
+    std::fs::write(&file, text.replace("prandtl = 0.72", "prandlt = 0.72")).unwrap();
+    let (code, _, stderr) = outcome(directory.path(), &["run", "damaged.toml"]);
+    let line = text.lines().position(|line| line.contains("prandtl")).unwrap() + 1;
+    assert_eq!(code, 2);
+    assert!(stderr.starts_with(&format!("error: damaged.toml:{line}:")), "{stderr}");
+    assert!(stderr.contains("^^^^^^^") && stderr.contains("did you mean `prandtl`?"), "{stderr}");
+    assert!(!directory.path().join("runs").exists());
+}
+
+#[test]
+fn files_that_are_not_there_or_not_ours_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let (code, _, stderr) = outcome(directory.path(), &["run", "nowhere.toml"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("nowhere.toml") && stderr.contains("No such file"), "{stderr}");
+    std::fs::write(directory.path().join("text.vtkhdf"), "no HDF5").unwrap();
+    let (code, _, stderr) = outcome(directory.path(), &["info", "text.vtkhdf"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("text.vtkhdf"), "{stderr}");
+}
+
+#[test]
+fn an_output_directory_that_cannot_be_written_is_refused() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("file"), "").unwrap();
+    let case = shipped("free_stream.toml");
+    let (code, _, stderr) = outcome(directory.path(), &["run", case.to_str().unwrap(), "--output", "file/inside"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("cannot write into the output directory `file/inside`"), "{stderr}");
+}
+
+#[test]
+fn a_command_line_that_makes_no_sense_is_bad_input() {
+    for arguments in [&["walk"][..], &[], &["run"], &["run", "a.toml", "--threads", "0"], &["run", "a.toml", "-q", "-v"]] {
+        let (code, ..) = outcome(Path::new("."), arguments);
+        assert_eq!(code, 2, "{arguments:?}");
+    }
+}
