@@ -2,6 +2,7 @@
 
 mod initial;
 mod march;
+mod mesh_march;
 mod mesh_mover;
 mod motion;
 pub mod preconditioner;
@@ -11,7 +12,8 @@ pub mod weights;
 
 pub use initial::interpolate;
 pub use march::{Jacobian, March, MarchError, Predictor, Settings, SlabError, SlabReport, chain};
+pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
-pub use slab_problem::{Counts, SlabProblem};
+pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};

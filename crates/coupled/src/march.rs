@@ -1,7 +1,6 @@
 //! The march from slab to slab.
 
 use crate::mesh_mover::MeshQuality;
-use crate::motion::MeshMotion;
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
 use fem::ConservationLaw;
@@ -119,10 +118,7 @@ pub struct March<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     /// A run of `problem` from the flow `u` at one time.
     pub fn new(problem: SlabProblem<D, M, L>, u: Vec<f64>, settings: Settings) -> Self {
-        let mut d = vec![0.0; problem.mover.field_len()];
-        if let MeshMotion::Prescribed(_) = problem.mover.motion {
-            problem.mover.prescribed(settings.start, &mut d);
-        }
+        let d = problem.mover.displacement_at_start(settings.start);
         let state = State::new(settings.start, u, d);
         March { problem, state, settings, workspace: Workspace::default() }
     }
@@ -175,7 +171,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
     fn attempt(&mut self, interval: Interval) -> Result<(newton::Report, MeshQuality, Vec<f64>), SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d);
-        let mut v = self.extrapolated_velocities(dt);
+        let mut v = self.guess_velocities(dt);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
             // Before any flow is solved on it.
@@ -257,19 +253,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
         }
     }
 
-    /// The velocities of the slab before, extended; at rest in the first slab.
-    fn extrapolated_velocities(&self, dt: f64) -> Vec<f64> {
-        let time = self.problem.mover.slab_motion.time();
-        let len = self.problem.flow.mesh.field_len();
-        let mut v = vec![0.0; len * time.order()];
-        let past = self.state.past.as_ref().filter(|_| self.settings.predictor != Predictor::Constant);
-        let Some(past) = past else { return v };
-        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(len)) {
-            for (phi, old) in time.extrapolation(dt / past.dt, *s).iter().zip(past.v.chunks_exact(len)) {
-                v.iter_mut().zip(old).for_each(|(v, old)| *v += phi * old);
-            }
+    /// The first guess of the mesh velocities.
+    fn guess_velocities(&self, dt: f64) -> Vec<f64> {
+        let (time, len) = (self.problem.mover.slab_motion.time(), self.problem.mover.field_len());
+        match self.settings.predictor {
+            Predictor::Constant => vec![0.0; len * time.order()],
+            _ => self.state.extrapolated_velocities(time, len, dt),
         }
-        v
     }
 
     /// Moves the state to the top of the slab.

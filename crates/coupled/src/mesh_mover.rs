@@ -82,6 +82,15 @@ impl<const D: usize> MeshMover<D> {
         self.motion.prescribed(&self.positions, t, out);
     }
 
+    /// The displacement at the start of a run: prescribed where every node is, zero otherwise.
+    pub fn displacement_at_start(&self, t: f64) -> Vec<f64> {
+        let mut d = vec![0.0; self.field_len()];
+        if let MeshMotion::Prescribed(_) = self.motion {
+            self.prescribed(t, &mut d);
+        }
+        d
+    }
+
     /// The displacements prescribed at the time nodes of a slab, `[time node][C0 node][component]`.
     pub fn prescribed_in_slab(&self, start: f64, dt: f64, out: &mut [f64]) {
         let nodes = self.slab_motion.time().nodes();

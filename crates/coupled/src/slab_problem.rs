@@ -36,6 +36,23 @@ pub struct Counts {
     pub refactors: usize,
 }
 
+/// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frozen {
+    /// Start and length of the slab.
+    pub interval: (f64, f64),
+    /// Displacement at its bottom.
+    pub bottom: Vec<f64>,
+    /// Mesh velocities.
+    pub velocities: Vec<f64>,
+    /// The flow.
+    pub state: Vec<f64>,
+    /// Slab length and damping for which the modes are factored now.
+    pub built_for: (f64, f64),
+    /// The order of elimination.
+    pub ordering: Ordering,
+}
+
 /// The coupled problem of the current slab.
 pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The flow and the moving mesh.
@@ -55,8 +72,7 @@ pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>>
     /// Whether the increment that is being computed leaves the mesh alone.
     settled: bool,
     preconditioner: Option<FlowPreconditioner>,
-    ordering: Option<Ordering>,
-    built_for: (f64, f64),
+    frozen: Option<Frozen>,
     mesh_work: Vec<f64>,
     flow_work: Vec<f64>,
 }
@@ -85,8 +101,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
             counts: Counts::default(),
             stale: false,
             preconditioner: None,
-            ordering: None,
-            built_for: (0.0, 0.0),
+            frozen: None,
             mesh_work: vec![0.0; mesh_len],
             flow_work: vec![0.0; flow_len],
             flow,
@@ -175,26 +190,62 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
         }
     }
 
+    /// What the preconditioner is made of.
+    pub fn frozen(&self) -> Option<&Frozen> {
+        self.frozen.as_ref()
+    }
+
+    /// Makes the preconditioner again from what it was made of.
+    pub fn thaw(&mut self, frozen: Frozen) {
+        let (start, dt) = frozen.interval;
+        self.flow.begin_slab(start, dt, &vec![0.0; self.flow.layout.at_one_time().len()], &frozen.bottom);
+        self.flow.set_mesh(&frozen.velocities);
+        self.flow.linearise(&frozen.state);
+        self.build_preconditioner(frozen.built_for, Some(frozen.ordering.clone()));
+        self.frozen = Some(frozen);
+        self.velocities.fill(f64::NAN);
+    }
+
+    fn build_preconditioner(&mut self, (dt, damping): (f64, f64), ordering: Option<Ordering>) {
+        let modes = TemporalModes::new(&self.flow.tables.time);
+        let jacobian = self.flow.space_jacobian(0.5);
+        // The old one goes first: two at a time would double the memory.
+        self.preconditioner = None;
+        self.preconditioner = Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
+    }
+
     /// Builds, refactors or keeps the preconditioner of the flow.
     fn update_preconditioner(&mut self) {
-        let (_, dt) = self.flow.interval();
-        let damping = dt * self.inverse_pseudo_time.last().copied().unwrap_or(0.0);
+        let interval = self.flow.interval();
+        let built_for = (interval.1, interval.1 * self.inverse_pseudo_time.last().copied().unwrap_or(0.0));
         let change = |old: f64, new: f64| (old - new).abs() > 0.1 * old.abs().max(new.abs());
-        if self.stale || self.preconditioner.is_none() {
-            let modes = TemporalModes::new(&self.flow.tables.time);
-            let jacobian = self.flow.space_jacobian(0.5);
-            let old = self.preconditioner.take().map(|p| p.into_parts().1);
-            let ordering = old.or_else(|| self.ordering.take());
-            self.preconditioner =
-                Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
-            self.counts.rebuilds += 1;
-        } else if change(self.built_for.0, dt) || change(self.built_for.1, damping) {
-            self.preconditioner.iter_mut().for_each(|p| p.refactor(dt, damping));
-            self.counts.refactors += 1;
-        } else {
-            return;
+        match (&mut self.preconditioner, &mut self.frozen) {
+            (Some(preconditioner), Some(frozen)) if !self.stale => {
+                if change(frozen.built_for.0, built_for.0) || change(frozen.built_for.1, built_for.1) {
+                    preconditioner.refactor(built_for.0, built_for.1);
+                    frozen.built_for = built_for;
+                    self.counts.refactors += 1;
+                }
+            }
+            _ => self.freeze(interval, built_for),
         }
-        (self.stale, self.built_for) = (false, (dt, damping));
+    }
+
+    /// Freezes the flow's Jacobian here.
+    fn freeze(&mut self, interval: (f64, f64), built_for: (f64, f64)) {
+        let ordering = self.frozen.take().map(|frozen| frozen.ordering);
+        self.build_preconditioner(built_for, ordering);
+        let Some(preconditioner) = &self.preconditioner else { return };
+        self.frozen = Some(Frozen {
+            interval,
+            bottom: self.bottom.clone(),
+            velocities: self.velocities.clone(),
+            state: self.flow.linearisation().to_vec(),
+            built_for,
+            ordering: preconditioner.ordering().clone(),
+        });
+        self.counts.rebuilds += 1;
+        self.stale = false;
     }
 }
 

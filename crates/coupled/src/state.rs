@@ -1,5 +1,7 @@
 //! Where a run stands: all that the next slab depends on.
 
+use basis::RadauTime;
+
 /// A slab, or a part of one that was halved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
@@ -51,6 +53,18 @@ impl State {
     /// The state at the start of a run.
     pub fn new(time: f64, u: Vec<f64>, d: Vec<f64>) -> Self {
         State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), base_iterations: 0 }
+    }
+
+    /// The mesh velocities of the slab before, extended to one of length `dt`; at rest in the first slab.
+    pub fn extrapolated_velocities(&self, time: &RadauTime, field_len: usize, dt: f64) -> Vec<f64> {
+        let mut v = vec![0.0; field_len * time.order()];
+        let Some(past) = &self.past else { return v };
+        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(field_len)) {
+            for (phi, old) in time.extrapolation(dt / past.dt, *s).iter().zip(past.v.chunks_exact(field_len)) {
+                v.iter_mut().zip(old).for_each(|(v, old)| *v += phi * old);
+            }
+        }
+        v
     }
 
     /// Replaces the next interval by its halves.

@@ -53,6 +53,23 @@ impl<const D: usize> Batches<D> {
         self.starts = starts;
     }
 
+    /// The number of cells.
+    pub(crate) fn cells(&self) -> usize {
+        self.cells
+    }
+    /// The C0 nodes of a cell.
+    pub(crate) fn cell_nodes(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (batch, lane) = (cell / WIDTH, cell % WIDTH);
+        self.batch_nodes(batch).iter().skip(lane).step_by(WIDTH).copied()
+    }
+    /// In how many places of cells a C0 node lies.
+    pub(crate) fn multiplicity(&self, node: usize) -> usize {
+        self.starts[node + 1] - self.starts[node]
+    }
+    /// The C0 nodes of a batch, `[node][lane]`.
+    fn batch_nodes(&self, batch: usize) -> &[usize] {
+        &self.nodes[batch * self.nodes_per_cell * WIDTH..][..self.nodes_per_cell * WIDTH]
+    }
     /// The number of batches.
     pub(crate) fn count(&self) -> usize {
         self.cells.div_ceil(WIDTH)
@@ -72,7 +89,7 @@ impl<const D: usize> Batches<D> {
 
     /// One batch of a cell field from the nodal vector `d`, `[C0 node][component]`.
     pub(crate) fn gather(&self, batch: usize, d: &[f64], cell: &mut [Pack]) {
-        let nodes = &self.nodes[batch * self.nodes_per_cell * WIDTH..][..self.nodes_per_cell * WIDTH];
+        let nodes = self.batch_nodes(batch);
         for k in 0..self.nodes_per_cell {
             for lane in 0..WIDTH {
                 let node = nodes[k * WIDTH + lane];

@@ -1,14 +1,16 @@
-//! Sparse symmetric positive definite matrices, factored by faer.
+//! Symmetric positive definite matrices, sparse and dense, factored by faer.
 
 use crate::ElasticityError;
 use crate::pool::Pool;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::cholesky::llt::solve::solve_in_place;
+use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side, Spec};
 
 /// A symmetric matrix of D x D blocks, one block per pair of neighbouring nodes. Only the lower triangle is stored, by columns.
 pub(crate) struct BlockMatrix<const D: usize> {
@@ -94,16 +96,15 @@ const SEQUENTIAL: Par = Par::Seq;
 
 impl Cholesky {
     fn new(matrix: SparseColMatRef<'_, usize, f64>) -> Result<Self, ElasticityError> {
-        let failed = |cause: &dyn std::fmt::Debug| ElasticityError::NotDefinite { cause: format!("{cause:?}") };
         let (ordering, parameters) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, parameters)
-            .map_err(|e| failed(&e))?;
+        let symbolic =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, parameters).map_err(not_definite)?;
         let mut values = vec![0.0; symbolic.len_val()];
         let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(SEQUENTIAL, Spec::default()));
         let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
         symbolic
             .factorize_numeric_llt(&mut values, matrix, Side::Lower, regularization, SEQUENTIAL, stack, Spec::default())
-            .map_err(|e| failed(&e))?;
+            .map_err(not_definite)?;
         Ok(Cholesky { symbolic, values, scratch: Pool::new() })
     }
 
@@ -127,6 +128,34 @@ impl Cholesky {
         factor.solve_in_place_with_conj(Conj::No, right_hand_side, SEQUENTIAL, MemStack::new(&mut memory));
         self.scratch.give(memory);
     }
+}
+
+/// The factor L of a small dense matrix A = L L^T.
+pub(crate) struct DenseCholesky(Mat<f64>);
+
+impl DenseCholesky {
+    /// Factors the lower triangle of `matrix`.
+    pub(crate) fn new(mut matrix: Mat<f64>) -> Result<Self, ElasticityError> {
+        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(matrix.nrows(), SEQUENTIAL, Spec::default()));
+        let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
+        cholesky_in_place(matrix.as_mut(), regularization, SEQUENTIAL, stack, Spec::default()).map_err(not_definite)?;
+        Ok(DenseCholesky(matrix))
+    }
+
+    /// x = A^{-1} x for every column.
+    pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
+        // faer asks for memory here, but needs none.
+        solve_in_place(self.0.as_ref(), x, SEQUENTIAL, MemStack::new(&mut []));
+    }
+}
+
+/// target += scale left right.
+pub(crate) fn add_product(target: &mut Mat<f64>, scale: f64, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+    matmul(target.as_mut(), Accum::Add, left, right, scale, SEQUENTIAL);
+}
+
+fn not_definite(cause: impl std::fmt::Debug) -> ElasticityError {
+    ElasticityError::NotDefinite { cause: format!("{cause:?}") }
 }
 
 #[cfg(test)]

@@ -97,6 +97,10 @@ impl<const D: usize> ElasticMesh<D> {
         self.preconditioner.factor_entries()
     }
 
+    pub(crate) fn operator(&self) -> &Operator<D> {
+        &self.operator
+    }
+
     /// out = K d on all nodes, constrained or not. Nothing is allocated after a first call.
     pub fn apply(&self, d: &[f64], out: &mut [f64]) {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
@@ -158,7 +162,7 @@ impl<const D: usize> ElasticMesh<D> {
     }
 
     /// b = f_f - K_fc d_c at free nodes, 0 at the others.
-    fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
+    pub(crate) fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
         boundary.copy_from_slice(d);
         self.at_free(boundary, |_| 0.0);
         self.apply(boundary, b);

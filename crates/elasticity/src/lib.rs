@@ -12,7 +12,8 @@
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
-//! | `cholesky` | sparse factorisation; the only link to faer |
+//! | `condensation` | a direct solver: inner nodes eliminated, sparse Cholesky on the skeleton |
+//! | `cholesky` | sparse and dense factorisation, by faer on one thread |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and equilibrium in a time slab |
 //!
@@ -21,6 +22,7 @@
 
 mod batches;
 mod cholesky;
+mod condensation;
 mod elastic_mesh;
 mod errors;
 mod geometry;
@@ -33,6 +35,7 @@ mod stiffness;
 #[cfg(test)]
 mod testing;
 
+pub use condensation::Condensation;
 pub use elastic_mesh::ElasticMesh;
 pub use errors::ElasticityError;
 pub use material::{Lame, Material};

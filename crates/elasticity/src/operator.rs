@@ -101,6 +101,18 @@ impl<const D: usize> Operator<D> {
         self.workspaces.give(workspace);
     }
 
+    /// The matrices of the cells of one batch, `[column][row]`, column and row `[component][node]`.
+    pub(crate) fn cell_matrices(&self, batch: usize) -> Vec<Pack> {
+        let mut columns = zeroed(self.batches.cell_length().pow(2));
+        Arch::new().dispatch(CellMatrices { operator: self, batch, columns: &mut columns });
+        columns
+    }
+
+    /// The cells, in packs.
+    pub(crate) fn batches(&self) -> &Batches<D> {
+        &self.batches
+    }
+
     /// Work space for the threads there are now; a few tasks per thread, so that none waits long for another.
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
@@ -192,30 +204,51 @@ impl<const D: usize> WithSimd for ApplyToCells<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let ApplyToCells { operator, first, d, results, scratch } = self;
-        let Scratch { nodal, values, gradients, between } = scratch;
-        let lines = &operator.lines;
-        let (extents, block) = ([lines.interpolate.rows(); D], values.len());
-        for (offset, result) in results.chunks_exact_mut(nodal.len()).enumerate() {
-            operator.batches.gather(first + offset, d, nodal);
-            apply_all_axes(simd, &[&lines.interpolate; D], D, nodal, values, between);
-            for a in 0..D {
-                apply_axis(simd, &lines.differentiate, a, &extents, D, values, &mut gradients[a * block..][..block]);
-            }
-            apply_law::<S, D>(simd, operator.lame, operator.batch_metric(first + offset), gradients);
-            apply_axis(simd, &lines.differentiate_transposed, 0, &extents, D, &gradients[..block], values);
-            for a in 1..D {
-                apply_axis_add(
-                    simd,
-                    &lines.differentiate_transposed,
-                    a,
-                    &extents,
-                    D,
-                    &gradients[a * block..][..block],
-                    values,
-                );
-            }
-            apply_all_axes(simd, &[&lines.interpolate_transposed; D], D, values, result, between);
+        for (offset, result) in results.chunks_exact_mut(operator.batches.cell_length()).enumerate() {
+            operator.batches.gather(first + offset, d, &mut scratch.nodal);
+            operator.apply_to_batch(simd, first + offset, scratch, result);
         }
+    }
+}
+
+/// The matrices of the cells of one batch, column by column.
+struct CellMatrices<'a, const D: usize> {
+    operator: &'a Operator<D>,
+    batch: usize,
+    /// `[column][row]`, both of them `[component][node]`.
+    columns: &'a mut [Pack],
+}
+
+impl<const D: usize> WithSimd for CellMatrices<'_, D> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut scratch = self.operator.scratch();
+        for (number, column) in self.columns.chunks_exact_mut(self.operator.batches.cell_length()).enumerate() {
+            scratch.nodal.fill(Pack::ZERO);
+            scratch.nodal[number] = Pack([1.0; WIDTH]);
+            self.operator.apply_to_batch(simd, self.batch, &mut scratch, column);
+        }
+    }
+}
+
+impl<const D: usize> Operator<D> {
+    /// `result` = K of the cells of one batch times `scratch.nodal`.
+    #[inline(always)]
+    fn apply_to_batch<S: Simd>(&self, simd: S, batch: usize, scratch: &mut Scratch, result: &mut [Pack]) {
+        let Scratch { nodal, values, gradients, between } = scratch;
+        let Lines { interpolate, differentiate, interpolate_transposed, differentiate_transposed } = &self.lines;
+        let (extents, block) = ([interpolate.rows(); D], values.len());
+        apply_all_axes(simd, &[interpolate; D], D, nodal, values, between);
+        for a in 0..D {
+            apply_axis(simd, differentiate, a, &extents, D, values, &mut gradients[a * block..][..block]);
+        }
+        apply_law::<S, D>(simd, self.lame, self.batch_metric(batch), gradients);
+        apply_axis(simd, differentiate_transposed, 0, &extents, D, &gradients[..block], values);
+        for a in 1..D {
+            apply_axis_add(simd, differentiate_transposed, a, &extents, D, &gradients[a * block..][..block], values);
+        }
+        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between);
     }
 }
 

@@ -53,8 +53,8 @@ fn chain(error: &(dyn Error + 'static)) -> String {
     text
 }
 
-impl From<CaseError> for Failure {
-    fn from(error: CaseError) -> Self {
+impl From<Box<CaseError>> for Failure {
+    fn from(error: Box<CaseError>) -> Self {
         Failure::bad_input(error)
     }
 }
@@ -63,9 +63,12 @@ impl From<output::OutputError> for Failure {
     fn from(error: output::OutputError) -> Self {
         use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, OtherCase, Version};
         match error {
-            Directory { .. } | Busy { .. } | NoCheckpoint { .. } | Damaged { .. } | OtherCase { .. } | Version { .. } => {
-                Failure::bad_input(error)
-            }
+            Directory { .. }
+            | Busy { .. }
+            | NoCheckpoint { .. }
+            | Damaged { .. }
+            | OtherCase { .. }
+            | Version { .. } => Failure::bad_input(error),
             // The rest happens while results are written.
             _ => Failure::solve(error),
         }

@@ -40,3 +40,34 @@ fn level(verbosity: Verbosity) -> LevelFilter {
         _ => LevelFilter::DEBUG,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn records_are_lines_of_json_whatever_is_printed() {
+        let directory = tempfile::tempdir().unwrap();
+        let quiet = Verbosity { quiet: true, verbose: 0 };
+        start(directory.path(), false, quiet, &Terminal::default()).unwrap();
+        tracing::debug!(slab = 3, residual = 0.5, "newton step");
+        let log = std::fs::read_to_string(directory.path().join(LOG_FILE)).unwrap();
+        let record: serde_json::Value =
+            log.lines().map(|line| serde_json::from_str(line).unwrap()).next_back().unwrap();
+        assert_eq!(record["level"], "DEBUG");
+        assert_eq!((&record["fields"]["message"], &record["fields"]["slab"]), (&"newton step".into(), &3.into()));
+    }
+
+    #[test]
+    fn a_resumed_run_keeps_the_log() {
+        use std::io::Write;
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(LOG_FILE);
+        let write = |resume| writeln!(open(&path, resume).unwrap(), "line").unwrap();
+        [false, true].into_iter().for_each(write);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "line\nline\n");
+        write(false);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "line\n");
+    }
+}

@@ -38,7 +38,9 @@ mod tests {
 
     #[test]
     fn distances_are_counts_of_single_edits() {
-        for (a, b, distance) in [("", "abc", 3), ("order", "order", 0), ("ordr", "order", 1), ("oredr", "order", 1), ("roe", "hllc", 4)] {
+        for (a, b, distance) in
+            [("", "abc", 3), ("order", "order", 0), ("ordr", "order", 1), ("oredr", "order", 1), ("roe", "hllc", 4)]
+        {
             assert_eq!(edit_distance(a, b), distance, "{a} {b}");
             assert_eq!(edit_distance(b, a), distance, "{b} {a}");
         }

@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_slab_is_one_line() {
-        let slab = SlabDone { number: 12, time: 0.24, newton: 3, krylov: 27, residual: 1.25e-9 };
+        let slab = SlabDone { number: 12, time: 0.24, newton: 3, krylov: 27, residual: 1.2e-9 };
         assert_eq!(describe(&slab, 8.0), "slab 12  t = 0.240000 of 8  newton 3  krylov 27  residual 1.2e-9");
     }
 }

@@ -37,3 +37,23 @@ impl StopFlag {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn the_first_signal_sets_the_flag_and_the_process_lives() {
+        let flag = StopFlag::default();
+        flag.install(&Terminal::default()).unwrap();
+        assert!(!flag.is_set());
+        signal_hook::low_level::raise(SIGTERM).unwrap();
+        let begun = Instant::now();
+        while !flag.is_set() && begun.elapsed() < Duration::from_secs(10) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert!(flag.is_set());
+    }
+}

@@ -44,7 +44,8 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
 #[test]
 fn check_as_json_has_the_numbers() {
     let case = shipped("vortex.toml");
-    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", case.to_str().unwrap(), "--set", "flow.order=6"]);
+    let (code, stdout, _) =
+        outcome(Path::new("."), &["check", "--json", case.to_str().unwrap(), "--set", "flow.order=6"]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(code, 0);
     assert_eq!(json["mesh"]["cells"], 100);
@@ -68,9 +69,13 @@ fn bad_input_ends_with_code_2_names_the_place_and_writes_nothing() {
     let directory = TempDir::new().unwrap();
     let case = shipped("vortex.toml");
     for command in ["run", "motion", "check"] {
-        let (code, stdout, stderr) = outcome(directory.path(), &[command, case.to_str().unwrap(), "--set", "flow.order=17"]);
+        let (code, stdout, stderr) =
+            outcome(directory.path(), &[command, case.to_str().unwrap(), "--set", "flow.order=17"]);
         assert_eq!((code, stdout.as_str()), (2, ""), "{command}");
-        assert_eq!(stderr, "error: --set flow.order=17: the order of the flow is out of range\n  accepted: 2 to 16 nodes per direction\n");
+        assert_eq!(
+            stderr,
+            "error: --set flow.order=17: the order of the flow is out of range\n  accepted: 2 to 16 nodes per direction\n"
+        );
     }
     assert!(is_empty(&directory));
 }
@@ -113,7 +118,9 @@ fn an_output_directory_that_cannot_be_written_is_refused() {
 
 #[test]
 fn a_command_line_that_makes_no_sense_is_bad_input() {
-    for arguments in [&["walk"][..], &[], &["run"], &["run", "a.toml", "--threads", "0"], &["run", "a.toml", "-q", "-v"]] {
+    for arguments in
+        [&["walk"][..], &[], &["run"], &["run", "a.toml", "--threads", "0"], &["run", "a.toml", "-q", "-v"]]
+    {
         let (code, ..) = outcome(Path::new("."), arguments);
         assert_eq!(code, 2, "{arguments:?}");
     }

@@ -70,9 +70,9 @@ impl FlowPreconditioner {
         self.inverses = self.modes.eigenvalues.iter().map(factor).collect();
     }
 
-    /// Gives back the order of elimination, and the modes, for the next one.
-    pub fn into_parts(self) -> (TemporalModes, Ordering) {
-        (self.modes, self.ordering)
+    /// The order of elimination.
+    pub fn ordering(&self) -> &Ordering {
+        &self.ordering
     }
 
     /// Bytes held by factors and couplings.

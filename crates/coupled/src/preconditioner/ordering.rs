@@ -9,7 +9,7 @@ use fem::SpaceJacobian;
 use rayon::prelude::*;
 
 /// The cells in the order of elimination, and the ranges of positions that do not depend on each other.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ordering {
     /// The cell at each position.
     pub cells: Vec<usize>,

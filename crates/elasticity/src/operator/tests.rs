@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use crate::testing::{assembled, clamped, distance, largest, material, nodal, noise, unit_box};
-use crate::{ElasticMesh, Stiffness};
+use crate::{Condensation, ElasticMesh, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use tensor::dot;
 
@@ -105,7 +105,9 @@ fn same_bits_for_any_number_of_threads() {
             let elastic = clamped(&mesh, 4, GRADED);
             let mut solution = d.clone();
             let report = elastic.extend(&mut solution, 1e-10).unwrap();
-            (product(&elastic, &d), elastic.diagonal().to_vec(), solution, report)
+            let mut direct = d.clone();
+            Condensation::new(&elastic).unwrap().solve(&d, &mut direct);
+            (product(&elastic, &d), elastic.diagonal().to_vec(), solution, report, direct)
         })
     };
     let one = run(1);

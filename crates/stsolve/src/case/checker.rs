@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// The result of a check.
-pub(super) type Checked<T> = Result<T, CaseError>;
+pub(super) type Checked<T> = Result<T, Box<CaseError>>;
 
 /// The document that errors point into, and the constants that formulas may contain.
 pub(super) struct Checker<'a> {
@@ -53,7 +53,7 @@ impl<'a> Checker<'a> {
     }
 
     /// An error at `key`.
-    pub(super) fn error(&self, key: &Key, cause: Cause) -> CaseError {
+    pub(super) fn error(&self, key: &Key, cause: Cause) -> Box<CaseError> {
         self.document.error(key, cause)
     }
 
@@ -78,7 +78,7 @@ impl<'a> Checker<'a> {
     }
 
     /// An error of two keys that exclude or need each other.
-    pub(super) fn combination(&self, key: &Key, problem: &str, accepted: &str) -> CaseError {
+    pub(super) fn combination(&self, key: &Key, problem: &str, accepted: &str) -> Box<CaseError> {
         self.error(key, Cause::Combination { problem: problem.to_owned(), accepted: accepted.to_owned() })
     }
 
@@ -89,7 +89,12 @@ impl<'a> Checker<'a> {
     }
 
     /// A finite number per axis.
-    pub(super) fn finite_vector<const D: usize>(&self, key: &Key, quantity: &str, entries: &[f64]) -> Checked<[f64; D]> {
+    pub(super) fn finite_vector<const D: usize>(
+        &self,
+        key: &Key,
+        quantity: &str,
+        entries: &[f64],
+    ) -> Checked<[f64; D]> {
         let vector: [f64; D] = self.vector(key, entries)?;
         for (axis, entry) in vector.iter().enumerate() {
             self.require(&key.entry(axis), quantity, entry.is_finite(), "a finite number")?;

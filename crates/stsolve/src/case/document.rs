@@ -37,12 +37,10 @@ impl Document {
     ///
     /// # Errors
     /// A file that cannot be read or is no TOML, an option that is none.
-    pub fn read(path: &Path, options: &[String]) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|error| CaseError {
-            place: Place::Nowhere { path: path.to_owned() },
-            key: String::new(),
-            value: None,
-            cause: Cause::Read(error),
+    pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let place = Place::Nowhere { path: path.to_owned() };
+            CaseError::without_key(place, Cause::Read(error))
         })?;
         Self::parse(path, text, options)
     }
@@ -51,7 +49,7 @@ impl Document {
     ///
     /// # Errors
     /// As [`Document::read`], but for reading.
-    pub fn parse(path: &Path, text: String, options: &[String]) -> Result<Self, CaseError> {
+    pub fn parse(path: &Path, text: String, options: &[String]) -> Result<Self, Box<CaseError>> {
         let mut document = Document { path: path.to_owned(), texts: vec![text] };
         document.tree()?;
         for option in options {
@@ -68,17 +66,17 @@ impl Document {
     }
 
     /// Deserialises the document.
-    pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, CaseError> {
+    pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
         T::deserialize(toml::de::Deserializer::from(self.tree()?)).map_err(|error| self.toml_error(&error))
     }
 
     /// An error at `key`, or at the innermost table around it that was written.
-    pub(super) fn error(&self, key: &Key, cause: Cause) -> CaseError {
+    pub(super) fn error(&self, key: &Key, cause: Cause) -> Box<CaseError> {
         let found = self.find(key);
         let value = found.value.as_ref().map(|span| self.excerpt(span));
         // An unknown name is a key, anything else is wrong with the value.
         let at = found.value.filter(|_| !matches!(cause, Cause::Unknown { .. })).unwrap_or(found.key);
-        CaseError { place: self.place(&at), key: key.to_string(), value, cause }
+        Box::new(CaseError { place: self.place(&at), key: key.to_string(), value, cause })
     }
 
     /// Where the key was written, later keys having greater numbers; None if it was not.
@@ -88,25 +86,20 @@ impl Document {
     }
 
     /// The file with the options written over it. Parsed anew whenever it is needed: it borrows from the text.
-    fn tree(&self) -> Result<Spanned<Table<'_>>, CaseError> {
+    fn tree(&self) -> Result<Spanned<Table<'_>>, Box<CaseError>> {
         let mut root = self.parse_text(&self.texts[0])?;
         for text in &self.texts[1..] {
-            overwrite(root.get_mut(), self.parse_text(text)?.into_inner(), depth(text)).map_err(|problem| CaseError {
-                place: Place::Option(text.trim().to_owned()),
-                key: String::new(),
-                value: None,
-                cause: Cause::Toml(problem),
+            overwrite(root.get_mut(), self.parse_text(text)?.into_inner(), depth(text)).map_err(|problem| {
+                CaseError::without_key(Place::Option(text.trim().to_owned()), Cause::Toml(problem))
             })?;
         }
         Ok(root)
     }
 
-    fn parse_text<'a>(&self, text: &'a str) -> Result<Spanned<Table<'a>>, CaseError> {
-        Table::parse(text).map_err(|error| CaseError {
-            place: self.place(&error.span().unwrap_or(0..0)),
-            key: String::new(),
-            value: None,
-            cause: Cause::Toml(error.message().to_owned()),
+    fn parse_text<'a>(&self, text: &'a str) -> Result<Spanned<Table<'a>>, Box<CaseError>> {
+        Table::parse(text).map_err(|error| {
+            let place = self.place(&error.span().unwrap_or(0..0));
+            CaseError::without_key(place, Cause::Toml(error.message().to_owned()))
         })
     }
 
@@ -127,7 +120,7 @@ impl Document {
     }
 
     /// An error of deserialisation, with the key that it concerns.
-    fn toml_error(&self, error: &toml::de::Error) -> CaseError {
+    fn toml_error(&self, error: &toml::de::Error) -> Box<CaseError> {
         let span = error.span().unwrap_or(0..0);
         let mut key = Key::default();
         if let Ok(root) = self.tree() {
@@ -135,7 +128,7 @@ impl Document {
         }
         let value = self.find(&key).value.map(|span| self.excerpt(&span));
         let cause = Cause::from_serde(error.message(), value.as_deref());
-        CaseError { place: self.place(&span), key: key.to_string(), value, cause }
+        Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
     }
 
     /// The text at `span`, on one line, cut if it is long.

@@ -122,12 +122,19 @@ pub enum Cause {
     Mesh(#[source] mesh::MeshError),
 }
 
+impl CaseError {
+    /// An error that concerns no key.
+    pub(super) fn without_key(place: Place, cause: Cause) -> Box<Self> {
+        Box::new(CaseError { place, key: String::new(), value: None, cause })
+    }
+}
+
 impl Cause {
     /// The cause of a `message` of serde about `value`. Of an unknown name, the message lists what is known, all between
     /// backticks.
     pub(super) fn from_serde(message: &str, value: Option<&str>) -> Self {
-        let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
+            let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
                 return Cause::Unknown { kind, name, accepted: names.collect() };
             }
@@ -144,7 +151,7 @@ impl Cause {
                 let problem = "one choice is needed here, and only one".to_owned();
                 Cause::Combination { problem, accepted: "a table with a single key, the choice".to_owned() }
             }
-            None => Cause::Toml(message.to_owned()),
+            None => Cause::Toml(message.replace("missing field", "missing key")),
         }
     }
 
@@ -157,10 +164,12 @@ impl Cause {
                 Some(accepted.clone())
             }
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
-            Cause::NoCondition { name, .. } => Some(format!(
-                "a key `{name}` in this table, or `others` for all boundaries that are not named"
-            )),
-            Cause::Mesh(mesh::MeshError::Inverted { .. }) => Some("a smaller amplitude, or a higher order of the mesh".to_owned()),
+            Cause::NoCondition { name, .. } => {
+                Some(format!("a key `{name}` in this table, or `others` for all boundaries that are not named"))
+            }
+            Cause::Mesh(mesh::MeshError::Inverted { .. }) => {
+                Some("a smaller amplitude, or a higher order of the mesh".to_owned())
+            }
             Cause::MovedAtStart { .. } => Some("a displacement that is zero everywhere at the start".to_owned()),
             _ => None,
         }
@@ -201,7 +210,8 @@ impl fmt::Display for CaseError {
             Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
         }
         // An option that sets just this key says key and value itself.
-        let said = matches!(&self.place, Place::Option(option) if option.split('=').next().map(str::trim) == Some(&self.key));
+        let said =
+            matches!(&self.place, Place::Option(option) if option.split('=').next().map(str::trim) == Some(&self.key));
         match (&self.key, &self.value) {
             (key, Some(value)) if !said && !key.is_empty() => write!(f, "`{key} = {value}`: ")?,
             (key, None) if !said && !key.is_empty() => write!(f, "`{key}`: ")?,

@@ -21,9 +21,9 @@ mod error;
 mod key;
 mod raw;
 mod state;
-mod vector;
 #[cfg(test)]
 mod tests;
+mod vector;
 
 pub use checked::*;
 pub use document::Document;

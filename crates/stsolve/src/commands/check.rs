@@ -100,7 +100,11 @@ fn flow_table<const D: usize>(case: &Case<D>, flow: &Flow<D>, size: f64) -> Tabl
         .row("quadrature points in time", flow.quadrature.time_points(D, orders), "per slab")
         .row("ratio of specific heats", gas.gamma(), "")
         .row("Mach number", reference.mach(), "")
-        .row("Reynolds number", if reynolds.is_finite() { Value::from(reynolds) } else { "infinite (no viscosity)".into() }, "")
+        .row(
+            "Reynolds number",
+            if reynolds.is_finite() { Value::from(reynolds) } else { "infinite (no viscosity)".into() },
+            "",
+        )
         .row("Prandtl number", gas.prandtl(), "")
         .row("acoustic CFL number", cfl, "");
     table
@@ -120,7 +124,8 @@ fn free_nodes<const D: usize>(case: &Case<D>) -> usize {
 
 /// Unknowns of a slab, and memory.
 fn cost_table<const D: usize>(case: &Case<D>) -> Table {
-    let mesh = if matches!(case.motion, Some(Motion::Elastic { .. })) { free_nodes(case) * D * case.time.order } else { 0 };
+    let mesh =
+        if matches!(case.motion, Some(Motion::Elastic { .. })) { free_nodes(case) * D * case.time.order } else { 0 };
     let per_cell = case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
     let flow = case.mesh.n_cells() * per_cell * case.time.order;
     // Krylov: two vectors for each iteration up to the restart. Preconditioner of the flow: for each node in time the block of

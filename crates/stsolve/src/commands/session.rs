@@ -31,7 +31,8 @@ impl Session {
             rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)?;
         }
         let directory = RunDirectory::open(&output_directory(arguments, about, directory))?;
-        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal).map_err(Failure::bad_input)?;
+        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal)
+            .map_err(Failure::bad_input)?;
         stop.install(&terminal).map_err(Failure::bad_input)?;
         Ok(Session { directory, terminal, stop })
     }

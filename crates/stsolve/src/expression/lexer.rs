@@ -74,7 +74,8 @@ fn is_name_start(c: char) -> bool {
 
 /// Digits with at most one point, then perhaps an exponent.
 fn number(rest: &[char]) -> Result<(Kind, usize), (usize, Problem)> {
-    let digits = |from: usize| rest[from.min(rest.len())..].iter().take_while(|c| c.is_ascii_digit() || **c == '.').count();
+    let digits =
+        |from: usize| rest[from.min(rest.len())..].iter().take_while(|c| c.is_ascii_digit() || **c == '.').count();
     let mut length = digits(0);
     if matches!(rest.get(length), Some('e' | 'E')) {
         let sign = usize::from(matches!(rest.get(length + 1), Some('+' | '-')));

@@ -98,8 +98,16 @@ fn step<T: Transcendental>(instruction: Instruction, a: &[T], x: &[T], t: T) -> 
         Instruction::Power => (a[1] * a[0].ln()).exp(),
         Instruction::Min => a[0].min(a[1]),
         Instruction::Max => a[0].max(a[1]),
-        Instruction::Compare(comparison) => T::from(f64::from(u8::from(compare(comparison, a[0].value(), a[1].value())))),
-        Instruction::Select => if a[0].value() != 0.0 { a[1] } else { a[2] },
+        Instruction::Compare(comparison) => {
+            T::from(f64::from(u8::from(compare(comparison, a[0].value(), a[1].value()))))
+        }
+        Instruction::Select => {
+            if a[0].value() != 0.0 {
+                a[1]
+            } else {
+                a[2]
+            }
+        }
     }
 }
 

@@ -51,7 +51,10 @@ fn formulas_have_the_values_of_native_functions() {
     for (text, native) in SAMPLES {
         for (x, t) in POINTS {
             let (found, expected) = (value(text, x, t), native(x, t));
-            assert!((found - expected).abs() <= 4e-15 * (1.0 + expected.abs()), "{text} at {x:?}, {t}: {found} {expected}");
+            assert!(
+                (found - expected).abs() <= 4e-15 * (1.0 + expected.abs()),
+                "{text} at {x:?}, {t}: {found} {expected}"
+            );
         }
     }
 }
@@ -65,14 +68,21 @@ fn duals_are_the_derivatives_along_every_variable() {
             for variable in 0..4 {
                 let shifted = |h: f64| {
                     let (mut x, mut t) = (x, t);
-                    if variable < 3 { x[variable] += h } else { t += h }
+                    if variable < 3 {
+                        x[variable] += h
+                    } else {
+                        t += h
+                    }
                     native(x, t)
                 };
                 let seed = |v: usize, a: f64| Dual::new(a, f64::from(u8::from(v == variable)));
                 let duals = [seed(0, x[0]), seed(1, x[1]), seed(2, x[2])];
                 let found = program.evaluate(&duals, seed(3, t)).derivative;
                 let expected = (shifted(h) - shifted(-h)) / (2.0 * h);
-                assert!((found - expected).abs() < 1e-8 * (1.0 + expected.abs()), "{text}, variable {variable}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-8 * (1.0 + expected.abs()),
+                    "{text}, variable {variable}: {found} {expected}"
+                );
             }
         }
     }

@@ -7,8 +7,8 @@ use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::state::State;
 use navier_stokes::{
-    AdiabaticWall, Boundary, FarField, Gas, Inflow, IsothermalWall, NavierStokes, Outflow, PrescribedState, Reference, Riemann,
-    SlipWall, Viscosity,
+    AdiabaticWall, Boundary, FarField, Gas, Inflow, IsothermalWall, NavierStokes, Outflow, PrescribedState, Reference,
+    Riemann, SlipWall, Viscosity,
 };
 
 /// The compressible flow.
@@ -44,7 +44,12 @@ pub struct BoundaryData<const D: usize> {
 }
 
 /// Checks `[flow]` of a run that starts at time `start`.
-pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh: &Mesh<D>, start: f64) -> Checked<Flow<D>> {
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Flow,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<Flow<D>> {
     let key = Key::new("flow");
     let order = super::order(checker, &key.child("order"), "the order of the flow", raw.order)?;
     let gas = gas(checker, &key.child("gas"), &raw.gas)?;
@@ -59,7 +64,11 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
         checker.note_default(&key.child("initial"), "flow.exact");
     }
     let Some(initial) = initial.map(|typical| typical.state).or_else(|| exact.clone()) else {
-        return Err(checker.combination(&key, "there is no initial state", "a key `initial`, or `exact` from which it is taken"));
+        return Err(checker.combination(
+            &key,
+            "there is no initial state",
+            "a key `initial`, or `exact` from which it is taken",
+        ));
     };
     check_initial(checker, &key, &initial, mesh, start)?;
     if raw.source.is_some() && exact.is_none() {
@@ -75,7 +84,12 @@ pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Flow, mesh
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
     let accepted = "a number above 1 (air: 1.4)";
-    checker.require(&key.child("gamma"), "the ratio of specific heats", raw.gamma > 1.0 && raw.gamma.is_finite(), accepted)?;
+    checker.require(
+        &key.child("gamma"),
+        "the ratio of specific heats",
+        raw.gamma > 1.0 && raw.gamma.is_finite(),
+        accepted,
+    )?;
     checker.positive(&key.child("prandtl"), "the Prandtl number", raw.prandtl)?;
     let gas_constant = match (raw.gas_constant, raw.mach) {
         (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
@@ -134,14 +148,21 @@ fn reference<const D: usize>(
         return Err(checker.combination(&key_reference, problem, accepted));
     };
     let (density, pressure) = (stream.density, stream.pressure);
-    let taken = format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
+    let taken =
+        format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
     checker.note_default(&key_reference, &taken);
     let reference = Reference::new(&gas, density, speed, pressure);
     Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
 }
 
 /// Formulas may give anything: the initial state must be one.
-fn check_initial<const D: usize>(checker: &Checker<'_>, key: &Key, initial: &State<D>, mesh: &Mesh<D>, start: f64) -> Checked<()> {
+fn check_initial<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    initial: &State<D>,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<()> {
     let State::Expression(formulas) = initial else { return Ok(()) };
     for x in mesh.coordinates().chunks_exact(D) {
         let state = formulas.primitive(&std::array::from_fn(|axis| x[axis]), start);
@@ -152,7 +173,12 @@ fn check_initial<const D: usize>(checker: &Checker<'_>, key: &Key, initial: &Sta
             checker.require(&key.child(name), &quantity, positive(value), "a formula that is positive everywhere")?;
         }
         let finite = state.velocity.iter().all(|w| w.is_finite());
-        checker.require(&key.child("velocity"), &format!("the velocity at {x:?}"), finite, "formulas that are finite everywhere")?;
+        checker.require(
+            &key.child("velocity"),
+            &format!("the velocity at {x:?}"),
+            finite,
+            "formulas that are finite everywhere",
+        )?;
     }
     Ok(())
 }
@@ -199,7 +225,13 @@ fn condition<const D: usize>(
     let prescribed = |state| BoundaryData { condition: Boundary::PrescribedState(PrescribedState), state: Some(state) };
     let condition = match raw {
         raw::Condition::Exact => {
-            let missing = || checker.combination(key, "there is no exact solution to take", "this condition together with `flow.exact`");
+            let missing = || {
+                checker.combination(
+                    key,
+                    "there is no exact solution to take",
+                    "this condition together with `flow.exact`",
+                )
+            };
             return exact.cloned().map(prescribed).ok_or_else(missing);
         }
         raw::Condition::PrescribedState(state) => {
@@ -227,7 +259,8 @@ fn condition<const D: usize>(
             let key = key.child("inflow");
             let direction = checker.vector(&key.child("direction"), &inflow.direction)?;
             let pressure = checker.positive(&key.child("total_pressure"), "the pressure", inflow.total_pressure)?;
-            let temperature = checker.positive(&key.child("total_temperature"), "the temperature", inflow.total_temperature)?;
+            let temperature =
+                checker.positive(&key.child("total_temperature"), "the temperature", inflow.total_temperature)?;
             let inflow = Inflow::new(pressure, temperature, direction);
             Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?)
         }

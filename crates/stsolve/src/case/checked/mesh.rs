@@ -11,7 +11,12 @@ use mesh_crate::BoxMesh;
 pub(super) fn dimension(checker: &Checker<'_>, raw: &Mesh) -> Checked<usize> {
     let Generate::Box(generator) = &raw.generate;
     let dimension = generator.lower.len();
-    checker.require(&box_key().child("lower"), "the number of axes", (2..=3).contains(&dimension), "two or three entries")?;
+    checker.require(
+        &box_key().child("lower"),
+        "the number of axes",
+        (2..=3).contains(&dimension),
+        "two or three entries",
+    )?;
     Ok(dimension)
 }
 
@@ -28,17 +33,28 @@ pub(super) fn build<const D: usize>(checker: &Checker<'_>, raw: &Mesh) -> Checke
 
 fn box_mesh<const D: usize>(checker: &Checker<'_>, raw: &BoxGenerator, order: usize) -> Checked<mesh_crate::Mesh<D>> {
     let key = box_key();
-    let (lower, upper) = (checker.vector(&key.child("lower"), &raw.lower)?, checker.vector(&key.child("upper"), &raw.upper)?);
+    let (lower, upper) =
+        (checker.vector(&key.child("lower"), &raw.lower)?, checker.vector(&key.child("upper"), &raw.upper)?);
     let cells = checker.vector(&key.child("cells"), &raw.cells)?;
     for axis in 0..D {
         let extent = upper[axis] - lower[axis];
         let at = |name: &str| key.child(name).entry(axis);
-        checker.require(&at("upper"), "the corner", extent > 0.0 && extent.is_finite(), "more than the same entry of `lower`")?;
+        checker.require(
+            &at("upper"),
+            "the corner",
+            extent > 0.0 && extent.is_finite(),
+            "more than the same entry of `lower`",
+        )?;
         checker.at_least_one(&at("cells"), "the number of cells", cells[axis])?;
     }
     // Checked before anything is allocated.
     let nodes = cells.iter().fold(order.pow(D as u32), |product, n| product.saturating_mul(*n));
-    checker.require(&key.child("cells"), "the size of the mesh", nodes <= MOST_NODES, "fewer cells: at most 2^28 nodes in all")?;
+    checker.require(
+        &key.child("cells"),
+        "the size of the mesh",
+        nodes <= MOST_NODES,
+        "fewer cells: at most 2^28 nodes in all",
+    )?;
     let ratios = match &raw.size_ratio {
         Some(ratios) => checker.vector(&key.child("size_ratio"), ratios)?,
         None => [1.0; D],

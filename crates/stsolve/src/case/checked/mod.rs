@@ -3,6 +3,7 @@
 mod flow;
 mod mesh;
 mod motion;
+mod solver;
 mod states;
 mod time;
 
@@ -68,7 +69,7 @@ impl AnyCase {
     ///
     /// # Errors
     /// Whatever is wrong with the case, the first thing only.
-    pub fn read(path: &Path, options: &[String]) -> Result<Self, CaseError> {
+    pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
         Self::check(&Document::read(path, options)?)
     }
 
@@ -76,7 +77,7 @@ impl AnyCase {
     ///
     /// # Errors
     /// As [`AnyCase::read`].
-    pub fn check(document: &Document) -> Result<Self, CaseError> {
+    pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
         let checker = Checker::new(document, &raw.constants)?;
         match mesh::dimension(&checker, &raw.mesh)? {
@@ -110,11 +111,23 @@ impl<const D: usize> Case<D> {
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
         if motion.is_none() && flow.is_none() {
             let accepted = "a section [motion], a section [flow], or both";
-            return Err(checker.combination(&Key::default(), "there is nothing to solve: neither motion nor flow", accepted));
+            return Err(checker.combination(
+                &Key::default(),
+                "there is nothing to solve: neither motion nor flow",
+                accepted,
+            ));
         }
-        time::check_solver(checker, &raw.solver)?;
+        solver::check(checker, &raw.solver)?;
         let output = time::check_output(checker, &raw.output, document.path())?;
-        Ok(Case { about: About::new(checker, document, raw, &time), mesh, motion, flow, time, solver: raw.solver.clone(), output })
+        Ok(Case {
+            about: About::new(checker, document, raw, &time),
+            mesh,
+            motion,
+            flow,
+            time,
+            solver: raw.solver.clone(),
+            output,
+        })
     }
 }
 
@@ -139,7 +152,8 @@ fn as_toml(raw: &raw::Case) -> String {
 
 /// The keys of the case in full that the document does not have.
 fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
-    let full = toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
+    let full =
+        toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
     let mut defaults = Vec::new();
     collect_defaults(document, &Key::default(), &full, &mut defaults);
     defaults

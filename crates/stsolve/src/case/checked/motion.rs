@@ -39,14 +39,20 @@ pub enum Stiffness {
 }
 
 /// Checks `[motion]` of a run that starts at time `start`.
-pub(super) fn check<const D: usize>(checker: &Checker<'_>, raw: &raw::Motion, mesh: &Mesh<D>, start: f64) -> Checked<Motion<D>> {
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Motion,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
         return elastic(checker, &key, raw, mesh, start);
     };
     for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
         if given {
-            let problem = format!("`motion.{name}` has no effect: `motion.displacement` prescribes the motion everywhere");
+            let problem =
+                format!("`motion.{name}` has no effect: `motion.displacement` prescribes the motion everywhere");
             return Err(checker.combination(&key.child(name), &problem, "one of the two: remove the other"));
         }
     }
@@ -84,7 +90,12 @@ fn elastic<const D: usize>(
     Ok(Motion::Elastic { poisson_ratio: nu, stiffness, boundary })
 }
 
-fn stiffness<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Stiffness, mesh: &Mesh<D>) -> Checked<Stiffness> {
+fn stiffness<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Stiffness,
+    mesh: &Mesh<D>,
+) -> Checked<Stiffness> {
     match raw {
         raw::Stiffness::Constant => Ok(Stiffness::Constant),
         raw::Stiffness::InverseJacobian { power } => {

@@ -14,7 +14,12 @@ pub(super) struct Typical<const D: usize> {
 }
 
 /// Checks a state of `gas`.
-pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::State, gas: Gas) -> Checked<Typical<D>> {
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::State,
+    gas: Gas,
+) -> Checked<Typical<D>> {
     match raw {
         raw::State::Uniform(uniform) => {
             let key = key.child("uniform");

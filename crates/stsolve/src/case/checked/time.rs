@@ -1,4 +1,4 @@
-//! The time to cover, the solver, the output.
+//! The time to cover, and the output.
 
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
@@ -51,7 +51,9 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
             checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
             (duration / slabs as f64, slabs)
         }
-        (None, None) => return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`")),
+        (None, None) => {
+            return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`"));
+        }
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
     Ok(Time { order: raw.order, start: raw.start, end: raw.end, step, slabs })
@@ -62,43 +64,16 @@ fn slabs_to_cover(duration: f64, step: f64) -> usize {
     ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
 }
 
-/// Checks `[solver]`.
-pub(super) fn check_solver(checker: &Checker<'_>, raw: &raw::Solver) -> Checked<()> {
-    let key = Key::new("solver");
-    for (name, value, positive) in [
-        ("newton_tolerance", raw.newton_tolerance, true),
-        ("newton_absolute_tolerance", raw.newton_absolute_tolerance, false),
-        ("krylov_tolerance", raw.krylov_tolerance, true),
-    ] {
-        let accepted = if positive { "a number above 0 and below 1" } else { "a number from 0 to below 1" };
-        let fine = value < 1.0 && (value > 0.0 || value == 0.0 && !positive);
-        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
-    }
-    for (name, value) in [
-        ("newton_steps", raw.newton_steps),
-        ("krylov_iterations", raw.krylov_iterations),
-        ("krylov_restart", raw.krylov_restart),
-    ] {
-        checker.at_least_one(&key.child(name), "the number", value)?;
-    }
-    let key = key.child("pseudo_time");
-    let pseudo_time = &raw.pseudo_time;
-    for (name, value) in [
-        ("initial_inverse", pseudo_time.initial_inverse),
-        ("restart_inverse", pseudo_time.restart_inverse),
-        ("power", pseudo_time.power),
-    ] {
-        checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more")?;
-    }
-    Ok(())
-}
-
 /// Checks `[output]` of the case file `case`.
 pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path) -> Checked<Output> {
     let key = Key::new("output");
     Ok(Output {
         directory: raw.directory.as_ref().map(|directory| beside(case, directory)),
-        checkpoint_every: checker.at_least_one(&key.child("checkpoint_every"), "the number of slabs", raw.checkpoint_every)?,
+        checkpoint_every: checker.at_least_one(
+            &key.child("checkpoint_every"),
+            "the number of slabs",
+            raw.checkpoint_every,
+        )?,
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         fields: raw.fields.clone(),
     })

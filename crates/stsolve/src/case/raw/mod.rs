@@ -7,12 +7,14 @@ mod formula;
 mod mesh;
 mod motion;
 mod run;
+mod solver;
 
 pub use flow::*;
 pub use formula::Formula;
 pub use mesh::*;
 pub use motion::*;
 pub use run::*;
+pub use solver::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

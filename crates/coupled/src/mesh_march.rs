@@ -1,0 +1,69 @@
+//! The march of the mesh alone.
+
+use crate::mesh_mover::{MeshMover, MeshQuality};
+use crate::state::{Interval, Past, State};
+use elasticity::ElasticityError;
+
+/// What a slab of the mesh alone has done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshReport {
+    /// The number of the slab, from 1.
+    pub slab: usize,
+    /// Its interval.
+    pub interval: Interval,
+    /// CG iterations with K.
+    pub iterations: usize,
+    /// The quality of the mesh.
+    pub quality: MeshQuality,
+    /// The first time at which a cell is not proved to be valid, if there is one.
+    pub first_invalid: Option<f64>,
+}
+
+/// A mesh that moves without a flow. It goes on when cells are inverted: linear elasticity does not notice.
+pub struct MeshMarch<const D: usize> {
+    /// The mesh.
+    pub mover: MeshMover<D>,
+    /// Where the run stands; the flow is empty.
+    pub state: State,
+    start: f64,
+    end: f64,
+    step: f64,
+    slabs: usize,
+}
+
+impl<const D: usize> MeshMarch<D> {
+    /// A march of `slabs` slabs of length `step`, the last one up to `end`.
+    pub fn new(mover: MeshMover<D>, start: f64, end: f64, step: f64, slabs: usize) -> Self {
+        let state = State::new(start, Vec::new(), mover.displacement_at_start(start));
+        MeshMarch { mover, state, start, end, step, slabs }
+    }
+
+    /// Whether the end is reached.
+    pub fn is_done(&self) -> bool {
+        self.state.nominal >= self.slabs
+    }
+
+    /// Advances one slab.
+    ///
+    /// # Errors
+    /// As [`elasticity::ElasticMesh::solve`].
+    pub fn advance(&mut self) -> Result<MeshReport, ElasticityError> {
+        let next = self.state.nominal + 1;
+        let end = if next == self.slabs { self.end } else { self.start + self.step * next as f64 };
+        let interval = Interval { start: self.state.time, end, halvings: 0 };
+        let dt = interval.end - interval.start;
+        let time = self.mover.slab_motion.time();
+        let mut g = vec![0.0; self.mover.field_len() * time.order()];
+        self.mover.prescribed_in_slab(interval.start, dt, &mut g);
+        let mut v = self.state.extrapolated_velocities(time, self.mover.field_len(), dt);
+        let bottom = self.state.d.clone();
+        let iterations = self.mover.velocities(dt, &bottom, &g, &mut v)?;
+        let quality = self.mover.quality(&bottom, &v, interval);
+        let first_invalid = if quality.is_valid() { None } else { self.mover.first_invalid(&bottom, &v, interval) };
+        self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
+        self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
+        self.state.pending.push(interval);
+        self.state.finish(interval);
+        Ok(MeshReport { slab: self.state.slab, interval, iterations, quality, first_invalid })
+    }
+}

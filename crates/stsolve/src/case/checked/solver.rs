@@ -1,0 +1,67 @@
+//! How the equations of a slab are solved.
+
+use crate::case::checker::{Checked, Checker};
+use crate::case::key::Key;
+use crate::case::raw::{PseudoTime, Solver};
+use newton_krylov::{fgmres, forcing, newton, pseudo_time};
+
+/// Checks `[solver]`.
+pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
+    let key = Key::new("solver");
+    for (name, value, positive) in [
+        ("newton_tolerance", raw.newton_tolerance, true),
+        ("newton_absolute_tolerance", raw.newton_absolute_tolerance, false),
+        ("krylov_tolerance", raw.krylov_tolerance, true),
+    ] {
+        let accepted = if positive { "a number above 0 and below 1" } else { "a number from 0 to below 1" };
+        let fine = value < 1.0 && (value > 0.0 || value == 0.0 && !positive);
+        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
+    }
+    for (name, value) in [
+        ("newton_steps", raw.newton_steps),
+        ("krylov_iterations", raw.krylov_iterations),
+        ("krylov_restart", raw.krylov_restart),
+    ] {
+        checker.at_least_one(&key.child(name), "the number", value)?;
+    }
+    let key = key.child("pseudo_time");
+    let pseudo_time = &raw.pseudo_time;
+    for (name, value) in [
+        ("initial_inverse", pseudo_time.initial_inverse),
+        ("restart_inverse", pseudo_time.restart_inverse),
+        ("power", pseudo_time.power),
+    ] {
+        checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more")?;
+    }
+    Ok(())
+}
+
+impl Solver {
+    /// The settings of the Newton driver; what the case does not name is left to its defaults.
+    pub fn newton(&self) -> newton::Settings {
+        let defaults = newton::Settings::default();
+        let maximum = self.krylov_tolerance;
+        let forcing = forcing::Settings {
+            initial: defaults.forcing.initial.min(maximum),
+            minimum: defaults.forcing.minimum.min(maximum),
+            maximum,
+            ..defaults.forcing
+        };
+        let krylov = fgmres::Settings {
+            restart: self.krylov_restart,
+            max_iterations: self.krylov_iterations,
+            ..defaults.krylov
+        };
+        let PseudoTime { initial_inverse, restart_inverse, power } = self.pseudo_time;
+        let pseudo_time = pseudo_time::Settings { initial_inverse, restart_inverse, power, ..defaults.pseudo_time };
+        newton::Settings {
+            relative_tolerance: self.newton_tolerance,
+            absolute_tolerance: self.newton_absolute_tolerance,
+            max_steps: self.newton_steps,
+            forcing,
+            krylov,
+            pseudo_time,
+            ..defaults
+        }
+    }
+}

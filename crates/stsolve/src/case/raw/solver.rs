@@ -1,0 +1,90 @@
+//! `[solver]`
+
+use newton_krylov::{newton, pseudo_time};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the equations of a slab are solved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solver {
+    /// A slab is done when the residual has fallen by this factor below that of its first guess ...
+    pub newton_tolerance: f64,
+    /// ... or below this size, in units of the reference state.
+    pub newton_absolute_tolerance: f64,
+    /// Newton steps per slab at most.
+    pub newton_steps: usize,
+    /// The loosest tolerance of a linear solve; it is tightened as Newton converges.
+    pub krylov_tolerance: f64,
+    /// Krylov iterations per Newton step at most.
+    pub krylov_iterations: usize,
+    /// Krylov iterations between restarts; each keeps two vectors.
+    pub krylov_restart: usize,
+    /// How the Jacobian acts on a vector.
+    pub jacobian: Jacobian,
+    /// The first guess of a slab.
+    pub predictor: Predictor,
+    /// Pseudo-time that damps the first Newton steps of a slab.
+    pub pseudo_time: PseudoTime,
+    /// How often the length of a slab may be halved before the run gives up.
+    pub slab_halvings: usize,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        let newton = newton::Settings::default();
+        Solver {
+            newton_tolerance: newton.relative_tolerance,
+            newton_absolute_tolerance: newton.absolute_tolerance,
+            newton_steps: newton.max_steps,
+            krylov_tolerance: newton.forcing.maximum,
+            krylov_iterations: newton.krylov.max_iterations,
+            krylov_restart: newton.krylov.restart,
+            jacobian: Jacobian::Exact,
+            predictor: Predictor::Elastic,
+            pseudo_time: PseudoTime::default(),
+            slab_halvings: 6,
+        }
+    }
+}
+
+/// How the Jacobian acts on a vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Jacobian {
+    /// By dual numbers.
+    Exact,
+    /// By differences of residuals; for comparison.
+    FiniteDifference,
+}
+
+/// The first guess of a slab.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Predictor {
+    /// The flow extended by the polynomial of the slab before, on the mesh in equilibrium with its boundary.
+    Elastic,
+    /// Flow and mesh extended by the polynomials of the slab before.
+    Extrapolate,
+    /// Flow and mesh as at the end of the slab before.
+    Constant,
+}
+
+/// Pseudo-transient continuation of mesh and flow by one rule: the pseudo-time step grows as the residual falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PseudoTime {
+    /// One over the first pseudo-time step, in units of the slab; 0 starts with plain Newton.
+    pub initial_inverse: f64,
+    /// The same after a step that had to be rejected; 0 never damps.
+    pub restart_inverse: f64,
+    /// The power of the ratio of residuals by which the step grows.
+    pub power: f64,
+}
+
+impl Default for PseudoTime {
+    fn default() -> Self {
+        let pseudo_time::Settings { initial_inverse, restart_inverse, power, .. } = pseudo_time::Settings::default();
+        PseudoTime { initial_inverse, restart_inverse, power }
+    }
+}
