@@ -26,10 +26,15 @@ version_at_least() {
     ((found_major > wanted_major || (found_major == wanted_major && ${found_minor:-0} >= wanted_minor)))
 }
 
+# Whether this is macOS with Homebrew.
+has_brew() {
+    [[ $OSTYPE == darwin* ]] && has brew
+}
+
 # Whether the build finds an HDF5 library: named by the user, known to pkg-config, or Homebrew's.
 has_hdf5() {
     [[ -n ${HDF5_DIR:-} ]] || { has pkg-config && pkg-config --exists hdf5; } ||
-        { has brew && [[ -d $(brew --prefix hdf5 2>/dev/null) ]]; }
+        { has_brew && [[ -d $(brew --prefix)/opt/hdf5 ]]; }
 }
 
 # Without the system's library, HDF5 is built in; the tools for that may be those of `venv`. `hdf5_feature` is for cargo.

@@ -5,14 +5,14 @@
 //! ```
 //!
 //! with the reference gradient H of the displacement, `H[i][a]` = d d_i / d xi_a, the inverse Jacobian of the reference mesh,
-//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0. Per cell: interpolate to the points, differentiate there, apply the law, and the
+//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0 with the quadrature weight w. Per cell: interpolate to the points, differentiate there, apply the law, and the
 //! transposes of both in reverse order: O(N^(D+1)).
 
-use crate::ElasticityError;
 mod diagonal;
 #[cfg(test)]
 mod tests;
 
+use crate::ElasticityError;
 use crate::batches::Batches;
 use crate::geometry::Sampler;
 use crate::material::Lame;

@@ -10,6 +10,7 @@ use tensor::{cofactor, determinant};
 /// Values of flow and mesh polynomials on the tensor grid of some points per direction.
 pub struct Sampler<const D: usize> {
     flow: Matrix,
+    flow_derivatives: Matrix,
     mesh: Matrix,
     mesh_derivatives: Matrix,
 }
@@ -17,9 +18,10 @@ pub struct Sampler<const D: usize> {
 impl<const D: usize> Sampler<D> {
     /// The grid of `points` in every direction, for a flow and a mesh of the given orders.
     pub fn new(flow_order: usize, mesh_order: usize, points: &[f64]) -> Self {
-        let mesh = Lagrange::gauss_lobatto(mesh_order);
+        let (flow, mesh) = (Lagrange::gauss_lobatto(flow_order), Lagrange::gauss_lobatto(mesh_order));
         Sampler {
-            flow: Lagrange::gauss_lobatto(flow_order).value_matrix(points),
+            flow: flow.value_matrix(points),
+            flow_derivatives: flow.derivative_matrix(points),
             mesh: mesh.value_matrix(points),
             mesh_derivatives: mesh.derivative_matrix(points),
         }
@@ -40,16 +42,36 @@ impl<const D: usize> Sampler<D> {
         along_axes::<D>(nodal, |_| &self.mesh)
     }
 
+    /// dx/dxi at the points, `[point][i][j]`.
+    fn jacobians(&self, nodal: &[f64]) -> Vec<[[f64; D]; D]> {
+        let columns: Vec<Vec<f64>> = (0..D).map(|j| derivative::<D>(nodal, j, &self.mesh, &self.mesh_derivatives)).collect();
+        let n = self.points();
+        (0..n).map(|p| std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p]))).collect()
+    }
+
     /// det dx/dxi at the points.
     pub fn determinants(&self, nodal: &[f64]) -> Vec<f64> {
-        let columns: Vec<Vec<f64>> = (0..D)
-            .map(|j| along_axes::<D>(nodal, |axis| if axis == j { &self.mesh_derivatives } else { &self.mesh }))
-            .collect();
-        let n = self.points();
-        let jacobian =
-            |p: usize| -> [[f64; D]; D] { std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p])) };
-        (0..n).map(|p| jacobian(p)).map(|m| determinant(&m, &cofactor(&m))).collect()
+        self.jacobians(nodal).iter().map(|m| determinant(m, &cofactor(m))).collect()
     }
+
+    /// grad_x of a cell's coefficients `[component][node]` on a cell at `nodal`: `[direction][component][point]`.
+    pub fn gradients(&self, coefficients: &[f64], nodal: &[f64]) -> [Vec<f64>; D] {
+        let n = self.points();
+        let reference: Vec<Vec<f64>> =
+            (0..D).map(|j| derivative::<D>(coefficients, j, &self.flow, &self.flow_derivatives)).collect();
+        let inverses: Vec<[[f64; D]; D]> = (self.jacobians(nodal).iter())
+            .map(|m| (cofactor(m), m))
+            .map(|(cof, m)| cof.map(|row| row.map(|c| c / determinant(m, &cof))))
+            .collect();
+        std::array::from_fn(|k| {
+            (0..reference[0].len()).map(|i| (0..D).map(|j| inverses[i % n][k][j] * reference[j][i]).sum()).collect()
+        })
+    }
+}
+
+/// The derivative of tensors `[component][node]` in reference direction `j`.
+fn derivative<const D: usize>(input: &[f64], j: usize, values: &Matrix, derivatives: &Matrix) -> Vec<f64> {
+    along_axes::<D>(input, |axis| if axis == j { derivatives } else { values })
 }
 
 /// Applies one matrix per axis to tensors `[component][node]`, axis 0 fastest.

@@ -41,6 +41,18 @@ pub enum MeshError {
         /// What would do.
         accepted: &'static str,
     },
+    /// A number that another generator cannot use.
+    #[error("{mesh} mesh: {quantity} is {value}, expected {accepted}")]
+    Parameter {
+        /// Which generator.
+        mesh: &'static str,
+        /// What is wrong.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would do.
+        accepted: &'static str,
+    },
     /// The reference map of a cell is not orientation-preserving everywhere.
     #[error(
         "cell {cell} is inverted: det J = {determinant:e} at reference point {reference:?}, position {position:?} \

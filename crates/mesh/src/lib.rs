@@ -15,12 +15,14 @@
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `validity` | lower bounds of det J over a cell and a slab |
-//! | `generate` | meshes of a box |
+//! | `generate` | meshes made from a few numbers |
+//! | `gmsh` | meshes from Gmsh files |
 
 mod errors;
 mod facet;
 pub mod generate;
 mod geometry;
+mod gmsh;
 mod lattice;
 mod mesh;
 mod numbering;
@@ -36,6 +38,7 @@ pub use facet::{
 };
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
+pub use gmsh::{GmshError, Place};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
 pub use periodic::PeriodicPair;

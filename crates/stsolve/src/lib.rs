@@ -8,6 +8,7 @@
 //! | `case` | the case file: what the user writes, and what the program needs |
 //! | `expression` | formulas in a case file |
 //! | `commands` | what each command does |
+//! | `run` | from a checked case to files |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `failure` | error messages and exit codes |
 
@@ -19,6 +20,7 @@ pub mod failure;
 pub mod logging;
 mod nearest;
 pub mod progress;
+pub mod run;
 pub mod signals;
 pub mod terminal;
 
@@ -30,7 +32,7 @@ use failure::Failure;
 ///
 /// # Errors
 /// Bad input, or a solve that failed.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Check { case, json } => commands::check(&read(case)?, *json),
         Command::Info { file, json } => commands::info(file, *json),

@@ -3,8 +3,8 @@
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
 use std::fs::{File, OpenOptions};
-use std::io;
-use std::path::Path;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tracing::level_filters::LevelFilter;
 use tracing_subscriber::fmt::layer;
@@ -18,18 +18,45 @@ pub const LOG_FILE: &str = "log.jsonl";
 /// Starts logging into `directory`, behind the log of the run that is resumed or anew.
 ///
 /// # Errors
-/// If the log cannot be opened, or logging was started before.
+/// If logging was started before.
 pub fn start(directory: &Path, resume: bool, verbosity: Verbosity, terminal: &Terminal) -> io::Result<()> {
-    let log = open(&directory.join(LOG_FILE), resume)?;
     let writer = terminal.clone();
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
-    let machine = layer().json().with_writer(Mutex::new(log)).with_filter(LevelFilter::DEBUG);
+    let machine = layer().json().with_writer(Mutex::new(LogFile::new(directory, resume))).with_filter(LevelFilter::DEBUG);
     Registry::default().with(machine).with(human).try_init().map_err(io::Error::other)
 }
 
-fn open(path: &Path, resume: bool) -> io::Result<File> {
-    OpenOptions::new().create(true).write(true).append(resume).truncate(!resume).open(path)
+/// A file that is opened when the first record is written: until then, a run that is refused leaves no trace.
+#[derive(Debug)]
+struct LogFile {
+    path: PathBuf,
+    append: bool,
+    file: Option<File>,
+}
+
+impl LogFile {
+    fn new(directory: &Path, append: bool) -> Self {
+        LogFile { path: directory.join(LOG_FILE), append, file: None }
+    }
+
+    fn open(&mut self) -> io::Result<&mut File> {
+        let mut options = OpenOptions::new();
+        options.create(true).write(true).append(self.append).truncate(!self.append);
+        match &mut self.file {
+            Some(file) => Ok(file),
+            closed => Ok(closed.insert(options.open(&self.path)?)),
+        }
+    }
+}
+
+impl Write for LogFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.open()?.write(bytes)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), File::flush)
+    }
 }
 
 fn level(verbosity: Verbosity) -> LevelFilter {
@@ -60,14 +87,15 @@ mod tests {
     }
 
     #[test]
-    fn a_resumed_run_keeps_the_log() {
-        use std::io::Write;
+    fn a_resumed_run_keeps_the_log_and_one_that_is_refused_makes_none() {
         let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join(LOG_FILE);
-        let write = |resume| writeln!(open(&path, resume).unwrap(), "line").unwrap();
+        let text = || std::fs::read_to_string(directory.path().join(LOG_FILE)).unwrap();
+        drop(LogFile::new(directory.path(), false));
+        assert!(!directory.path().join(LOG_FILE).exists());
+        let write = |append| writeln!(LogFile::new(directory.path(), append), "line").unwrap();
         [false, true].into_iter().for_each(write);
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "line\nline\n");
+        assert_eq!(text(), "line\nline\n");
         write(false);
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "line\n");
+        assert_eq!(text(), "line\n");
     }
 }

@@ -4,7 +4,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match stsolve::run(&stsolve::cli::Arguments::parse()) {
+    match stsolve::execute(&stsolve::cli::Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -57,8 +57,11 @@ impl Progress {
 
     /// Reports a slab.
     pub fn slab(&self, slab: &SlabDone) {
-        let fraction = ((slab.time - self.start) / (self.end - self.start)).clamp(0.0, 1.0);
-        let text = describe(slab, self.end);
+        self.show(slab.time, describe(slab, self.end));
+    }
+
+    fn show(&self, time: f64, text: String) {
+        let fraction = ((time - self.start) / (self.end - self.start)).clamp(0.0, 1.0);
         match &self.display {
             Display::Bar(bar) => {
                 bar.set_position((fraction * PARTS as f64) as u64);
@@ -67,6 +70,12 @@ impl Progress {
             Display::Lines => self.terminal.print(&format!("{text}  {}", remaining(self.begun.elapsed(), fraction))),
             Display::Nothing => {}
         }
+    }
+
+    /// Reports a slab of the mesh alone.
+    pub fn mesh(&self, number: usize, time: f64, quality: &coupled::MeshQuality) {
+        let text = format!("slab {number}  t = {time:.6} of {}  det J / det J_0 >= {:.4}", self.end, quality.lower_bound);
+        self.show(time, text);
     }
 
     /// Says something above the bar, unless asked to be quiet.

@@ -38,14 +38,20 @@ impl<const D: usize> BoxMesh<D> {
     /// first.
     pub fn build_graded(&self, ratios: [f64; D]) -> Result<Mesh<D>, MeshError> {
         self.check(&ratios)?;
-        let breakpoints: [Vec<f64>; D] = from_fn(|axis| graded(self.cells[axis], ratios[axis]));
-        let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
-        let boundaries = (0..2 * D).map(|face| (BOX_BOUNDARIES[face].to_owned(), self.boundary(face))).collect();
-        let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
-        Mesh::new(self.order, corners, self.coordinates(&breakpoints), boundaries, periodic)
+        self.build_on(&from_fn(|axis| graded(self.cells[axis], ratios[axis])), BOX_BOUNDARIES)
     }
 
-    fn check(&self, ratios: &[f64; D]) -> Result<(), MeshError> {
+    /// The mesh, with the ends of the cells along axis a at `breakpoints[a]`, a partition of [0, 1], and with names for
+    /// the six faces. The parameters must have been checked.
+    pub(super) fn build_on(&self, breakpoints: &[Vec<f64>; D], names: [&str; 6]) -> Result<Mesh<D>, MeshError> {
+        let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
+        let boundaries = (0..2 * D).map(|face| (names[face].to_owned(), self.boundary(face))).collect();
+        let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
+        Mesh::new(self.order, corners, self.coordinates(breakpoints), boundaries, periodic)
+    }
+
+    /// Whether order, extents, cells and ratios are possible.
+    pub(super) fn check(&self, ratios: &[f64; D]) -> Result<(), MeshError> {
         let order = self.order;
         if !ORDERS.contains(&order) {
             return Err(MeshError::Order { order });
@@ -131,10 +137,14 @@ impl<const D: usize> BoxMesh<D> {
 /// first.
 fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
-    let lengths: Vec<f64> = (0..cells).map(|i| growth.powi(i as i32)).collect();
+    partition((0..cells).map(|i| growth.powi(i as i32)).collect())
+}
+
+/// The ends of intervals that fill [0, 1], with lengths in the proportions of `lengths`.
+pub(super) fn partition(lengths: Vec<f64>) -> Vec<f64> {
     let total: f64 = lengths.iter().sum();
     let mut ends = vec![0.0];
-    for i in 1..cells {
+    for i in 1..lengths.len() {
         ends.push(ends[i - 1] + lengths[i - 1] / total);
     }
     ends.push(1.0);

@@ -7,7 +7,7 @@ mod table;
 
 pub use check::check;
 pub use info::info;
-pub use session::Session;
+pub use session::{Session, set_threads};
 
 use crate::failure::Failure;
 use std::io::Write;

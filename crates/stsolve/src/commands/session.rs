@@ -9,7 +9,7 @@ use crate::terminal::Terminal;
 use output::RunDirectory;
 use std::path::{Path, PathBuf};
 
-/// The output directory, locked; the log, the threads and the signal handlers of this process.
+/// The output directory, locked; the log and the signal handlers of this process.
 #[derive(Debug)]
 pub struct Session {
     /// The output directory.
@@ -24,18 +24,24 @@ impl Session {
     /// Sets up. `directory` is the one that the case names, if it names one.
     ///
     /// # Errors
-    /// An output directory that cannot be written or is in use, threads or handlers that the system refuses.
+    /// An output directory that cannot be written or is in use, handlers that the system refuses.
     pub fn start(arguments: &RunArguments, about: &About, directory: Option<&Path>) -> Result<Self, Failure> {
         let (terminal, stop) = (Terminal::default(), StopFlag::default());
-        if let Some(threads) = arguments.threads {
-            rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)?;
-        }
         let directory = RunDirectory::open(&output_directory(arguments, about, directory))?;
         logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal)
             .map_err(Failure::bad_input)?;
         stop.install(&terminal).map_err(Failure::bad_input)?;
         Ok(Session { directory, terminal, stop })
     }
+}
+
+/// Has all that follows computed by as many threads as asked for.
+///
+/// # Errors
+/// If the system refuses to start them.
+pub fn set_threads(arguments: &RunArguments) -> Result<(), Failure> {
+    let Some(threads) = arguments.threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)
 }
 
 /// From the command line, else from the case, else `runs/<case name>`.

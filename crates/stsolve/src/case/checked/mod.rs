@@ -31,7 +31,7 @@ pub enum AnyCase {
 }
 
 /// A case that has been checked.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Case<const D: usize> {
     /// Name and texts.
     pub about: About,

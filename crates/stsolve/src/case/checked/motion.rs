@@ -128,8 +128,7 @@ fn check_start<const D: usize>(
 ) -> Checked<()> {
     for x in points {
         let d = displacement.evaluate(&x, start);
-        // Written so that NaN is refused.
-        if let Some(axis) = d.iter().position(|d| !(d.abs() <= 1e-12 * size)) {
+        if let Some(axis) = d.iter().position(|d| d.is_nan() || d.abs() > 1e-12 * size) {
             let cause = Cause::MovedAtStart { time: start, position: x.to_vec(), value: d[axis] };
             return Err(checker.error(&key.entry(axis), cause));
         }

@@ -1,0 +1,92 @@
+//! Cells that grow by a constant factor, and checks of the numbers that say so.
+
+use crate::MeshError;
+
+/// Cells whose sizes are h, r h, r^2 h, .. with r = e^a. The first t cells, t not necessarily an integer, have the size
+///
+/// ```text
+/// s(t) = h (r^t - 1) / (r - 1) = h (e^{a t} - 1) / (e^a - 1)                                             (growth)
+/// ```
+///
+/// an entire function of t: curved cells of any order resolve it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Growth {
+    first: f64,
+    log_factor: f64,
+}
+
+impl Growth {
+    /// `cells` cells, the first of size `first`, that are `total` together (both positive).
+    pub(super) fn new(cells: usize, first: f64, total: f64) -> Self {
+        // a = +-600 / cells is a ratio of e^600 between the last cell and the first: beyond every possible input.
+        let limit = 600.0 / cells as f64;
+        let (mut low, mut high) = (-limit, limit);
+        // s(cells) increases with a. Each step halves the bracket, from 10^3 down to the last place.
+        for _ in 0..100 {
+            let log_factor = 0.5 * (low + high);
+            let growth = Growth { first, log_factor };
+            if growth.size(cells as f64) < total { low = log_factor } else { high = log_factor }
+        }
+        Growth { first, log_factor: 0.5 * (low + high) }
+    }
+
+    /// (growth)
+    pub(super) fn size(&self, t: f64) -> f64 {
+        let a = self.log_factor;
+        // For a -> 0 the quotient is t (1 + a (t - 1) / 2 + ..).
+        let quotient = if a.abs() < 1e-12 { t } else { (a * t).exp_m1() / a.exp_m1() };
+        self.first * quotient
+    }
+
+    /// r, the size of a cell over the size of the one before.
+    pub(super) fn factor(&self) -> f64 {
+        self.log_factor.exp()
+    }
+}
+
+/// Refuses numbers that a generator cannot use.
+#[derive(Clone, Copy)]
+pub(super) struct Check {
+    /// The name of the generator.
+    pub(super) mesh: &'static str,
+}
+
+impl Check {
+    /// Whether `accepted` holds: if not, the error that says so.
+    pub(super) fn that(
+        self,
+        fine: bool,
+        quantity: &'static str,
+        value: f64,
+        accepted: &'static str,
+    ) -> Result<(), MeshError> {
+        if fine { Ok(()) } else { Err(MeshError::Parameter { mesh: self.mesh, quantity, value, accepted }) }
+    }
+
+    pub(super) fn positive(self, quantity: &'static str, value: f64) -> Result<(), MeshError> {
+        self.that(value.is_finite() && value > 0.0, quantity, value, "a positive number")
+    }
+
+    /// At least one, and few enough to count and store.
+    pub(super) fn count(self, quantity: &'static str, value: usize) -> Result<(), MeshError> {
+        self.that((1..=100_000).contains(&value), quantity, value as f64, "1 to 100000")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_fill_the_total_and_grow_by_the_factor() {
+        for (cells, first, total) in [(10, 0.1, 1.0), (12, 0.015, 100.0), (5, 0.5, 1.0), (40, 1e-6, 10.0), (1, 1.0, 1.0)] {
+            let growth = Growth::new(cells, first, total);
+            assert!((growth.size(cells as f64) / total - 1.0).abs() < 1e-12, "{growth:?}");
+            assert!((growth.size(1.0) / first - 1.0).abs() < 1e-14);
+            let size = |i: usize| growth.size((i + 1) as f64) - growth.size(i as f64);
+            for i in 1..cells {
+                assert!((size(i) / size(i - 1) / growth.factor() - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What can be wrong with a Gmsh file.
+
+use crate::MeshError;
+use std::fmt;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Where in a file something is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In a text file: the line, counted from 1.
+    Line(usize),
+    /// In a binary file: the byte, counted from 0.
+    Byte(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Place::Line(line) => write!(f, "line {line}"),
+            Place::Byte(byte) => write!(f, "byte {byte}"),
+        }
+    }
+}
+
+/// Why a Gmsh file gives no mesh. Elements and nodes have the numbers of the file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GmshError {
+    /// The file cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// The file does not follow the format.
+    #[error("{place}: expected {expected}, found {found}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// What should be there.
+        expected: String,
+        /// What is there.
+        found: String,
+    },
+    /// A version of the format that is not read.
+    #[error("{place}: version {version} of the MSH format is not supported: save as 4.1 or 2.2")]
+    Version {
+        /// Where.
+        place: Place,
+        /// The version.
+        version: String,
+    },
+    /// A kind of element that no mesh here consists of.
+    #[error(
+        "{place}: elements of type {code} ({kind}) are not supported: use points, lines, quadrilaterals and \
+         hexahedra with all nodes"
+    )]
+    Element {
+        /// Where.
+        place: Place,
+        /// Gmsh's number of the type.
+        code: i64,
+        /// Its name.
+        kind: &'static str,
+    },
+    /// A section is missing.
+    #[error("the file has no section ${section}")]
+    NoSection {
+        /// Its name.
+        section: &'static str,
+    },
+    /// There are no cells of the dimension asked for, or cells of a higher one.
+    #[error(
+        "the file has {quadrilaterals} quadrilaterals and {hexahedra} hexahedra, which is no mesh in {dimension} \
+         dimensions"
+    )]
+    Dimension {
+        /// The dimension asked for.
+        dimension: usize,
+        /// Quadrilaterals in the file.
+        quadrilaterals: usize,
+        /// Hexahedra in the file.
+        hexahedra: usize,
+    },
+    /// Cells of different degrees.
+    #[error("element {element} has degree {degree}, the cells before it degree {first}: save all cells with one degree")]
+    Degree {
+        /// The first element that differs.
+        element: u64,
+        /// Its degree.
+        degree: usize,
+        /// The degree of the first cell.
+        first: usize,
+    },
+    /// An element has a node that the file does not list.
+    #[error("element {element} has node {node}, which is not in section $Nodes")]
+    NoNode {
+        /// The element.
+        element: u64,
+        /// The node.
+        node: u64,
+    },
+    /// A plane mesh is not plane.
+    #[error("node {node} lies at z = {z}, others at {first}: a mesh in two dimensions has constant z")]
+    NotPlane {
+        /// The node.
+        node: u64,
+        /// Its z.
+        z: f64,
+        /// z of the first node of the first cell.
+        first: f64,
+    },
+    /// A named element of dimension D - 1 is not a face of a cell.
+    #[error("element {element} of boundary \"{name}\" is not a face of any cell")]
+    Stray {
+        /// The element.
+        element: u64,
+        /// The name of its physical group.
+        name: String,
+    },
+    /// A periodic pair names a boundary that does not exist.
+    #[error("there is no boundary \"{name}\" to be joined; the file has {known:?}")]
+    NoBoundary {
+        /// The name.
+        name: String,
+        /// The names that exist.
+        known: Vec<String>,
+    },
+    /// A cell is inverted or degenerate.
+    #[error("element {element}: {source}")]
+    Cell {
+        /// The element.
+        element: u64,
+        /// What is wrong with it; its cells are counted from 0 in the order of the file.
+        source: MeshError,
+    },
+    /// The cells make no mesh.
+    #[error(transparent)]
+    Mesh(MeshError),
+}

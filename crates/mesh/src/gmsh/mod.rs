@@ -1,0 +1,47 @@
+//! Meshes written by Gmsh: MSH 4.1 and 2.2, text and binary, quadrilaterals and hexahedra of degree 1 to 10.
+//!
+//! What counts in a file are the cells (elements of dimension D), the elements of dimension D - 1 that belong to a
+//! physical group, and the names of those groups: they become the boundaries. A group without a name is named by its
+//! number. Points and everything that belongs to no group are ignored, `$Periodic` too: boundaries to be joined are
+//! named by the caller.
+//!
+//! A left-handed cell (a surface whose normal points down) is turned into a right-handed one; a cell whose det J
+//! changes sign is refused.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `source` | numbers and lines of a file, in text or binary |
+//! | `file` | sections and versions; `version2`, `version4` the two layouts of nodes and elements |
+//! | `element` | kinds of elements and the order of their nodes |
+//! | `convert` | from the file's lists to a [`Mesh`] |
+
+mod convert;
+mod element;
+mod error;
+mod file;
+mod source;
+#[cfg(test)]
+mod tests;
+mod version2;
+mod version4;
+
+pub use error::{GmshError, Place};
+
+use crate::Mesh;
+use std::path::Path;
+
+impl<const D: usize> Mesh<D> {
+    /// The mesh in the Gmsh file `bytes`, of the file's order: degree p is order p + 1.
+    ///
+    /// `periodic` names pairs of boundaries that are translates of each other and become one. With D = 2 the mesh lies
+    /// in a plane of constant z. See the [`crate`] documentation for what else must hold.
+    pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
+        convert::mesh(&file::read(bytes)?, periodic)
+    }
+
+    /// The mesh in the file `path`, see [`Mesh::from_gmsh`].
+    pub fn from_gmsh_file(path: &Path, periodic: &[(String, String)]) -> Result<Self, GmshError> {
+        let unreadable = |error: std::io::Error| GmshError::Read { path: path.into(), reason: error.to_string() };
+        Self::from_gmsh(&std::fs::read(path).map_err(unreadable)?, periodic)
+    }
+}

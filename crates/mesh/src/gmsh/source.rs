@@ -1,0 +1,145 @@
+//! Numbers and lines of a file, in text or binary.
+
+use super::{GmshError, Place};
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Text,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A file and how far it has been read.
+pub(super) struct Source<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    pub(super) encoding: Encoding,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Source { bytes, position: 0, encoding: Encoding::Text }
+    }
+
+    /// The place that is read next.
+    pub(super) fn place(&self) -> Place {
+        match self.encoding {
+            Encoding::Text => {
+                let before = &self.bytes[..self.position];
+                Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
+            }
+            _ => Place::Byte(self.position),
+        }
+    }
+
+    /// The error that `expected` is not what comes next.
+    pub(super) fn unexpected(&self, expected: &str) -> GmshError {
+        let rest = &self.bytes[self.position..];
+        let found = match (rest, self.encoding) {
+            ([], _) => "the end of the file".to_owned(),
+            (_, Encoding::Text) => format!("\"{}\"", first_word(rest)),
+            (_, _) => format!("the bytes {:02x?}", &rest[..rest.len().min(8)]),
+        };
+        GmshError::Syntax { place: self.place(), expected: expected.to_owned(), found }
+    }
+
+    /// The next line that is not empty, without spaces at its ends; `None` at the end of the file.
+    pub(super) fn line(&mut self) -> Result<Option<&'a str>, GmshError> {
+        self.skip_spaces();
+        let rest = &self.bytes[self.position..];
+        if rest.is_empty() {
+            return Ok(None);
+        }
+        let length = rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+        let line = std::str::from_utf8(&rest[..length]).map_err(|_| self.unexpected("a line of text"))?;
+        self.position += (length + 1).min(rest.len());
+        Ok(Some(line.trim()))
+    }
+
+    /// The next line has to be `expected`.
+    pub(super) fn expect_line(&mut self, expected: &str) -> Result<(), GmshError> {
+        self.skip_spaces();
+        let start = self.position;
+        match self.line() {
+            Ok(Some(line)) if line == expected => Ok(()),
+            _ => {
+                self.position = start;
+                Err(self.unexpected(expected))
+            }
+        }
+    }
+
+    /// Skips everything up to the line that `end` begins, and that line.
+    pub(super) fn skip_past(&mut self, end: &str) -> Result<(), GmshError> {
+        let rest = &self.bytes[self.position..];
+        match rest.windows(end.len()).position(|window| window == end.as_bytes()) {
+            Some(offset) => self.position += offset,
+            None => {
+                self.position = self.bytes.len();
+                return Err(self.unexpected(end));
+            }
+        }
+        self.line().map(|_| ())
+    }
+
+    /// An `int` of the format: 4 bytes in binary.
+    pub(super) fn int(&mut self, what: &str) -> Result<i64, GmshError> {
+        match self.encoding {
+            Encoding::Text => self.parsed(what),
+            Encoding::LittleEndian => Ok(i32::from_le_bytes(self.raw(what)?).into()),
+            Encoding::BigEndian => Ok(i32::from_be_bytes(self.raw(what)?).into()),
+        }
+    }
+
+    /// A `size_t` of the format: 8 bytes in binary.
+    pub(super) fn size(&mut self, what: &str) -> Result<u64, GmshError> {
+        match self.encoding {
+            Encoding::Text => self.parsed(what),
+            Encoding::LittleEndian => Ok(u64::from_le_bytes(self.raw(what)?)),
+            Encoding::BigEndian => Ok(u64::from_be_bytes(self.raw(what)?)),
+        }
+    }
+
+    /// A `double` of the format.
+    pub(super) fn real(&mut self, what: &str) -> Result<f64, GmshError> {
+        match self.encoding {
+            Encoding::Text => self.parsed(what),
+            Encoding::LittleEndian => Ok(f64::from_le_bytes(self.raw(what)?)),
+            Encoding::BigEndian => Ok(f64::from_be_bytes(self.raw(what)?)),
+        }
+    }
+
+    /// Three of them: a position.
+    pub(super) fn point(&mut self, what: &str) -> Result<[f64; 3], GmshError> {
+        Ok([self.real(what)?, self.real(what)?, self.real(what)?])
+    }
+
+    /// The next word of a text, as a number.
+    fn parsed<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, GmshError> {
+        self.skip_spaces();
+        let rest = &self.bytes[self.position..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let word = std::str::from_utf8(&rest[..length]).ok();
+        let number = word.and_then(|word| word.parse().ok()).ok_or_else(|| self.unexpected(what))?;
+        self.position += length;
+        Ok(number)
+    }
+
+    fn raw<const N: usize>(&mut self, what: &str) -> Result<[u8; N], GmshError> {
+        let bytes = self.bytes[self.position..].first_chunk().ok_or_else(|| self.unexpected(what))?;
+        self.position += N;
+        Ok(*bytes)
+    }
+
+    fn skip_spaces(&mut self) {
+        let rest = &self.bytes[self.position..];
+        self.position += rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());
+    }
+}
+
+/// The first word, or what can be shown of it.
+fn first_word(bytes: &[u8]) -> String {
+    let word: String = String::from_utf8_lossy(&bytes[..bytes.len().min(40)]).trim_start().to_owned();
+    word.split_whitespace().next().unwrap_or_default().to_owned()
+}

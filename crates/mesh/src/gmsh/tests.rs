@@ -1,0 +1,154 @@
+#![allow(clippy::unwrap_used)]
+//! Files written here by hand, the same files damaged, and files that Gmsh wrote.
+
+mod damaged;
+mod sample;
+mod written_by_gmsh;
+
+use super::{GmshError, Place};
+use crate::{Mesh, MeshError};
+use sample::{Encoding, Sample, two_cells};
+
+/// One square with corners 1 2 3 4 and sides of two groups, one of them without a name.
+const SQUARE_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat
+$PhysicalNames\n2\n1 7 \"wall of glass\"\n2 1 \"fluid\"\n$EndPhysicalNames
+$Nodes\n5\n1 0 0 1\n2 2 0 1\n3 2 1 1\n4 0 1 1\n9 5 5 5\n$EndNodes
+$Elements\n6\n1 15 2 0 1 1\n2 1 2 7 1 1 2\n3 1 2 7 2 2 3\n4 1 2 7 3 3 4\n5 1 2 8 4 4 1\n6 3 2 1 1 1 2 3 4\n$EndElements
+";
+
+const SQUARE_4: &str = "$MeshFormat\r\n4.1 0 8\r\n$EndMeshFormat\r
+$Comments\nanything $Nodes\n$EndComments
+$PhysicalNames\n1\n1 7 \"wall of glass\"\n$EndPhysicalNames
+$Entities\n1 2 1 0\n1 0 0 0 0\n1 0 0 0 1 1 1 1 7 0\n2 0 0 0 1 1 1 1 8 2 1 -1\n1 0 0 0 1 1 1 0 0\n$EndEntities
+$Nodes\n2 5 1 9\n0 1 0 2\n1\n2\n0 0 1\n2 0 1\n2 1 1 3\n3\n4\n9\n2 1 1 0.5 0.5\n0 1 1 0.5 0.5\n5 5 5 0.5 0.5\n$EndNodes
+$Elements\n3 5 1 5\n1 1 1 3\n1 1 2\n2 2 3\n3 3 4\n1 2 1 1\n4 4 1\n2 1 3 1\n5 1 2 3 4\n$EndElements
+";
+
+fn read(text: &str) -> Result<Mesh<2>, GmshError> {
+    Mesh::from_gmsh(text.as_bytes(), &[])
+}
+
+/// The error of a text in which `from`, once in it, is replaced.
+fn spoiled(text: &str, from: &str, to: &str) -> GmshError {
+    assert_eq!(text.matches(from).count(), 1, "{from}");
+    read(&text.replace(from, to)).unwrap_err()
+}
+
+#[test]
+fn a_square_in_both_versions() {
+    for text in [SQUARE_2, SQUARE_4] {
+        let mesh = read(text).unwrap();
+        assert_eq!((mesh.order(), mesh.n_cells(), mesh.volume()), (2, 1, 2.0));
+        assert_eq!(mesh.boundary_names(), ["wall of glass", "8"]);
+        assert_eq!(mesh.boundary_facets().iter().map(|f| (f.boundary, f.side.face)).collect::<Vec<_>>(), [
+            (0, 1),
+            (0, 2),
+            (0, 3),
+            (1, 0)
+        ]);
+    }
+}
+
+#[test]
+fn a_left_handed_cell_is_turned() {
+    let mesh = read(&SQUARE_2.replace("1 2 3 4\n$End", "4 3 2 1\n$End")).unwrap();
+    assert_eq!(mesh.volume(), 2.0);
+    let mesh = Sample { left_handed: true, ..two_cells() }.version4(Encoding::Text);
+    let right = two_cells().version4(Encoding::Text);
+    let (left, right) = (Mesh::<2>::from_gmsh(&mesh, &[]).unwrap(), Mesh::<2>::from_gmsh(&right, &[]).unwrap());
+    assert!((left.volume() - right.volume()).abs() < 1e-15);
+}
+
+#[test]
+fn curved_cells_in_every_encoding() {
+    let sample = two_cells();
+    let expected = Mesh::<2>::from_gmsh(&sample.version4(Encoding::Text), &[]).unwrap();
+    assert_eq!((expected.order(), expected.n_cells(), expected.interior_facets().len()), (3, 2, 1));
+    assert_eq!(expected.boundary_names(), ["inflow", "wall", "outflow"]);
+    // The nodes of degree 2 are equidistant and Gauss-Lobatto nodes at once.
+    assert_eq!(expected.position(1, &[0.0, 1.0]), sample.position(3, 2));
+    assert!((expected.volume() - sample.area()).abs() < 1e-15);
+    for encoding in Encoding::ALL {
+        assert_eq!(Mesh::from_gmsh(&sample.version2(encoding), &[]).unwrap(), expected, "{encoding:?}");
+        assert_eq!(Mesh::from_gmsh(&sample.version4(encoding), &[]).unwrap(), expected, "{encoding:?}");
+    }
+}
+
+#[test]
+fn named_boundaries_are_joined() {
+    let file = two_cells().version4(Encoding::Text);
+    let pair = |minus: &str, plus: &str| [(minus.to_owned(), plus.to_owned())];
+    let mesh = Mesh::<2>::from_gmsh(&file, &pair("outflow", "inflow")).unwrap();
+    assert_eq!(mesh.boundary_names(), ["wall"]);
+    assert_eq!(mesh.interior_facets().iter().filter(|facet| facet.periodic).count(), 1);
+    let error = Mesh::<2>::from_gmsh(&file, &pair("outflow", "exit")).unwrap_err();
+    assert!(matches!(&error, GmshError::NoBoundary { name, known } if name == "exit" && known.len() == 3), "{error}");
+}
+
+#[test]
+fn syntax_errors_name_line_and_expectation() {
+    let error = spoiled(SQUARE_2, "3 2 1 1\n", "3 2 one 1\n");
+    let expected = GmshError::Syntax {
+        place: Place::Line(12),
+        expected: "the position of a node".to_owned(),
+        found: "\"one\"".to_owned(),
+    };
+    assert_eq!(error, expected);
+    assert_eq!(error.to_string(), "line 12: expected the position of a node, found \"one\"");
+    assert!(spoiled(SQUARE_2, "$EndNodes", "$EndNode").to_string().contains("expected $EndNodes, found \"$EndNode\""));
+    assert!(spoiled(SQUARE_2, "2.2 0 8", "2.2 0 4").to_string().starts_with("line 2: expected a version"));
+    assert!(spoiled(SQUARE_4, "1 7 \"wall of glass\"", "1 7 wall").to_string().contains("line 9"));
+    assert!(matches!(read(""), Err(GmshError::Syntax { place: Place::Line(1), .. })));
+    let error = spoiled(SQUARE_4, "4.1 0 8", "4 0 8");
+    assert_eq!(error, GmshError::Version { place: Place::Line(2), version: "4".to_owned() });
+    let half = SQUARE_2.find("$Elements").unwrap();
+    assert_eq!(read(&SQUARE_2[..half]).unwrap_err(), GmshError::NoSection { section: "Elements" });
+}
+
+#[test]
+fn errors_of_a_binary_file_name_the_byte() {
+    let mut file = two_cells().version4(Encoding::LittleEndian);
+    file.truncate(1500);
+    let error = Mesh::<2>::from_gmsh(&file, &[]).unwrap_err();
+    assert!(matches!(&error, GmshError::Syntax { place: Place::Byte(byte), .. } if (1490..=1500).contains(byte)), "{error}");
+}
+
+#[test]
+fn meshes_that_are_none_are_refused() {
+    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 2 2 1 1 1 2 3");
+    assert_eq!(error, GmshError::Element { place: Place::Line(23), code: 2, kind: "triangles" });
+    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 3 2 1 1 1 2 3 17");
+    assert_eq!(error, GmshError::NoNode { element: 6, node: 17 });
+    let error = spoiled(SQUARE_2, "4 1 2 7 3 3 4", "4 1 2 7 3 2 4");
+    assert_eq!(error, GmshError::Stray { element: 4, name: "wall of glass".to_owned() });
+    let error = spoiled(SQUARE_2, "4 0 1 1\n9", "4 0 1 2\n9");
+    assert_eq!(error, GmshError::NotPlane { node: 4, z: 2.0, first: 1.0 });
+    let error = spoiled(SQUARE_2, "5 1 2 8 4 4 1", "5 1 2 0 4 4 1");
+    assert!(matches!(error, GmshError::Mesh(MeshError::Unnamed { cell: 0, face: 0, .. })), "{error}");
+    let error = Mesh::<3>::from_gmsh(SQUARE_2.as_bytes(), &[]).unwrap_err();
+    assert_eq!(error, GmshError::Dimension { dimension: 3, quadrilaterals: 1, hexahedra: 0 });
+    let missing = Mesh::<2>::from_gmsh_file("no/such.msh".as_ref(), &[]).unwrap_err();
+    assert!(missing.to_string().starts_with("no/such.msh: "), "{missing}");
+}
+
+#[test]
+fn an_inverted_cell_is_named_by_its_element() {
+    // Corners 3 and 4 exchanged: a bow tie.
+    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "17 3 2 1 1 1 2 4 3");
+    assert!(matches!(error, GmshError::Stray { .. } | GmshError::Cell { element: 17, .. }), "{error}");
+    let error = spoiled(SQUARE_2, "3 2 1 1\n", "3 -1 -1 1\n");
+    let GmshError::Cell { element: 6, source: MeshError::Inverted { cell: 0, determinant, .. } } = error else {
+        unreachable!("{error}")
+    };
+    assert!(determinant < 0.0);
+}
+
+#[test]
+fn cells_of_different_degree_are_refused() {
+    let file = String::from_utf8(two_cells().version2(Encoding::Text)).unwrap();
+    let line = file.lines().find(|line| line.split(' ').nth(1) == Some("10")).unwrap();
+    let words: Vec<&str> = line.split(' ').collect();
+    let straight = format!("{} 3 {}", words[0], words[2..9].join(" "));
+    let error = read(&file.replace(line, &straight)).unwrap_err();
+    assert!(matches!(error, GmshError::Degree { degree: 2, first: 1, .. }), "{error}");
+}

@@ -1,0 +1,61 @@
+//! Nodes and elements of version 2.2.
+
+use super::GmshError;
+use super::element::Kind;
+use super::file::{Element, kind, text_count};
+use super::source::{Encoding, Source};
+use std::collections::BTreeMap;
+
+/// `$Nodes`: their number as text, then number and position of each.
+pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, GmshError> {
+    let mut nodes = BTreeMap::new();
+    for _ in 0..text_count(source, "the number of nodes")? {
+        let number = unsigned(source, "the number of a node")?;
+        nodes.insert(number, source.point("the position of a node")?);
+    }
+    Ok(nodes)
+}
+
+/// `$Elements`: their number as text; then, in text, number, type, number of tags, tags, nodes of each; in binary
+/// blocks of one type: type, number of elements, number of tags, and then number, tags, nodes of each.
+pub(super) fn elements(source: &mut Source) -> Result<Vec<Element>, GmshError> {
+    let count = text_count(source, "the number of elements")?;
+    let mut elements = Vec::new();
+    while (elements.len() as u64) < count {
+        if source.encoding == Encoding::Text {
+            let number = unsigned(source, "the number of an element")?;
+            let kind = kind(source)?;
+            let tags = unsigned(source, "the number of tags of an element")?;
+            elements.push(element(source, number, kind, tags)?);
+        } else {
+            let kind = kind(source)?;
+            let block = unsigned(source, "the number of elements of a block")?;
+            let tags = unsigned(source, "the number of tags of an element")?;
+            for _ in 0..block {
+                let number = unsigned(source, "the number of an element")?;
+                elements.push(element(source, number, kind, tags)?);
+            }
+        }
+    }
+    Ok(elements)
+}
+
+/// Tags and nodes of an element. The first tag is the physical group, 0 if there is none, negative if the group has the
+/// opposite orientation.
+fn element(source: &mut Source, number: u64, kind: Kind, tags: u64) -> Result<Element, GmshError> {
+    let mut groups = Vec::new();
+    for tag in 0..tags {
+        let value = source.int("a tag of an element")?;
+        if tag == 0 && value != 0 {
+            groups.push(value.abs());
+        }
+    }
+    let nodes = (0..kind.n_nodes()).map(|_| unsigned(source, "a node of an element")).collect::<Result<_, _>>()?;
+    Ok(Element { number, kind, groups, nodes })
+}
+
+/// An `int` that is not negative.
+fn unsigned(source: &mut Source, what: &str) -> Result<u64, GmshError> {
+    let wrong = source.unexpected(what);
+    u64::try_from(source.int(what)?).map_err(|_| wrong)
+}

@@ -1,0 +1,90 @@
+//! Entities, nodes and elements of version 4.1.
+
+use super::GmshError;
+use super::file::{Element, kind};
+use super::source::Source;
+use std::collections::BTreeMap;
+
+/// The physical groups of each geometric entity, by dimension and number.
+pub(super) type Entities = BTreeMap<(i64, i64), Vec<i64>>;
+
+/// `$Entities`: the numbers of points, curves, surfaces and volumes, then each of them: number, position or bounding
+/// box, physical groups, and but for points the entities of its boundary.
+pub(super) fn entities(source: &mut Source) -> Result<Entities, GmshError> {
+    let mut counts = [0; 4];
+    for count in &mut counts {
+        *count = source.size("the number of points, curves, surfaces or volumes")?;
+    }
+    let mut entities = Entities::new();
+    for (dimension, count) in (0..).zip(counts) {
+        for _ in 0..count {
+            let number = source.int("the number of an entity")?;
+            for _ in 0..if dimension == 0 { 1 } else { 2 } {
+                source.point("the position or bounding box of an entity")?;
+            }
+            let groups = integers(source, "the physical groups of an entity")?;
+            if dimension > 0 {
+                integers(source, "the boundary of an entity")?;
+            }
+            entities.insert((dimension, number), groups.into_iter().map(i64::abs).collect());
+        }
+    }
+    Ok(entities)
+}
+
+/// A list of integers after its length.
+fn integers(source: &mut Source, what: &str) -> Result<Vec<i64>, GmshError> {
+    let count = source.size(what)?;
+    (0..count).map(|_| source.int(what)).collect()
+}
+
+/// `$Nodes`: the numbers of blocks and of nodes, smallest and largest node number; then blocks: dimension and number of
+/// the entity, whether its parameters follow the positions, number of nodes, their numbers, their positions.
+pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, GmshError> {
+    let blocks = header(source, "the numbers of blocks and nodes")?;
+    let mut nodes = BTreeMap::new();
+    for _ in 0..blocks {
+        let dimension = source.int("the dimension of an entity")?;
+        source.int("the number of an entity")?;
+        let parametric = source.int("0 or 1, for nodes with parameters")?;
+        let count = source.size("the number of nodes in a block")?;
+        let numbers =
+            (0..count).map(|_| source.size("the number of a node")).collect::<Result<Vec<_>, GmshError>>()?;
+        for number in numbers {
+            nodes.insert(number, source.point("the position of a node")?);
+            for _ in 0..if parametric == 0 { 0 } else { dimension } {
+                source.real("a parameter of a node")?;
+            }
+        }
+    }
+    Ok(nodes)
+}
+
+/// `$Elements`: the numbers of blocks and of elements, smallest and largest element number; then blocks: dimension and
+/// number of the entity, type, number of elements; number and nodes of each.
+pub(super) fn elements(source: &mut Source, entities: &Entities) -> Result<Vec<Element>, GmshError> {
+    let blocks = header(source, "the numbers of blocks and elements")?;
+    let mut elements = Vec::new();
+    for _ in 0..blocks {
+        let entity = (source.int("the dimension of an entity")?, source.int("the number of an entity")?);
+        let groups = entities.get(&entity).cloned().unwrap_or_default();
+        let kind = kind(source)?;
+        for _ in 0..source.size("the number of elements in a block")? {
+            let number = source.size("the number of an element")?;
+            let nodes = (0..kind.n_nodes())
+                .map(|_| source.size("a node of an element"))
+                .collect::<Result<_, GmshError>>()?;
+            elements.push(Element { number, kind, groups: groups.clone(), nodes });
+        }
+    }
+    Ok(elements)
+}
+
+/// Four numbers, of which only the first, the number of blocks, is needed.
+fn header(source: &mut Source, what: &str) -> Result<u64, GmshError> {
+    let blocks = source.size(what)?;
+    for _ in 0..3 {
+        source.size(what)?;
+    }
+    Ok(blocks)
+}

@@ -1,0 +1,140 @@
+//! From a checked case to the problem of the numerics.
+
+use crate::case::{Case, Flow, Jacobian, Motion, Predictor, Solver, State, Stiffness};
+use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
+use elasticity::{ElasticMesh, ElasticityError, Material};
+use fem::{BoundaryCondition, ConservationLaw, Orders, Problem, SlabOperator, StateField, VectorField};
+use mesh::NodeNumbering;
+use navier_stokes::{Exact, ExactState, Manufactured, NavierStokes};
+use newton_krylov::{forcing, newton, pseudo_time};
+use std::sync::Arc;
+
+/// Tolerance of a solve with K: displacements are then good to round-off.
+const ELASTIC_TOLERANCE: f64 = 1e-13;
+
+/// The mover of the mesh of a case.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityError> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let motion = match &case.motion {
+        None => MeshMotion::Still,
+        Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
+        Some(Motion::Elastic { poisson_ratio, stiffness, boundary }) => {
+            let (constrained, boundary) = constraints(case, &numbering, boundary);
+            let function = |x: &[f64; D]| match stiffness {
+                Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
+                _ => 1.0,
+            };
+            let stiffness = match stiffness {
+                Stiffness::Constant => elasticity::Stiffness::Constant,
+                Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
+                Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
+            };
+            let material = Material::new(1.0, *poisson_ratio)?;
+            let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
+            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, tolerance: ELASTIC_TOLERANCE }
+        }
+    };
+    Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))
+}
+
+/// Which nodes are constrained, and how they move. A node on several boundaries moves with the first of them that moves.
+fn constraints<const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Option<crate::case::Vector<D>>],
+) -> (Vec<bool>, BoundaryMotion<D>) {
+    let mut constrained = vec![false; numbering.count];
+    let mut field_of_node = vec![None; numbering.count];
+    let mut fields: Vec<Arc<dyn VectorField<D>>> = Vec::new();
+    for (index, displacement) in boundary.iter().enumerate() {
+        let nodes = numbering.on_boundary(&case.mesh, index);
+        nodes.iter().for_each(|&node| constrained[node] = true);
+        let Some(displacement) = displacement else { continue };
+        for node in nodes {
+            field_of_node[node].get_or_insert(fields.len());
+        }
+        fields.push(Arc::new(displacement.clone()));
+    }
+    (constrained, BoundaryMotion { fields, field_of_node })
+}
+
+/// A law with its dimension and number of components.
+pub type Law<const D: usize> = NavierStokes<D>;
+
+/// The march of a case with a flow, at its start.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<March<D, M, Law<D>>, ElasticityError>
+where
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let mover = mover(case)?;
+    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
+    let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
+    operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+    Ok(March::new(SlabProblem::new(operator, mover), u, settings(case)))
+}
+
+fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M, Law<D>>
+where
+    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let condition = |boundary: &crate::case::BoundaryData<D>| BoundaryCondition {
+        condition: boundary.condition,
+        data: boundary.state.clone().map(|state| Arc::new(Exact(state)) as Arc<dyn StateField<D, M>>),
+    };
+    let manufactured = flow.exact.clone().filter(|_| flow.manufactured);
+    let source = |exact| Arc::new(Manufactured { law: flow.law, exact }) as Arc<dyn StateField<D, M>>;
+    Problem { law: flow.law, boundaries: flow.boundary.iter().map(condition).collect(), source: manufactured.map(source) }
+}
+
+fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
+    let (time, solver) = (&case.time, &case.solver);
+    coupled::Settings {
+        start: time.start,
+        end: time.end,
+        step: time.step,
+        slabs: time.slabs,
+        newton: newton_settings(solver),
+        predictor: match solver.predictor {
+            Predictor::Elastic => coupled::Predictor::Elastic,
+            Predictor::Extrapolate => coupled::Predictor::Extrapolated,
+            Predictor::Constant => coupled::Predictor::Constant,
+        },
+        jacobian: match solver.jacobian {
+            Jacobian::Exact => coupled::Jacobian::Exact,
+            Jacobian::FiniteDifference => coupled::Jacobian::FiniteDifference,
+        },
+        max_halvings: solver.slab_halvings as u32,
+    }
+}
+
+fn newton_settings(solver: &Solver) -> newton::Settings {
+    let mut settings = newton::Settings {
+        relative_tolerance: solver.newton_tolerance,
+        absolute_tolerance: solver.newton_absolute_tolerance,
+        max_steps: solver.newton_steps,
+        forcing: forcing::Settings { maximum: solver.krylov_tolerance, initial: solver.krylov_tolerance, ..Default::default() },
+        pseudo_time: pseudo_time::Settings {
+            initial_inverse: solver.pseudo_time.initial_inverse,
+            restart_inverse: solver.pseudo_time.restart_inverse,
+            power: solver.pseudo_time.power,
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    settings.forcing.minimum = settings.forcing.minimum.min(solver.krylov_tolerance);
+    settings.krylov.max_iterations = solver.krylov_iterations;
+    settings.krylov.restart = solver.krylov_restart;
+    settings
+}
