@@ -3,10 +3,12 @@
 
 pub mod vortex;
 
-use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField};
+use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
-use navier_stokes::{Boundary, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Viscosity};
+use navier_stokes::{
+    Boundary, Compiled, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Viscosity,
+};
 use std::sync::Arc;
 
 /// Numbers in [-1, 1] that look random and are the same everywhere.
@@ -64,12 +66,13 @@ pub fn operator<const D: usize, const M: usize>(
     orders: Orders,
     condition: Boundary<D>,
     data: Arc<dyn StateField<D, M>>,
-) -> SlabOperator<D, M, NavierStokes<D>> {
-    let takes = condition.takes_state();
-    let boundaries = (mesh.boundary_names().iter())
-        .map(|_| BoundaryCondition { condition, data: takes.then(|| data.clone()) })
-        .collect();
-    let problem = Problem { law, boundaries, source: None };
+) -> SlabOperator<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let names = mesh.boundary_names();
+    let data = names.iter().map(|_| condition.takes_state().then(|| data.clone())).collect();
+    let problem = Problem { kernels: law.kernels(vec![condition; names.len()]), data, source: None };
     SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, Quadrature::Conserving)
 }
 

@@ -3,10 +3,10 @@
 use crate::prescribed;
 use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Settings, SlabProblem};
 use elasticity::{ElasticMesh, Material, Stiffness};
-use fem::{BoundaryCondition, Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
+use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::exact::Vortex;
-use navier_stokes::{Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+use navier_stokes::{Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ impl VectorField<2> for Stretching {
 /// A run of the vortex.
 pub struct VortexRun {
     /// The run.
-    pub march: March<2, 4, NavierStokes<2>>,
+    pub march: March<2, 4>,
     /// The exact solution.
     pub exact: Arc<dyn StateField<2, 4>>,
 }
@@ -68,9 +68,8 @@ impl VortexRun {
         let mesh =
             BoxMesh { lower, upper, cells, order, curving: Curving::None, periodic: [false; 2] }.build().unwrap();
         let numbering = NodeNumbering::new(&mesh, order);
-        let boundary =
-            || BoundaryCondition { condition: prescribed(), data: Some(exact.clone() as Arc<dyn StateField<2, 4>>) };
-        let problem = Problem { law, boundaries: (0..4).map(|_| boundary()).collect(), source: None };
+        let data = vec![Some(exact.clone() as Arc<dyn StateField<2, 4>>); 4];
+        let problem = Problem { kernels: law.kernels(vec![prescribed(); 4]), data, source: None };
         let orders = Orders { flow: order, mesh: order, time: time_order };
         let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
         let constrained: Vec<bool> = {

@@ -1,11 +1,11 @@
 //! The state at the start of a run.
 
-use fem::{ConservationLaw, SlabOperator, StateField};
+use fem::{SlabOperator, StateField};
 
 /// The state at time `t` at the nodes of every cell, on the mesh in the position last set at the bottom of a slab (at first the
 /// reference position); laid out at one time.
-pub fn interpolate<const D: usize, const M: usize, L: ConservationLaw<D, M>>(
-    operator: &SlabOperator<D, M, L>,
+pub fn interpolate<const D: usize, const M: usize>(
+    operator: &SlabOperator<D, M>,
     field: &dyn StateField<D, M>,
     t: f64,
 ) -> Vec<f64> {

@@ -3,7 +3,6 @@
 use crate::mesh_mover::MeshQuality;
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
-use fem::ConservationLaw;
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
@@ -106,18 +105,18 @@ pub struct MarchError {
 }
 
 /// A run in progress.
-pub struct March<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+pub struct March<const D: usize, const M: usize> {
     /// The problem of the current slab.
-    pub problem: SlabProblem<D, M, L>,
+    pub problem: SlabProblem<D, M>,
     /// Where the run stands.
     pub state: State,
     settings: Settings,
     workspace: Workspace,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> March<D, M, L> {
+impl<const D: usize, const M: usize> March<D, M> {
     /// A run of `problem` from the flow `u` at one time.
-    pub fn new(problem: SlabProblem<D, M, L>, u: Vec<f64>, settings: Settings) -> Self {
+    pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, settings: Settings) -> Self {
         let d = problem.mover.displacement_at_start(settings.start);
         let state = State::new(settings.start, u, d);
         March { problem, state, settings, workspace: Workspace::default() }

@@ -10,7 +10,7 @@ use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use crate::preconditioner::{FlowPreconditioner, Ordering, TemporalModes};
 use elasticity::{ElasticMesh, ElasticSlab};
-use fem::{ConservationLaw, SlabOperator, Violation};
+use fem::{SlabOperator, Violation};
 use newton_krylov::inner_product::{InnerProduct, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use std::ops::Range;
@@ -54,9 +54,9 @@ pub struct Frozen {
 }
 
 /// The coupled problem of the current slab.
-pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+pub struct SlabProblem<const D: usize, const M: usize> {
     /// The flow and the moving mesh.
-    pub flow: SlabOperator<D, M, L>,
+    pub flow: SlabOperator<D, M>,
     /// The motion of the mesh.
     pub mover: MeshMover<D>,
     /// What has been done since the counts were last taken.
@@ -77,9 +77,9 @@ pub struct SlabProblem<const D: usize, const M: usize, L: ConservationLaw<D, M>>
     flow_work: Vec<f64>,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M, L> {
+impl<const D: usize, const M: usize> SlabProblem<D, M> {
     /// The problem of `flow` on the mesh that `mover` moves.
-    pub fn new(flow: SlabOperator<D, M, L>, mover: MeshMover<D>) -> Self {
+    pub fn new(flow: SlabOperator<D, M>, mover: MeshMover<D>) -> Self {
         let mesh_weights = crate::weights::mesh(&mover, flow.tables.orders.time);
         let (mesh_len, velocity_len) = (mesh_weights.len(), flow.mesh.field_len() * flow.tables.orders.time);
         let flow_len = flow.layout.len();
@@ -249,7 +249,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabProblem<D, M,
     }
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> NonlinearProblem for SlabProblem<D, M, L> {
+impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     fn len(&self) -> usize {
         self.mesh_work.len() + self.flow_work.len()
     }

@@ -7,12 +7,12 @@
 
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
-use fem::{ConservationLaw, SlabOperator};
+use fem::SlabOperator;
 use mesh::{Mesh, NodeNumbering};
 
 /// Weights of the flow's residual in a slab.
-pub fn flow<const D: usize, const M: usize, L: ConservationLaw<D, M>>(operator: &SlabOperator<D, M, L>) -> Vec<f64> {
-    let (layout, scales) = (operator.layout, operator.problem.law.scales());
+pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Vec<f64> {
+    let (layout, scales) = (operator.layout, operator.problem.kernels.scales());
     let one = layout.at_one_time();
     let mut masses = vec![0.0; one.len()];
     let row = operator.tables.bottom_row();

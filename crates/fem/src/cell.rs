@@ -84,11 +84,9 @@ impl CellScratch {
 pub type SourceAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
 
 /// What the kernels of a slab share.
-pub struct CellContext<'a, const D: usize, const M: usize, L> {
+pub struct CellContext<'a, const D: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
-    /// The conservation law.
-    pub law: &'a L,
     /// Length of the slab.
     pub dt: f64,
     /// Time at the bottom of the slab.
@@ -101,8 +99,10 @@ pub struct CellContext<'a, const D: usize, const M: usize, L> {
 
 /// The volume terms of a slab: reads `state` and `mesh` of the scratch, overwrites `residual`.
 pub struct SlabCells<'a, 'c, const D: usize, const M: usize, L, K> {
+    /// The conservation law.
+    pub law: &'c L,
     /// Shared data.
-    pub context: &'c CellContext<'a, D, M, L>,
+    pub context: &'c CellContext<'a, D>,
     /// This thread's packs.
     pub scratch: &'c mut CellScratch,
     /// Values or derivatives.
@@ -114,14 +114,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let SlabCells { context, scratch, .. } = self;
+        let SlabCells { law, context, scratch, .. } = self;
         let tables = context.tables;
         let nodes = tables.orders.flow.pow(D as u32);
         scratch.residual.fill(Pack::ZERO);
         scratch.violated = Pack::ZERO;
         for (q, instant) in tables.instants.iter().enumerate() {
             at_instant::<D, M, K, S>(simd, tables, instant, &context.position_rows[q], scratch);
-            space_terms::<D, M, L, K, S>(simd, context, instant, context.dt * instant.weight, instant.weight, scratch);
+            space_terms::<D, M, L, K, S>(
+                simd,
+                law,
+                context,
+                instant,
+                context.dt * instant.weight,
+                instant.weight,
+                scratch,
+            );
             contract_add(simd, &instant.test, 1, M * nodes, &scratch.flux_now, &mut scratch.residual);
             contract_add(simd, &instant.test_rate, 1, M * nodes, &scratch.moments_now, &mut scratch.residual);
         }
@@ -134,8 +142,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 /// The terms of space alone at one time: reads `state_now`, `position_now`, `velocity_now`, overwrites `flux_now` (scaled
 /// by `flux_weight`) and `moments_now` (scaled by `moment_weight`).
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
+    /// The conservation law.
+    pub law: &'c L,
     /// Shared data.
-    pub context: &'c CellContext<'a, D, M, L>,
+    pub context: &'c CellContext<'a, D>,
     /// The time.
     pub instant: &'c Instant,
     /// This thread's packs.
@@ -150,7 +160,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.scratch.violated = Pack::ZERO;
-        space_terms::<D, M, L, K, S>(simd, self.context, self.instant, 1.0, 1.0, self.scratch);
+        space_terms::<D, M, L, K, S>(simd, self.law, self.context, self.instant, 1.0, 1.0, self.scratch);
     }
 }
 
@@ -192,17 +202,18 @@ fn at_instant<const D: usize, const M: usize, K: Mode, S: Simd>(
 #[inline(always)]
 fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
     simd: S,
-    context: &CellContext<D, M, L>,
+    law: &L,
+    context: &CellContext<D>,
     instant: &Instant,
     flux_weight: f64,
     moment_weight: f64,
     scratch: &mut CellScratch,
 ) {
     let tables = context.tables;
-    let viscous = context.law.is_viscous();
+    let viscous = law.is_viscous();
     to_points::<D, M, K, S>(simd, tables, viscous, scratch); // 1. geometry and state at the points
     let with_source = source_at_points(context, instant, simd, scratch, K::GEOMETRY_BLOCKS); // 2. the source
-    fluxes::<D, M, L, K, S>(simd, context.law, tables, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
+    fluxes::<D, M, L, K, S>(simd, law, tables, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
     scratch.flux_now.fill(Pack::ZERO); // 4. test
     let parts = if with_source { Parts::Both } else { Parts::Gradients };
     let line = &tables.flow;
@@ -229,8 +240,8 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Evaluates the source at the points, if there is one.
 #[inline(always)]
-fn source_at_points<const D: usize, const M: usize, L, S: Simd>(
-    context: &CellContext<D, M, L>,
+fn source_at_points<const D: usize, S: Simd>(
+    context: &CellContext<D>,
     instant: &Instant,
     simd: S,
     scratch: &mut CellScratch,

@@ -12,6 +12,7 @@
 
 use crate::cell::{flag, load_state, metric, physical_gradient};
 use crate::conservation_law::ConservationLaw;
+use crate::kernels::Times;
 use crate::mode::Mode;
 use crate::tables::{Instant, Tables};
 use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
@@ -102,19 +103,17 @@ impl FacetScratch {
 pub type DataAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
 
 /// What a batch of facets separates.
-pub enum Across<'a, B> {
+pub enum Across<'a> {
     /// Two cells.
     Cells,
-    /// A cell from the outside: the condition, and its prescribed states where it takes any.
-    Boundary(B, Option<DataAt<'a>>),
+    /// A cell from the outside: the number of the boundary, and its prescribed states where its condition takes any.
+    Boundary(usize, Option<DataAt<'a>>),
 }
 
 /// What the facet kernels of a slab share.
-pub struct FacetContext<'a, const D: usize, L> {
+pub struct FacetContext<'a, const D: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
-    /// The conservation law.
-    pub law: &'a L,
     /// Length of the slab.
     pub dt: f64,
     /// Time at the bottom of the slab.
@@ -125,16 +124,16 @@ pub struct FacetContext<'a, const D: usize, L> {
 ///
 /// In a slab the times are its Gauss points, with weights; for the operator of space alone there is one time, weight one.
 pub struct Facets<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>, K> {
+    /// The conservation law.
+    pub law: &'c L,
+    /// Its conditions on the boundaries.
+    pub conditions: &'c [L::Boundary],
     /// Shared data.
-    pub context: &'c FacetContext<'a, D, L>,
+    pub context: &'c FacetContext<'a, D>,
     /// The times.
-    pub instants: &'c [Instant],
-    /// The row of positions at each time.
-    pub position_rows: &'c [Matrix],
-    /// Weight of the terms at all times: dt in a slab, 1 in space alone.
-    pub weight: f64,
+    pub times: &'c Times<'c>,
     /// What lies on the plus side.
-    pub across: &'c Across<'a, L::Boundary>,
+    pub across: &'c Across<'a>,
     /// This thread's packs.
     pub scratch: &'c mut FacetScratch,
     /// Values or derivatives.
@@ -146,8 +145,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Facets { context, instants, position_rows, weight, across, scratch, .. } = self;
-        let FacetContext { tables, law, .. } = *context;
+        let Facets { law, conditions, context, times, across, scratch, .. } = self;
+        let tables = context.tables;
         let viscous = law.is_viscous();
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
         for side in &mut scratch.sides[..used] {
@@ -155,17 +154,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
             side.terms[1].fill(Pack::ZERO);
         }
         scratch.violated = Pack::ZERO;
-        for (instant, row) in instants.iter().zip(position_rows) {
-            let weight = weight * instant.weight;
+        for (instant, row) in times.instants.iter().zip(times.position_rows) {
+            let weight = times.weight * instant.weight;
             for side in &mut scratch.sides[..used] {
                 to_points::<D, M, K, S>(simd, tables, instant, row, viscous, side, &mut scratch.scratch); // 1.
             }
             mesh_velocity::<D, M, K, S>(simd, tables, instant, scratch); // 2.
             match across {
                 Across::Cells => interior_points::<D, M, L, K, S>(simd, law, tables, weight, scratch), // 3.
-                Across::Boundary(condition, data) => {
+                Across::Boundary(number, data) => {
                     boundary_data::<D, M, K, S>(simd, context, instant, *data, scratch);
-                    boundary_points::<D, M, L, K, S>(simd, law, *condition, tables, weight, scratch);
+                    boundary_points::<D, M, L, K, S>(simd, law, conditions[*number], tables, weight, scratch);
                 }
             }
             for side in &mut scratch.sides[..used] {
@@ -401,7 +400,7 @@ fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
 #[inline(always)]
 fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
-    context: &FacetContext<D, impl Sized>,
+    context: &FacetContext<D>,
     instant: &Instant,
     data: Option<DataAt>,
     scratch: &mut FacetScratch,

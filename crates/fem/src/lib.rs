@@ -9,6 +9,7 @@
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | what is differentiated |
 //! | `cell`, `facet` | the kernels |
+//! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
 //! | `operator` | the residual of a slab and its derivatives |
 //! | `sampler` | cells seen from any grid of points: output, errors |
@@ -19,6 +20,7 @@ mod cell;
 mod conservation_law;
 mod facet;
 mod field;
+mod kernels;
 mod layout;
 mod linearisation;
 mod mode;
@@ -34,10 +36,11 @@ mod violation;
 
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
+pub use kernels::{Kernels, LawKernels};
 pub use layout::Layout;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use moving_mesh::MovingMesh;
-pub use operator::{BoundaryCondition, Problem, SlabOperator, Violation};
+pub use operator::{Problem, SlabOperator, Violation};
 pub use pool::Pool;
 pub use sampler::{Sampler, squared_errors};
 pub use tables::{Instant, Line, Orders, Quadrature, Tables};

@@ -7,17 +7,14 @@
 //! All entries are derivatives by duals along unit directions, of the kernels that make the residual.
 
 use crate::batches::{FacetBatch, cells_of};
-use crate::cell::{CellContext, CellScratch, SpaceCells, gather};
-use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, DataAt, FacetContext, FacetScratch, Facets as FacetKernel};
-use crate::mode::{AlongState, Mode};
+use crate::cell::{CellContext, CellScratch, gather};
+use crate::facet::FacetScratch;
+use crate::kernels::{Along, Times};
 use crate::operator::{SlabOperator, gather_trace};
-use crate::prescribed;
 use crate::tables::Instant;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use rayon::prelude::*;
-use std::marker::PhantomData;
 use tensor::{Pack, WIDTH};
 
 /// The coupling of two cells across a facet.
@@ -118,12 +115,12 @@ struct Frozen {
     traces: Traces,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M, L> {
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The blocks at position `s` of the slab, in the state and on the mesh last set.
     pub fn space_jacobian(&self, s: f64) -> SpaceJacobian {
         let frozen = self.freeze(s);
         let block = self.layout.time_len();
-        let traces = TraceSpace::new(&self.flow_faces, 2 * D, M, self.layout.nodes, self.problem.law.is_viscous());
+        let traces = TraceSpace::new(&self.flow_faces, 2 * D, M, self.layout.nodes, self.problem.kernels.is_viscous());
         let (mut diagonal, mass) = self.cell_blocks(&frozen);
         let batches = self.facets.batches.par_iter();
         let facets: Vec<FacetBlocks> =
@@ -164,7 +161,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             face_nodes: self.tables.orders.flow.pow(D as u32 - 1),
         };
         let mut traces = Traces::new(layout, one.cells);
-        traces.take(&self.flow_faces, &state, self.problem.law.is_viscous());
+        traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
         Frozen { rows: vec![instant.position_row(self.interval().1)], instant, state, traces }
     }
 
@@ -196,7 +193,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         let (start, dt) = self.interval();
         let context = CellContext {
             tables: &self.tables,
-            law: &self.problem.law,
             dt,
             start,
             position_rows: &frozen.rows,
@@ -205,9 +201,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         for column in 0..block {
             scratch.state_now[block..2 * block].fill(Pack::ZERO);
             scratch.state_now[block + column] = Pack([1.0; WIDTH]);
-            let kernel =
-                SpaceCells { context: &context, instant: &frozen.instant, scratch, mode: PhantomData::<AlongState> };
-            self.arch.dispatch(kernel);
+            self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
             write_column(&scratch.flux_now, block, column, diagonal);
             if column < nodes {
                 write_column(&scratch.moments_now, nodes, column, mass);
@@ -256,7 +250,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
 
     fn gather_frozen(&self, batch: &FacetBatch, frozen: &Frozen, scratch: &mut FacetScratch) {
         scratch.normal_sign = batch.normal_sign;
-        let viscous = self.problem.law.is_viscous();
+        let viscous = self.problem.kernels.is_viscous();
         let [minus, plus] = &mut scratch.sides;
         for lane in 0..WIDTH {
             let (here, (there, permutation)) = (batch.minus[lane], batch.plus[lane]);
@@ -285,30 +279,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         }
         let (kind, number) = traces.split(column[1]);
         scratch.sides[column[0]].state[kind][len + number] = Pack([1.0; WIDTH]);
-        let condition = batch.boundary.map(|b| &self.problem.boundaries[b]);
-        let fill = |time: f64, x: &[Pack], data: &mut [Pack]| {
-            if let Some(field) = condition.and_then(|c| c.data.as_deref()) {
-                prescribed::fill(field, AlongState::GEOMETRY_BLOCKS, time, self.tables.facet_points(), x, data);
-            }
-        };
-        let across = match condition {
-            None => Across::Cells,
-            Some(c) => Across::Boundary(c.condition, c.data.is_some().then_some(&fill as DataAt)),
-        };
-        let (start, dt) = self.interval();
-        let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt, start };
         let instants = std::slice::from_ref(&frozen.instant);
-        let mode = PhantomData::<AlongState>;
-        let kernel = FacetKernel {
-            context: &context,
-            instants,
-            position_rows: &frozen.rows,
-            weight: 1.0,
-            across: &across,
-            scratch,
-            mode,
-        };
-        self.arch.dispatch(kernel);
+        let times = Times { instants, position_rows: &frozen.rows, weight: 1.0 };
+        self.facet_kernel(Along::State, batch, &times, scratch);
     }
 }
 

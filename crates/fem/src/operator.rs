@@ -1,12 +1,11 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
 use crate::batches::{FacetBatch, Facets, Permutation, cells_of};
-use crate::cell::{CellContext, CellMoments, CellScratch, SlabCells, gather};
-use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, DataAt, FacetContext, FacetScratch, Facets as FacetKernel};
+use crate::cell::{CellContext, CellScratch, gather};
+use crate::facet::{Across, DataAt, FacetContext, FacetScratch};
 use crate::field::StateField;
+use crate::kernels::{Along, Kernels, Times};
 use crate::layout::Layout;
-use crate::mode::{AlongState, AlongStateAndMesh, Mode, Values};
 use crate::moving_mesh::MovingMesh;
 use crate::pool::Pool;
 use crate::prescribed;
@@ -15,26 +14,16 @@ use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use mesh::{Mesh, NodeNumbering};
 use rayon::prelude::*;
-use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tensor::WIDTH;
-use tensor::pulp::Arch;
-
-/// A boundary condition with the states that it prescribes.
-pub struct BoundaryCondition<B, const D: usize, const M: usize> {
-    /// The condition.
-    pub condition: B,
-    /// The prescribed states, where the condition takes any.
-    pub data: Option<Arc<dyn StateField<D, M>>>,
-}
 
 /// What a slab operator is made of.
-pub struct Problem<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
-    /// The law.
-    pub law: L,
-    /// A condition for every boundary of the mesh, in the order of its names.
-    pub boundaries: Vec<BoundaryCondition<L::Boundary, D, M>>,
+pub struct Problem<const D: usize, const M: usize> {
+    /// The law with its boundary conditions.
+    pub kernels: Box<dyn Kernels<D, M>>,
+    /// For every boundary the states that its condition prescribes, where it takes any.
+    pub data: Vec<Option<Arc<dyn StateField<D, M>>>>,
     /// The source s.
     pub source: Option<Arc<dyn StateField<D, M>>>,
 }
@@ -59,9 +48,9 @@ pub struct Violation {
 /// ```
 ///
 /// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh.
-pub struct SlabOperator<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+pub struct SlabOperator<const D: usize, const M: usize> {
     /// The law, its boundary conditions and source.
-    pub problem: Problem<D, M, L>,
+    pub problem: Problem<D, M>,
     /// One-dimensional tables.
     pub tables: Tables<D>,
     /// The layout of `u`.
@@ -85,23 +74,22 @@ pub struct SlabOperator<const D: usize, const M: usize, L: ConservationLaw<D, M>
     terms: Vec<f64>,
     pub(crate) cells: Pool<CellScratch>,
     pub(crate) facet_scratch: Pool<FacetScratch>,
-    pub(crate) arch: Arch,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M, L> {
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The operator on `mesh` (of order `orders.mesh`).
     ///
     /// # Panics
     /// If the orders disagree with the mesh, or a boundary has no condition.
     pub fn new(
-        problem: Problem<D, M, L>,
+        problem: Problem<D, M>,
         mesh: &Mesh<D>,
         numbering: NodeNumbering,
         orders: Orders,
         quadrature: Quadrature,
     ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
-        assert_eq!(mesh.boundary_names().len(), problem.boundaries.len(), "every boundary needs a condition");
+        assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
         let tables = Tables::<D>::new(orders, quadrature);
         let cells = mesh.n_cells();
         let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
@@ -127,7 +115,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             terms: vec![0.0; terms],
             cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
-            arch: Arch::new(),
             problem,
             mesh: moving,
             facets,
@@ -167,7 +154,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     /// Sets the state at which Jacobian products are taken.
     pub fn linearise(&mut self, state: &[f64]) {
         self.state.copy_from_slice(state);
-        self.state_traces.take(&self.flow_faces, state, self.problem.law.is_viscous());
+        self.state_traces.take(&self.flow_faces, state, self.problem.kernels.is_viscous());
     }
 
     /// The state at which Jacobian products are taken.
@@ -178,7 +165,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
-        self.run::<Values>(None, out);
+        self.run(Along::Nothing, None, out);
         self.subtract_bottom(out);
         match self.first_violation(out) {
             None => Ok(()),
@@ -209,16 +196,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
 
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.direction_traces.take(&self.flow_faces, direction, self.problem.law.is_viscous());
-        self.run::<AlongState>(Some(direction), out);
+        self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
+        self.run(Along::State, Some(direction), out);
     }
 
     /// The derivative of the residual along directions of the state and of the mesh velocities.
     pub fn product_with_mesh(&mut self, direction: &[f64], velocities: &[f64], out: &mut [f64]) {
-        self.direction_traces.take(&self.flow_faces, direction, self.problem.law.is_viscous());
+        self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
         self.mesh_direction.set_direction(velocities);
         self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, true);
-        self.run::<AlongStateAndMesh>(Some(direction), out);
+        self.run(Along::StateAndMesh, Some(direction), out);
     }
 
     /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `Instant::position_row`).
@@ -232,7 +219,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
                 for (lane, cell) in cells.into_iter().enumerate() {
                     self.position_lane(cell, lane, row, &mut scratch.position_now[..slot]);
                 }
-                self.arch.dispatch(CellMoments::<D, M> { tables: &self.tables, scratch });
+                self.problem.kernels.moments(&self.tables, scratch);
                 scatter(&scratch.moments_now, layout.cell_len(), out);
             });
         });
@@ -263,54 +250,49 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     }
 
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells.
-    fn run<K: Mode>(&mut self, direction: Option<&[f64]>, out: &mut [f64]) {
+    fn run(&mut self, along: Along, direction: Option<&[f64]>, out: &mut [f64]) {
         let mut terms = std::mem::take(&mut self.terms);
         let facet_len = 2 * self.state_traces.layout.face_len();
         terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches).for_each(|(terms, batch)| {
-            self.facet_scratch.with(|scratch| self.facet_batch::<K>(batch, scratch, terms));
+            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms));
         });
         let cell_len = self.layout.cell_len();
         out.par_chunks_mut(WIDTH * cell_len).enumerate().for_each(|(batch, out)| {
-            self.cells.with(|scratch| self.cell_batch::<K>(batch, direction, scratch, &terms, out));
+            self.cells.with(|scratch| self.cell_batch(along, batch, direction, scratch, &terms, out));
         });
         self.terms = terms;
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
-    fn facet_batch<K: Mode>(&self, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
-        let viscous = self.problem.law.is_viscous();
-        self.gather_facets::<K>(batch, scratch);
-        let condition = batch.boundary.map(|b| &self.problem.boundaries[b]);
-        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
-            if let Some(field) = condition.and_then(|c| c.data.as_deref()) {
-                prescribed::fill(field, K::GEOMETRY_BLOCKS, time, self.tables.facet_points(), x, data);
-            }
-        };
-        let across = match condition {
-            None => Across::Cells,
-            Some(c) => Across::Boundary(c.condition, c.data.is_some().then_some(&fill as DataAt)),
-        };
-        let context = FacetContext { tables: &self.tables, law: &self.problem.law, dt: self.dt, start: self.start };
-        let (instants, rows) = (&self.tables.instants, &self.position_rows[..self.tables.instants.len()]);
-        let mode = PhantomData::<K>;
-        let kernel = FacetKernel {
-            context: &context,
-            instants,
-            position_rows: rows,
-            weight: self.dt,
-            across: &across,
-            scratch,
-            mode,
-        };
-        self.arch.dispatch(kernel);
+    fn facet_batch(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
+        let viscous = self.problem.kernels.is_viscous();
+        self.gather_facets(along, batch, scratch);
+        let number = self.tables.instants.len();
+        let rows = &self.position_rows[..number];
+        let times = Times { instants: &self.tables.instants, position_rows: rows, weight: self.dt };
+        self.facet_kernel(along, batch, &times, scratch);
         self.scatter_terms(batch, scratch, viscous, terms);
     }
 
-    fn gather_facets<K: Mode>(&self, batch: &FacetBatch, scratch: &mut FacetScratch) {
+    /// Runs the facet kernel on a batch that has been gathered.
+    pub(crate) fn facet_kernel(&self, along: Along, batch: &FacetBatch, times: &Times, scratch: &mut FacetScratch) {
+        let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
+        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+            if let Some(field) = field {
+                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), x, data);
+            }
+        };
+        let data = field.is_some().then_some(&fill as DataAt);
+        let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
+        let context = FacetContext { tables: &self.tables, dt: self.dt, start: self.start };
+        self.problem.kernels.facets(along, &context, times, &across, scratch);
+    }
+
+    fn gather_facets(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch) {
         scratch.normal_sign = batch.normal_sign;
         let state = [&self.state_traces, &self.direction_traces];
         let mesh = [&self.mesh_traces, &self.mesh_direction_traces];
-        let kinds = if self.problem.law.is_viscous() { 2 } else { 1 };
+        let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
         let [minus, plus] = &mut scratch.sides;
         let same = &self.facets.permutations[0];
         for lane in 0..WIDTH {
@@ -318,12 +300,19 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             let permutation = &self.facets.permutations[permutation];
             for kind in 0..kinds {
                 let here = batch.minus[lane];
-                gather_trace(&state[..K::STATE_BLOCKS], here, kind, &same.flow, lane, &mut minus.state[kind]);
-                gather_trace(&mesh[..K::GEOMETRY_BLOCKS], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
+                gather_trace(&state[..along.state_blocks()], here, kind, &same.flow, lane, &mut minus.state[kind]);
+                gather_trace(&mesh[..along.geometry_blocks()], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
                 if batch.boundary.is_none() {
-                    gather_trace(&state[..K::STATE_BLOCKS], side, kind, &permutation.flow, lane, &mut plus.state[kind]);
                     gather_trace(
-                        &mesh[..K::GEOMETRY_BLOCKS],
+                        &state[..along.state_blocks()],
+                        side,
+                        kind,
+                        &permutation.flow,
+                        lane,
+                        &mut plus.state[kind],
+                    );
+                    gather_trace(
+                        &mesh[..along.geometry_blocks()],
                         side,
                         kind,
                         &permutation.mesh,
@@ -361,8 +350,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
     }
 
     /// Volume terms and facet terms of one batch of cells.
-    fn cell_batch<K: Mode>(
+    fn cell_batch(
         &self,
+        along: Along,
         batch: usize,
         direction: Option<&[f64]>,
         scratch: &mut CellScratch,
@@ -376,24 +366,23 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             gather(cells.map(|c| &direction[layout.cell(c)]), &mut scratch.state[cell_len..2 * cell_len]);
         }
         gather(cells.map(|c| &self.mesh.data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[..mesh_len]);
-        if K::GEOMETRY_BLOCKS == 2 {
+        if along.geometry_blocks() == 2 {
             let data = &self.mesh_direction.data;
             gather(cells.map(|c| &data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[mesh_len..2 * mesh_len]);
         }
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
-                prescribed::fill(field, K::GEOMETRY_BLOCKS, time, self.tables.volume_points(), x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, self.tables.volume_points(), x, data);
             }
         };
         let context = CellContext {
             tables: &self.tables,
-            law: &self.problem.law,
             dt: self.dt,
             start: self.start,
             position_rows: &self.position_rows,
             source: self.problem.source.is_some().then_some(&fill),
         };
-        self.arch.dispatch(SlabCells { context: &context, scratch, mode: PhantomData::<K> });
+        self.problem.kernels.slab_cells(along, &context, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
             self.lift(cells[lane], terms, out);
@@ -410,7 +399,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
             let (slot, side) = self.facets.of_face[cell * 2 * D + face];
             let start = (2 * slot as usize + side as usize) * layout.face_len();
             let (values, derivatives) = terms[start..start + layout.face_len()].split_at(layout.kind_len());
-            let derivatives = if self.problem.law.is_viscous() { derivatives } else { &[] };
+            let derivatives = if self.problem.kernels.is_viscous() { derivatives } else { &[] };
             self.flow_faces.lift(face, values, derivatives, out);
         }
     }

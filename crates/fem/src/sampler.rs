@@ -1,8 +1,8 @@
 //! Cells seen from any tensor grid of reference points: output, errors, integrals. Plain numbers, one cell at a time.
 
+use crate::StateField;
 use crate::moving_mesh::MovingMesh;
 use crate::operator::SlabOperator;
-use crate::{ConservationLaw, StateField};
 use basis::{Lagrange, Matrix, Rule, gauss};
 use rayon::prelude::*;
 use tensor::{cofactor, determinant};
@@ -44,7 +44,8 @@ impl<const D: usize> Sampler<D> {
 
     /// dx/dxi at the points, `[point][i][j]`.
     fn jacobians(&self, nodal: &[f64]) -> Vec<[[f64; D]; D]> {
-        let columns: Vec<Vec<f64>> = (0..D).map(|j| derivative::<D>(nodal, j, &self.mesh, &self.mesh_derivatives)).collect();
+        let columns: Vec<Vec<f64>> =
+            (0..D).map(|j| derivative::<D>(nodal, j, &self.mesh, &self.mesh_derivatives)).collect();
         let n = self.points();
         (0..n).map(|p| std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p]))).collect()
     }
@@ -98,8 +99,8 @@ fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a M
 /// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
 ///
 /// `state` is laid out at one time, at which the mesh has position row `row` (see `Instant::position_row`).
-pub fn squared_errors<const D: usize, const M: usize, L: ConservationLaw<D, M>>(
-    operator: &SlabOperator<D, M, L>,
+pub fn squared_errors<const D: usize, const M: usize>(
+    operator: &SlabOperator<D, M>,
     state: &[f64],
     row: &[f64],
     exact: &dyn StateField<D, M>,

@@ -1,10 +1,9 @@
 //! Where and how a state is inadmissible.
 
-use crate::conservation_law::ConservationLaw;
 use crate::operator::{SlabOperator, Violation};
 use tensor::{cofactor, determinant};
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M, L> {
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Looks through the quadrature points of `cell` for the first inadmissible quantity.
     pub(crate) fn describe_violation(&self, cell: usize) -> Violation {
         let (start, dt) = self.interval();
@@ -54,6 +53,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> SlabOperator<D, M
         }
         let nodes = self.layout.nodes;
         let u: [f64; M] = std::array::from_fn(|m| tensor(&state[m * nodes..(m + 1) * nodes], flow, None));
-        self.problem.law.inadmissible(&u)
+        self.problem.kernels.inadmissible(&u)
     }
 }

@@ -6,7 +6,7 @@ use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
 use crate::riemann::Riemann;
 use crate::state::{Conserved, Primitive};
-use fem::ConservationLaw;
+use fem::{ConservationLaw, Kernels, LawKernels};
 use tensor::{Over, Real};
 
 /// The law in `D` dimensions: the gas, the choice of the numerical flux, and what is large and small.
@@ -109,5 +109,23 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
 
     fn scales(&self) -> [f64; M] {
         self.reference.scales(&self.gas)
+    }
+}
+
+/// A law whose kernels are compiled in this crate, for its dimension.
+pub trait Compiled<const D: usize, const M: usize>: ConservationLaw<D, M> + Sized {
+    /// The kernels, with a condition for every boundary of the mesh in the order of its names.
+    fn kernels(self, conditions: Vec<Self::Boundary>) -> Box<dyn Kernels<D, M>>;
+}
+
+impl Compiled<2, 4> for NavierStokes<2> {
+    fn kernels(self, conditions: Vec<Boundary<2>>) -> Box<dyn Kernels<2, 4>> {
+        Box::new(LawKernels::new(self, conditions))
+    }
+}
+
+impl Compiled<3, 5> for NavierStokes<3> {
+    fn kernels(self, conditions: Vec<Boundary<3>>) -> Box<dyn Kernels<3, 5>> {
+        Box::new(LawKernels::new(self, conditions))
     }
 }

@@ -30,7 +30,7 @@ pub use boundary::{AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Ou
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
 pub use gas::{Gas, Viscosity};
-pub use law::NavierStokes;
+pub use law::{Compiled, NavierStokes};
 pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;

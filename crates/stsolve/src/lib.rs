@@ -37,11 +37,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json } => commands::check(&read(case)?, *json),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Schema => commands::schema(),
-        Command::Run(arguments) | Command::Motion(arguments) => {
-            let case = read(&arguments.case)?;
-            let _session = commands::Session::start(arguments, case.about(), case.output_directory())?;
-            Err(Failure::solve(anyhow::anyhow!("the solver is not connected to the command line")))
-        }
+        Command::Run(arguments) => run::run(&read(&arguments.case)?, arguments),
+        Command::Motion(arguments) => run::motion(&read(&arguments.case)?, arguments),
     }
 }
 

@@ -23,7 +23,8 @@ pub fn start(directory: &Path, resume: bool, verbosity: Verbosity, terminal: &Te
     let writer = terminal.clone();
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
-    let machine = layer().json().with_writer(Mutex::new(LogFile::new(directory, resume))).with_filter(LevelFilter::DEBUG);
+    let machine =
+        layer().json().with_writer(Mutex::new(LogFile::new(directory, resume))).with_filter(LevelFilter::DEBUG);
     Registry::default().with(machine).with(human).try_init().map_err(io::Error::other)
 }
 

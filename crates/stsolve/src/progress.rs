@@ -74,7 +74,8 @@ impl Progress {
 
     /// Reports a slab of the mesh alone.
     pub fn mesh(&self, number: usize, time: f64, quality: &coupled::MeshQuality) {
-        let text = format!("slab {number}  t = {time:.6} of {}  det J / det J_0 >= {:.4}", self.end, quality.lower_bound);
+        let text =
+            format!("slab {number}  t = {time:.6} of {}  det J / det J_0 >= {:.4}", self.end, quality.lower_bound);
         self.show(time, text);
     }
 

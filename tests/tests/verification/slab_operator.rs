@@ -1,11 +1,11 @@
 //! Identities of the space-time operator of one slab.
 
-use fem::{ConservationLaw, Orders, SlabOperator, StateField};
+use fem::{Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
-use navier_stokes::{Exact, NavierStokes, Riemann, Viscosity};
+use navier_stokes::{Compiled, Exact, NavierStokes, Riemann, Viscosity};
 use verification::{Noise, curved_box, free_stream, law, operator, prescribed, relative_difference};
 
-type Operator<const D: usize, const M: usize> = SlabOperator<D, M, NavierStokes<D>>;
+type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
 
 /// A slab whose mesh moves smoothly in space and at random in time, and the uniform state in it.
 fn moving_slab<const D: usize, const M: usize>(
@@ -16,7 +16,7 @@ fn moving_slab<const D: usize, const M: usize>(
 ) -> (Operator<D, M>, Vec<f64>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     let law = law::<D>(viscosity, riemann);
     let mesh = curved_box::<D>(cells, orders.mesh);
@@ -43,10 +43,7 @@ fn uniform_coefficients<const D: usize, const M: usize>(
     operator: &Operator<D, M>,
     state: &[f64; M],
     slots: usize,
-) -> Vec<f64>
-where
-    NavierStokes<D>: ConservationLaw<D, M>,
-{
+) -> Vec<f64> {
     let layout = operator.layout;
     let one = state.iter().flat_map(|&u| vec![u; layout.nodes]);
     one.cycle().take(layout.cells * slots * layout.time_len()).collect()
@@ -70,7 +67,7 @@ fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f6
 fn free_stream_residual<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, cells: usize) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Hllc, cells);
     let mut residual = vec![0.0; state.len()];
@@ -117,7 +114,7 @@ fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
 fn product_errors<const D: usize, const M: usize>(riemann: Riemann, viscosity: Viscosity) -> (f64, f64)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 2 };
     let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, riemann, 2);
@@ -165,7 +162,7 @@ fn products_are_the_derivative_of_the_residual() {
 fn block_error<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 1 };
     let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Roe, 2);

@@ -4,8 +4,8 @@ use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
 use basis::gauss_lobatto;
 use std::collections::BTreeMap;
 
-/// Corners of blocks closer than this times the diameter of the mesh are one vertex.
-const TOLERANCE: f64 = 1e-11;
+/// Corners of blocks closer than this times the largest coordinate are one vertex.
+const TOLERANCE: f64 = 1e-12;
 
 /// Blocks of cells. Blocks touch where their corners do: no list of neighbours is needed.
 pub(super) struct Assembly {

@@ -21,8 +21,8 @@ impl Growth {
         // a = +-600 / cells is a ratio of e^600 between the last cell and the first: beyond every possible input.
         let limit = 600.0 / cells as f64;
         let (mut low, mut high) = (-limit, limit);
-        // s(cells) increases with a. Each step halves the bracket, from 10^3 down to the last place.
-        for _ in 0..100 {
+        // s(cells) increases with a. Each step halves the bracket.
+        for _ in 0..64 {
             let log_factor = 0.5 * (low + high);
             let growth = Growth { first, log_factor };
             if growth.size(cells as f64) < total { low = log_factor } else { high = log_factor }

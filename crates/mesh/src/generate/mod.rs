@@ -11,20 +11,28 @@
 //! | `extrude` | a plane mesh as the cross-section of a mesh in space |
 //! | `assembly`, `growth` | what they share: blocks that are joined, cells that grow |
 
+mod airfoil;
 mod annulus;
 mod assembly;
+mod blade;
 mod box_mesh;
 mod channel;
+mod closed_curve;
 mod curving;
 mod disc;
 mod extrude;
 mod growth;
+mod profile;
 mod rotating_box;
 
+pub use airfoil::AirfoilMesh;
 pub use annulus::AnnulusMesh;
+pub use blade::{BladeCells, BladeMesh};
 pub use box_mesh::{BOX_BOUNDARIES, BoxMesh};
 pub use channel::ChannelMesh;
+pub use closed_curve::ClosedCurve;
 pub use curving::Curving;
 pub use disc::DiscMesh;
 pub use extrude::Extrusion;
+pub use profile::low_pressure_turbine_profile;
 pub use rotating_box::RotatingBoxMesh;

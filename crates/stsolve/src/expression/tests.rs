@@ -200,15 +200,3 @@ proptest! {
         }
     }
 }
-#[test]
-fn zz_bench() {
-    let p = compile("x + 0.1*sin(pi*t/4)*exp(-(x^2+y^2))");
-    let n = 1_000_000;
-    let s = std::time::Instant::now();
-    let mut a = 0.0;
-    for i in 0..n { a += p.evaluate(&[i as f64 * 1e-6, 0.3], 0.2); }
-    eprintln!("f64 {} ns {a}", s.elapsed().as_nanos() as f64 / n as f64);
-    let s = std::time::Instant::now();
-    for i in 0..n { a += p.evaluate(&[Dual::new(i as f64 * 1e-6, 1.0), Dual::from(0.3)], Dual::from(0.2)).derivative; }
-    eprintln!("dual {} ns {a}", s.elapsed().as_nanos() as f64 / n as f64);
-}

@@ -3,9 +3,9 @@
 use crate::case::{Case, Flow, Jacobian, Motion, Predictor, Solver, State, Stiffness};
 use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
 use elasticity::{ElasticMesh, ElasticityError, Material};
-use fem::{BoundaryCondition, ConservationLaw, Orders, Problem, SlabOperator, StateField, VectorField};
+use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::NodeNumbering;
-use navier_stokes::{Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use newton_krylov::{forcing, newton, pseudo_time};
 use std::sync::Arc;
 
@@ -61,16 +61,13 @@ fn constraints<const D: usize>(
     (constrained, BoundaryMotion { fields, field_of_node })
 }
 
-/// A law with its dimension and number of components.
-pub type Law<const D: usize> = NavierStokes<D>;
-
 /// The march of a case with a flow, at its start.
 ///
 /// # Errors
 /// As [`ElasticMesh::new`].
-pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<March<D, M, Law<D>>, ElasticityError>
+pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<March<D, M>, ElasticityError>
 where
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
@@ -83,19 +80,18 @@ where
     Ok(March::new(SlabProblem::new(operator, mover), u, settings(case)))
 }
 
-fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M, Law<D>>
+fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>
 where
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let condition = |boundary: &crate::case::BoundaryData<D>| BoundaryCondition {
-        condition: boundary.condition,
-        data: boundary.state.clone().map(|state| Arc::new(Exact(state)) as Arc<dyn StateField<D, M>>),
-    };
+    let field = |state: &State<D>| Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>;
+    let data = flow.boundary.iter().map(|boundary| boundary.state.as_ref().map(field)).collect();
+    let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
     let manufactured = flow.exact.clone().filter(|_| flow.manufactured);
     let source = |exact| Arc::new(Manufactured { law: flow.law, exact }) as Arc<dyn StateField<D, M>>;
-    Problem { law: flow.law, boundaries: flow.boundary.iter().map(condition).collect(), source: manufactured.map(source) }
+    Problem { kernels: flow.law.kernels(conditions), data, source: manufactured.map(source) }
 }
 
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
@@ -124,7 +120,11 @@ fn newton_settings(solver: &Solver) -> newton::Settings {
         relative_tolerance: solver.newton_tolerance,
         absolute_tolerance: solver.newton_absolute_tolerance,
         max_steps: solver.newton_steps,
-        forcing: forcing::Settings { maximum: solver.krylov_tolerance, initial: solver.krylov_tolerance, ..Default::default() },
+        forcing: forcing::Settings {
+            maximum: solver.krylov_tolerance,
+            initial: solver.krylov_tolerance,
+            ..Default::default()
+        },
         pseudo_time: pseudo_time::Settings {
             initial_inverse: solver.pseudo_time.initial_inverse,
             restart_inverse: solver.pseudo_time.restart_inverse,

@@ -1,7 +1,7 @@
 //! The state of a run as named arrays, and back.
 
-use coupled::{Frozen, Interval, Past, State};
 use coupled::preconditioner::Ordering;
+use coupled::{Frozen, Interval, Past, State};
 use output::SolverState;
 use std::collections::BTreeMap;
 
@@ -9,7 +9,12 @@ type Arrays = BTreeMap<String, Vec<f64>>;
 
 /// Writes `state`, and what the preconditioner is made of, into `out`.
 pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool, out: &mut SolverState) {
-    let counters = [("slab", state.slab), ("nominal", state.nominal), ("base_iterations", state.base_iterations), ("stale", stale.into())];
+    let counters = [
+        ("slab", state.slab),
+        ("nominal", state.nominal),
+        ("base_iterations", state.base_iterations),
+        ("stale", stale.into()),
+    ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
     let pending = state.pending.iter().flat_map(numbers).collect();
     let mut put = |name: &str, values: Vec<f64>| out.arrays.insert(name.to_string(), values);

@@ -1,6 +1,6 @@
 //! The loop over slabs.
 
-use super::build::{self, Law};
+use super::build;
 use super::checkpoint;
 use super::record::{MeshMoverView, Recorder, Snapshot, walls};
 use super::tally::Tally;
@@ -10,9 +10,12 @@ use crate::commands::{Session, set_threads};
 use crate::failure::Failure;
 use crate::progress::{Progress, SlabDone};
 use coupled::{Interval, March, MeshMarch, MeshQuality, SlabReport};
-use fem::{ConservationLaw, StateField, squared_errors};
-use navier_stokes::{Exact, ExactState, Manufactured, NavierStokes};
-use output::{Conservation, Cost, ErrorNorms, Krylov, MeshQuality as QualitySummary, MeshSize, Newton, SolverState, Summary, Unknowns, Wall};
+use fem::{StateField, squared_errors};
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use output::{
+    Conservation, Cost, ErrorNorms, Krylov, MeshQuality as QualitySummary, MeshSize, Newton, SolverState, Summary,
+    Unknowns, Wall,
+};
 use std::time::Instant;
 
 /// `stsolve run`: mesh and flow, or the mesh alone where there is no flow.
@@ -42,7 +45,7 @@ pub fn motion(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
 
 fn run_in<const D: usize, const M: usize>(case: &Case<D>, arguments: &RunArguments) -> Result<(), Failure>
 where
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
@@ -62,7 +65,14 @@ struct Books {
 }
 
 impl Books {
-    fn new<const D: usize>(case: &Case<D>, arguments: &RunArguments, session: &Session, begun: Instant, tally: Tally, time: f64) -> Self {
+    fn new<const D: usize>(
+        case: &Case<D>,
+        arguments: &RunArguments,
+        session: &Session,
+        begun: Instant,
+        tally: Tally,
+        time: f64,
+    ) -> Self {
         let progress = Progress::new(&case.time, time, arguments.verbosity, &session.terminal);
         Books { tally, begun, setup_seconds: begun.elapsed().as_secs_f64(), progress }
     }
@@ -87,15 +97,19 @@ fn peak_memory() -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-fn solve<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>, arguments: &RunArguments) -> Result<(), Failure>
+fn solve<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    arguments: &RunArguments,
+) -> Result<(), Failure>
 where
-    NavierStokes<D>: ConservationLaw<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
-    let mut march: March<D, M, Law<D>> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let mut march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
     let view = MeshMoverView::new(&march.problem.mover);
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
     let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, &view, arguments.resume)?;
@@ -131,14 +145,22 @@ enum Stop {
     Failed(coupled::MarchError),
 }
 
-fn conclude(session: &Session, arguments: &RunArguments, books: &Books, time: f64, reason: Option<Stop>) -> Result<(), Failure> {
+fn conclude(
+    session: &Session,
+    arguments: &RunArguments,
+    books: &Books,
+    time: f64,
+    reason: Option<Stop>,
+) -> Result<(), Failure> {
     let directory = session.directory.path().display();
     let seconds = books.begun.elapsed().as_secs_f64();
     match reason {
         None => books.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {directory}")),
         Some(Stop::Asked) => {
             let case = arguments.case.case.display();
-            books.progress.say(&format!("stopped at t = {time}; continue with: stsolve run {case} --output {directory} --resume"));
+            books.progress.say(&format!(
+                "stopped at t = {time}; continue with: stsolve run {case} --output {directory} --resume"
+            ));
         }
         Some(Stop::Failed(error)) => {
             let context = format!("the run stopped at t = {time}; the state then is in {directory}");
@@ -150,15 +172,16 @@ fn conclude(session: &Session, arguments: &RunArguments, books: &Books, time: f6
 
 /// Puts the march where the checkpoint left it.
 fn resume<const D: usize, const M: usize>(
-    march: &mut March<D, M, Law<D>>,
+    march: &mut March<D, M>,
     stored: Option<&SolverState>,
     case: &Case<D>,
-) -> Result<Tally, Failure>
-where
-    NavierStokes<D>: ConservationLaw<D, M>,
-{
+) -> Result<Tally, Failure> {
     let Some(stored) = stored else { return Ok(Tally::default()) };
-    let incomplete = || Failure::bad_input(anyhow::anyhow!("the checkpoint lacks a part of the state; start the run anew, without --resume"));
+    let incomplete = || {
+        Failure::bad_input(anyhow::anyhow!(
+            "the checkpoint lacks a part of the state; start the run anew, without --resume"
+        ))
+    };
     let (state, frozen, stale) = checkpoint::load(stored).ok_or_else(incomplete)?;
     if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() {
         return Err(incomplete());
@@ -171,20 +194,14 @@ where
     Tally::from_arrays(&stored.arrays, case.mesh.boundary_names().len()).ok_or_else(incomplete)
 }
 
-fn solver_state<const D: usize, const M: usize>(march: &March<D, M, Law<D>>) -> SolverState
-where
-    NavierStokes<D>: ConservationLaw<D, M>,
-{
+fn solver_state<const D: usize, const M: usize>(march: &March<D, M>) -> SolverState {
     let mut out = SolverState::default();
     checkpoint::store(&march.state, march.problem.frozen(), march.problem.stale, &mut out);
     out
 }
 
 /// The flow at the start, at every time node.
-fn flow_at_start<const D: usize, const M: usize>(march: &March<D, M, Law<D>>) -> Vec<f64>
-where
-    NavierStokes<D>: ConservationLaw<D, M>,
-{
+fn flow_at_start<const D: usize, const M: usize>(march: &March<D, M>) -> Vec<f64> {
     let (layout, one) = (march.problem.flow.layout, march.problem.flow.layout.at_one_time());
     let cell = |cell| (0..layout.time_order).flat_map(move |_| march.state.u[one.cell(cell)].iter().copied());
     (0..layout.cells).flat_map(cell).collect()
@@ -192,14 +209,11 @@ where
 
 fn finish_slab<const D: usize, const M: usize>(
     case: &Case<D>,
-    march: &March<D, M, Law<D>>,
+    march: &March<D, M>,
     report: &SlabReport,
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
-) -> Result<(), Failure>
-where
-    NavierStokes<D>: ConservationLaw<D, M>,
-{
+) -> Result<(), Failure> {
     books.tally.add(report);
     recorder.history.push(&history_row(case, report, &books.tally))?;
     let Some(past) = &march.state.past else { return Ok(()) };
@@ -231,7 +245,12 @@ fn history_row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tall
     let mut row = mesh_columns(report.interval, report.counts.elasticity_iterations, &report.quality);
     let newton = &report.newton;
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
-    row.extend([report.counts.rebuilds as f64, report.rejected as f64, report.totals[0], tally.mass_balance(&report.totals)]);
+    row.extend([
+        report.counts.rebuilds as f64,
+        report.rejected as f64,
+        report.totals[0],
+        tally.mass_balance(&report.totals),
+    ]);
     let dt = report.interval.end - report.interval.start;
     for wall in walls(case) {
         // What momentum leaves through a wall is the force of the fluid on it; what energy leaves is the work on it.
@@ -243,12 +262,11 @@ fn history_row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tall
 fn summarise<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    march: &March<D, M, Law<D>>,
+    march: &March<D, M>,
     books: &Books,
     reason: Option<&Stop>,
 ) -> Summary
 where
-    NavierStokes<D>: ConservationLaw<D, M>,
     Exact<State<D>>: StateField<D, M>,
 {
     let (tally, slabs) = (&books.tally, march.state.slab as u64);
@@ -289,9 +307,8 @@ fn ratio(a: u64, b: u64) -> f64 {
 }
 
 /// L2 errors at the time reached.
-fn errors<const D: usize, const M: usize>(march: &March<D, M, Law<D>>, exact: &State<D>) -> ErrorNorms
+fn errors<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>) -> ErrorNorms
 where
-    NavierStokes<D>: ConservationLaw<D, M>,
     Exact<State<D>>: StateField<D, M>,
 {
     let flow = &march.problem.flow;
@@ -306,9 +323,8 @@ where
 }
 
 /// The largest difference of a coefficient from a uniform state, relative to the largest of that state.
-fn largest_deviation<const D: usize, const M: usize>(march: &March<D, M, Law<D>>, exact: &State<D>) -> f64
+fn largest_deviation<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>) -> f64
 where
-    NavierStokes<D>: ConservationLaw<D, M>,
     Exact<State<D>>: StateField<D, M>,
 {
     let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
@@ -358,14 +374,23 @@ fn move_mesh<const D: usize, const M: usize>(case: &Case<D>, arguments: &RunArgu
     let mut march = MeshMarch::new(mover, time.start, time.end, time.step, time.slabs);
     let mut tally = Tally::default();
     if let Some(stored) = &stored {
-        let incomplete = || Failure::bad_input(anyhow::anyhow!("the checkpoint lacks a part of the state; start the run anew, without --resume"));
+        let incomplete = || {
+            Failure::bad_input(anyhow::anyhow!(
+                "the checkpoint lacks a part of the state; start the run anew, without --resume"
+            ))
+        };
         march.state = checkpoint::load(stored).ok_or_else(incomplete)?.0;
         tally = Tally::from_arrays(&stored.arrays, 0).ok_or_else(incomplete)?;
     }
     let mut books = Books::new(case, arguments, &session, begun, tally, march.state.time);
     if stored.is_none() {
         let velocities = vec![0.0; march.state.d.len() * time.order];
-        recorder.step(&Snapshot { time: time.start, displacement: &march.state.d, velocities: &velocities, flow: &[] })?;
+        recorder.step(&Snapshot {
+            time: time.start,
+            displacement: &march.state.d,
+            velocities: &velocities,
+            flow: &[],
+        })?;
     }
     let mut stopped = false;
     while !march.is_done() && !stopped {
@@ -374,8 +399,15 @@ fn move_mesh<const D: usize, const M: usize>(case: &Case<D>, arguments: &RunArgu
         books.tally.add_quality(report.quality);
         books.tally.first_invalid = books.tally.first_invalid.or(report.first_invalid);
         recorder.history.push(&mesh_columns(report.interval, report.iterations, &report.quality))?;
-        if let Some(past) = march.state.past.as_ref().filter(|_| report.slab % case.output.every == 0 || march.is_done()) {
-            recorder.step(&Snapshot { time: march.state.time, displacement: &march.state.d, velocities: &past.v, flow: &[] })?;
+        if let Some(past) =
+            march.state.past.as_ref().filter(|_| report.slab % case.output.every == 0 || march.is_done())
+        {
+            recorder.step(&Snapshot {
+                time: march.state.time,
+                displacement: &march.state.d,
+                velocities: &past.v,
+                flow: &[],
+            })?;
         }
         books.progress.mesh(report.slab, march.state.time, &report.quality);
         stopped = session.stop.is_set();
@@ -396,7 +428,9 @@ fn report_motion(books: &Books, session: &Session, time: f64) -> Result<(), Fail
     if let Some(first) = books.tally.first_invalid {
         return Err(Failure::solve(anyhow::anyhow!(
             "the mesh is not valid from t = {first} on: det J / det J_0 of cell {} falls to {:e} at t = {}; results in {directory}",
-            quality.cell, quality.sampled_min, quality.time
+            quality.cell,
+            quality.sampled_min,
+            quality.time
         )));
     }
     let seconds = books.begun.elapsed().as_secs_f64();

@@ -40,11 +40,18 @@ pub fn of_mesh(field: Field) -> bool {
 }
 
 /// The values of `field` at the points of a cell, `[point][component]`.
-pub fn values<const D: usize, const M: usize>(field: Field, gas: Option<&Gas>, sample: &CellSample, out: &mut Vec<f64>) {
+pub fn values<const D: usize, const M: usize>(
+    field: Field,
+    gas: Option<&Gas>,
+    sample: &CellSample,
+    out: &mut Vec<f64>,
+) {
     let n = sample.points;
     for p in 0..n {
         match (field, gas) {
-            (Field::MeshVelocity, _) => out.extend((0..3).map(|d| if d < D { sample.mesh_velocity[d * n + p] } else { 0.0 })),
+            (Field::MeshVelocity, _) => {
+                out.extend((0..3).map(|d| if d < D { sample.mesh_velocity[d * n + p] } else { 0.0 }))
+            }
             (Field::Jacobian, _) => out.push(sample.jacobian[p]),
             (Field::Vorticity, Some(_)) => vorticity::<D>(sample, p, out),
             (_, Some(gas)) => of_state::<D, M>(field, gas, &std::array::from_fn(|m| sample.state[m * n + p]), out),

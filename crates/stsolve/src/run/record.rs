@@ -72,7 +72,16 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     let of_mesh = ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
     let mut columns: Vec<String> = of_mesh.map(String::from).to_vec();
     if case.flow.is_some() {
-        let of_flow = ["newton", "krylov", "residual_initial", "residual", "preconditioner_builds", "rejected", "mass", "mass_error"];
+        let of_flow = [
+            "newton",
+            "krylov",
+            "residual_initial",
+            "residual",
+            "preconditioner_builds",
+            "rejected",
+            "mass",
+            "mass_error",
+        ];
         columns.extend(of_flow.map(String::from));
         for wall in walls(case) {
             let name = &case.mesh.boundary_names()[wall];
@@ -112,7 +121,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let history = History::create(&session.directory, &columns(case), rows)?;
         let (sampler, _) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
         let reference_determinants = mover.positions.iter().map(|nodes| sampler.determinants(nodes)).collect();
-        let recorder = Recorder { case, mover, result, history, sampler, reference_determinants, slabs_since_checkpoint: 0 };
+        let recorder =
+            Recorder { case, mover, result, history, sampler, reference_determinants, slabs_since_checkpoint: 0 };
         Ok((recorder, stored))
     }
 
@@ -123,7 +133,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn step(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
         let (points, drawn) = self.draw(snapshot);
         let names: Vec<_> = self.fields().map(|field| fields::spec(field, D).name).collect();
-        let fields: Vec<(&str, &[f64])> = names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
+        let fields: Vec<(&str, &[f64])> =
+            names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
         let (positions, velocities) = self.exact_mesh(snapshot);
         let mut exact = vec![("position", &positions[..]), ("mesh_velocity", &velocities[..])];
         if self.case.flow.is_some() {
@@ -157,11 +168,18 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         for cell in 0..self.mover.cells.len() {
             let nodal = self.mover.displaced(cell, snapshot.displacement);
             let x = self.sampler.positions(&nodal);
-            points.extend((0..n).flat_map(|p| (0..3).map(|d| if d < D { x[d * n + p] } else { 0.0 }).collect::<Vec<_>>()));
+            points.extend(
+                (0..n).flat_map(|p| (0..3).map(|d| if d < D { x[d * n + p] } else { 0.0 }).collect::<Vec<_>>()),
+            );
             let determinants = self.sampler.determinants(&nodal);
-            let jacobian: Vec<f64> = determinants.iter().zip(&self.reference_determinants[cell]).map(|(j, j0)| j / j0).collect();
+            let jacobian: Vec<f64> =
+                determinants.iter().zip(&self.reference_determinants[cell]).map(|(j, j0)| j / j0).collect();
             let coefficients = self.top_state(cell, snapshot.flow);
-            let gradients = if coefficients.is_empty() { Vec::new() } else { self.sampler.gradients(coefficients, &nodal).to_vec() };
+            let gradients = if coefficients.is_empty() {
+                Vec::new()
+            } else {
+                self.sampler.gradients(coefficients, &nodal).to_vec()
+            };
             let sample = CellSample {
                 points: n,
                 state: &self.sampler.state(coefficients),
@@ -190,7 +208,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let cells = 0..self.mover.cells.len();
         let fields = || snapshot.velocities.chunks_exact(snapshot.displacement.len());
         let positions = cells.clone().flat_map(|cell| self.mover.displaced(cell, snapshot.displacement)).collect();
-        let velocities = cells.flat_map(|cell| fields().flat_map(move |field| self.mover.on_cell(cell, field))).collect();
+        let velocities =
+            cells.flat_map(|cell| fields().flat_map(move |field| self.mover.on_cell(cell, field))).collect();
         (positions, velocities)
     }
 }

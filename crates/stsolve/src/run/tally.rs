@@ -70,9 +70,18 @@ impl Tally {
     /// As named numbers.
     pub fn to_arrays(&self) -> BTreeMap<String, Vec<f64>> {
         let counts = [
-            self.rejected, self.newton, self.newton_max, self.krylov, self.krylov_max, self.elasticity, self.residuals, self.products,
+            self.rejected,
+            self.newton,
+            self.newton_max,
+            self.krylov,
+            self.krylov_max,
+            self.elasticity,
+            self.residuals,
+            self.products,
         ];
-        let quality = self.quality.map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
+        let quality = self
+            .quality
+            .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
         BTreeMap::from([
             ("tally/counts".into(), counts.map(|n| n as f64).to_vec()),
             ("tally/quality".into(), quality),
@@ -86,7 +95,10 @@ impl Tally {
     /// Back from named numbers; `None` if some are missing.
     pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, boundaries: usize) -> Option<Self> {
         let get = |name: &str| arrays.get(&format!("tally/{name}"));
-        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..] else { return None };
+        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
+        else {
+            return None;
+        };
         let quality = match get("quality")?[..] {
             [lower_bound, sampled_min, scaled_jacobian, cell, time] => {
                 Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })

@@ -51,7 +51,8 @@ fn common_mesh<const D: usize>(paths: &[PathBuf], periodic: &[(String, String)])
         assert!((a / b - 1.0).abs() < 1e-14, "{}: volume {a}, {b}", path.display());
         assert_eq!((mesh.n_cells(), mesh.interior_facets()), (first.n_cells(), first.interior_facets()));
         assert_eq!((mesh.boundary_names(), mesh.boundary_facets()), (first.boundary_names(), first.boundary_facets()));
-        let close = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-13;
+        // Text has 16 digits; interpolation from equidistant nodes of degree 10 multiplies errors by up to 30^D.
+        let close = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-12;
         assert!(mesh.coordinates().iter().zip(first.coordinates()).all(close), "{}", path.display());
     }
     first
@@ -97,21 +98,12 @@ fn assert_boundaries_are_round<const D: usize>(shape: &str, mesh: &Mesh<D>) {
 #[test]
 fn every_shape_degree_version_and_encoding() {
     let Some(files) = files() else { return };
-    let mut last: BTreeMap<(String, usize), f64> = BTreeMap::new();
     for ((shape, dimension, degree), paths) in files {
         let error = match dimension {
             2 => check::<2>(&shape, degree, &paths),
             _ => check::<3>(&shape, degree, &paths),
         };
-        // The area converges as the nodes do: at the latest every second degree gains a factor of 8.
-        let key = (shape.clone(), dimension);
-        if degree >= 3 {
-            assert!(error < 1e-3 && (error < 1e-11 || error < last[&key] * 1.5), "{shape} {degree} {error:e}");
-        }
-        if degree >= 8 {
-            assert!(error < 1e-9, "{shape} {degree} {error:e}");
-        }
-        println!("{shape} {dimension} p{degree}: {error:e}");
-        last.insert(key, error);
+        // Cells of the wrong order of nodes would be invalid; nodes off the circle would stop the convergence.
+        assert!(error < 0.1_f64.powi(degree as i32), "{shape} {dimension} degree {degree}: {error:e}");
     }
 }

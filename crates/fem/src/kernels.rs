@@ -1,0 +1,164 @@
+//! The kernels of a conservation law behind one object.
+//!
+//! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
+//! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
+
+use crate::cell::{CellContext, CellMoments, CellScratch, SlabCells, SpaceCells};
+use crate::conservation_law::ConservationLaw;
+use crate::facet::{Across, FacetContext, FacetScratch, Facets};
+use crate::mode::{AlongState, AlongStateAndMesh, Values};
+use crate::tables::{Instant, Tables};
+use basis::Matrix;
+use std::marker::PhantomData;
+use tensor::pulp::Arch;
+
+/// What a run of the kernels differentiates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// Nothing: the residual itself.
+    Nothing,
+    /// A direction of the state.
+    State,
+    /// A direction of the state and of the mesh.
+    StateAndMesh,
+}
+
+impl Along {
+    /// Blocks of geometry arrays, see `Mode::GEOMETRY_BLOCKS`.
+    pub fn geometry_blocks(self) -> usize {
+        if self == Along::StateAndMesh { 2 } else { 1 }
+    }
+    /// Blocks of state arrays.
+    pub fn state_blocks(self) -> usize {
+        if self == Along::Nothing { 1 } else { 2 }
+    }
+}
+
+/// The times of a run of the facet kernel.
+pub struct Times<'a> {
+    /// The times.
+    pub instants: &'a [Instant],
+    /// The row of positions at each of them.
+    pub position_rows: &'a [Matrix],
+    /// Weight of the terms at all of them: dt in a slab, 1 in space alone.
+    pub weight: f64,
+}
+
+/// A conservation law with the conditions on the boundaries of a mesh, as the slab operator uses it.
+pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
+    /// See [`ConservationLaw::is_viscous`].
+    fn is_viscous(&self) -> bool;
+    /// See [`ConservationLaw::scales`].
+    fn scales(&self) -> [f64; M];
+    /// See [`ConservationLaw::inadmissible`].
+    fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)>;
+    /// The number of boundaries with a condition.
+    fn boundaries(&self) -> usize;
+    /// Whether the condition on boundary number `boundary` takes a prescribed state.
+    fn takes_state(&self, boundary: usize) -> bool;
+    /// The volume terms of a slab.
+    fn slab_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch);
+    /// The terms of space alone, along a direction of the state.
+    fn space_cells(&self, context: &CellContext<D>, instant: &Instant, scratch: &mut CellScratch);
+    /// Moments of a state at one time.
+    fn moments(&self, tables: &Tables<D>, scratch: &mut CellScratch);
+    /// The facet terms.
+    fn facets(
+        &self,
+        along: Along,
+        context: &FacetContext<D>,
+        times: &Times,
+        across: &Across,
+        scratch: &mut FacetScratch,
+    );
+}
+
+/// The kernels of the law `L`.
+pub struct LawKernels<const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    law: L,
+    conditions: Vec<L::Boundary>,
+    arch: Arch,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> LawKernels<D, M, L> {
+    /// The kernels of `law` with a condition for every boundary of the mesh, in the order of its names.
+    pub fn new(law: L, conditions: Vec<L::Boundary>) -> Self {
+        LawKernels { law, conditions, arch: Arch::new() }
+    }
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for LawKernels<D, M, L> {
+    fn is_viscous(&self) -> bool {
+        self.law.is_viscous()
+    }
+    fn scales(&self) -> [f64; M] {
+        self.law.scales()
+    }
+    fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)> {
+        self.law.inadmissible(u)
+    }
+    fn boundaries(&self) -> usize {
+        self.conditions.len()
+    }
+    fn takes_state(&self, boundary: usize) -> bool {
+        self.law.takes_state(self.conditions[boundary])
+    }
+
+    fn slab_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) {
+        let law = &self.law;
+        match along {
+            Along::Nothing => self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<Values> }),
+            Along::State => self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<AlongState> }),
+            Along::StateAndMesh => {
+                self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<AlongStateAndMesh> })
+            }
+        }
+    }
+
+    fn space_cells(&self, context: &CellContext<D>, instant: &Instant, scratch: &mut CellScratch) {
+        self.arch.dispatch(SpaceCells { law: &self.law, context, instant, scratch, mode: PhantomData::<AlongState> });
+    }
+
+    fn moments(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
+        self.arch.dispatch(CellMoments::<D, M> { tables, scratch });
+    }
+
+    fn facets(
+        &self,
+        along: Along,
+        context: &FacetContext<D>,
+        times: &Times,
+        across: &Across,
+        scratch: &mut FacetScratch,
+    ) {
+        let (law, conditions) = (&self.law, &self.conditions[..]);
+        match along {
+            Along::Nothing => {
+                self.arch.dispatch(Facets {
+                    law,
+                    conditions,
+                    context,
+                    times,
+                    across,
+                    scratch,
+                    mode: PhantomData::<Values>,
+                });
+            }
+            Along::State => {
+                self.arch.dispatch(Facets {
+                    law,
+                    conditions,
+                    context,
+                    times,
+                    across,
+                    scratch,
+                    mode: PhantomData::<AlongState>,
+                });
+            }
+            Along::StateAndMesh => {
+                let mode = PhantomData::<AlongStateAndMesh>;
+                self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
+            }
+        }
+    }
+}

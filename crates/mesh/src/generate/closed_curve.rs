@@ -1,0 +1,227 @@
+//! A smooth closed curve through points.
+
+use super::growth::Check;
+use crate::MeshError;
+use basis::Matrix;
+use std::array::from_fn;
+
+/// The periodic cubic spline through given points, with the length of the polygon as its parameter u in
+/// [0, `length()`): position, first and second derivative are continuous. It runs clockwise, with the outside on its
+/// left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedCurve {
+    /// u of the points, and after them that of the first one again.
+    knots: Vec<f64>,
+    points: Vec<[f64; 2]>,
+    /// Second derivatives at the points.
+    bends: Vec<[f64; 2]>,
+}
+
+impl ClosedCurve {
+    /// The curve through `points`, at least 5 that follow each other in either sense; the first may be repeated at the
+    /// end.
+    pub fn through(points: &[[f64; 2]]) -> Result<Self, MeshError> {
+        let repeated = points.len() > 1 && points.first() == points.last();
+        let mut points = points[..points.len() - usize::from(repeated)].to_vec();
+        let check = Check { mesh: "closed curve" };
+        check.that(points.len() >= 5, "the number of points", points.len() as f64, "at least 5")?;
+        // Counter-clockwise: the area is positive.
+        if signed_area(&points) > 0.0 {
+            points.reverse();
+        }
+        let mut knots = vec![0.0];
+        for i in 0..points.len() {
+            let (from, to) = (points[i], points[(i + 1) % points.len()]);
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            check.positive("the distance of two points that follow each other", length)?;
+            knots.push(knots[i] + length);
+        }
+        let bends = bends(&knots, &points);
+        let bends = check_bends(bends, check)?;
+        Ok(ClosedCurve { knots, points, bends })
+    }
+
+    /// The period of the parameter u, close to the length of the curve.
+    pub fn length(&self) -> f64 {
+        self.knots[self.points.len()]
+    }
+
+    /// The point with parameter u.
+    pub fn position(&self, u: f64) -> [f64; 2] {
+        let Piece { h, a, b, ends, bends } = self.piece(u);
+        let weight = |x: f64| h * h / 6.0 * (x * x * x - x);
+        from_fn(|i| a * ends[0][i] + b * ends[1][i] + weight(a) * bends[0][i] + weight(b) * bends[1][i])
+    }
+
+    /// Its derivative with respect to u.
+    pub fn tangent(&self, u: f64) -> [f64; 2] {
+        let Piece { h, a, b, ends, bends } = self.piece(u);
+        let weight = |x: f64| h / 6.0 * (3.0 * x * x - 1.0);
+        from_fn(|i| (ends[1][i] - ends[0][i]) / h - weight(a) * bends[0][i] + weight(b) * bends[1][i])
+    }
+
+    /// Its second derivative with respect to u.
+    pub fn bend(&self, u: f64) -> [f64; 2] {
+        let Piece { a, b, bends, .. } = self.piece(u);
+        from_fn(|i| a * bends[0][i] + b * bends[1][i])
+    }
+
+    /// The unit normal, outwards: left of the tangent.
+    pub fn normal(&self, u: f64) -> [f64; 2] {
+        let [x, y] = self.tangent(u);
+        let length = x.hypot(y);
+        [-y / length, x / length]
+    }
+
+    /// The parameter in [0, `length()`) at which x . direction is largest.
+    pub fn farthest(&self, direction: [f64; 2]) -> f64 {
+        let along = |x: [f64; 2]| x[0] * direction[0] + x[1] * direction[1];
+        let samples = 64 * self.points.len();
+        let step = self.length() / samples as f64;
+        let best = (0..samples).max_by(|&i, &j| {
+            along(self.position(i as f64 * step)).total_cmp(&along(self.position(j as f64 * step)))
+        });
+        let best = best.unwrap_or(0) as f64 * step;
+        // Beside the largest sample x . direction rises on one side and falls on the other.
+        let (mut low, mut high) = (best - step, best + step);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if along(self.tangent(middle)) > 0.0 { low = middle } else { high = middle }
+        }
+        (0.5 * (low + high)).rem_euclid(self.length())
+    }
+
+    /// The cubic that holds u.
+    fn piece(&self, u: f64) -> Piece {
+        let n = self.points.len();
+        let u = u.rem_euclid(self.length());
+        let i = (self.knots.partition_point(|&knot| knot <= u) - 1).min(n - 1);
+        let j = (i + 1) % n;
+        let h = self.knots[i + 1] - self.knots[i];
+        let b = (u - self.knots[i]) / h;
+        Piece { h, a: 1.0 - b, b, ends: [self.points[i], self.points[j]], bends: [self.bends[i], self.bends[j]] }
+    }
+}
+
+/// x = a x_0 + b x_1 + h^2/6 ((a^3 - a) x_0'' + (b^3 - b) x_1''), b from 0 to 1 = a + b.
+struct Piece {
+    h: f64,
+    a: f64,
+    b: f64,
+    ends: [[f64; 2]; 2],
+    bends: [[f64; 2]; 2],
+}
+
+/// The second derivatives that make the first ones continuous, with h_i from point i to the next:
+///
+/// ```text
+/// h_{i-1} x_{i-1}'' + 2 (h_{i-1} + h_i) x_i'' + h_i x_{i+1}'' = 6 (x_{i+1} - x_i) / h_i - 6 (x_i - x_{i-1}) / h_{i-1}
+/// ```
+fn bends(knots: &[f64], points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
+    let n = points.len();
+    let h = |i: usize| knots[i % n + 1] - knots[i % n];
+    let matrix = Matrix::from_fn(n, n, |i, j| match (j + n - i) % n {
+        0 => 2.0 * (h(i + n - 1) + h(i)),
+        1 => h(i),
+        distance if distance == n - 1 => h(i + n - 1),
+        _ => 0.0,
+    });
+    let inverse = matrix.inverse()?;
+    let slope = |i: usize, axis: usize| (points[(i + 1) % n][axis] - points[i % n][axis]) / h(i);
+    let [x, y] = from_fn(|axis| {
+        let right: Vec<f64> = (0..n).map(|i| 6.0 * (slope(i, axis) - slope(i + n - 1, axis))).collect();
+        let mut bends = vec![0.0; n];
+        inverse.apply(&right, &mut bends);
+        bends
+    });
+    Some(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
+}
+
+/// The matrix is diagonally dominant: only overflow makes it singular.
+fn check_bends(bends: Option<Vec<[f64; 2]>>, check: Check) -> Result<Vec<[f64; 2]>, MeshError> {
+    let finite = bends.filter(|bends| bends.iter().flatten().all(|x| x.is_finite()));
+    finite.ok_or(MeshError::Parameter {
+        mesh: check.mesh,
+        quantity: "the curvature",
+        value: f64::NAN,
+        accepted: "points whose distances are of comparable size",
+    })
+}
+
+fn signed_area(points: &[[f64; 2]]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn ellipse(n: usize) -> Vec<[f64; 2]> {
+        (0..n).map(|k| TAU * k as f64 / n as f64).map(|angle| [2.0 * angle.cos(), angle.sin()]).collect()
+    }
+
+    #[test]
+    fn the_curve_passes_through_its_points_and_is_smooth() {
+        let curve = ClosedCurve::through(&ellipse(16)).unwrap();
+        for (knot, point) in curve.knots.iter().zip(&curve.points) {
+            assert_eq!(curve.position(*knot), *point);
+            for derivative in [ClosedCurve::position, ClosedCurve::tangent, ClosedCurve::bend] {
+                let (before, after) = (derivative(&curve, knot - 1e-9), derivative(&curve, knot + 1e-9));
+                assert!((0..2).all(|i| (before[i] - after[i]).abs() < 1e-7), "{before:?} {after:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_position() {
+        let curve = ClosedCurve::through(&ellipse(9)).unwrap();
+        for k in 0..40 {
+            let (u, h) = (0.3 + 0.2 * f64::from(k), 1e-6);
+            let difference = |f: fn(&ClosedCurve, f64) -> [f64; 2]| -> [f64; 2] {
+                from_fn(|i| (f(&curve, u + h)[i] - f(&curve, u - h)[i]) / (2.0 * h))
+            };
+            let (tangent, bend) = (difference(ClosedCurve::position), difference(ClosedCurve::tangent));
+            assert!((0..2).all(|i| (tangent[i] - curve.tangent(u)[i]).abs() < 1e-8));
+            assert!((0..2).all(|i| (bend[i] - curve.bend(u)[i]).abs() < 1e-6));
+        }
+    }
+
+    #[test]
+    fn the_error_falls_with_the_fourth_power_of_the_distance() {
+        let error = |n: usize| {
+            let curve = ClosedCurve::through(&ellipse(n)).unwrap();
+            let off = |x: [f64; 2]| ((0.5 * x[0]).hypot(x[1]) - 1.0).abs();
+            (0..1000).map(|k| off(curve.position(0.001 * f64::from(k) * curve.length()))).fold(0.0, f64::max)
+        };
+        let order = (error(40) / error(80)).log2();
+        assert!(order > 3.8, "{order}");
+    }
+
+    #[test]
+    fn it_runs_clockwise_whatever_the_points_do() {
+        let mut points = ellipse(12);
+        let forwards = ClosedCurve::through(&points).unwrap();
+        points.push(points[0]);
+        assert_eq!(ClosedCurve::through(&points).unwrap(), forwards);
+        points.reverse();
+        for curve in [forwards, ClosedCurve::through(&points).unwrap()] {
+            let u = curve.farthest([0.6, 0.8]);
+            let normal = curve.normal(u);
+            assert!((normal[0] - 0.6).abs() < 1e-9 && (normal[1] - 0.8).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn impossible_points_are_refused() {
+        assert!(ClosedCurve::through(&[]).is_err());
+        assert!(ClosedCurve::through(&ellipse(4)).is_err());
+        let mut points = ellipse(6);
+        points[3] = points[2];
+        assert!(ClosedCurve::through(&points).is_err());
+        points[3] = [f64::NAN, 0.0];
+        assert!(ClosedCurve::through(&points).is_err());
+    }
+}
