@@ -140,6 +140,9 @@ fn unrolled([x, y]: [f64; 2], focus: f64) -> [f64; 2] {
     if a >= 0.0 { [larger, smaller] } else { [smaller, larger] }
 }
 
+/// How far behind the trailing edge, in w, cells of the wake begin to open.
+const WAKE_OPENING: f64 = 0.3;
+
 /// The two families of lines of the mesh.
 struct Lines<'a> {
     mesh: &'a AirfoilMesh,
@@ -174,11 +177,15 @@ impl Lines<'_> {
     }
 
     /// g along the line that leaves the wall at w, up to Im w = sqrt(far field). Its first step makes a cell of height h:
-    /// |2 i w g - g^2| = h at the nose, and close to it where |w|^2 >> h. In the wake the step is that of the trailing
-    /// edge, so that cells open as the wake does.
+    /// |2 i w g - g^2| = h at the nose, and close to it where |w|^2 >> h. Along the wake the step soon becomes constant, so
+    /// that cells open as the wake does.
     fn outwards(&self, w: [f64; 2]) -> Growth {
         let h = self.mesh.first_cell;
-        let size = w[0].min(self.trailing_edge).hypot(w[1]);
+        let beyond = w[0] - self.trailing_edge;
+        let size = match beyond > 0.0 {
+            true => self.trailing_edge + WAKE_OPENING * (beyond / WAKE_OPENING).tanh(),
+            false => w[0].hypot(w[1]),
+        };
         let first = h / ((size * size + h).sqrt() + size);
         Growth::new(self.mesh.normal_cells, first, self.mesh.far_field.sqrt() - w[1])
     }

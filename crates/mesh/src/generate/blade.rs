@@ -50,7 +50,7 @@ pub struct BladeMesh {
 pub struct BladeCells {
     /// Along each side of the blade, without its ends.
     pub side: usize,
-    /// Around each end of the blade, an even number.
+    /// Around each end of the blade.
     pub end: usize,
     /// From the blade to the edge of the O-block.
     pub normal: usize,
@@ -72,7 +72,7 @@ impl BladeMesh {
             distances: [0.6, 0.8],
             layer: 0.06,
             first_cell: 0.006,
-            cells: BladeCells { side: 22, end: 6, normal: 4, gap: 4, before: 7, after: 10 },
+            cells: BladeCells { side: 22, end: 4, normal: 4, gap: 4, before: 7, after: 10 },
             order,
         })
     }
@@ -80,10 +80,10 @@ impl BladeMesh {
     /// The mesh.
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         let growth = self.check()?;
-        let around = Around::new(self);
+        let around = Around::new(self)?;
         let frame = Frame::new(self, &around);
         let mut assembly = Assembly::new(self.order)?;
-        let rings = [2 * around.half, self.cells.normal];
+        let rings = [around.corners[4], self.cells.normal];
         assembly.add(rings, [None, None, Some("blade"), None], |[s, t]| around.position(s, growth.size(t)));
         for column in 0..3 {
             for row in (0..3).filter(|&row| (column, row) != (1, 1)) {
@@ -107,7 +107,6 @@ impl BladeMesh {
         ] {
             check.count(quantity, value)?;
         }
-        check.that(end % 2 == 0, "the number of cells around an end", end as f64, "an even number")?;
         for (quantity, value) in [
             ("the pitch", self.pitch),
             ("the distance of the inflow", self.distances[0]),
@@ -124,43 +123,77 @@ impl BladeMesh {
     }
 }
 
-/// The O-block: s counts cells from the front of the blade, clockwise, that is over the upper side; the rear is at
-/// s = half.
+/// The normal at a corner of the O-block and the direction of the flow at that end of the blade make this angle.
+const CORNER_ANGLE: f64 = 0.8;
+
+/// The O-block: s counts cells from corner FL clockwise, so that FU, RU, RL follow, and FL again.
 struct Around<'a> {
     profile: &'a ClosedCurve,
     layer: f64,
-    half: usize,
-    /// Parameters of the curve at s = 0, 1, .., 2 half, increasing.
+    /// s of FL, FU, RU, RL, FL.
+    corners: [usize; 5],
+    /// Parameters of the curve at s = 0, 1, .., increasing.
     parameters: Vec<f64>,
 }
 
 impl<'a> Around<'a> {
-    fn new(mesh: &'a BladeMesh) -> Self {
-        let (profile, length) = (&mesh.profile, mesh.profile.length());
-        // The ends are where the flow meets the blade first and leaves it last.
-        let front = profile.farthest([-1.0, -mesh.slopes[0]]);
-        let rear = front + (profile.farthest([1.0, mesh.slopes[1]]) - front).rem_euclid(length);
-        let half = mesh.cells.side + mesh.cells.end;
-        let mut parameters = distributed(profile, mesh.layer, front, rear, half);
-        parameters.extend(distributed(profile, mesh.layer, rear, front + length, half).into_iter().skip(1));
-        Around { profile, layer: mesh.layer, half, parameters }
+    fn new(mesh: &'a BladeMesh) -> Result<Self, MeshError> {
+        let (profile, BladeCells { side, end, .. }) = (&mesh.profile, mesh.cells);
+        let length = profile.length();
+        let [lower_front, upper_front] = end_corners(profile, [-1.0, -mesh.slopes[0]])?;
+        let [upper_rear, lower_rear] = end_corners(profile, [1.0, mesh.slopes[1]])?;
+        let after = |u: f64| lower_front + (u - lower_front).rem_euclid(length);
+        let ends = [lower_front, after(upper_front), after(upper_rear), after(lower_rear), lower_front + length];
+        let mut parameters = vec![lower_front];
+        for (k, cells) in [end, side, end, side].into_iter().enumerate() {
+            parameters.extend(distributed(profile, mesh.layer, ends[k], ends[k + 1], cells).into_iter().skip(1));
+        }
+        let corners = [0, end, end + side, 2 * end + side, 2 * (end + side)];
+        Ok(Around { profile, layer: mesh.layer, corners, parameters })
     }
 
     /// The point at distance `height` from the blade. Between the ends of a cell the parameter of the curve is linear in
     /// s, so that the cell is as smooth as the curve.
     fn position(&self, s: f64, height: f64) -> [f64; 2] {
-        let s = s.rem_euclid(2.0 * self.half as f64);
-        let cell = (s as usize).min(2 * self.half - 1);
+        let cell = (s as usize).min(self.corners[4] - 1);
         let (fraction, ends) = (s - cell as f64, [self.parameters[cell], self.parameters[cell + 1]]);
         let u = (1.0 - fraction) * ends[0] + fraction * ends[1];
         let (x, normal) = (self.profile.position(u), self.profile.normal(u));
         from_fn(|i| x[i] + height * normal[i])
     }
 
-    /// A point of the outer edge.
-    fn edge(&self, s: f64) -> [f64; 2] {
-        self.position(s, self.layer)
+    /// The point of the outer edge at the fraction `share` of the way from corner `from` to corner `to`.
+    fn edge(&self, from: usize, to: usize, share: f64) -> [f64; 2] {
+        let [from, to] = [from, to].map(|corner| self.corners[corner] as f64);
+        self.position((1.0 - share) * from + share * to, self.layer)
     }
+}
+
+/// The corners, in clockwise order, at the end of the blade that lies farthest in `direction`.
+fn end_corners(profile: &ClosedCurve, direction: [f64; 2]) -> Result<[f64; 2], MeshError> {
+    let size = direction[0].hypot(direction[1]);
+    let tip = profile.farthest(direction);
+    let turned = |u: f64| {
+        let normal = profile.normal(u);
+        (normal[0] * direction[0] + normal[1] * direction[1]) / size < CORNER_ANGLE.cos()
+    };
+    let step = profile.length() / 4000.0;
+    let corner = |sense: f64| {
+        let beyond = (1..1000).map(|k| tip + sense * step * f64::from(k)).find(|&u| turned(u));
+        let (mut high, mut low) = (beyond?, beyond? - sense * step);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if turned(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    };
+    let missing = MeshError::Parameter {
+        mesh: "blade",
+        quantity: "the angle by which the profile turns at an end",
+        value: 0.0,
+        accepted: "at least 0.8 on either side of the direction of the flow",
+    };
+    corner(-1.0).zip(corner(1.0)).map(|(before, after)| [before, after]).ok_or(missing)
 }
 
 /// `cells` + 1 parameters from `from` to `to`, in equal steps of int sqrt(|x'|^2 + (c theta')^2) du, theta the angle of
@@ -198,16 +231,19 @@ struct Frame<'a> {
 
 type Point = [f64; 2];
 
+/// Corners of the O-block as [`Around`] counts them: by column (front, rear) and row (lower, upper).
+const CORNERS: [[usize; 2]; 2] = [[0, 1], [3, 2]];
+
 impl<'a> Frame<'a> {
     fn new(mesh: &'a BladeMesh, around: &'a Around) -> Self {
-        let corner = |column, row| around.edge(corner_index(mesh, around.half, column, row));
+        let corner = |column: usize, row: usize| around.edge(CORNERS[column][row], CORNERS[column][row], 0.0);
         let mean = |column, i: usize| 0.5 * (corner(column, 0)[i] + corner(column, 1)[i]);
         let (front, rear) = (mean(0, 0), mean(1, 0));
         let columns = [front - mesh.distances[0], front, rear, rear + mesh.distances[1]];
         Frame { mesh, around, columns, middle: [mean(0, 1), mean(1, 1)] }
     }
 
-    /// Cells of column or row `k`.
+    /// Cells of the columns and of the rows.
     fn cells(&self) -> [[usize; 3]; 2] {
         let BladeCells { side, end, gap, before, after, .. } = self.mesh.cells;
         [[before, side, after], [gap, end, gap]]
@@ -234,21 +270,18 @@ impl<'a> Frame<'a> {
     fn along(&self, column: usize, row: usize, s: f64) -> Point {
         match (column, row) {
             (_, 0 | 3) => self.periodic_line(column, row, s),
-            (1, _) => {
-                let [from, to] = [0, 1].map(|end| corner_index(self.mesh, self.around.half, end, row - 1));
-                // The lower side is met from the front backwards: s decreases from a full turn.
-                let from = if row == 1 { from + 2.0 * self.around.half as f64 } else { from };
-                self.around.edge(from + s * (to - from))
-            }
+            // The lower side is met from its end, corner FL after a full turn.
+            (1, 1) => self.around.edge(4, 3, s),
+            (1, _) => self.around.edge(1, 2, s),
             _ => blend(self.vertex(column, row), self.vertex(column + 1, row), s),
         }
     }
 
     /// Line `column` (0..=3, from the inflow to the outflow) in `row`, t from 0 to 1.
     fn across(&self, column: usize, row: usize, t: f64) -> Point {
-        if row == 1 && (column == 1 || column == 2) {
-            let [from, to] = [0, 1].map(|side| corner_index(self.mesh, self.around.half, column - 1, side));
-            return self.around.edge(from + t * (to - from));
+        if let (1 | 2, 1) = (column, row) {
+            let [lower, upper] = CORNERS[column - 1];
+            return self.around.edge(lower, upper, t);
         }
         blend(self.vertex(column, row), self.vertex(column, row + 1), t)
     }
@@ -256,7 +289,10 @@ impl<'a> Frame<'a> {
     /// Where line `column` and line `row` cross.
     fn vertex(&self, column: usize, row: usize) -> Point {
         match (column, row) {
-            (1 | 2, 1 | 2) => self.around.edge(corner_index(self.mesh, self.around.half, column - 1, row - 1)),
+            (1 | 2, 1 | 2) => {
+                let corner = CORNERS[column - 1][row - 1];
+                self.around.edge(corner, corner, 0.0)
+            }
             (0, 1 | 2) | (3, 1 | 2) => {
                 // Inflow and outflow are cut in proportion to the cells.
                 let BladeCells { gap, end, .. } = self.mesh.cells;
@@ -279,18 +315,6 @@ impl<'a> Frame<'a> {
             _ => hermite(self.middle, [enters, leaves], self.columns[2] - self.columns[1], s),
         };
         [x, y + offset]
-    }
-}
-
-/// Where on the edge of the O-block, in cells from the front, the corner at `end` (0 front, 1 rear) and `side` (0
-/// lower, 1 upper) lies: half the cells of an end away from its middle.
-fn corner_index(mesh: &BladeMesh, half: usize, end: usize, side: usize) -> f64 {
-    let (half, quarter) = (half as f64, 0.5 * mesh.cells.end as f64);
-    match (end, side) {
-        (0, 0) => -quarter,
-        (0, _) => quarter,
-        (_, 0) => half + quarter,
-        _ => half - quarter,
     }
 }
 
