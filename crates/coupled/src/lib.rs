@@ -11,7 +11,7 @@ mod state;
 pub mod weights;
 
 pub use initial::interpolate;
-pub use march::{Jacobian, March, MarchError, Predictor, Settings, SlabError, SlabReport, chain};
+pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, SlabError, SlabReport, chain};
 pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};

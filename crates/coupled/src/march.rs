@@ -48,6 +48,10 @@ pub struct Settings {
     pub max_halvings: u32,
 }
 
+/// What round-off leaves of a residual, in units of the reference state: in a uniform flow there is nothing else, and no
+/// tolerance relative to it can be met.
+pub const ROUND_OFF: f64 = 1e-13;
+
 /// What a slab has done.
 #[derive(Clone, Debug)]
 pub struct SlabReport {
@@ -115,8 +119,9 @@ pub struct March<const D: usize, const M: usize> {
 }
 
 impl<const D: usize, const M: usize> March<D, M> {
-    /// A run of `problem` from the flow `u` at one time.
-    pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, settings: Settings) -> Self {
+    /// A run of `problem` from the flow `u` at one time. Newton's absolute tolerance is raised to [`ROUND_OFF`] if it is less.
+    pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, mut settings: Settings) -> Self {
+        settings.newton.absolute_tolerance = settings.newton.absolute_tolerance.max(ROUND_OFF);
         let d = problem.mover.displacement_at_start(settings.start);
         let state = State::new(settings.start, u, d);
         March { problem, state, settings, workspace: Workspace::default() }

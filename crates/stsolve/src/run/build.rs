@@ -1,12 +1,11 @@
 //! From a checked case to the problem of the numerics.
 
-use crate::case::{Case, Flow, Jacobian, Motion, Predictor, Solver, State, Stiffness};
+use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness};
 use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
 use elasticity::{ElasticMesh, ElasticityError, Material};
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::NodeNumbering;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use newton_krylov::{forcing, newton, pseudo_time};
 use std::sync::Arc;
 
 /// Tolerance of a solve with K: displacements are then good to round-off.
@@ -101,7 +100,7 @@ fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
         end: time.end,
         step: time.step,
         slabs: time.slabs,
-        newton: newton_settings(solver),
+        newton: solver.newton(),
         predictor: match solver.predictor {
             Predictor::Elastic => coupled::Predictor::Elastic,
             Predictor::Extrapolate => coupled::Predictor::Extrapolated,
@@ -113,28 +112,4 @@ fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
         },
         max_halvings: solver.slab_halvings as u32,
     }
-}
-
-fn newton_settings(solver: &Solver) -> newton::Settings {
-    let mut settings = newton::Settings {
-        relative_tolerance: solver.newton_tolerance,
-        absolute_tolerance: solver.newton_absolute_tolerance,
-        max_steps: solver.newton_steps,
-        forcing: forcing::Settings {
-            maximum: solver.krylov_tolerance,
-            initial: solver.krylov_tolerance,
-            ..Default::default()
-        },
-        pseudo_time: pseudo_time::Settings {
-            initial_inverse: solver.pseudo_time.initial_inverse,
-            restart_inverse: solver.pseudo_time.restart_inverse,
-            power: solver.pseudo_time.power,
-            ..Default::default()
-        },
-        ..Default::default()
-    };
-    settings.forcing.minimum = settings.forcing.minimum.min(solver.krylov_tolerance);
-    settings.krylov.max_iterations = solver.krylov_iterations;
-    settings.krylov.restart = solver.krylov_restart;
-    settings
 }
