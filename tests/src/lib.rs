@@ -1,6 +1,8 @@
 //! Verification, regression, command-line and restart tests of stsolve: what the tests share.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+pub mod orders;
+pub mod viscous;
 pub mod vortex;
 
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};

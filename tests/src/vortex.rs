@@ -4,7 +4,7 @@ use crate::prescribed;
 use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Settings, SlabProblem};
 use elasticity::{ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
-use mesh::{BoxMesh, Curving, NodeNumbering};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Vortex;
 use navier_stokes::{Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
 use newton_krylov::newton;
@@ -53,8 +53,17 @@ pub struct Setting {
 }
 
 impl VortexRun {
-    /// Sets a run up.
+    /// Sets a run up whose interior follows by elasticity.
     pub fn new(setting: Setting) -> Self {
+        Self::with_motion(setting, true)
+    }
+
+    /// Sets a run up whose motion is prescribed everywhere.
+    pub fn prescribed(setting: Setting) -> Self {
+        Self::with_motion(setting, false)
+    }
+
+    fn with_motion(setting: Setting, elastic: bool) -> Self {
         let Setting { order, time_order, cells, slabs, end, tolerance, predictor } = setting;
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let free_stream = Primitive { density: 1.0, velocity: [1.0, 0.0], pressure: 1.0 / (1.4 * 0.25) };
@@ -72,17 +81,8 @@ impl VortexRun {
         let problem = Problem { kernels: law.kernels(vec![prescribed(); 4]), data, source: None };
         let orders = Orders { flow: order, mesh: order, time: time_order };
         let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
-        let constrained: Vec<bool> = {
-            let mut constrained = vec![false; numbering.count];
-            (0..4).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
-            constrained
-        };
-        let elastic =
-            ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), Stiffness::Constant, &constrained)
-                .unwrap();
-        let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
-        let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
-        let motion = MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 };
+        let motion =
+            if elastic { elastic_motion(&mesh, &numbering) } else { MeshMotion::Prescribed(Arc::new(Stretching)) };
         let u = coupled::interpolate(&flow, exact.as_ref(), 0.0);
         let newton = newton::Settings {
             relative_tolerance: tolerance,
@@ -96,10 +96,32 @@ impl VortexRun {
         VortexRun { march: March::new(SlabProblem::new(flow, mover), u, settings), exact }
     }
 
+    /// The largest distance of a node from where the affine map takes it.
+    pub fn displacement_error(&self) -> f64 {
+        let state = &self.march.state;
+        let nodes = self.march.problem.mover.positions().iter().zip(state.d.chunks_exact(2));
+        let distance = |(x, d): (&[f64; 2], &[f64])| {
+            let exact = Stretching.value(x, state.time);
+            (d[0] - exact[0]).hypot(d[1] - exact[1])
+        };
+        nodes.map(distance).fold(0.0, f64::max)
+    }
+
     /// The L2 error of the density at the time reached.
     pub fn density_error(&self) -> f64 {
         let flow = &self.march.problem.flow;
         let row = flow.top_row();
         squared_errors(flow, &self.march.state.u, row.row(0), self.exact.as_ref(), self.march.state.time)[0].sqrt()
     }
+}
+
+/// All boundaries move by [`Stretching`], and the interior follows with constant stiffness.
+fn elastic_motion(mesh: &Mesh<2>, numbering: &NodeNumbering) -> MeshMotion<2> {
+    let mut constrained = vec![false; numbering.count];
+    (0..4).flat_map(|b| numbering.on_boundary(mesh, b)).for_each(|node| constrained[node] = true);
+    let material = Material::new(1.0, 0.4).unwrap();
+    let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
+    let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
+    let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
+    MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 }
 }

@@ -127,9 +127,9 @@ impl<const D: usize, const M: usize> March<D, M> {
         March { problem, state, settings, workspace: Workspace::default() }
     }
 
-    /// The settings.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
+    /// The settings, which may be changed between slabs.
+    pub fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
     }
 
     /// Whether the end is reached.

@@ -2,4 +2,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod slab_operator;
+mod experiment;
+mod viscous;
 mod vortex;

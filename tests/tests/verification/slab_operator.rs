@@ -2,8 +2,11 @@
 
 use fem::{Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
-use navier_stokes::{Compiled, Exact, NavierStokes, Riemann, Viscosity};
-use verification::{Noise, curved_box, free_stream, law, operator, prescribed, relative_difference};
+use navier_stokes::{
+    AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
+    SlipWall, Viscosity,
+};
+use verification::{Noise, curved_box, free_stream, law, operator, prescribed, relative_difference, uniform};
 
 type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
 
@@ -13,16 +16,17 @@ fn moving_slab<const D: usize, const M: usize>(
     viscosity: Viscosity,
     riemann: Riemann,
     cells: usize,
+    condition: Boundary<D>,
 ) -> (Operator<D, M>, Vec<f64>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let law = law::<D>(viscosity, riemann);
     let mesh = curved_box::<D>(cells, orders.mesh);
     let data = free_stream::<D, M>(&law);
     let state = data.value(&[0.0; D], 0.0);
-    let mut operator = operator(&mesh, law, orders, prescribed(), data);
+    let mut operator = operator(&mesh, law, orders, condition, data);
     let bottom: Vec<f64> = uniform_coefficients(&operator, &state, 1);
     let positions = node_positions(&mesh, orders.mesh);
     let field = |amplitude: f64, phase: f64| -> Vec<f64> {
@@ -67,9 +71,9 @@ fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f6
 fn free_stream_residual<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, cells: usize) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Hllc, cells);
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Hllc, cells, prescribed());
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
     let row = basis::Matrix::from_fn(1, orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 });
@@ -111,13 +115,17 @@ fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Jacobian products against central differences of the residual, in state and mesh.
-fn product_errors<const D: usize, const M: usize>(riemann: Riemann, viscosity: Viscosity) -> (f64, f64)
+fn product_errors<const D: usize, const M: usize>(
+    riemann: Riemann,
+    viscosity: Viscosity,
+    condition: Boundary<D>,
+) -> (f64, f64)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 2 };
-    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, riemann, 2);
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, riemann, 2, condition);
     let (state, direction) = perturbed(&state, 1);
     let n = state.len();
     let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
@@ -146,26 +154,64 @@ where
     (first, relative_difference(&product, &both_difference))
 }
 
+/// Every boundary condition, with numbers that suit the uniform state.
+fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
+    let stream = uniform::<D>();
+    let slide = [0.2; D];
+    vec![
+        prescribed(),
+        Boundary::FarField(FarField::new(stream).unwrap()),
+        Boundary::AdiabaticWall(AdiabaticWall::new(slide).unwrap()),
+        Boundary::IsothermalWall(IsothermalWall::new(1.4, slide).unwrap()),
+        Boundary::SlipWall(SlipWall),
+        Boundary::Symmetry(SlipWall),
+        Boundary::Inflow(Inflow::new(2.0, 1.7, stream.velocity).unwrap()),
+        Boundary::Outflow(Outflow::new(1.5).unwrap()),
+    ]
+}
+
+fn products_agree<const D: usize, const M: usize>(riemann: Riemann, viscosity: Viscosity, condition: Boundary<D>)
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let (state, both) = product_errors::<D, M>(riemann, viscosity, condition);
+    let case = format!("{D}-D, {riemann:?}, {viscosity:?}, {condition:?}");
+    assert!(state < 1e-7, "{case}: along the state {state:.1e}");
+    assert!(both < 1e-7, "{case}: along state and mesh {both:.1e}");
+}
+
 #[test]
-fn products_are_the_derivative_of_the_residual() {
+fn products_are_the_derivative_for_every_flux() {
+    let sutherland = Viscosity::Sutherland { viscosity: 0.02, temperature: 1.5, constant: 0.6 };
     for riemann in [Riemann::LaxFriedrichs, Riemann::Hllc, Riemann::Roe] {
-        let (state, both) = product_errors::<2, 4>(riemann, Viscosity::Constant(0.02));
-        assert!(state < 1e-7 && both < 1e-7, "2-D, {riemann:?}: {state:.1e}, {both:.1e}");
-        let (state, both) = product_errors::<3, 5>(riemann, Viscosity::Constant(0.02));
-        assert!(state < 1e-7 && both < 1e-7, "3-D, {riemann:?}: {state:.1e}, {both:.1e}");
+        for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02), sutherland] {
+            products_agree::<2, 4>(riemann, viscosity, prescribed());
+            products_agree::<3, 5>(riemann, viscosity, prescribed());
+        }
     }
-    let (state, both) = product_errors::<2, 4>(Riemann::Roe, Viscosity::Inviscid);
-    assert!(state < 1e-7 && both < 1e-7, "inviscid: {state:.1e}, {both:.1e}");
+}
+
+#[test]
+fn products_are_the_derivative_for_every_boundary_condition() {
+    for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
+        for condition in every_condition::<2>() {
+            products_agree::<2, 4>(Riemann::Roe, viscosity, condition);
+        }
+        for condition in every_condition::<3>() {
+            products_agree::<3, 5>(Riemann::Roe, viscosity, condition);
+        }
+    }
 }
 
 /// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks against the product.
 fn block_error<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 1 };
-    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Roe, 2);
+    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Roe, 2, prescribed());
     operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
     let (state, x) = perturbed(&state, 2);
     operator.linearise(&state);

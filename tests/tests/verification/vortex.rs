@@ -1,44 +1,159 @@
-//! The coupled vortex.
+//! The coupled vortex: orders, conservation, the mesh, the solver.
 
 use coupled::Predictor;
+use verification::orders::table;
 use verification::vortex::{Setting, VortexRun};
 
-#[test]
-#[ignore = "an experiment: prints"]
-fn experiment() {
-    let get = |name: &str, default: f64| std::env::var(name).ok().map_or(default, |v| v.parse().unwrap());
-    let setting = Setting {
-        order: get("NS", 4.0) as usize,
-        time_order: get("NT", 2.0) as usize,
-        cells: get("CELLS", 10.0) as usize,
-        slabs: get("SLABS", 40.0) as usize,
-        end: get("END", 8.0),
-        tolerance: get("TOL", 1e-8),
-        predictor: if get("ELASTIC", 1.0) > 0.0 { Predictor::Elastic } else { Predictor::Extrapolated },
-    };
-    let start = std::time::Instant::now();
-    let mut run = VortexRun::new(setting);
-    let before = run.march.totals()[0];
-    println!("set-up {:.2} s", start.elapsed().as_secs_f64());
-    let mut out = 0.0;
+const SETTING: Setting =
+    Setting { order: 4, time_order: 2, cells: 8, slabs: 10, end: 1.0, tolerance: 1e-8, predictor: Predictor::Elastic };
+
+/// Runs to the end; the largest mass error on the way, relative to the mass.
+fn finish(run: &mut VortexRun) -> f64 {
+    let (before, mut out, mut worst) = (run.march.totals()[0], 0.0, 0.0_f64);
     while !run.march.is_done() {
-        let clock = std::time::Instant::now();
         let report = run.march.advance().unwrap();
-        out += report.through.iter().map(|t| t[0]).sum::<f64>();
-        let its: Vec<usize> = report.newton.steps.iter().map(|s| s.krylov_iterations).collect();
-        println!(
-            "{:3} t = {:.3} {:.2}s newton {:?} {:.1e} -> {:.1e} {:?} det {:.4} mass {:.2e}",
-            report.slab,
-            report.interval.end,
-            clock.elapsed().as_secs_f64(),
-            its,
-            report.newton.initial_norm,
-            report.newton.final_norm(),
-            report.counts,
-            report.quality.lower_bound,
-            (report.totals[0] - before + out) / before
-        );
+        out += report.through.iter().map(|through| through[0]).sum::<f64>();
+        worst = worst.max((report.totals[0] - before + out).abs() / before);
     }
-    let d = run.march.state.d.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
-    println!("{setting:?}: error {:.3e}, |d| {d:.2e}, {:.1} s", run.density_error(), start.elapsed().as_secs_f64());
+    worst
+}
+
+fn density_error(setting: Setting) -> f64 {
+    let mut run = VortexRun::new(setting);
+    finish(&mut run);
+    run.density_error()
+}
+
+/// The order of the density at t = 1 on meshes that put the vortex between cells alike.
+fn spatial_order(order: usize, slabs: usize, cells: &[usize]) -> f64 {
+    let at = |&cells: &usize| {
+        let setting = Setting { order, time_order: 3, cells, slabs, tolerance: 1e-9, ..SETTING };
+        (10.0 / cells as f64, density_error(setting))
+    };
+    let rows: Vec<_> = cells.iter().map(at).collect();
+    table(&format!("vortex, N_s = {order}"), &rows)
+}
+
+#[test]
+fn order_in_space_is_n_s() {
+    for (order, slabs, cells) in
+        [(2, 5, [30, 60]), (3, 5, [20, 36]), (4, 5, [14, 24]), (6, 10, [10, 16]), (8, 20, [7, 11])]
+    {
+        let measured = spatial_order(order, slabs, &cells);
+        assert!(measured >= order as f64 - 0.2, "N_s = {order}: {measured:.2}");
+    }
+}
+
+#[test]
+fn order_in_time_at_slab_ends_is_2_n_t_minus_1() {
+    let run = |time_order: usize, slabs: usize| {
+        let setting = Setting { order: 6, cells: 5, time_order, slabs, tolerance: 1e-11, ..SETTING };
+        let mut run = VortexRun::new(setting);
+        finish(&mut run);
+        run.march.state.u
+    };
+    let reference = run(4, 32);
+    for (time_order, slabs) in [(1, [32, 64]), (2, [16, 32]), (3, [8, 16])] {
+        let error = |slabs: usize| {
+            let u = run(time_order, slabs);
+            let squares = u.iter().zip(&reference).map(|(a, b)| (a - b).powi(2));
+            (1.0 / slabs as f64, squares.sum::<f64>().sqrt())
+        };
+        let measured = table(&format!("vortex, N_t = {time_order}"), &slabs.map(error));
+        assert!(measured >= 2.0 * time_order as f64 - 1.2, "N_t = {time_order}: {measured:.2}");
+    }
+}
+
+#[test]
+fn mass_is_kept_and_the_mesh_follows_the_affine_map() {
+    for predictor in [Predictor::Elastic, Predictor::Extrapolated] {
+        let mut run = VortexRun::new(Setting { slabs: 20, end: 8.0, predictor, ..SETTING });
+        let mut worst = 0.0_f64;
+        let (before, mut out) = (run.march.totals()[0], 0.0);
+        while !run.march.is_done() {
+            let report = run.march.advance().unwrap();
+            out += report.through.iter().map(|through| through[0]).sum::<f64>();
+            let mass = (report.totals[0] - before + out).abs() / before;
+            assert!(mass <= 1e-12, "{predictor:?}: mass error {mass:.1e} at t = {}", run.march.state.time);
+            worst = worst.max(run.displacement_error());
+        }
+        println!("{predictor:?}: displacement against the affine map {worst:.1e}");
+        assert!(worst <= 1e-10, "{predictor:?}: {worst:.1e}");
+        // After the period the mesh is the first one, 8 further to the right.
+        let back = run.march.state.d.chunks_exact(2).map(|d| (d[0] - 8.0).abs().max(d[1].abs()));
+        let back = back.fold(0.0, f64::max);
+        assert!(back <= 1e-10, "{predictor:?}: {back:.1e}");
+    }
+}
+
+/// Newton steps and Krylov iterations of a slab, averaged over a few.
+fn iterations(setting: Setting) -> (f64, f64) {
+    let mut run = VortexRun::new(setting);
+    let (mut newton, mut krylov, mut slabs) = (0, 0, 0);
+    while !run.march.is_done() {
+        let report = run.march.advance().unwrap();
+        newton += report.newton.steps.len();
+        krylov += report.newton.krylov_iterations;
+        slabs += 1;
+    }
+    (newton as f64 / slabs as f64, krylov as f64 / slabs as f64)
+}
+
+/// The limit that the paper admits: poorer convergence with smaller time steps.
+#[test]
+fn krylov_iterations_do_not_grow_when_the_slab_is_halved() {
+    for predictor in [Predictor::Elastic, Predictor::Extrapolated] {
+        let mut fewest = f64::INFINITY;
+        for halvings in 0..=6 {
+            let end = 0.8 / f64::from(1 << halvings);
+            let (newton, krylov) = iterations(Setting { slabs: 4, end, predictor, ..SETTING });
+            println!("{predictor:?}, dt = {:.5}: {newton} Newton steps, {krylov} Krylov iterations", end / 4.0);
+            assert!(krylov <= fewest + 2.0, "{predictor:?}: {krylov} after {fewest}");
+            fewest = fewest.min(krylov);
+        }
+    }
+}
+
+#[test]
+fn newton_ends_quadratically_and_at_round_off() {
+    let mut run = VortexRun::new(Setting { slabs: 1, end: 0.5, predictor: Predictor::Constant, ..SETTING });
+    let newton = &mut run.march.settings_mut().newton;
+    (newton.relative_tolerance, newton.forcing.minimum) = (1e-13, 1e-6);
+    let report = run.march.advance().unwrap();
+    let history = report.newton.residual_history();
+    println!("{history:?}");
+    let relative = history[history.len() - 1] / history[0];
+    assert!(relative <= 1e-12, "{relative:.1e}");
+    // The step before the last that is above round-off: |R_k+1| <= C |R_k|^2 with |R_k| already small.
+    let quadratic = history.windows(2).filter(|r| r[0] < 1e-2 * history[0] && r[0] > 1e-8 * history[0]);
+    let mut seen = 0;
+    for r in quadratic {
+        let order = (r[1] / history[0]).ln() / (r[0] / history[0]).ln();
+        assert!(order > 1.7, "order {order:.2} in {history:?}");
+        seen += 1;
+    }
+    assert!(seen > 0, "no step in the range of quadratic convergence: {history:?}");
+}
+
+/// The coupled solve against elasticity alone and the flow on the mesh that it gives: counted work, seconds printed.
+#[test]
+fn coupling_costs_no_more_than_its_parts() {
+    let setting = Setting { slabs: 10, end: 1.0, ..SETTING };
+    let mut totals = Vec::new();
+    for prescribed in [false, true] {
+        let mut run = if prescribed { VortexRun::prescribed(setting) } else { VortexRun::new(setting) };
+        let start = std::time::Instant::now();
+        let (mut products, mut residuals) = (0, 0);
+        while !run.march.is_done() {
+            let report = run.march.advance().unwrap();
+            products += report.counts.products + report.counts.mesh_products;
+            residuals += report.counts.residuals;
+        }
+        println!(
+            "prescribed {prescribed}: {products} products, {residuals} residuals, {:.2} s",
+            start.elapsed().as_secs_f64()
+        );
+        totals.push((products + residuals) as f64);
+    }
+    assert!(totals[0] <= 1.1 * totals[1], "{totals:?}");
 }
