@@ -100,7 +100,12 @@ impl AirfoilMesh {
         check.that(thickness > 0.0 && thickness <= 0.5, "the thickness", thickness, "more than 0, at most 0.5")?;
         check.that(self.far_field >= 2.0, "the distance of the far field", self.far_field, "at least 2 chords")?;
         check.that(self.far_field <= 1e6, "the distance of the far field", self.far_field, "at most 10^6 chords")?;
-        check.that(self.surface_cells >= 2, "the number of cells along a side", self.surface_cells as f64, "2 or more")?;
+        check.that(
+            self.surface_cells >= 2,
+            "the number of cells along a side",
+            self.surface_cells as f64,
+            "2 or more",
+        )?;
         check.count("the number of cells along a side", self.surface_cells)?;
         check.count("the number of cells along the wake", self.wake_cells)?;
         check.count("the number of cells outwards", self.normal_cells)?;
@@ -261,7 +266,12 @@ mod tests {
     #[test]
     fn thin_cells_of_every_order_are_valid_and_hardly_deformed() {
         for order in 2..=8 {
-            let thin = AirfoilMesh { first_cell: 2e-5, normal_cells: 24, trailing_edge_cell: 0.01, ..AirfoilMesh::naca0012(order) };
+            let thin = AirfoilMesh {
+                first_cell: 2e-5,
+                normal_cells: 24,
+                trailing_edge_cell: 0.01,
+                ..AirfoilMesh::naca0012(order)
+            };
             let mesh = thin.build().unwrap();
             let check = ValidityCheck::<2>::new(order, &[0.0]);
             let answers = check.decide_cells(mesh.n_cells(), |cell, x| x.copy_from_slice(mesh.cell_coordinates(cell)));

@@ -86,7 +86,12 @@ mod tests {
     fn the_area_converges_with_the_order() {
         let exact = PI * (50.0 * 50.0 - 0.25);
         let error = |order| (AnnulusMesh { order, ..CYLINDER }.build().unwrap().volume() / exact - 1.0).abs();
-        assert!(error(2) > 1e-3 && error(3) < 1e-4 && error(4) < 1e-6 && error(6) < 1e-10, "{:e} {:e}", error(3), error(4));
+        assert!(
+            error(2) > 1e-3 && error(3) < 1e-4 && error(4) < 1e-6 && error(6) < 1e-10,
+            "{:e} {:e}",
+            error(3),
+            error(4)
+        );
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Plane meshes joined from structured blocks.
 
+use super::smoothing::Harmonic;
+use crate::facet::face_nodes;
 use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
 use basis::gauss_lobatto;
 use std::collections::BTreeMap;
@@ -61,10 +63,39 @@ impl Assembly {
         }
     }
 
+    /// Moves the nodes of cells `first`.. that lie neither on a named face nor in a cell before `first`: see
+    /// [`Harmonic`].
+    pub(super) fn smooth_from(&mut self, first: usize) {
+        let n = self.order;
+        let (points, _) = self.coordinates.as_chunks::<2>();
+        let numbers = merge(points);
+        let count = numbers.iter().max().map_or(0, |last| last + 1);
+        let mut free = vec![true; count];
+        numbers[..first * n * n].iter().for_each(|&node| free[node] = false);
+        for side in self.boundaries.iter().flat_map(|(_, sides)| sides) {
+            face_nodes(2, n, side.face).into_iter().for_each(|k| free[numbers[side.cell * n * n + k]] = false);
+        }
+        let harmonic = Harmonic::new(n, &numbers, free);
+        for axis in 0..2 {
+            let mut x = vec![0.0; count];
+            numbers.iter().enumerate().for_each(|(k, &node)| x[node] = self.coordinates[2 * k + axis]);
+            harmonic.solve(&mut x);
+            numbers.iter().enumerate().for_each(|(k, &node)| self.coordinates[2 * k + axis] = x[node]);
+        }
+    }
+
+    /// Maps all nodes.
+    pub(super) fn map(&mut self, f: impl Fn([f64; 2]) -> [f64; 2]) {
+        self.coordinates.as_chunks_mut::<2>().0.iter_mut().for_each(|x| *x = f(*x));
+    }
+
     /// The mesh. `periodic` names two boundaries and how the first is translated onto the second.
     pub(super) fn build(self, periodic: &[(&str, &str, [f64; 2])]) -> Result<Mesh<2>, MeshError> {
         let number = |name: &str| {
-            self.boundaries.iter().position(|(other, _)| other == name).expect("periodic boundaries are named by blocks")
+            self.boundaries
+                .iter()
+                .position(|(other, _)| other == name)
+                .expect("periodic boundaries are named by blocks")
         };
         let pairs = periodic.iter().map(|&(minus, plus, translation)| PeriodicPair {
             minus: number(minus),

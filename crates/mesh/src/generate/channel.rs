@@ -70,8 +70,7 @@ mod tests {
 
     #[test]
     fn names_and_neighbours_in_two_and_three_dimensions() {
-        let plane =
-            ChannelMesh { extent: [4.0, 2.0], cells: [4, 6], wall_ratio: 4.0, periodic: false, order: 3 };
+        let plane = ChannelMesh { extent: [4.0, 2.0], cells: [4, 6], wall_ratio: 4.0, periodic: false, order: 3 };
         let mesh = plane.build().unwrap();
         assert_eq!(mesh.boundary_names(), ["inflow", "outflow", "bottom", "top"]);
         assert!((mesh.volume() - 8.0).abs() < 1e-13);

@@ -73,24 +73,6 @@ impl ClosedCurve {
         [-y / length, x / length]
     }
 
-    /// The parameter in [0, `length()`) at which x . direction is largest.
-    pub fn farthest(&self, direction: [f64; 2]) -> f64 {
-        let along = |x: [f64; 2]| x[0] * direction[0] + x[1] * direction[1];
-        let samples = 64 * self.points.len();
-        let step = self.length() / samples as f64;
-        let best = (0..samples).max_by(|&i, &j| {
-            along(self.position(i as f64 * step)).total_cmp(&along(self.position(j as f64 * step)))
-        });
-        let best = best.unwrap_or(0) as f64 * step;
-        // Beside the largest sample x . direction rises on one side and falls on the other.
-        let (mut low, mut high) = (best - step, best + step);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if along(self.tangent(middle)) > 0.0 { low = middle } else { high = middle }
-        }
-        (0.5 * (low + high)).rem_euclid(self.length())
-    }
-
     /// The cubic that holds u.
     fn piece(&self, u: f64) -> Piece {
         let n = self.points.len();
@@ -153,6 +135,22 @@ fn signed_area(points: &[[f64; 2]]) -> f64 {
     0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
+/// The distance of x from the curve: from the nearest of many samples by Newton's method.
+#[cfg(test)]
+pub(super) fn distance(curve: &ClosedCurve, x: [f64; 2]) -> f64 {
+    let offset = |u: f64| from_fn::<f64, 2, _>(|i| x[i] - curve.position(u)[i]);
+    let length = |u: f64| offset(u)[0].hypot(offset(u)[1]);
+    let samples = (0..4000).map(|k| f64::from(k) * curve.length() / 4000.0);
+    let mut u = samples.min_by(|&u, &v| length(u).total_cmp(&length(v))).unwrap_or(0.0);
+    for _ in 0..4 {
+        // (x - c(u)) . c'(u) = 0
+        let (d, t, b) = (offset(u), curve.tangent(u), curve.bend(u));
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        u += dot(d, t) / (dot(t, t) - dot(d, b));
+    }
+    length(u)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -208,9 +206,10 @@ mod tests {
         assert_eq!(ClosedCurve::through(&points).unwrap(), forwards);
         points.reverse();
         for curve in [forwards, ClosedCurve::through(&points).unwrap()] {
-            let u = curve.farthest([0.6, 0.8]);
-            let normal = curve.normal(u);
-            assert!((normal[0] - 0.6).abs() < 1e-9 && (normal[1] - 0.8).abs() < 1e-9);
+            for u in [0.0, 1.0, 2.5, 6.0, -3.0] {
+                let (x, normal) = (curve.position(u), curve.normal(u));
+                assert!(x[0] * normal[0] + x[1] * normal[1] > 0.9);
+            }
         }
     }
 

@@ -195,10 +195,7 @@ mod tests {
         assert!(plane.extruded(&Extrusion { depth: 0.0, ..extrusion(1, true) }).is_err());
         let mut named = plane.clone();
         named.boundary_names[0] = "back".to_owned();
-        assert_eq!(
-            named.extruded(&extrusion(1, false)).unwrap_err(),
-            MeshError::NameTwice { name: "back".to_owned() }
-        );
+        assert_eq!(named.extruded(&extrusion(1, false)).unwrap_err(), MeshError::NameTwice { name: "back".to_owned() });
         assert!(named.extruded(&extrusion(1, true)).is_ok());
     }
 }

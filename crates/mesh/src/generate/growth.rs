@@ -79,7 +79,9 @@ mod tests {
 
     #[test]
     fn cells_fill_the_total_and_grow_by_the_factor() {
-        for (cells, first, total) in [(10, 0.1, 1.0), (12, 0.015, 100.0), (5, 0.5, 1.0), (40, 1e-6, 10.0), (1, 1.0, 1.0)] {
+        for (cells, first, total) in
+            [(10, 0.1, 1.0), (12, 0.015, 100.0), (5, 0.5, 1.0), (40, 1e-6, 10.0), (1, 1.0, 1.0)]
+        {
             let growth = Growth::new(cells, first, total);
             assert!((growth.size(cells as f64) / total - 1.0).abs() < 1e-12, "{growth:?}");
             assert!((growth.size(1.0) / first - 1.0).abs() < 1e-14);

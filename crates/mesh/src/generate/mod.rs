@@ -9,7 +9,7 @@
 //! | `airfoil` | a C-mesh around a symmetric NACA airfoil |
 //! | `profile`, `closed_curve`, `blade` | a row of turbine blades |
 //! | `extrude` | a plane mesh as the cross-section of a mesh in space |
-//! | `assembly`, `growth` | what they share: blocks that are joined, cells that grow |
+//! | `assembly`, `growth`, `smoothing` | what they share: blocks that are joined, cells that grow, lines without kinks |
 
 mod airfoil;
 mod annulus;
@@ -24,6 +24,7 @@ mod extrude;
 mod growth;
 mod profile;
 mod rotating_box;
+mod smoothing;
 
 pub use airfoil::AirfoilMesh;
 pub use annulus::AnnulusMesh;

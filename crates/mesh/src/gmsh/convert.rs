@@ -194,7 +194,8 @@ fn pairs<const D: usize>(
         found.ok_or_else(|| GmshError::NoBoundary { name: name.clone(), known: known() })
     };
     let centre = |boundary: usize| {
-        let nodes: Vec<u64> = boundaries[boundary].1.iter().flat_map(|&side| face_corners::<D>(corners, side)).collect();
+        let nodes: Vec<u64> =
+            boundaries[boundary].1.iter().flat_map(|&side| face_corners::<D>(corners, side)).collect();
         let sum = |i: usize| nodes.iter().map(|node| file.nodes[node][i]).sum::<f64>();
         std::array::from_fn::<f64, D, _>(|i| sum(i) / nodes.len() as f64)
     };

@@ -51,8 +51,7 @@ impl Kind {
 type Node = [usize; 3];
 
 /// Corners as Gmsh numbers them; the first 2^D are those of a line, a quadrilateral, a hexahedron.
-const CORNERS: [Node; 8] =
-    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+const CORNERS: [Node; 8] = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
 
 /// Edges as pairs of corners, in the order and direction in which their nodes are listed.
 const LINE_EDGES: [[usize; 2]; 1] = [[0, 1]];

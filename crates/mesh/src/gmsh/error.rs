@@ -85,7 +85,9 @@ pub enum GmshError {
         hexahedra: usize,
     },
     /// Cells of different degrees.
-    #[error("element {element} has degree {degree}, the cells before it degree {first}: save all cells with one degree")]
+    #[error(
+        "element {element} has degree {degree}, the cells before it degree {first}: save all cells with one degree"
+    )]
     Degree {
         /// The first element that differs.
         element: u64,

@@ -31,10 +31,13 @@ use crate::Mesh;
 use std::path::Path;
 
 impl<const D: usize> Mesh<D> {
-    /// The mesh in the Gmsh file `bytes`, of the file's order: degree p is order p + 1.
+    /// The mesh in the Gmsh file `bytes`: MSH 4.1 or 2.2, text or binary. Degree p, 1 to 10, becomes order p + 1;
+    /// equidistant nodes are replaced by Gauss-Lobatto nodes of the same polynomials.
     ///
-    /// `periodic` names pairs of boundaries that are translates of each other and become one. With D = 2 the mesh lies
-    /// in a plane of constant z. See the [`crate`] documentation for what else must hold.
+    /// Physical groups of dimension D - 1 become boundaries, with the group's name or else its number. `periodic` names
+    /// pairs of boundaries that are translates of each other and become one. With D = 2 the mesh lies in a plane of
+    /// constant z. Left-handed cells are turned. Errors name the line, byte or element; the conditions of [`Mesh::new`]
+    /// hold too.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
         convert::mesh(&file::read(bytes)?, periodic)
     }

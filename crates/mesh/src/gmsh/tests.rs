@@ -40,12 +40,10 @@ fn a_square_in_both_versions() {
         let mesh = read(text).unwrap();
         assert_eq!((mesh.order(), mesh.n_cells(), mesh.volume()), (2, 1, 2.0));
         assert_eq!(mesh.boundary_names(), ["wall of glass", "8"]);
-        assert_eq!(mesh.boundary_facets().iter().map(|f| (f.boundary, f.side.face)).collect::<Vec<_>>(), [
-            (0, 1),
-            (0, 2),
-            (0, 3),
-            (1, 0)
-        ]);
+        assert_eq!(
+            mesh.boundary_facets().iter().map(|f| (f.boundary, f.side.face)).collect::<Vec<_>>(),
+            [(0, 1), (0, 2), (0, 3), (1, 0)]
+        );
     }
 }
 
@@ -53,7 +51,7 @@ fn a_square_in_both_versions() {
 fn a_left_handed_cell_is_turned() {
     let mesh = read(&SQUARE_2.replace("1 2 3 4\n$End", "4 3 2 1\n$End")).unwrap();
     assert_eq!(mesh.volume(), 2.0);
-    let mesh = Sample { left_handed: true, ..two_cells() }.version4(Encoding::Text);
+    let mesh = Sample { left_handed: true }.version4(Encoding::Text);
     let right = two_cells().version4(Encoding::Text);
     let (left, right) = (Mesh::<2>::from_gmsh(&mesh, &[]).unwrap(), Mesh::<2>::from_gmsh(&right, &[]).unwrap());
     assert!((left.volume() - right.volume()).abs() < 1e-15);
@@ -68,7 +66,7 @@ fn curved_cells_in_every_encoding() {
     // The nodes of degree 2 are equidistant and Gauss-Lobatto nodes at once.
     let x = expected.position(1, &[0.0, 1.0]);
     assert!((0..2).all(|i| (x[i] - sample.position(3, 2)[i]).abs() < 1e-15), "{x:?}");
-    assert!((expected.volume() - sample.area()).abs() < 1e-15);
+    assert!((expected.volume() - sample.area()).abs() < 1e-14);
     for encoding in Encoding::ALL {
         assert_eq!(Mesh::from_gmsh(&sample.version2(encoding), &[]).unwrap(), expected, "{encoding:?}");
         assert_eq!(Mesh::from_gmsh(&sample.version4(encoding), &[]).unwrap(), expected, "{encoding:?}");
@@ -111,7 +109,10 @@ fn errors_of_a_binary_file_name_the_byte() {
     let mut file = two_cells().version4(Encoding::LittleEndian);
     file.truncate(1500);
     let error = Mesh::<2>::from_gmsh(&file, &[]).unwrap_err();
-    assert!(matches!(&error, GmshError::Syntax { place: Place::Byte(byte), .. } if (1490..=1500).contains(byte)), "{error}");
+    assert!(
+        matches!(&error, GmshError::Syntax { place: Place::Byte(byte), .. } if (1490..=1500).contains(byte)),
+        "{error}"
+    );
 }
 
 #[test]

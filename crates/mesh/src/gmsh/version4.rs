@@ -48,8 +48,7 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
         source.int("the number of an entity")?;
         let parametric = source.int("0 or 1, for nodes with parameters")?;
         let count = source.size("the number of nodes in a block")?;
-        let numbers =
-            (0..count).map(|_| source.size("the number of a node")).collect::<Result<Vec<_>, GmshError>>()?;
+        let numbers = (0..count).map(|_| source.size("the number of a node")).collect::<Result<Vec<_>, GmshError>>()?;
         for number in numbers {
             nodes.insert(number, source.point("the position of a node")?);
             for _ in 0..if parametric == 0 { 0 } else { dimension } {
@@ -71,9 +70,8 @@ pub(super) fn elements(source: &mut Source, entities: &Entities) -> Result<Vec<E
         let kind = kind(source)?;
         for _ in 0..source.size("the number of elements in a block")? {
             let number = source.size("the number of an element")?;
-            let nodes = (0..kind.n_nodes())
-                .map(|_| source.size("a node of an element"))
-                .collect::<Result<_, GmshError>>()?;
+            let nodes =
+                (0..kind.n_nodes()).map(|_| source.size("a node of an element")).collect::<Result<_, GmshError>>()?;
             elements.push(Element { number, kind, groups: groups.clone(), nodes });
         }
     }

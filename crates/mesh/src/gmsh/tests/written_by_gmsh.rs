@@ -104,6 +104,7 @@ fn every_shape_degree_version_and_encoding() {
             _ => check::<3>(&shape, degree, &paths),
         };
         // Cells of the wrong order of nodes would be invalid; nodes off the circle would stop the convergence.
-        assert!(error < 0.1_f64.powi(degree as i32), "{shape} {dimension} degree {degree}: {error:e}");
+        // Gmsh itself puts nodes on extruded surfaces to about 1e-6.
+        assert!(error < 0.1_f64.powi(degree.min(6) as i32), "{shape} {dimension} degree {degree}: {error:e}");
     }
 }
