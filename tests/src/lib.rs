@@ -22,7 +22,7 @@ impl Noise {
         Noise(seed)
     }
     /// The next number (splitmix64).
-    pub fn next(&mut self) -> f64 {
+    pub fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -31,7 +31,7 @@ impl Noise {
     }
     /// `n` numbers times `amplitude`.
     pub fn vector(&mut self, n: usize, amplitude: f64) -> Vec<f64> {
-        (0..n).map(|_| amplitude * self.next()).collect()
+        (0..n).map(|_| amplitude * self.number()).collect()
     }
 }
 

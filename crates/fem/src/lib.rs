@@ -44,3 +44,6 @@ pub use operator::{Problem, SlabOperator, Violation};
 pub use pool::Pool;
 pub use sampler::{Sampler, squared_errors};
 pub use tables::{Instant, Line, Orders, Quadrature, Tables};
+
+#[cfg(test)]
+mod tests;

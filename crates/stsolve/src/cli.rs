@@ -1,7 +1,7 @@
 //! The command line.
 
 use clap::{ArgAction, Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Coupled space-time solver: elasticity moves a curved high-order mesh, compressible flow is solved on it.
 ///
@@ -72,6 +72,23 @@ pub struct RunArguments {
     pub verbosity: Verbosity,
 }
 
+impl RunArguments {
+    /// The command line that continues this run, as a shell takes it.
+    pub fn to_resume(&self, command: &str, directory: &Path) -> String {
+        let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
+        let words =
+            ["stsolve".into(), command.into(), quoted(&self.case.case.to_string_lossy())].into_iter().chain(set);
+        let output = ["--output".into(), quoted(&directory.to_string_lossy()), "--resume".into()];
+        words.chain(output).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// A word for a shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-./=:,+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
 /// How much to print.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct Verbosity {
@@ -91,5 +108,15 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_command_to_resume_survives_a_shell() {
+        let line = ["stsolve", "run", "my case.toml", "--set", "time.end=2", "--set", "title=it's"];
+        let Command::Run(arguments) = Arguments::parse_from(line).command else { panic!("not a run") };
+        assert_eq!(
+            arguments.to_resume("run", Path::new("runs/a")),
+            r"stsolve run 'my case.toml' --set time.end=2 --set 'title=it'\''s' --output runs/a --resume"
+        );
     }
 }

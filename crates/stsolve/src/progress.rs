@@ -52,7 +52,7 @@ impl Progress {
         } else {
             Display::Lines
         };
-        Progress { display, terminal: terminal.clone(), start, end: time.end, begun: Instant::now() }
+        Progress { display, terminal: terminal.clone(), start, end: rounded(time.end), begun: Instant::now() }
     }
 
     /// Reports a slab.
@@ -106,6 +106,11 @@ fn describe(slab: &SlabDone, end: f64) -> String {
     format!("slab {number}  t = {time:.6} of {end}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
 }
 
+/// A time for reading, without the last digits that round-off may have spoiled.
+pub(crate) fn rounded(time: f64) -> f64 {
+    format!("{time:.11e}").parse().unwrap_or(time)
+}
+
 /// 12 s elapsed, 48 s left
 fn remaining(elapsed: Duration, fraction: f64) -> String {
     let seconds = elapsed.as_secs_f64();
@@ -124,6 +129,11 @@ mod tests {
         assert_eq!(remaining(Duration::from_secs(12), 0.2), "12 s elapsed, 48 s left");
         assert_eq!(remaining(Duration::from_secs(3), 0.0), "3 s elapsed");
         assert_eq!(remaining(Duration::from_secs(5), 1.0), "5 s elapsed, 0 s left");
+    }
+
+    #[test]
+    fn times_are_told_without_round_off() {
+        assert_eq!([0.1 * 3.0, 125_f64.sqrt(), 0.0].map(|t| rounded(t).to_string()), ["0.3", "11.1803398875", "0"]);
     }
 
     #[test]

@@ -109,7 +109,7 @@ fn free_stream_has_no_residual_in_3d() {
 /// A state near the uniform one, and a direction.
 fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut noise = Noise::new(seed);
-    let state = state.iter().map(|u| u + 0.05 * noise.next()).collect::<Vec<_>>();
+    let state = state.iter().map(|u| u + 0.05 * noise.number()).collect::<Vec<_>>();
     let direction = noise.vector(state.len(), 1.0);
     (state, direction)
 }

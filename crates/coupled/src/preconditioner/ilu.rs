@@ -89,10 +89,10 @@ impl FlowPreconditioner {
             z.fill(0.0);
             return;
         }
-        self.to_modes(r, 1.0 / scale);
+        self.split_into_modes(r, 1.0 / scale);
         self.forward_sweep();
         self.backward_sweep();
-        self.from_modes(scale, z);
+        self.join_modes(scale, z);
     }
 
     /// Length of one cell's panel.
@@ -101,7 +101,7 @@ impl FlowPreconditioner {
     }
 
     /// c = (Q^{-1} W^{-1} (x) I) r, scaled so that single precision does not underflow.
-    fn to_modes(&mut self, r: &[f64], scale: f64) {
+    fn split_into_modes(&mut self, r: &[f64], scale: f64) {
         let (n, len) = (self.jacobian.block, self.panel_len());
         let (layout, forward, cells) = (self.layout, &self.modes.forward, &self.ordering.cells);
         self.panel.par_chunks_exact_mut(len).zip(cells).with_min_len(16).for_each(|(panel, &cell)| {
@@ -117,7 +117,7 @@ impl FlowPreconditioner {
     }
 
     /// z = (Q (x) I) c.
-    fn from_modes(&self, scale: f64, z: &mut [f64]) {
+    fn join_modes(&self, scale: f64, z: &mut [f64]) {
         let (n, len) = (self.jacobian.block, self.panel_len());
         let (layout, backward, positions) = (self.layout, &self.modes.backward, &self.ordering.positions);
         z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {

@@ -1,5 +1,7 @@
 //! The state of a run as named arrays, and back.
 
+use crate::case::Time;
+use crate::failure::Failure;
 use coupled::preconditioner::Ordering;
 use coupled::{Frozen, Interval, Past, State};
 use output::SolverState;
@@ -7,8 +9,9 @@ use std::collections::BTreeMap;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
-/// Writes `state`, and what the preconditioner is made of, into `out`.
-pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool, out: &mut SolverState) {
+/// `state`, and what the preconditioner is made of, as named arrays.
+pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState {
+    let mut out = SolverState::default();
     let counters = [
         ("slab", state.slab),
         ("nominal", state.nominal),
@@ -37,14 +40,15 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool, out: &mut Solv
         put("frozen/cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
         put("frozen/level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
     }
+    out
 }
 
 /// Reads back what [`store`] has written: the state, what the preconditioner is made of, whether it is stale. `None` if
-/// something is missing.
-pub fn load(stored: &SolverState) -> Option<(State, Option<Frozen>, bool)> {
+/// something is missing. `time` is what the resumed run covers.
+pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>, bool)> {
     let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
     let array = |name: &str| stored.arrays.get(name).cloned();
-    let state = State {
+    let mut state = State {
         slab: integer("slab")?,
         nominal: integer("nominal")?,
         time: *array("time")?.first()?,
@@ -54,7 +58,23 @@ pub fn load(stored: &SolverState) -> Option<(State, Option<Frozen>, bool)> {
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         base_iterations: integer("base_iterations")?,
     };
+    reopen_short_slab(&mut state, time);
     Some((state, frozen(&stored.arrays), integer("stale")? != 0))
+}
+
+/// The checkpoint lacks something.
+pub fn incomplete() -> Failure {
+    Failure::bad_input(anyhow::anyhow!(
+        "the checkpoint lacks a part of the state; start the run anew, without --resume"
+    ))
+}
+
+/// The last slab of a run ends with it, be it shorter than the others. In a run that goes on, its rest is still to be done.
+fn reopen_short_slab(state: &mut State, time: &Time) {
+    let full_end = time.start + time.step * state.nominal as f64;
+    if state.pending.is_empty() && state.nominal > 0 && full_end - state.time > 1e-9 * time.step {
+        state.nominal -= 1;
+    }
 }
 
 fn numbers(interval: &Interval) -> [f64; 3] {

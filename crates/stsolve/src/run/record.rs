@@ -1,6 +1,7 @@
 //! What every slab leaves on disk.
 
 use super::fields::{self, CellSample};
+use super::history::columns;
 use super::tally::Tally;
 use crate::case::Case;
 use crate::commands::Session;
@@ -31,8 +32,7 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
     pub history: History,
     sampler: Sampler<D>,
     reference_determinants: Vec<Vec<f64>>,
-    /// Snapshots not yet in a checkpoint.
-    pub slabs_since_checkpoint: usize,
+    slabs_since_checkpoint: usize,
 }
 
 /// What the recorder knows of the mesh: C0 nodes per cell and reference positions `[cell][component][node]`.
@@ -67,37 +67,6 @@ impl<const D: usize> MeshMoverView<D> {
     }
 }
 
-/// Columns of history.csv: those of every run, and for each wall its mean force over the slab and its power.
-pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
-    let of_mesh = ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
-    let mut columns: Vec<String> = of_mesh.map(String::from).to_vec();
-    if case.flow.is_some() {
-        let of_flow = [
-            "newton",
-            "krylov",
-            "residual_initial",
-            "residual",
-            "preconditioner_builds",
-            "rejected",
-            "mass",
-            "mass_error",
-        ];
-        columns.extend(of_flow.map(String::from));
-        for wall in walls(case) {
-            let name = &case.mesh.boundary_names()[wall];
-            columns.extend(["force_x", "force_y", "force_z"][..D].iter().map(|force| format!("{name}_{force}")));
-            columns.push(format!("{name}_power"));
-        }
-    }
-    columns
-}
-
-/// The boundaries that are walls.
-pub fn walls<const D: usize>(case: &Case<D>) -> Vec<usize> {
-    let conditions = case.flow.iter().flat_map(|flow| flow.boundary.iter().enumerate());
-    conditions.filter(|(_, boundary)| boundary.condition.is_wall()).map(|(number, _)| number).collect()
-}
-
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// Starts the files of a new run, or continues those of a checkpoint.
     ///
@@ -109,7 +78,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         mover: &'a MeshMoverView<D>,
         resume: bool,
     ) -> Result<(Self, Option<SolverState>), Failure> {
-        let fingerprint = Checksum::default().text(&case.about.numerics).to_string();
+        let fingerprint = fingerprint(case);
         let (result, stored) = if resume {
             let (result, stored, _) = ResultFile::resume(&session.directory, &fingerprint)?;
             (result, Some(stored))
@@ -141,6 +110,12 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             exact.push(("flow", snapshot.flow));
         }
         Ok(self.result.append(&Step { time: snapshot.time, points: &points, fields: &fields, exact: &exact })?)
+    }
+
+    /// Counts a slab; whether it is time for a checkpoint.
+    pub fn is_checkpoint_due(&mut self) -> bool {
+        self.slabs_since_checkpoint += 1;
+        self.slabs_since_checkpoint >= self.case.output.checkpoint_every
     }
 
     /// Writes a checkpoint: `state` with the history and the sums of the run.
@@ -246,6 +221,12 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
     }
     let fields = drawn_fields(case).map(|field| fields::spec(field, D)).collect();
     Layout { grid: Grid { dimension: D, points_per_direction, cells }, fields, exact }
+}
+
+/// Of what a run must have in common with the one that it continues: the numbers of the case, and what is solved.
+fn fingerprint<const D: usize>(case: &Case<D>) -> String {
+    let solved = if case.flow.is_some() { "mesh and flow" } else { "mesh" };
+    Checksum::default().text(&case.about.numerics).text(solved).to_string()
 }
 
 fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadata {

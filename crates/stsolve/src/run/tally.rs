@@ -24,14 +24,23 @@ pub struct Tally {
     pub products: u64,
     /// The worst of the mesh.
     pub quality: Option<MeshQuality>,
-    /// The first time at which a cell was invalid.
-    pub first_invalid: Option<f64>,
+    /// Where the mesh was invalid first.
+    pub first_invalid: Option<FirstInvalid>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
     /// What has left through each boundary, `[boundary][component]`.
     pub through: Vec<Vec<f64>>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
+}
+
+/// Where a mesh became invalid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstInvalid {
+    /// The first time at which a cell is not proved to be valid.
+    pub time: f64,
+    /// The worst cell of that slab.
+    pub cell: usize,
 }
 
 impl Tally {
@@ -85,7 +94,10 @@ impl Tally {
         BTreeMap::from([
             ("tally/counts".into(), counts.map(|n| n as f64).to_vec()),
             ("tally/quality".into(), quality),
-            ("tally/first_invalid".into(), self.first_invalid.into_iter().collect()),
+            (
+                "tally/first_invalid".into(),
+                self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
+            ),
             ("tally/totals_at_start".into(), self.totals_at_start.clone()),
             ("tally/through".into(), self.through.concat()),
             ("tally/mass_error".into(), vec![self.mass_error]),
@@ -117,7 +129,10 @@ impl Tally {
             residuals: residuals as u64,
             products: products as u64,
             quality,
-            first_invalid: get("first_invalid")?.first().copied(),
+            first_invalid: match get("first_invalid")?[..] {
+                [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
+                _ => None,
+            },
             totals_at_start: get("totals_at_start")?.clone(),
             through: through.chunks(components).map(<[f64]>::to_vec).collect(),
             mass_error: *get("mass_error")?.first()?,

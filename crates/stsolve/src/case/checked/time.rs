@@ -56,7 +56,13 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
         }
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
-    Ok(Time { order: raw.order, start: raw.start, end: raw.end, step, slabs })
+    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs })
+}
+
+/// An end that is a multiple of the step up to round-off is that multiple, the very number that a longer run passes.
+fn end(raw: &raw::Time, step: f64, slabs: usize) -> f64 {
+    let multiple = raw.start + step * slabs as f64;
+    if (multiple - raw.end).abs() <= 1e-12 * (raw.end - raw.start) { multiple } else { raw.end }
 }
 
 /// A step that fits up to round-off makes no sliver of a slab at the end.

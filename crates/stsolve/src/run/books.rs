@@ -1,0 +1,97 @@
+//! What a run keeps beside its march: sums, clock, progress; and how it ends.
+
+use super::tally::Tally;
+use crate::case::Time;
+use crate::cli::RunArguments;
+use crate::commands::Session;
+use crate::failure::Failure;
+use crate::progress::{Progress, rounded};
+use output::Cost;
+use std::time::Instant;
+
+/// What a run keeps beside its march.
+pub struct Books {
+    /// Sums over the run.
+    pub tally: Tally,
+    /// What the user sees.
+    pub progress: Progress,
+    begun: Instant,
+    setup_seconds: f64,
+}
+
+/// Why a run ended before its end.
+pub enum Stop {
+    /// By a signal.
+    Asked,
+    /// A slab could not be solved.
+    Failed(anyhow::Error),
+}
+
+impl Stop {
+    /// For summary.json.
+    pub fn reason(&self) -> String {
+        match self {
+            Stop::Asked => "stopped by a signal; continue with --resume".into(),
+            Stop::Failed(error) => coupled::chain(error.as_ref()),
+        }
+    }
+}
+
+impl Books {
+    /// Those of a run of `time` that begun at `begun` and stands at `reached`.
+    pub fn new(
+        time: &Time,
+        reached: f64,
+        arguments: &RunArguments,
+        session: &Session,
+        begun: Instant,
+        tally: Tally,
+    ) -> Self {
+        let progress = Progress::new(time, reached, arguments.verbosity, &session.terminal);
+        Books { tally, progress, begun, setup_seconds: begun.elapsed().as_secs_f64() }
+    }
+
+    /// Seconds since the run begun.
+    pub fn seconds(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// What the run has cost so far.
+    pub fn cost(&self) -> Cost {
+        Cost {
+            wall_seconds: self.seconds(),
+            setup_seconds: self.setup_seconds,
+            peak_memory_bytes: peak_memory(),
+            threads: rayon::current_num_threads(),
+            residual_evaluations: self.tally.residuals,
+            jacobian_products: self.tally.products,
+        }
+    }
+
+    /// Ends a run that was stopped at `time`; `again` is the command that continues it.
+    ///
+    /// # Errors
+    /// The failure that stopped it.
+    pub fn conclude(&self, stop: Stop, time: f64, session: &Session, again: &str) -> Result<(), Failure> {
+        let time = rounded(time);
+        match stop {
+            Stop::Asked => {
+                self.progress.say(&format!("stopped at t = {time}; continue with: {again}"));
+                Ok(())
+            }
+            Stop::Failed(error) => {
+                let directory = session.directory.path().display();
+                let context = format!("the run stopped at t = {time}; the state then is in {directory}");
+                Err(Failure::solve(error.context(context)))
+            }
+        }
+    }
+}
+
+/// The largest memory of this process so far, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(1024 * kilobytes)
+}

@@ -1,0 +1,154 @@
+//! summary.json
+
+use super::books::{Books, Stop};
+use super::history::walls;
+use crate::case::{Case, Flow, Motion, State, Stiffness, Vector};
+use coupled::{March, MeshMotion, MeshMover};
+use fem::{StateField, squared_errors};
+use navier_stokes::Exact;
+use output::{Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Summary, Unknowns, Wall};
+
+/// Of a run of mesh and flow.
+pub fn of_flow<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    march: &March<D, M>,
+    books: &Books,
+    stop: Option<&Stop>,
+) -> Summary
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let (tally, slabs) = (&books.tally, march.state.slab as u64);
+    let mut summary = of_mesh(case, &march.problem.mover, &march.state, books, stop);
+    summary.unknowns.flow = Some(march.problem.flow.layout.len());
+    summary.rejected_slabs = tally.rejected;
+    summary.newton = Some(Newton { total: tally.newton, max: tally.newton_max, per_slab: ratio(tally.newton, slabs) });
+    summary.krylov = Some(Krylov {
+        total: tally.krylov,
+        max_per_newton: tally.krylov_max,
+        mean_per_newton: ratio(tally.krylov, tally.newton),
+        elasticity_total: summary.unknowns.mesh.map(|_| tally.elasticity),
+    });
+    if let Some(exact) = &flow.exact {
+        add_errors(march, exact, summary.error.get_or_insert_default());
+    }
+    summary.conservation = Some(Conservation {
+        // A manufactured source makes mass.
+        mass_error: (!flow.manufactured).then_some(tally.mass_error),
+        free_stream_error: match &flow.exact {
+            Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
+            _ => None,
+        },
+    });
+    for wall in walls(case) {
+        let Some(through) = tally.through.get(wall) else { continue };
+        let wall_summary = Wall { impulse: through[1..=D].to_vec(), work: through[M - 1], drag_coefficient: None };
+        summary.walls.insert(case.mesh.boundary_names()[wall].clone(), wall_summary);
+    }
+    summary
+}
+
+/// Of a run of the mesh alone.
+pub fn of_mesh<const D: usize>(
+    case: &Case<D>,
+    mover: &MeshMover<D>,
+    state: &coupled::State,
+    books: &Books,
+    stop: Option<&Stop>,
+) -> Summary {
+    let tally = &books.tally;
+    let displacement_max = displacement_error(case, mover, state);
+    Summary {
+        case: case.about.name.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        completed: stop.is_none(),
+        reason: stop.map(Stop::reason),
+        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
+        unknowns: Unknowns { flow: None, mesh: mesh_unknowns(case, mover) },
+        slabs: state.slab as u64,
+        time: state.time,
+        mesh_quality: tally.quality.map(|quality| MeshQuality {
+            det_j_lower_bound: Some(quality.lower_bound),
+            det_j_sampled_min: Some(quality.sampled_min),
+            scaled_jacobian_min: Some(quality.scaled_jacobian),
+            first_invalid_time: tally.first_invalid.map(|first| first.time),
+        }),
+        error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
+        cost: books.cost(),
+        ..Default::default()
+    }
+}
+
+/// Displacements that are solved for: those of an elastic mesh at every time node.
+fn mesh_unknowns<const D: usize>(case: &Case<D>, mover: &MeshMover<D>) -> Option<usize> {
+    matches!(mover.motion, MeshMotion::Elastic { .. }).then(|| mover.field_len() * case.time.order)
+}
+
+fn ratio(a: u64, b: u64) -> f64 {
+    if b == 0 { 0.0 } else { a as f64 / b as f64 }
+}
+
+/// L2 errors of the flow at the time reached.
+fn add_errors<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let flow = &march.problem.flow;
+    let row = if march.state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
+    let squares = squared_errors(flow, &march.state.u, row.row(0), &Exact(exact.clone()), march.state.time);
+    errors.density_l2 = Some(squares[0].sqrt());
+    errors.momentum_l2 = Some(squares[1..=D].iter().sum::<f64>().sqrt());
+    errors.energy_l2 = Some(squares[M - 1].sqrt());
+}
+
+/// The largest difference of a coefficient from a uniform state, relative to the largest of that state.
+fn largest_deviation<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>) -> f64
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
+    let nodes = march.problem.flow.layout.nodes;
+    let difference = |(i, u): (usize, &f64)| (u - state[i / nodes % M]).abs();
+    let largest = state.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
+}
+
+/// The largest distance of a C0 node from where it belongs, if that is known.
+fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Option<f64> {
+    let exact = known_displacement(case, state.time)?;
+    let distance = |(x, d): (&[f64; D], &[f64])| {
+        let exact = exact.evaluate(x, state.time);
+        (0..D).map(|i| (d[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    Some(mover.positions().iter().zip(state.d.chunks_exact(D)).map(distance).fold(0.0, f64::max))
+}
+
+/// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With
+/// a constant stiffness its stress is constant, so that it is in equilibrium inside too.
+fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<&Vector<D>> {
+    match case.motion.as_ref()? {
+        Motion::Prescribed(displacement) => Some(displacement),
+        Motion::Elastic { stiffness: Stiffness::Constant, boundary, .. } => {
+            let first = boundary.first()?.as_ref()?;
+            let whole = boundary.iter().all(|other| other.as_ref() == Some(first));
+            let periodic = case.mesh.interior_facets().iter().any(|facet| facet.periodic);
+            (whole && !periodic && is_affine(case, first, t)).then_some(first)
+        }
+        Motion::Elastic { .. } => None,
+    }
+}
+
+/// Whether g(x) = g(0) + sum_i x_i (g(e_i) - g(0)) at all nodes, up to round-off.
+fn is_affine<const D: usize>(case: &Case<D>, g: &Vector<D>, t: f64) -> bool {
+    let origin = g.evaluate(&[0.0; D], t);
+    let units: [_; D] = std::array::from_fn(|i| g.evaluate(&std::array::from_fn(|j| f64::from(u8::from(i == j))), t));
+    let tolerance = 1e-12 * case.mesh.diameter();
+    case.mesh.coordinates().chunks_exact(D).all(|x| {
+        let value = g.evaluate(&std::array::from_fn(|i| x[i]), t);
+        (0..D).all(|d| {
+            let affine = origin[d] + (0..D).map(|i| x[i] * (units[i][d] - origin[d])).sum::<f64>();
+            (value[d] - affine).abs() <= tolerance
+        })
+    })
+}
