@@ -25,7 +25,7 @@ pub mod signals;
 pub mod terminal;
 
 use case::AnyCase;
-use cli::{Arguments, CaseArguments, Command};
+use cli::{Arguments, CaseArguments, Command, RunArguments};
 use failure::Failure;
 
 /// Does what the command line asks for.
@@ -37,9 +37,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json } => commands::check(&read(case)?, *json),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Schema => commands::schema(),
-        Command::Run(arguments) => run::run(&read(&arguments.case)?, arguments),
-        Command::Motion(arguments) => run::motion(&read(&arguments.case)?, arguments),
+        Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
+        Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),
     }
+}
+
+/// The case of a command that computes. Its mesh is made by the threads asked for, so they come first.
+fn read_for(arguments: &RunArguments) -> Result<AnyCase, Failure> {
+    commands::set_threads(arguments)?;
+    read(&arguments.case)
 }
 
 fn read(arguments: &CaseArguments) -> Result<AnyCase, Failure> {

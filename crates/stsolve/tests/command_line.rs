@@ -2,25 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use assert_cmd::Command;
-use std::path::{Path, PathBuf};
+mod common;
+
+use common::{shipped, stsolve};
+use std::path::Path;
 use tempfile::TempDir;
 
-fn stsolve() -> Command {
-    let mut command = Command::cargo_bin("stsolve").unwrap();
-    command.env_remove("RUST_BACKTRACE");
-    command
-}
-
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
-}
-
-/// Runs with `arguments`; exit code, stdout, stderr.
+/// Calls the program in `directory`; exit code, stdout, stderr.
 fn outcome(directory: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let output = stsolve().current_dir(directory).args(arguments).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+    let common::Outcome { code, stdout, stderr } = stsolve(directory, arguments);
+    (code, stdout, stderr)
 }
 
 fn is_empty(directory: &TempDir) -> bool {
@@ -32,7 +23,7 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
     let directory = TempDir::new().unwrap();
     for name in ["vortex", "vortex_sinusoidal", "free_stream", "free_stream_3d", "couette", "manufactured"] {
         let case = shipped(&format!("{name}.toml"));
-        let (code, stdout, stderr) = outcome(directory.path(), &["check", case.to_str().unwrap()]);
+        let (code, stdout, stderr) = outcome(directory.path(), &["check", &case]);
         assert_eq!((code, stderr.as_str()), (0, ""), "{name}");
         for part in [name, "Mach number", "flow unknowns", "defaults taken", "solver.newton_tolerance"] {
             assert!(stdout.contains(part), "{name}: no {part}");
@@ -44,8 +35,7 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
 #[test]
 fn check_as_json_has_the_numbers() {
     let case = shipped("vortex.toml");
-    let (code, stdout, _) =
-        outcome(Path::new("."), &["check", "--json", case.to_str().unwrap(), "--set", "flow.order=6"]);
+    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", &case, "--set", "flow.order=6"]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(code, 0);
     assert_eq!(json["mesh"]["cells"], 100);
@@ -69,8 +59,7 @@ fn bad_input_ends_with_code_2_names_the_place_and_writes_nothing() {
     let directory = TempDir::new().unwrap();
     let case = shipped("vortex.toml");
     for command in ["run", "motion", "check"] {
-        let (code, stdout, stderr) =
-            outcome(directory.path(), &[command, case.to_str().unwrap(), "--set", "flow.order=17"]);
+        let (code, stdout, stderr) = outcome(directory.path(), &[command, &case, "--set", "flow.order=17"]);
         assert_eq!((code, stdout.as_str()), (2, ""), "{command}");
         assert_eq!(
             stderr,
@@ -111,7 +100,7 @@ fn an_output_directory_that_cannot_be_written_is_refused() {
     let directory = TempDir::new().unwrap();
     std::fs::write(directory.path().join("file"), "").unwrap();
     let case = shipped("free_stream.toml");
-    let (code, _, stderr) = outcome(directory.path(), &["run", case.to_str().unwrap(), "--output", "file/inside"]);
+    let (code, _, stderr) = outcome(directory.path(), &["run", &case, "--output", "file/inside"]);
     assert_eq!(code, 2);
     assert!(stderr.contains("cannot write into the output directory `file/inside`"), "{stderr}");
 }
@@ -124,4 +113,22 @@ fn a_command_line_that_makes_no_sense_is_bad_input() {
         let (code, ..) = outcome(Path::new("."), arguments);
         assert_eq!(code, 2, "{arguments:?}");
     }
+}
+
+#[test]
+fn what_goes_into_a_pipe_is_plain_text() {
+    let directory = TempDir::new().unwrap();
+    let case = shipped("free_stream.toml");
+    let short = ["--set", "time.end=0.1", "--set", "time.slabs=1"];
+    let run = [&["run", &case, "--output", "run"][..], &short].concat();
+    let motion = [&["motion", &case, "--output", "motion"][..], &short].concat();
+    for arguments in [&run[..], &motion, &["check", &case], &["schema"], &["info", "run/result.vtkhdf"], &["--help"]] {
+        let (code, stdout, stderr) = outcome(directory.path(), arguments);
+        assert_eq!(code, 0, "{arguments:?}: {stderr}");
+        assert!(!stdout.is_empty() || !stderr.is_empty(), "{arguments:?}");
+        for text in [stdout, stderr] {
+            assert!(!text.contains(['\x1b', '\r', '\x08']), "{arguments:?}: {text:?}");
+        }
+    }
+    assert!(outcome(directory.path(), &run).1.is_empty(), "results are for files, progress is for stderr");
 }

@@ -4,9 +4,7 @@ use super::print;
 use super::table::Table;
 use crate::case::{About, AnyCase, Case, Flow, Motion};
 use crate::failure::Failure;
-use mesh::NodeNumbering;
 use serde_json::{Map, Value};
-use std::collections::BTreeSet;
 
 /// Explains a checked case.
 ///
@@ -114,18 +112,9 @@ fn orders<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> fem::Orders {
     fem::Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order }
 }
 
-/// Nodes of the mesh that are not on a boundary, where the motion is given.
-fn free_nodes<const D: usize>(case: &Case<D>) -> usize {
-    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let boundaries = 0..case.mesh.boundary_names().len();
-    let given: BTreeSet<usize> = boundaries.flat_map(|boundary| numbering.on_boundary(&case.mesh, boundary)).collect();
-    numbering.count - given.len()
-}
-
 /// Unknowns of a slab, and memory.
 fn cost_table<const D: usize>(case: &Case<D>) -> Table {
-    let mesh =
-        if matches!(case.motion, Some(Motion::Elastic { .. })) { free_nodes(case) * D * case.time.order } else { 0 };
+    let mesh = case.mesh_unknowns().unwrap_or(0);
     let per_cell = case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
     let flow = case.mesh.n_cells() * per_cell * case.time.order;
     // Krylov: two vectors for each iteration up to the restart. Preconditioner of the flow: for each node in time the block of

@@ -26,19 +26,19 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
     put("displacement", state.d.clone());
     put("pending", pending);
     if let Some(past) = &state.past {
-        put("past/interval", numbers(&past.interval).to_vec());
-        put("past/displacement", past.bottom.clone());
-        put("past/flow", past.u.clone());
-        put("past/mesh_velocity", past.v.clone());
+        put("past.interval", numbers(&past.interval).to_vec());
+        put("past.displacement", past.bottom.clone());
+        put("past.flow", past.u.clone());
+        put("past.mesh_velocity", past.v.clone());
     }
     if let Some(frozen) = frozen {
         let Frozen { interval, built_for, ordering, .. } = frozen;
-        put("frozen/numbers", vec![interval.0, interval.1, built_for.0, built_for.1]);
-        put("frozen/displacement", frozen.bottom.clone());
-        put("frozen/mesh_velocity", frozen.velocities.clone());
-        put("frozen/flow", frozen.state.clone());
-        put("frozen/cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
-        put("frozen/level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
+        put("frozen.numbers", vec![interval.0, interval.1, built_for.0, built_for.1]);
+        put("frozen.displacement", frozen.bottom.clone());
+        put("frozen.mesh_velocity", frozen.velocities.clone());
+        put("frozen.flow", frozen.state.clone());
+        put("frozen.cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
+        put("frozen.level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
     }
     out
 }
@@ -86,14 +86,14 @@ fn interval(numbers: &[f64]) -> Interval {
 }
 
 fn past(arrays: &Arrays) -> Option<Past> {
-    let get = |name: &str| arrays.get(&format!("past/{name}")).cloned();
+    let get = |name: &str| arrays.get(&format!("past.{name}")).cloned();
     let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
     let dt = interval.end - interval.start;
     Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")? })
 }
 
 fn frozen(arrays: &Arrays) -> Option<Frozen> {
-    let get = |name: &str| arrays.get(&format!("frozen/{name}")).cloned();
+    let get = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
     let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
     let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
     let cells = indices("cells")?;

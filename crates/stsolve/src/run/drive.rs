@@ -7,7 +7,7 @@ use super::tally::Tally;
 use super::{build, checkpoint, history, summary};
 use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::RunArguments;
-use crate::commands::{Session, set_threads};
+use crate::commands::Session;
 use crate::failure::Failure;
 use crate::progress::{SlabDone, rounded};
 use coupled::{March, SlabReport};
@@ -21,7 +21,6 @@ use std::time::Instant;
 /// # Errors
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
 pub fn run(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
-    set_threads(arguments)?;
     // Inside the pool: every parallel loop then starts without waking it up.
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => run_in::<2, 4>(case, arguments),
@@ -34,7 +33,6 @@ pub fn run(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
 /// # Errors
 /// As [`run`]; an invalid mesh is a failed solve.
 pub fn motion(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
-    set_threads(arguments)?;
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => move_mesh::<2, 4>(case, arguments, "motion"),
         AnyCase::Space(case) => move_mesh::<3, 5>(case, arguments, "motion"),

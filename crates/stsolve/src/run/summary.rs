@@ -3,7 +3,7 @@
 use super::books::{Books, Stop};
 use super::history::walls;
 use crate::case::{Case, Flow, Motion, State, Stiffness, Vector};
-use coupled::{March, MeshMotion, MeshMover};
+use coupled::{March, MeshMover};
 use fem::{StateField, squared_errors};
 use navier_stokes::Exact;
 use output::{Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Summary, Unknowns, Wall};
@@ -33,14 +33,15 @@ where
     if let Some(exact) = &flow.exact {
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
-    summary.conservation = Some(Conservation {
+    let conservation = Conservation {
         // A manufactured source makes mass.
         mass_error: (!flow.manufactured).then_some(tally.mass_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,
         },
-    });
+    };
+    summary.conservation = (conservation != Conservation::default()).then_some(conservation);
     for wall in walls(case) {
         let Some(through) = tally.through.get(wall) else { continue };
         let wall_summary = Wall { impulse: through[1..=D].to_vec(), work: through[M - 1], drag_coefficient: None };
@@ -65,7 +66,7 @@ pub fn of_mesh<const D: usize>(
         completed: stop.is_none(),
         reason: stop.map(Stop::reason),
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
-        unknowns: Unknowns { flow: None, mesh: mesh_unknowns(case, mover) },
+        unknowns: Unknowns { flow: None, mesh: case.mesh_unknowns() },
         slabs: state.slab as u64,
         time: state.time,
         mesh_quality: tally.quality.map(|quality| MeshQuality {
@@ -78,11 +79,6 @@ pub fn of_mesh<const D: usize>(
         cost: books.cost(),
         ..Default::default()
     }
-}
-
-/// Displacements that are solved for: those of an elastic mesh at every time node.
-fn mesh_unknowns<const D: usize>(case: &Case<D>, mover: &MeshMover<D>) -> Option<usize> {
-    matches!(mover.motion, MeshMotion::Elastic { .. }).then(|| mover.field_len() * case.time.order)
 }
 
 fn ratio(a: u64, b: u64) -> f64 {

@@ -92,21 +92,21 @@ impl Tally {
             .quality
             .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
         BTreeMap::from([
-            ("tally/counts".into(), counts.map(|n| n as f64).to_vec()),
-            ("tally/quality".into(), quality),
+            ("tally.counts".into(), counts.map(|n| n as f64).to_vec()),
+            ("tally.quality".into(), quality),
             (
-                "tally/first_invalid".into(),
+                "tally.first_invalid".into(),
                 self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
             ),
-            ("tally/totals_at_start".into(), self.totals_at_start.clone()),
-            ("tally/through".into(), self.through.concat()),
-            ("tally/mass_error".into(), vec![self.mass_error]),
+            ("tally.totals_at_start".into(), self.totals_at_start.clone()),
+            ("tally.through".into(), self.through.concat()),
+            ("tally.mass_error".into(), vec![self.mass_error]),
         ])
     }
 
     /// Back from named numbers; `None` if some are missing.
     pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, boundaries: usize) -> Option<Self> {
-        let get = |name: &str| arrays.get(&format!("tally/{name}"));
+        let get = |name: &str| arrays.get(&format!("tally.{name}"));
         let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
         else {
             return None;

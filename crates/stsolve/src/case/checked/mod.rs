@@ -19,6 +19,7 @@ use super::key::Key;
 use super::raw;
 // The crate, beside a module of the same name.
 use ::mesh as mesh_crate;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A case in two or three dimensions.
@@ -128,6 +129,18 @@ impl<const D: usize> Case<D> {
             solver: raw.solver.clone(),
             output,
         })
+    }
+}
+
+impl<const D: usize> Case<D> {
+    /// Displacements in a slab that are solved for: those of the nodes of an elastic mesh that are not on a boundary.
+    pub fn mesh_unknowns(&self) -> Option<usize> {
+        let Some(Motion::Elastic { .. }) = self.motion else { return None };
+        let numbering = mesh_crate::NodeNumbering::new(&self.mesh, self.mesh.order());
+        let boundaries = 0..self.mesh.boundary_names().len();
+        let given: BTreeSet<usize> =
+            boundaries.flat_map(|boundary| numbering.on_boundary(&self.mesh, boundary)).collect();
+        Some((numbering.count - given.len()) * D * self.time.order)
     }
 }
 

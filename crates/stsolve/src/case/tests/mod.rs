@@ -164,6 +164,13 @@ fn slabs_cover_the_time() {
 }
 
 #[test]
+fn the_end_is_the_number_that_a_longer_run_passes() {
+    let end = |end: &str| plane(BASE, &["time.step=0.1", &format!("time.end={end}")]).time.end;
+    assert_eq!([end("0.3"), end("0.35"), end("0.7")], [0.1 * 3.0, 0.35, 0.1 * 7.0]);
+    assert_ne!(0.1 * 3.0, 0.3);
+}
+
+#[test]
 fn a_state_by_formulas_is_the_uniform_one_where_they_are_constant() {
     let velocity = [0.3, -0.2];
     let uniform = r#"flow.initial={uniform={density=1.2,velocity=[0.3,-0.2],pressure=0.8}}"#;

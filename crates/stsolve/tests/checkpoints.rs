@@ -1,0 +1,71 @@
+//! Checkpoints that cannot be continued: exit code 2, the file and what to do named, nothing overwritten.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{contents, on_case};
+use std::fs;
+use tempfile::TempDir;
+
+const SHORT: [&str; 3] = ["mesh.generate.box.cells=[3,3]", "time.step=0.1", "time.end=0.2"];
+
+/// The files of a finished run, in the folder `run`.
+fn finished() -> TempDir {
+    let directory = TempDir::new().unwrap();
+    on_case(directory.path(), "run", "vortex", &SHORT, "run", &[]).expect(0, &[]);
+    directory
+}
+
+/// Continuing `directory` with `command` and `changes` is refused, with all `parts` in the message; no file changes.
+fn assert_refused(directory: &TempDir, command: &str, changes: &[&str], parts: &[&str]) {
+    let run = directory.path().join("run");
+    let before = contents(&run);
+    let set = [&SHORT[..], &["time.end=0.4"], changes].concat();
+    let outcome = on_case(directory.path(), command, "vortex", &set, "run", &["--resume"]);
+    outcome.expect(2, &["`run/result.vtkhdf`"]);
+    outcome.expect(2, parts);
+    assert!(contents(&run) == before, "a file has changed");
+}
+
+#[test]
+fn a_torn_checkpoint_is_refused() {
+    let directory = finished();
+    let path = directory.path().join("run/result.vtkhdf");
+    let whole = fs::read(&path).unwrap();
+    let todo = "restore it from a copy, or remove it and start without resuming";
+    for length in [0, 10, whole.len() / 2, whole.len() - 1] {
+        fs::write(&path, &whole[..length]).unwrap();
+        assert_refused(&directory, "run", &[], &["is damaged: its end is missing", todo]);
+    }
+    for position in [0, whole.len() / 3, whole.len() / 2, whole.len() - 100] {
+        let mut flipped = whole.clone();
+        flipped[position] ^= 0x10;
+        fs::write(&path, &flipped).unwrap();
+        assert_refused(&directory, "run", &[], &["is damaged: its contents do not match its checksum", todo]);
+    }
+    fs::write(&path, &whole).unwrap();
+    let set = [&SHORT[..], &["time.end=0.4"]].concat();
+    on_case(directory.path(), "run", "vortex", &set, "run", &["--resume"]).expect(0, &[]);
+}
+
+#[test]
+fn the_checkpoint_of_another_case_is_refused() {
+    let directory = finished();
+    let todo = "resume with the case that started the run, or choose another output directory";
+    for change in ["flow.order=5", "time.step=0.05", "constants.stretch=0.2", "solver.newton_tolerance=1e-9"] {
+        assert_refused(&directory, "run", &[change], &["is the checkpoint of another case", todo]);
+    }
+}
+
+#[test]
+fn a_run_of_the_mesh_alone_does_not_continue_one_with_a_flow() {
+    assert_refused(&finished(), "motion", &[], &["is the checkpoint of another case"]);
+}
+
+#[test]
+fn without_a_checkpoint_there_is_nothing_to_resume() {
+    let directory = TempDir::new().unwrap();
+    fs::create_dir(directory.path().join("run")).unwrap();
+    assert_refused(&directory, "run", &[], &["does not exist", "start without resuming"]);
+}

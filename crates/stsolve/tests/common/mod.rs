@@ -1,0 +1,103 @@
+//! What the tests of the command share.
+
+// Every test file compiles this module and uses a part of it.
+#![allow(dead_code)]
+
+use assert_cmd::Command;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What a command has done.
+pub struct Outcome {
+    /// The exit code.
+    pub code: i32,
+    /// What it printed.
+    pub stdout: String,
+    /// What it reported.
+    pub stderr: String,
+}
+
+impl Outcome {
+    /// Fails unless the exit code is `code` and stderr contains all `parts`.
+    pub fn expect(&self, code: i32, parts: &[&str]) {
+        assert_eq!(self.code, code, "{}", self.stderr);
+        for part in parts {
+            assert!(self.stderr.contains(part), "no `{part}` in: {}", self.stderr);
+        }
+    }
+}
+
+/// Calls the program in `directory`.
+pub fn stsolve(directory: &Path, arguments: &[&str]) -> Outcome {
+    let mut command = Command::cargo_bin("stsolve").unwrap();
+    let output = command.env_remove("RUST_BACKTRACE").current_dir(directory).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let code = output.status.code().expect("the program was not killed");
+    Outcome { code, stdout: text(&output.stdout), stderr: text(&output.stderr) }
+}
+
+/// A case of the folder `cases`.
+pub fn shipped(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name).to_str().unwrap().into()
+}
+
+/// A command on the case `name`, changed by `set`, that writes into `output` in `directory`.
+pub fn on_case(directory: &Path, command: &str, name: &str, set: &[&str], output: &str, extra: &[&str]) -> Outcome {
+    let case = shipped(&format!("{name}.toml"));
+    let mut arguments = vec![command, &case, "--output", output, "--quiet"];
+    set.iter().for_each(|change| arguments.extend(["--set", change]));
+    arguments.extend(extra);
+    stsolve(directory, &arguments)
+}
+
+/// Runs a case that must reach its end; returns its summary.
+pub fn finished(directory: &Path, name: &str, set: &[&str]) -> serde_json::Value {
+    on_case(directory, "run", name, set, name, &[]).expect(0, &[]);
+    let summary = summary(&directory.join(name));
+    assert_eq!(summary["completed"], true);
+    summary
+}
+
+/// summary.json of a run.
+pub fn summary(run: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
+}
+
+/// The number at a path such as `error.density_l2`.
+pub fn number(json: &serde_json::Value, path: &str) -> f64 {
+    let value = path.split('.').fold(json, |json, key| &json[key]);
+    value.as_f64().unwrap_or_else(|| panic!("no number at {path} in {json}"))
+}
+
+/// A column of history.csv.
+pub fn column(run: &Path, name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(run.join("history.csv")).unwrap();
+    let position = text.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
+    text.lines().skip(1).map(|row| row.split(',').nth(position).unwrap().parse().unwrap()).collect()
+}
+
+/// All numbers of the last checkpoint, bit by bit, and the counters.
+pub fn checkpoint(run: &Path) -> (BTreeMap<String, Vec<u64>>, BTreeMap<String, i64>) {
+    let (_, state) = output::read_checkpoint(&run.join("result.vtkhdf")).unwrap();
+    let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect();
+    (state.arrays.into_iter().map(|(name, values)| (name, bits(values))).collect(), state.integers)
+}
+
+/// Fails unless two runs have ended with the same bits.
+pub fn assert_same_bits(one: &Path, other: &Path, what: &str) {
+    let ((arrays, integers), (other_arrays, other_integers)) = (checkpoint(one), checkpoint(other));
+    assert!(arrays.contains_key("flow") || arrays.contains_key("displacement"));
+    assert_eq!(arrays.keys().collect::<Vec<_>>(), other_arrays.keys().collect::<Vec<_>>(), "{what}");
+    for (name, values) in &arrays {
+        assert!(values == &other_arrays[name], "{what}: the bits of `{name}` differ");
+    }
+    assert_eq!(integers, other_integers, "{what}");
+    let history = |run: &Path| std::fs::read(run.join("history.csv")).unwrap();
+    assert!(history(one) == history(other), "{what}: history.csv differs");
+}
+
+/// Every file of a directory and its bytes.
+pub fn contents(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
+    entries.map(|path| (path.clone(), std::fs::read(&path).unwrap())).collect()
+}

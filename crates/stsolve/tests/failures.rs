@@ -1,0 +1,56 @@
+//! Slabs that cannot be solved: exit code 1, the last good state written, time and cause named.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{checkpoint, column, number, on_case, summary};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// The time in the checkpoint of a run, after a check that summary and history tell the same.
+fn last_good_time(run: &Path) -> f64 {
+    let time = f64::from_bits(checkpoint(run).0["time"][0]);
+    let summary = summary(run);
+    assert_eq!((summary["completed"].as_bool(), number(&summary, "time")), (Some(false), time));
+    assert_eq!(column(run, "t").last().copied().unwrap_or(0.0), time);
+    assert_eq!(output::inspect(&run.join("result.vtkhdf")).unwrap().times.last(), Some(&time));
+    time
+}
+
+#[test]
+fn a_slab_that_does_not_converge_stops_the_run() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[3,3]", "time.end=0.4", "solver.newton_steps=1", "solver.slab_halvings=1"];
+    let outcome = on_case(directory.path(), "run", "vortex", &set, "run", &[]);
+    outcome
+        .expect(1, &["slab 1, t = 0 to 0.05", "no convergence in 1 steps", "residual norm", "run stopped at t = 0;"]);
+    let run = directory.path().join("run");
+    assert_eq!(last_good_time(&run), 0.0);
+    let reason = summary(&run)["reason"].as_str().unwrap().to_string();
+    assert!(reason.contains("slab 1") && reason.contains("no convergence"), "{reason}");
+}
+
+/// With this stretch det J falls below zero at t = 0.929: every slab until then is kept.
+#[test]
+fn a_cell_that_inverts_stops_the_run_at_the_last_good_slab() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.generate.box.cells=[3,3]",
+        "constants.stretch=1.5",
+        "time.step=0.4",
+        "time.end=4",
+        "solver.slab_halvings=2",
+    ];
+    for predictor in ["elastic", "extrapolate"] {
+        let choice = format!("solver.predictor={predictor}");
+        let set = [&set[..], &[&choice]].concat();
+        let outcome = on_case(directory.path(), "run", "vortex", &set, predictor, &[]);
+        outcome.expect(1, &["run stopped at t = 0.9;", "slab 4, t = 0.9", "cell ", "det J"]);
+        let run = directory.path().join(predictor);
+        assert!((last_good_time(&run) - 0.9).abs() < 1e-14);
+        assert!(summary(&run)["reason"].as_str().unwrap().contains("det J"));
+        // Halved to 0.2, which fails again, and to 0.1, which does not.
+        assert_eq!(column(&run, "rejected"), [0.0, 0.0, 2.0]);
+    }
+}

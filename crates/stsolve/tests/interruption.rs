@@ -1,0 +1,85 @@
+//! SIGTERM: the first one ends a run after the slab in hand, the second one at once.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, on_case, shipped, summary};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Child, ChildStderr, Command, Stdio};
+use tempfile::TempDir;
+
+/// A run that is under way, and what it reports.
+struct Running {
+    process: Child,
+    report: BufReader<ChildStderr>,
+}
+
+impl Running {
+    fn start(directory: &Path, set: &[&str]) -> Self {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("stsolve"));
+        command.env_remove("RUST_BACKTRACE").current_dir(directory).stderr(Stdio::piped());
+        command.args(["run", &shipped("vortex.toml"), "--output", "run"]);
+        set.iter().for_each(|change| {
+            command.args(["--set", change]);
+        });
+        let mut process = command.spawn().unwrap();
+        let report = BufReader::new(process.stderr.take().unwrap());
+        Running { process, report }
+    }
+
+    /// Waits for a line that contains `text`.
+    fn wait_for(&mut self, text: &str) -> String {
+        let mut line = String::new();
+        while !line.contains(text) {
+            line.clear();
+            assert!(self.report.read_line(&mut line).unwrap() > 0, "the run ended without `{text}`");
+        }
+        line
+    }
+
+    fn terminate(&self) {
+        let sent = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+    }
+}
+
+#[test]
+fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[5,5]", "time.end=2", "output.checkpoint_every=7"];
+    let mut running = Running::start(directory.path(), &set);
+    running.wait_for("slab 3 ");
+    running.terminate();
+    let message = running.wait_for("stopped at t = ");
+    assert_eq!(running.process.wait().unwrap().code(), Some(0));
+    let resume = message.split("continue with: stsolve ").nth(1).unwrap().trim();
+    assert!(resume.ends_with("--set time.end=2 --set output.checkpoint_every=7 --output run --resume"), "{resume}");
+
+    let stopped = summary(&directory.path().join("run"));
+    assert_eq!(stopped["completed"], false);
+    assert!(stopped["reason"].as_str().unwrap().contains("signal"));
+    let slabs = stopped["slabs"].as_u64().unwrap();
+    assert!((3..20).contains(&slabs), "{slabs}");
+
+    on_case(directory.path(), "run", "vortex", &set, "run", &["--resume"]).expect(0, &[]);
+    on_case(directory.path(), "run", "vortex", &set, "through", &[]).expect(0, &[]);
+    assert_same_bits(&directory.path().join("run"), &directory.path().join("through"), "stopped by a signal");
+    assert_eq!(summary(&directory.path().join("run"))["completed"], true);
+}
+
+#[test]
+fn the_second_signal_ends_the_run_at_once() {
+    let directory = TempDir::new().unwrap();
+    // A slab of this takes long enough for two signals.
+    let mut running = Running::start(directory.path(), &["mesh.generate.box.cells=[30,30]", "flow.order=6"]);
+    running.wait_for("slab 1 ");
+    running.terminate();
+    running.wait_for("finishing this slab");
+    running.terminate();
+    assert_eq!(running.process.wait().unwrap().signal(), Some(15));
+    assert!(!directory.path().join("run/summary.json").exists());
+}

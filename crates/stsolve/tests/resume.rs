@@ -1,0 +1,100 @@
+//! A run that is continued has the bits of one that was never interrupted, for any number of threads.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, on_case, summary};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A vortex whose mesh moves so much that the preconditioner is rebuilt in slabs 4 and 6.
+const MOVED: [&str; 4] =
+    ["mesh.generate.box.cells=[3,3]", "time.step=0.4", "constants.stretch=0.8", "solver.krylov_tolerance=1e-3"];
+
+/// Runs to `end` into `output`, with `extra` arguments.
+fn run(directory: &Path, changes: &[&str], end: &str, output: &str, extra: &[&str]) {
+    let end = format!("time.end={end}");
+    let set = [&MOVED[..], changes, &[&end]].concat();
+    on_case(directory, "run", "vortex", &set, output, extra).expect(0, &[]);
+}
+
+/// The run to `end` in one go by one thread, against runs interrupted at `stop` by one and two threads, and one by two threads.
+fn assert_interruption_leaves_no_trace(changes: &[&str], stop: &str, end: &str) -> TempDir {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, changes, end, "through", &["--threads", "1"]);
+    run(at, changes, end, "through_2", &["--threads", "2"]);
+    assert_same_bits(&at.join("through"), &at.join("through_2"), "two threads");
+    for threads in ["1", "2"] {
+        run(at, changes, stop, threads, &["--threads", threads]);
+        run(at, changes, end, threads, &["--threads", threads, "--resume"]);
+        assert_same_bits(&at.join("through"), &at.join(threads), &format!("interrupted at {stop}, {threads} threads"));
+    }
+    directory
+}
+
+#[test]
+fn an_elastic_predictor_resumes_after_a_rebuilt_preconditioner() {
+    let directory = assert_interruption_leaves_no_trace(&[], "2", "2.8");
+    let builds = column(&directory.path().join("1"), "preconditioner_builds");
+    assert_eq!(builds, [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0], "a rebuild before and after the interruption");
+}
+
+/// Three Newton steps are not always enough here: slabs are halved, each time with a new preconditioner.
+#[test]
+fn an_extrapolating_predictor_resumes_after_halved_slabs() {
+    let changes = ["solver.predictor=extrapolate", "solver.newton_steps=3"];
+    let directory = assert_interruption_leaves_no_trace(&changes, "2", "2.8");
+    let run = directory.path().join("1");
+    let (times, rejected) = (column(&run, "t"), column(&run, "rejected"));
+    let builds = column(&run, "preconditioner_builds");
+    let later = times.iter().position(|&t| t > 0.5).unwrap();
+    let stop = times.iter().position(|&t| t > 2.1).unwrap();
+    assert!(rejected[later..stop].iter().sum::<f64>() > 0.0 && builds[later..stop].iter().sum::<f64>() > 1.0);
+}
+
+/// 3 x 0.4 is not 1.2 in binary: the end of the first run must be the number that the long run passes.
+#[test]
+fn a_slab_end_that_is_no_binary_number_is_met() {
+    assert_ne!(3.0 * 0.4, 1.2);
+    assert_interruption_leaves_no_trace(&[], "1.2", "2");
+}
+
+#[test]
+fn a_mesh_that_is_prescribed_resumes() {
+    let directory = TempDir::new().unwrap();
+    let set = |end| ["mesh.generate.box.cells=[4,3]", "time={order=2,step=0.1,end=0}", end];
+    let go = |end, output: &str, extra: &[&str]| {
+        on_case(directory.path(), "run", "vortex_sinusoidal", &set(end), output, extra).expect(0, &[]);
+    };
+    go("time.end=0.6", "through", &["--threads", "1"]);
+    go("time.end=0.3", "resumed", &["--threads", "2"]);
+    go("time.end=0.6", "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "prescribed");
+}
+
+#[test]
+fn the_mesh_alone_resumes() {
+    let directory = TempDir::new().unwrap();
+    let go = |end: &str, output: &str, extra: &[&str]| {
+        let set = ["mesh.generate.box.cells=[3,3]", "time.step=0.4", end];
+        on_case(directory.path(), "motion", "vortex", &set, output, extra).expect(0, &[]);
+    };
+    go("time.end=2", "through", &["--threads", "1"]);
+    go("time.end=1.2", "resumed", &["--threads", "2"]);
+    go("time.end=2", "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "mesh alone");
+}
+
+/// 1.0 lies within a slab: the run to there has a short last slab, and the run that goes on does the rest of it first.
+#[test]
+fn a_run_continues_within_a_slab() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), &[], "1.0", "run", &[]);
+    run(directory.path(), &[], "2.0", "run", &["--resume"]);
+    let run = directory.path().join("run");
+    let ends: Vec<f64> = column(&run, "t").iter().map(|t| (t * 1e9).round() / 1e9).collect();
+    assert_eq!(ends, [0.4, 0.8, 1.0, 1.2, 1.6, 2.0]);
+    assert_eq!(summary(&run)["completed"], true);
+}

@@ -1,0 +1,149 @@
+//! Runs that reach their end: the files they leave, and the accuracy they have.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{column, finished, number, on_case, shipped, stsolve, summary};
+use tempfile::TempDir;
+
+/// A vortex that costs little.
+const SMALL: [&str; 2] = ["mesh.generate.box.cells=[4,4]", "time.end=0.5"];
+
+#[test]
+fn a_run_leaves_a_row_per_slab_a_summary_and_a_result() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "vortex", &SMALL);
+    let run = directory.path().join("vortex");
+    let times = column(&run, "t");
+    assert_eq!(times.len(), 5);
+    assert!(times.iter().zip(1..).all(|(t, n)| (t - 0.1 * f64::from(n)).abs() < 1e-14), "{times:?}");
+    let newton: f64 = column(&run, "newton").iter().sum();
+    assert_eq!(newton, number(&summary, "newton.total"));
+    assert!(run.join("log.jsonl").exists());
+
+    let info = stsolve(directory.path(), &["info", "--json", "vortex/result.vtkhdf"]);
+    info.expect(0, &[]);
+    let info: serde_json::Value = serde_json::from_str(&info.stdout).unwrap();
+    assert_eq!((&info["case_name"], info["times"].as_array().unwrap().len()), (&"vortex".into(), 6));
+    assert_eq!(info["layout"]["grid"]["cells"], 16);
+}
+
+#[test]
+fn the_summary_has_the_figures_of_the_run() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "vortex", &SMALL);
+    // 16 cells of 4 x 4 nodes with 4 components, 11 x 11 free mesh nodes with 2, at 2 times.
+    for (path, exact) in [("slabs", 5.0), ("rejected_slabs", 0.0), ("unknowns.flow", 2048.0), ("unknowns.mesh", 484.0)]
+    {
+        assert_eq!(number(&summary, path), exact, "{path}");
+    }
+    for (path, least, most) in [
+        ("time", 0.5, 0.5),
+        ("newton.max", 1.0, 6.0),
+        ("newton.per_slab", 1.0, 6.0),
+        ("krylov.max_per_newton", 1.0, 20.0),
+        ("krylov.mean_per_newton", 1.0, 20.0),
+        ("krylov.elasticity_total", 1.0, 1e4),
+        ("mesh_quality.det_j_lower_bound", 0.99, 1.0),
+        ("mesh_quality.det_j_sampled_min", 0.99, 1.0),
+        ("mesh_quality.scaled_jacobian_min", 0.99, 1.0),
+        ("conservation.mass_error", 0.0, 1e-12),
+        ("error.density_l2", 1e-6, 1e-2),
+        ("error.momentum_l2", 1e-6, 0.2),
+        ("error.energy_l2", 1e-6, 0.2),
+        // The motion of the boundary is affine, and so is that of the interior.
+        ("error.displacement_max", 0.0, 1e-10),
+        ("cost.wall_seconds", 1e-3, 60.0),
+        ("cost.threads", 1.0, 1e3),
+        ("cost.residual_evaluations", 10.0, 1e3),
+        ("cost.jacobian_products", 10.0, 1e3),
+    ] {
+        let value = number(&summary, path);
+        assert!((least..=most).contains(&value), "{path} = {value}");
+    }
+    assert!(summary.get("reason").is_none() && summary.get("walls").is_none());
+}
+
+#[test]
+fn the_mesh_comes_back_after_a_period() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[3,3]", "time.end=8", "time.step=0.8"];
+    let summary = finished(directory.path(), "vortex", &set);
+    assert!(number(&summary, "error.displacement_max") < 1e-10, "{summary}");
+}
+
+#[test]
+fn a_uniform_flow_does_not_notice_the_motion() {
+    let directory = TempDir::new().unwrap();
+    for name in ["free_stream", "free_stream_3d"] {
+        let summary = finished(directory.path(), name, &[]);
+        for path in ["conservation.free_stream_error", "conservation.mass_error"] {
+            assert!(number(&summary, path) <= 1e-12, "{name}: {path} = {}", number(&summary, path));
+        }
+    }
+}
+
+/// Errors in density, momentum and energy as the comment of the case states them, with a tenth to spare.
+fn assert_stated_errors(name: &str, stated: [f64; 3]) {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), name, &[]);
+    for (path, stated) in ["error.density_l2", "error.momentum_l2", "error.energy_l2"].iter().zip(stated) {
+        let error = number(&summary, path);
+        assert!((0.5 * stated..1.1 * stated).contains(&error), "{name}: {path} = {error:e}, stated {stated:e}");
+    }
+}
+
+#[test]
+fn viscous_cases_are_as_accurate_as_they_say() {
+    assert_stated_errors("couette", [4.7e-6, 5.4e-6, 1.35e-5]);
+    assert_stated_errors("manufactured", [1.97e-4, 1.01e-4, 3.10e-4]);
+}
+
+#[test]
+fn vortices_are_as_accurate_as_they_say() {
+    assert_stated_errors("vortex", [7.4e-5, 1.49e-3, 1.36e-3]);
+    assert_stated_errors("vortex_sinusoidal", [3.6e-5, 5.8e-4, 6.1e-4]);
+}
+
+#[test]
+fn walls_report_force_and_power() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "couette", &["time.end=0.2", "time.slabs=4"]);
+    // The drag of the moving plate: mu U / H times its length, 2; it costs that times U.
+    let (impulse, work) = (&summary["walls"]["top"]["impulse"], number(&summary["walls"]["top"], "work"));
+    let drag = 0.02 * 0.5 * 2.0 * 0.2;
+    assert!((impulse[0].as_f64().unwrap() + drag).abs() < 0.02 * drag, "{impulse} {work}");
+    let force = column(&directory.path().join("couette"), "top_force_x");
+    assert!(force.iter().all(|force| (force + 0.02).abs() < 4e-4), "{force:?}");
+}
+
+#[test]
+fn differences_in_place_of_duals_lead_to_the_same_answer() {
+    let directory = TempDir::new().unwrap();
+    let difference = {
+        let exact = finished(directory.path(), "vortex", &SMALL);
+        let set = [&SMALL[..], &["solver.jacobian=finite_difference"]].concat();
+        on_case(directory.path(), "run", "vortex", &set, "differences", &[]).expect(0, &[]);
+        let by_differences = summary(&directory.path().join("differences"));
+        assert!(number(&by_differences, "newton.total") <= number(&exact, "newton.total") + 5.0);
+        number(&exact, "error.density_l2") - number(&by_differences, "error.density_l2")
+    };
+    assert!(difference.abs() < 1e-8, "{difference:e}");
+    let flow = |run: &str| {
+        let path = directory.path().join(run).join("result.vtkhdf");
+        output::read_checkpoint(&path).unwrap().1.arrays["flow"].clone()
+    };
+    let (one, other) = (flow("vortex"), flow("differences"));
+    let largest = one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest > 0.0 && largest < 1e-7, "{largest:e}");
+}
+
+#[test]
+fn the_default_directory_is_named_after_the_case() {
+    let directory = TempDir::new().unwrap();
+    let set = "time.end=0.1";
+    stsolve(directory.path(), &["run", "-q", &shipped("free_stream.toml"), "--set", set, "--set", "time.slabs=1"])
+        .expect(0, &[]);
+    assert!(directory.path().join("runs/free_stream/summary.json").exists());
+}
