@@ -23,7 +23,7 @@ pub struct Coupling {
     pub cells: [usize; 2],
     /// Their faces.
     pub faces: [usize; 2],
-    /// Row minus, column plus: [trace][trace], row-major.
+    /// Row minus, column plus: `[trace][trace]`, row-major.
     pub minus_plus: Vec<f64>,
     /// Row plus, column minus.
     pub plus_minus: Vec<f64>,

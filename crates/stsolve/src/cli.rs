@@ -58,7 +58,7 @@ pub struct RunArguments {
     /// The case.
     #[command(flatten)]
     pub case: CaseArguments,
-    /// Where to write [default: as in the case, or runs/<case name>].
+    /// Where to write [default: as in the case, or `runs/NAME` for a case NAME.toml].
     #[arg(long, value_name = "DIRECTORY")]
     pub output: Option<PathBuf>,
     /// How many threads to use [default: one per core].

@@ -30,7 +30,7 @@ pub fn matrix_from_columns<T: Real, const D: usize>(columns: &[[T; D]; D]) -> [[
     m
 }
 
-/// The cofactor matrix: `cofactor(m)[i][j]` = d det(m) / d m[i][j], so that m^{-T} = cofactor(m) / det(m).
+/// The cofactor matrix: `cofactor(m)[i][j]` is the derivative of det(m) by `m[i][j]`, so that m^{-T} = cofactor(m) / det(m).
 #[inline(always)]
 pub fn cofactor<T: Real, const D: usize>(m: &[[T; D]; D]) -> [[T; D]; D] {
     let mut c = *m;
