@@ -89,8 +89,18 @@ pub enum SlabError {
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),
     /// Newton failed.
-    #[error(transparent)]
-    Newton(#[from] newton::Error),
+    #[error("the equations of flow and mesh are not solved{}", largest_in(*cell))]
+    Newton {
+        /// The cell where the residual of the flow was largest at last, if there was a residual.
+        cell: Option<usize>,
+        /// Why.
+        source: newton::Error,
+    },
+}
+
+/// Where the residual is largest, for a message.
+fn largest_in(cell: Option<usize>) -> String {
+    cell.map_or(String::new(), |cell| format!("; their residual is largest in cell {cell}"))
 }
 
 /// The run stops: the smallest slab allowed could not be solved either.
@@ -188,15 +198,16 @@ impl<const D: usize, const M: usize> March<D, M> {
             self.improve_guess(&mut z, dt);
         }
         let settings = &self.settings.newton;
-        let report = match self.settings.jacobian {
+        let solved = match self.settings.jacobian {
             Jacobian::Exact => {
-                newton::solve(&mut self.problem, &mut z, Some(&references), settings, &mut self.workspace)?
+                newton::solve(&mut self.problem, &mut z, Some(&references), settings, &mut self.workspace)
             }
             Jacobian::FiniteDifference => {
                 let mut problem = FiniteDifference::new(&mut self.problem, Scheme::OneSided);
-                newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)?
+                newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)
             }
         };
+        let report = solved.map_err(|source| SlabError::Newton { cell: self.problem.worst_cell(&z), source })?;
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         Ok((report, quality, z))
     }
