@@ -94,7 +94,7 @@ pub enum SlabError {
         /// The cell where the residual of the flow was largest at last, if there was a residual.
         cell: Option<usize>,
         /// Why.
-        source: newton::Error,
+        source: Box<newton::Error>,
     },
 }
 
@@ -207,7 +207,8 @@ impl<const D: usize, const M: usize> March<D, M> {
                 newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)
             }
         };
-        let report = solved.map_err(|source| SlabError::Newton { cell: self.problem.worst_cell(&z), source })?;
+        let report =
+            solved.map_err(|source| SlabError::Newton { cell: self.problem.worst_cell(&z), source: source.into() })?;
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         Ok((report, quality, z))
     }
