@@ -154,9 +154,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
         if self.state.pending.is_empty() {
             let Settings { start, end, step, slabs, .. } = self.settings;
-            let next = self.state.nominal + 1;
-            let end = if next == slabs { end } else { start + step * next as f64 };
-            self.state.pending.push(Interval { start: self.state.time, end, halvings: 0 });
+            self.state.pending.push(self.state.next_slab(start, end, step, slabs));
         }
         let mut rejected = 0;
         loop {

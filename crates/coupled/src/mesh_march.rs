@@ -48,9 +48,7 @@ impl<const D: usize> MeshMarch<D> {
     /// # Errors
     /// As [`elasticity::ElasticMesh::solve`].
     pub fn advance(&mut self) -> Result<MeshReport, ElasticityError> {
-        let next = self.state.nominal + 1;
-        let end = if next == self.slabs { self.end } else { self.start + self.step * next as f64 };
-        let interval = Interval { start: self.state.time, end, halvings: 0 };
+        let interval = self.state.next_slab(self.start, self.end, self.step, self.slabs);
         let dt = interval.end - interval.start;
         let time = self.mover.slab_motion.time();
         let mut g = vec![0.0; self.mover.field_len() * time.order()];

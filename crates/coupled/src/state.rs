@@ -67,6 +67,13 @@ impl State {
         v
     }
 
+    /// The slab after the time reached, in a run from `start` to `end` of `slabs` slabs of length `step`; the last ends at `end`.
+    pub fn next_slab(&self, start: f64, end: f64, step: f64, slabs: usize) -> Interval {
+        let next = self.nominal + 1;
+        let end = if next == slabs { end } else { start + step * next as f64 };
+        Interval { start: self.time, end, halvings: 0 }
+    }
+
     /// Replaces the next interval by its halves.
     pub fn halve(&mut self) {
         if let Some(Interval { start, end, halvings }) = self.pending.pop() {
