@@ -3,10 +3,11 @@
 //! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
 //! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
 
-use crate::cell::{CellContext, CellMoments, CellScratch, SlabCells, SpaceCells};
+use crate::cell::{CellContext, CellMoments, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, FacetContext, FacetScratch, Facets};
+use crate::facet::{Across, FacetContext, Facets};
 use crate::mode::{AlongState, AlongStateAndMesh, Values};
+use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Instant, Tables};
 use basis::Matrix;
 use std::marker::PhantomData;

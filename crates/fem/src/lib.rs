@@ -8,7 +8,8 @@
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | what is differentiated |
-//! | `cell`, `facet` | the kernels |
+//! | `cell`, `facet`, `point` | the kernels |
+//! | `scratch`, `gather` | their packs, and how vectors get there |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
 //! | `operator` | the residual of a slab and its derivatives |
@@ -20,15 +21,18 @@ mod cell;
 mod conservation_law;
 mod facet;
 mod field;
+mod gather;
 mod kernels;
 mod layout;
 mod linearisation;
 mod mode;
 mod moving_mesh;
 mod operator;
+mod point;
 mod pool;
 mod prescribed;
 mod sampler;
+mod scratch;
 mod tables;
 mod tensor_product;
 mod traces;
