@@ -6,6 +6,7 @@ mod mesh_march;
 mod mesh_mover;
 mod motion;
 pub mod preconditioner;
+mod schedule;
 mod slab_problem;
 mod state;
 pub mod weights;
@@ -15,5 +16,6 @@ pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, Sla
 pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
+pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};

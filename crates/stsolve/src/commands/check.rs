@@ -66,9 +66,12 @@ fn time_table<const D: usize>(case: &Case<D>) -> Table {
     table
         .row("start", time.start, "")
         .row("end", time.end, "")
-        .row("slabs", time.slabs, "")
-        .row("length of a slab", time.step, "")
+        .row("slabs", time.slabs, if time.control.is_some() { "if all were as long as the first" } else { "" })
+        .row("length of a slab", time.step, if time.control.is_some() { "at first" } else { "" })
         .row("order", time.order, "nodes per slab");
+    if let Some(coupled::StepControl { tolerance, smallest, largest }) = time.control {
+        table.row("jump aimed at", tolerance, "").row("shortest slab", smallest, "").row("longest slab", largest, "");
+    }
     table
 }
 

@@ -96,10 +96,7 @@ where
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
     let (time, solver) = (&case.time, &case.solver);
     coupled::Settings {
-        start: time.start,
-        end: time.end,
-        step: time.step,
-        slabs: time.slabs,
+        schedule: time.schedule(),
         newton: solver.newton(),
         predictor: match solver.predictor {
             Predictor::Elastic => coupled::Predictor::Elastic,

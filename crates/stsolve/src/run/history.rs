@@ -9,8 +9,17 @@ const OF_MESH: [&str; 6] =
     ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
 
 /// Columns of a run with a flow.
-const OF_FLOW: [&str; 8] =
-    ["newton", "krylov", "residual_initial", "residual", "preconditioner_builds", "rejected", "mass", "mass_error"];
+const OF_FLOW: [&str; 9] = [
+    "jump",
+    "newton",
+    "krylov",
+    "residual_initial",
+    "residual",
+    "preconditioner_builds",
+    "rejected",
+    "mass",
+    "mass_error",
+];
 
 /// Columns of history.csv: those of every run, and for each wall its mean force over the slab and its power.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
@@ -42,7 +51,13 @@ pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality)
 pub fn row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tally) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
-    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
+    row.extend([
+        report.jump,
+        newton.steps.len() as f64,
+        newton.krylov_iterations as f64,
+        newton.initial_norm,
+        newton.final_norm(),
+    ]);
     row.extend([counts.rebuilds as f64, report.rejected as f64, totals[0], tally.mass_balance(totals)]);
     let dt = interval.end - interval.start;
     for wall in walls(case) {

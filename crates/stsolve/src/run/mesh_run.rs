@@ -29,7 +29,7 @@ pub fn move_mesh<const D: usize, const M: usize>(
     let case = &Case { flow: None, ..case.clone() };
     let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, &view, arguments.resume)?;
     let time = &case.time;
-    let mut march = MeshMarch::new(mover, time.start, time.end, time.step, time.slabs);
+    let mut march = MeshMarch::new(mover, time.schedule());
     let tally = resume(&mut march, stored.as_ref(), case)?;
     let mut books = Books::new(time, march.state.time, arguments, &session, begun, tally);
     if stored.is_none() {

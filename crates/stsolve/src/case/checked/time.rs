@@ -3,6 +3,7 @@
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{self, Field};
+use coupled::{Schedule, StepControl};
 use std::path::{Path, PathBuf};
 
 /// The time to cover, slab by slab.
@@ -18,6 +19,16 @@ pub struct Time {
     pub step: f64,
     /// How many slabs that makes.
     pub slabs: usize,
+    /// What adapts the length of the slabs.
+    pub control: Option<StepControl>,
+}
+
+impl Time {
+    /// The slabs.
+    pub fn schedule(&self) -> Schedule {
+        let Time { start, end, step, slabs, control, .. } = *self;
+        Schedule { start, end, step, slabs, control }
+    }
 }
 
 /// What is written, and where.
@@ -56,7 +67,31 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
         }
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
-    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs })
+    let control = raw.adaptive.as_ref().map(|adaptive| control(checker, raw, adaptive, step, duration)).transpose()?;
+    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
+}
+
+/// Checks `[time.adaptive]` of a run of length `duration` with the first slab of length `step`.
+fn control(
+    checker: &Checker<'_>,
+    raw: &raw::Time,
+    adaptive: &raw::Adaptive,
+    step: f64,
+    duration: f64,
+) -> Checked<StepControl> {
+    let key = Key::new("time.adaptive");
+    if raw.slabs.is_some() {
+        let problem = "`time.slabs` makes all slabs of the same length, `time.adaptive` does not";
+        return Err(checker.combination(&Key::new("time.slabs"), problem, "`time.step`, the length of the first slab"));
+    }
+    let tolerance = checker.positive(&key.child("tolerance"), "the tolerance", adaptive.tolerance)?;
+    let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
+    let accepted = format!("a positive number, at most the step, {step}");
+    checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
+    let largest = adaptive.largest.unwrap_or(duration);
+    let accepted = format!("at least the step, {step}");
+    checker.require(&key.child("largest"), "the longest slab", largest >= step && largest.is_finite(), &accepted)?;
+    Ok(StepControl { tolerance, smallest, largest })
 }
 
 /// An end that is a multiple of the step up to round-off is that multiple, the very number that a longer run passes.
