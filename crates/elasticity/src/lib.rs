@@ -12,8 +12,9 @@
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
-//! | `condensation` | a direct solver: inner nodes eliminated, sparse Cholesky on the skeleton |
+//! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
 //! | `cholesky` | sparse and dense factorisation, by faer on one thread |
+//! | `solver` | which of them is taken |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and equilibrium in a time slab |
 //!
@@ -31,14 +32,15 @@ mod material;
 mod operator;
 mod pool;
 mod slab;
+mod solver;
 mod stiffness;
 #[cfg(test)]
 mod testing;
 
-pub use condensation::Condensation;
 pub use elastic_mesh::ElasticMesh;
 pub use errors::ElasticityError;
 pub use material::{Lame, Material};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
+pub use solver::Solver;
 pub use stiffness::Stiffness;
