@@ -14,10 +14,12 @@
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `boundary` | normals and arc lengths at the nodes of a boundary |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
 
+mod boundary;
 mod errors;
 mod facet;
 pub mod generate;

@@ -9,6 +9,7 @@ use crate::expression::{Names, Program};
 use navier_stokes::InvalidParameter;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// The result of a check.
 pub(super) type Checked<T> = Result<T, Box<CaseError>>;
@@ -40,6 +41,11 @@ impl<'a> Checker<'a> {
             }
         }
         Ok(checker)
+    }
+
+    /// `path` as seen from the directory of the case file.
+    pub(super) fn beside_case(&self, path: &Path) -> PathBuf {
+        self.document.path().parent().unwrap_or(Path::new("")).join(path)
     }
 
     /// Takes note of a default that follows from other keys, with what was taken.

@@ -19,6 +19,7 @@ use super::key::Key;
 use super::raw;
 // The crate, beside a module of the same name.
 use ::mesh as mesh_crate;
+use mesh::AnyMesh;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -81,9 +82,9 @@ impl AnyCase {
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
         let checker = Checker::new(document, &raw.constants)?;
-        match mesh::dimension(&checker, &raw.mesh)? {
-            2 => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw)?))),
-            _ => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw)?))),
+        match mesh::build(&checker, &raw.mesh)? {
+            AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
+            AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
         }
     }
 
@@ -105,8 +106,7 @@ impl AnyCase {
 }
 
 impl<const D: usize> Case<D> {
-    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Checked<Self> {
-        let mesh = mesh::build(checker, &raw.mesh)?;
+    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time)?;
         let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, time.start)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
@@ -119,7 +119,7 @@ impl<const D: usize> Case<D> {
             ));
         }
         solver::check(checker, &raw.solver)?;
-        let output = time::check_output(checker, &raw.output, document.path())?;
+        let output = time::check_output(checker, &raw.output)?;
         Ok(Case {
             about: About::new(checker, document, raw, &time),
             mesh,

@@ -4,7 +4,7 @@ use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{self, Field};
 use coupled::{Schedule, StepControl};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The time to cover, slab by slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,11 +105,11 @@ fn slabs_to_cover(duration: f64, step: f64) -> usize {
     ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
 }
 
-/// Checks `[output]` of the case file `case`.
-pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path) -> Checked<Output> {
+/// Checks `[output]`.
+pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<Output> {
     let key = Key::new("output");
     Ok(Output {
-        directory: raw.directory.as_ref().map(|directory| beside(case, directory)),
+        directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: checker.at_least_one(
             &key.child("checkpoint_every"),
             "the number of slabs",
@@ -118,9 +118,4 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         fields: raw.fields.clone(),
     })
-}
-
-/// `path` as seen from the directory of `case`.
-fn beside(case: &Path, path: &Path) -> PathBuf {
-    case.parent().unwrap_or(Path::new("")).join(path)
 }

@@ -4,6 +4,7 @@
 
 mod flow;
 mod formula;
+mod generate;
 mod mesh;
 mod motion;
 mod run;
@@ -11,6 +12,7 @@ mod solver;
 
 pub use flow::*;
 pub use formula::Formula;
+pub use generate::*;
 pub use mesh::*;
 pub use motion::*;
 pub use run::*;
