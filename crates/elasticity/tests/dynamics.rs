@@ -1,5 +1,5 @@
 //! The motion of structures: orders in time, energy, limits, and what they take.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 

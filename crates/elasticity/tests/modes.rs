@@ -1,5 +1,5 @@
 //! Natural frequencies against exact ones and against beam theory.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
