@@ -8,7 +8,8 @@
 
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
-use crate::preconditioner::{FlowPreconditioner, Ordering, TemporalModes};
+use crate::preconditioner::{FlowPreconditioner, Ordering};
+use basis::TemporalModes;
 use elasticity::{ElasticMesh, ElasticSlab};
 use fem::{SlabOperator, Violation};
 use newton_krylov::inner_product::{InnerProduct, Weighted};

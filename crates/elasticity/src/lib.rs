@@ -1,4 +1,4 @@
-//! Linear elasticity that moves the mesh.
+//! Linear elasticity that moves the mesh, and that a structure obeys.
 //!
 //! The displacement d of the reference mesh x0 is that of an elastic body whose boundary follows the prescribed motion:
 //! div sigma(d) = 0 with sigma = 2 mu eps + lambda tr(eps) I, in 2-D in plane strain. The space is that of the C0 nodes of order N; its
@@ -17,6 +17,11 @@
 //! | `solver` | which of them is taken |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and equilibrium in a time slab |
+//! | `structure` | a body with mass, loads and supports |
+//! | `mass`, `loads` | the mass matrix; body force and traction |
+//! | `dynamics` | the motion of a structure in a time slab |
+//! | `shifted` | systems with K + m M, real and complex |
+//! | `modes` | natural frequencies and shapes |
 //!
 //! Invariants: nothing here knows the fluid, or where the boundary motion comes from. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
@@ -24,23 +29,33 @@
 mod batches;
 mod cholesky;
 mod condensation;
+mod dynamics;
 mod elastic_mesh;
 mod errors;
 mod geometry;
+mod loads;
 mod low_order;
+mod mass;
 mod material;
+mod modes;
 mod operator;
 mod pool;
+mod shifted;
 mod slab;
 mod solver;
 mod stiffness;
+mod structure;
 #[cfg(test)]
 mod testing;
 
+pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
 pub use elastic_mesh::ElasticMesh;
 pub use errors::ElasticityError;
+pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
 pub use material::{Lame, Material};
+pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use solver::Solver;
 pub use stiffness::Stiffness;
+pub use structure::Structure;
