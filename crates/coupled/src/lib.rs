@@ -8,6 +8,7 @@ mod motion;
 pub mod preconditioner;
 mod slab_problem;
 mod state;
+mod steady;
 pub mod weights;
 
 pub use initial::interpolate;
@@ -17,3 +18,4 @@ pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
 pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};
+pub use steady::solve_steady;

@@ -3,6 +3,7 @@
 use crate::mesh_mover::MeshQuality;
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
+use fem::FluxesAt;
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
@@ -54,7 +55,7 @@ pub const ROUND_OFF: f64 = 1e-13;
 
 /// What a slab has done.
 #[derive(Clone, Debug)]
-pub struct SlabReport {
+pub struct SlabReport<const M: usize> {
     /// The number of the slab, from 1.
     pub slab: usize,
     /// Its interval.
@@ -67,8 +68,8 @@ pub struct SlabReport {
     pub counts: Counts,
     /// The quality of the mesh.
     pub quality: MeshQuality,
-    /// What has left through each boundary, `[boundary][component]`.
-    pub through: Vec<Vec<f64>>,
+    /// What leaves through the boundaries at the quadrature points in time and at the top of the slab.
+    pub fluxes: Vec<FluxesAt<M>>,
     /// The integral of every component at the top of the slab.
     pub totals: Vec<f64>,
 }
@@ -151,7 +152,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     ///
     /// # Errors
     /// [`MarchError`]; the state is then that of the last slab that succeeded.
-    pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
+    pub fn advance(&mut self) -> Result<SlabReport<M>, MarchError> {
         if self.state.pending.is_empty() {
             let Settings { start, end, step, slabs, .. } = self.settings;
             self.state.pending.push(self.state.next_slab(start, end, step, slabs));
@@ -284,17 +285,12 @@ impl<const D: usize, const M: usize> March<D, M> {
         newton: newton::Report,
         quality: MeshQuality,
         z: &[f64],
-    ) -> SlabReport {
+    ) -> SlabReport<M> {
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
-        // One more residual: the products of the last Newton step have overwritten the facet terms.
-        let mut r = vec![0.0; z.len()];
-        let evaluated = self.problem.residual(z, &mut r);
-        debug_assert!(evaluated.is_ok(), "the solution is admissible");
-        let through = (0..self.problem.mover.reference.boundary_names().len())
-            .map(|b| self.problem.flow.through_boundary(b).to_vec())
-            .collect();
+        self.problem.set_point(z);
+        let fluxes = self.problem.flow.boundary_fluxes();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
@@ -307,23 +303,12 @@ impl<const D: usize, const M: usize> March<D, M> {
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
         let counts = std::mem::take(&mut self.problem.counts);
-        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, through, totals }
+        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, fluxes, totals }
     }
 
     /// The integrals of the components at the top of the slab.
     pub fn totals(&self) -> Vec<f64> {
-        let flow = &self.problem.flow;
-        let one = flow.layout.at_one_time();
-        let mut moments = vec![0.0; one.len()];
-        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
-        flow.moments(&self.state.u, &row, &mut moments);
-        (0..M)
-            .map(|m| {
-                (0..one.cells)
-                    .map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
-                    .sum()
-            })
-            .collect()
+        self.problem.totals(&self.state.u)
     }
 
     /// Marks the preconditioner stale when its iterations have grown too much since it was made.

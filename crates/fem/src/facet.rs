@@ -10,6 +10,7 @@
 //! the symmetric interior penalty method with sigma = N_s^2 |S| / J: the inverse trace inequality on the cell's height
 //! 2 J / |S| over the facet, the larger of both sides. n points from minus to plus; plus takes the flux with opposite sign.
 
+use crate::boundary::{boundary_data, boundary_points, through_len};
 use crate::cell::{flag, load_state, metric, physical_gradient};
 use crate::conservation_law::ConservationLaw;
 use crate::kernels::Times;
@@ -33,13 +34,13 @@ pub struct SideScratch {
     /// Terms to test with, `[kind][a][m][i]`.
     pub terms: [Vec<Pack>; 2],
     state_now: [Vec<Pack>; 2],
-    position_now: [Vec<Pack>; 2],
+    pub(crate) position_now: [Vec<Pack>; 2],
     terms_now: [Vec<Pack>; 2],
-    u: Vec<Pack>,
-    gradient: Vec<Pack>,
+    pub(crate) u: Vec<Pack>,
+    pub(crate) gradient: Vec<Pack>,
     jacobian: Vec<Pack>,
-    tested: Vec<Pack>,
-    tested_gradient: Vec<Pack>,
+    pub(crate) tested: Vec<Pack>,
+    pub(crate) tested_gradient: Vec<Pack>,
 }
 
 /// Packs of a batch of facets, kept by a thread from one batch to the next.
@@ -52,11 +53,13 @@ pub struct FacetScratch {
     pub x: Vec<Pack>,
     /// Prescribed states at points, `[b][m][p]`.
     pub data: Vec<Pack>,
+    /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
+    pub through: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
     pub violated: Pack,
     velocity_now: Vec<Pack>,
     v: Vec<Pack>,
-    scratch: Scratch,
+    pub(crate) scratch: Scratch,
 }
 
 impl SideScratch {
@@ -91,6 +94,7 @@ impl FacetScratch {
             normal_sign: Pack::ZERO,
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
+            through: zeroed(2 * through_len(M)),
             violated: Pack::ZERO,
             velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
             v: zeroed(2 * D * points),
@@ -176,7 +180,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
 /// Step 1: state, gradients and Jacobian matrix of one side at the points.
 #[inline(always)]
-fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -207,7 +211,7 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Step 2: the mesh velocity at the points, the same from both sides.
 #[inline(always)]
-fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -221,21 +225,21 @@ fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
 }
 
 /// The geometry of a facet point, seen from one side.
-struct FacetPoint<G, const D: usize> {
+pub(crate) struct FacetPoint<G, const D: usize> {
     /// Cofactors of the side's Jacobian matrix, columns ordered tangential first.
-    cof: [[G; D]; D],
+    pub(crate) cof: [[G; D]; D],
     /// Its determinant, of either sign: the facet's frame need not be right-handed.
-    det: G,
+    pub(crate) det: G,
     /// Area per reference area, |S|.
-    area: G,
+    pub(crate) area: G,
     /// Unit normal, from minus to plus.
-    n: [G; D],
+    pub(crate) n: [G; D],
     /// Mesh velocity.
-    v: [G; D],
+    pub(crate) v: [G; D],
 }
 
 #[inline(always)]
-fn facet_point<const D: usize, K: Mode, S: Simd>(
+pub(crate) fn facet_point<const D: usize, K: Mode, S: Simd>(
     simd: S,
     scratch: &FacetScratch,
     points: usize,
@@ -357,7 +361,7 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
 
 /// (a - b) n, indexed `[direction][component]`.
 #[inline(always)]
-fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
+pub(crate) fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
     a: &[T; M],
     b: &[T; M],
     n: &[G; D],
@@ -373,7 +377,7 @@ fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
 
 /// factor grad_x w : f |S| as tests against reference derivatives: sum_k cof_kj / det f_k for direction j.
 #[inline(always)]
-fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     f: &[[K::State<S>; M]; D],
     cof: &[[K::Geometry<S>; D]; D],
     det: K::Geometry<S>,
@@ -392,78 +396,6 @@ fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
                 sum = f[k][m].scale_add(cof[k][j], sum);
             }
             sum.scale(scale).result().write(&mut tested_gradient[(j * M + m) * points + p], part);
-        }
-    }
-}
-
-/// Prescribed states at the points.
-#[inline(always)]
-fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    context: &FacetContext<D>,
-    instant: &Instant,
-    data: Option<DataAt>,
-    scratch: &mut FacetScratch,
-) {
-    let Some(data) = data else { return };
-    let g = K::GEOMETRY_BLOCKS;
-    let FacetScratch { sides, x, scratch: room, .. } = scratch;
-    evaluate(simd, &context.tables.mesh, D - 1, g * D, Parts::Values, &sides[0].position_now[0], x, &mut [], room);
-    data(context.start + context.dt * instant.s, x, &mut scratch.data);
-}
-
-/// Step 3 on a boundary.
-#[inline(always)]
-fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    weight: f64,
-    scratch: &mut FacetScratch,
-) {
-    let points = tables.facet_points();
-    let one = Lanes::<S>::splat(simd, 1.0);
-    let viscous = law.is_viscous();
-    let penalty = (tables.orders.flow * tables.orders.flow) as f64;
-    for p in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let weight = weight * tables.facet_weights[p];
-            let here = facet_point::<D, K, S>(simd, scratch, points, p, part);
-            let FacetPoint { n, v, .. } = &here;
-            let minus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[0].u, points, p, part);
-            let data = load_state::<M, K::Geometry<S>, S>(simd, &scratch.data, points, p, part);
-            let mut f = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
-            if viscous {
-                let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
-                let gradient = physical_gradient::<D, M, K, S>(
-                    simd,
-                    &scratch.sides[0].gradient,
-                    points,
-                    p,
-                    part,
-                    &here.cof,
-                    here.det,
-                );
-                let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(&minus, &state, n);
-                let through =
-                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
-                let penalised =
-                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
-                let sigma = here.area * here.det.abs().recip() * penalty;
-                for m in 0..M {
-                    f[m] -= through[m] - penalised[m].scale(sigma);
-                }
-                let jump_flux = law.viscous_flux(&state, &jump);
-                let gradients = &mut scratch.sides[0].tested_gradient;
-                symmetric_term::<D, M, K, S>(
-                    &jump_flux, &here.cof, here.det, here.area, -weight, points, p, part, gradients,
-                );
-            }
-            for m in 0..M {
-                (f[m].scale(here.area) * weight).result().write(&mut scratch.sides[0].tested[m * points + p], part);
-            }
-            flag::<K::State<S>, S>(simd, law.margin(&minus), one, &mut scratch.violated, part);
         }
     }
 }
