@@ -9,6 +9,7 @@ pub mod preconditioner;
 mod schedule;
 mod slab_problem;
 mod state;
+mod steady;
 pub mod weights;
 
 pub use initial::interpolate;
@@ -19,3 +20,4 @@ pub use motion::{BoundaryMotion, MeshMotion};
 pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};
+pub use steady::solve_steady;

@@ -4,6 +4,7 @@ use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
+use fem::FluxesAt;
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
@@ -49,7 +50,7 @@ pub const ROUND_OFF: f64 = 1e-13;
 
 /// What a slab has done.
 #[derive(Clone, Debug)]
-pub struct SlabReport {
+pub struct SlabReport<const M: usize> {
     /// The number of the slab, from 1.
     pub slab: usize,
     /// Its interval.
@@ -65,8 +66,8 @@ pub struct SlabReport {
     /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale: an estimate of the error
     /// in time.
     pub jump: f64,
-    /// What has left through each boundary, `[boundary][component]`.
-    pub through: Vec<Vec<f64>>,
+    /// What leaves through the boundaries at the quadrature points in time and at the top of the slab.
+    pub fluxes: Vec<FluxesAt<M>>,
     /// The integral of every component at the top of the slab.
     pub totals: Vec<f64>,
 }
@@ -165,7 +166,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     ///
     /// # Errors
     /// [`MarchError`]; the state is then that of the last slab that succeeded.
-    pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
+    pub fn advance(&mut self) -> Result<SlabReport<M>, MarchError> {
         let mut rejected = 0;
         loop {
             let interval = self.next_interval();
@@ -304,18 +305,13 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved) -> SlabReport {
+    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved) -> SlabReport<M> {
         let Solved { newton, quality, jump, z } = solved;
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
-        // One more residual: the products of the last Newton step have overwritten the facet terms.
-        let mut r = vec![0.0; z.len()];
-        let evaluated = self.problem.residual(&z, &mut r);
-        debug_assert!(evaluated.is_ok(), "the solution is admissible");
-        let through = (0..self.problem.mover.reference.boundary_names().len())
-            .map(|b| self.problem.flow.through_boundary(b).to_vec())
-            .collect();
+        self.problem.set_point(&z);
+        let fluxes = self.problem.flow.boundary_fluxes();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
@@ -329,7 +325,7 @@ impl<const D: usize, const M: usize> March<D, M> {
         self.state.finish(interval);
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);
         let counts = std::mem::take(&mut self.problem.counts);
-        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, jump, through, totals }
+        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, jump, fluxes, totals }
     }
 
     /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.
@@ -351,18 +347,7 @@ impl<const D: usize, const M: usize> March<D, M> {
 
     /// The integrals of the components at the top of the slab.
     pub fn totals(&self) -> Vec<f64> {
-        let flow = &self.problem.flow;
-        let one = flow.layout.at_one_time();
-        let mut moments = vec![0.0; one.len()];
-        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
-        flow.moments(&self.state.u, &row, &mut moments);
-        (0..M)
-            .map(|m| {
-                (0..one.cells)
-                    .map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
-                    .sum()
-            })
-            .collect()
+        self.problem.totals(&self.state.u)
     }
 
     /// Marks the preconditioner stale when its iterations have grown too much since it was made.

@@ -64,6 +64,8 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     pub counts: Counts,
     /// Set to have the preconditioner rebuilt at the next linearisation.
     pub stale: bool,
+    /// Whether the preconditioner is rebuilt at every linearisation.
+    pub always_fresh: bool,
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
@@ -101,6 +103,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             weights: Weighted { weights },
             counts: Counts::default(),
             stale: false,
+            always_fresh: false,
             preconditioner: None,
             frozen: None,
             mesh_work: vec![0.0; mesh_len],
@@ -141,6 +144,28 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.counts.elasticity_iterations += self.mover.velocities(dt, &self.bottom, &self.prescribed, v)?;
         self.set_velocities(v);
         Ok(())
+    }
+
+    /// Sets mesh and flow to `z`: what products and boundary fluxes are taken of.
+    pub fn set_point(&mut self, z: &[f64]) {
+        let (v, u) = z.split_at(self.mesh_len());
+        if !v.is_empty() {
+            self.set_velocities(v);
+        }
+        self.flow.linearise(u);
+    }
+
+    /// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest).
+    pub fn totals(&self, u: &[f64]) -> Vec<f64> {
+        let flow = &self.flow;
+        let one = flow.layout.at_one_time();
+        let mut moments = vec![0.0; one.len()];
+        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
+        flow.moments(u, &row, &mut moments);
+        let component = |m: usize| -> f64 {
+            (0..one.cells).map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>()).sum()
+        };
+        (0..M).map(component).collect()
     }
 
     /// The norm of a residual's field `k`.
@@ -232,7 +257,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         let built_for = (interval.1, interval.1 * self.inverse_pseudo_time.last().copied().unwrap_or(0.0));
         let change = |old: f64, new: f64| (old - new).abs() > 0.1 * old.abs().max(new.abs());
         match (&mut self.preconditioner, &mut self.frozen) {
-            (Some(preconditioner), Some(frozen)) if !self.stale => {
+            (Some(preconditioner), Some(frozen)) if !self.stale && !self.always_fresh => {
                 if change(frozen.built_for.0, built_for.0) || change(frozen.built_for.1, built_for.1) {
                     preconditioner.refactor(built_for.0, built_for.1);
                     frozen.built_for = built_for;
@@ -284,11 +309,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     }
 
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
-        let (v, u) = z.split_at(self.mesh_len());
-        if !v.is_empty() {
-            self.set_velocities(v);
-        }
-        self.flow.linearise(u);
+        self.set_point(z);
         self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
         self.update_preconditioner();
         Ok(())

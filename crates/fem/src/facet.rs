@@ -10,6 +10,7 @@
 //! the symmetric interior penalty method with sigma = N_s^2 |S| / J: the inverse trace inequality on the cell's height
 //! 2 J / |S| over the facet, the larger of both sides. n points from minus to plus; plus takes the flux with opposite sign.
 
+use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;
 use crate::kernels::Times;
 use crate::mode::Mode;
@@ -99,7 +100,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
 /// Step 1: state, gradients and Jacobian matrix of one side at the points.
 #[inline(always)]
-fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -130,7 +131,7 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Step 2: the mesh velocity at the points, the same from both sides.
 #[inline(always)]
-fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -144,21 +145,21 @@ fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
 }
 
 /// The geometry of a facet point, seen from one side.
-struct FacetPoint<G, const D: usize> {
+pub(crate) struct FacetPoint<G, const D: usize> {
     /// Cofactors of the side's Jacobian matrix, columns ordered tangential first.
-    cof: [[G; D]; D],
+    pub(crate) cof: [[G; D]; D],
     /// Its determinant, of either sign: the facet's frame need not be right-handed.
-    det: G,
+    pub(crate) det: G,
     /// Area per reference area, |S|.
-    area: G,
+    pub(crate) area: G,
     /// Unit normal, from minus to plus.
-    n: [G; D],
+    pub(crate) n: [G; D],
     /// Mesh velocity.
-    v: [G; D],
+    pub(crate) v: [G; D],
 }
 
 #[inline(always)]
-fn facet_point<const D: usize, K: Mode, S: Simd>(
+pub(crate) fn facet_point<const D: usize, K: Mode, S: Simd>(
     simd: S,
     scratch: &FacetScratch,
     at: Place,
@@ -249,13 +250,13 @@ fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K:
 
 /// N_s^2 of sigma.
 #[inline(always)]
-fn penalty<const D: usize>(tables: &Tables<D>) -> f64 {
+pub(crate) fn penalty<const D: usize>(tables: &Tables<D>) -> f64 {
     (tables.orders.flow * tables.orders.flow) as f64
 }
 
 /// (a - b) n, indexed `[direction][component]`.
 #[inline(always)]
-fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
+pub(crate) fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
     a: &[T; M],
     b: &[T; M],
     n: &[G; D],
@@ -271,7 +272,7 @@ fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
 
 /// grad_x w : f as tests against reference derivatives, times det `scale`: sum_k cof_kj f_k for direction j.
 #[inline(always)]
-fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     f: &[[K::State<S>; M]; D],
     cof: &[[K::Geometry<S>; D]; D],
     scale: K::Geometry<S>,
@@ -284,84 +285,6 @@ fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
             sum.scale(scale).result().write(&mut tested_gradient[at.index(j * M + m)], at.part);
         }
     }
-}
-
-/// Prescribed states at the points.
-#[inline(always)]
-fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    context: &FacetContext<D>,
-    instant: &Instant,
-    data: Option<DataAt>,
-    scratch: &mut FacetScratch,
-) {
-    let Some(data) = data else { return };
-    let g = K::GEOMETRY_BLOCKS;
-    let FacetScratch { sides, x, scratch: room, .. } = scratch;
-    evaluate(simd, &context.tables.mesh, D - 1, g * D, Parts::Values, &sides[0].position_now[0], x, &mut [], room);
-    data(context.start + context.dt * instant.s, x, &mut scratch.data);
-}
-
-/// Step 3 on a boundary.
-#[inline(always)]
-fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    weight: f64,
-    scratch: &mut FacetScratch,
-) {
-    let points = tables.facet_points();
-    let one = Lanes::<S>::splat(simd, 1.0);
-    for p in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let (at, weight) = (Place { points, p, part }, weight * tables.facet_weights[p]);
-            let here = facet_point::<D, K, S>(simd, scratch, at);
-            let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
-            let data = load::<M, K::Geometry<S>, S>(simd, &scratch.data, at);
-            let mut f = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, &minus, &here.n, &here.v, &data);
-            if law.is_viscous() {
-                let side = &mut scratch.sides[0];
-                boundary_viscous::<D, M, L, K, S>(
-                    simd, law, condition, tables, &minus, &data, &here, weight, at, side, &mut f,
-                );
-            }
-            for m in 0..M {
-                (f[m].scale(here.area) * weight).result().write(&mut scratch.sides[0].tested[at.index(m)], part);
-            }
-            flag::<K::State<S>, S>(simd, law.margin(&minus), one, &mut scratch.violated, part);
-        }
-    }
-}
-
-/// The viscous part of step 3 on a boundary, as [`interior_viscous`].
-#[inline(always)]
-fn boundary_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    minus: &[K::State<S>; M],
-    data: &[K::Geometry<S>; M],
-    here: &FacetPoint<K::Geometry<S>, D>,
-    weight: f64,
-    at: Place,
-    side: &mut SideScratch,
-    f: &mut [K::State<S>; M],
-) {
-    let FacetPoint { cof, det, area, n, v } = here;
-    let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, minus, n, v, data);
-    let gradient = physical_gradient::<D, M, K, S>(simd, &side.gradient, at, cof, *det);
-    let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, &state, n);
-    let through = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
-    let penalised = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
-    let sigma = *area * det.abs().recip() * penalty(tables);
-    for m in 0..M {
-        f[m] -= through[m] - penalised[m].scale(sigma);
-    }
-    let scale = *area * -weight * det.recip();
-    symmetric_term::<D, M, K, S>(&law.viscous_flux(&state, &jump), cof, scale, at, &mut side.tested_gradient);
 }
 
 /// Step 4: tests one side's terms in space and sends them to the time nodes.

@@ -8,15 +8,18 @@
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | what is differentiated |
-//! | `cell`, `facet`, `point` | the kernels |
+//! | `cell`, `facet`, `boundary`, `point` | the kernels |
 //! | `scratch`, `gather` | their packs, and how vectors get there |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
 //! | `operator` | the residual of a slab and its derivatives |
+//! | `boundary_flux` | what leaves through boundaries: forces, power |
 //! | `sampler` | cells seen from any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;
+mod boundary;
+mod boundary_flux;
 mod cell;
 mod conservation_law;
 mod facet;
@@ -38,6 +41,7 @@ mod tensor_product;
 mod traces;
 mod violation;
 
+pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
 pub use kernels::{Kernels, LawKernels};

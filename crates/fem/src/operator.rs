@@ -175,27 +175,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// What has left the domain through `boundary` during the slab, int_I int (F - u v) . n, in the state of the last residual: the
-    /// scheme's own fluxes in the scheme's own quadrature. Valid until the next Jacobian product.
-    pub fn through_boundary(&self, boundary: usize) -> [f64; M] {
-        let layout = self.state_traces.layout;
-        let mut total = [0.0; M];
-        for (number, batch) in
-            self.facets.batches.iter().enumerate().filter(|(_, batch)| batch.boundary == Some(boundary))
-        {
-            for lane in 0..batch.count {
-                let start = 2 * (number * WIDTH + lane) * layout.face_len();
-                // Test functions of values sum to one, in space and time.
-                for (tensor, values) in
-                    self.terms[start..start + layout.kind_len()].chunks_exact(layout.face_nodes).enumerate()
-                {
-                    total[tensor % M] += values.iter().sum::<f64>();
-                }
-            }
-        }
-        total
-    }
-
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
@@ -272,6 +251,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Runs the facet kernel on a batch that has been gathered.
     pub(crate) fn facet_kernel(&self, along: Along, batch: &FacetBatch, times: &Times, scratch: &mut FacetScratch) {
+        self.across(along, batch, |context, across| {
+            self.problem.kernels.facets(along, context, times, across, scratch);
+        });
+    }
+
+    /// Hands what lies across the facets of a batch to `kernel`.
+    pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
@@ -280,8 +266,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let data = field.is_some().then_some(&fill as DataAt);
         let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
-        let context = FacetContext { tables: &self.tables, dt: self.dt, start: self.start };
-        self.problem.kernels.facets(along, &context, times, &across, scratch);
+        kernel(&FacetContext { tables: &self.tables, dt: self.dt, start: self.start }, &across);
     }
 
     /// Volume terms and facet terms of one batch of cells.

@@ -100,6 +100,8 @@ pub struct FacetScratch {
     pub x: Vec<Pack>,
     /// Prescribed states at points, `[b][m][p]`.
     pub data: Vec<Pack>,
+    /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
+    pub through: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
     pub violated: Pack,
     pub(crate) velocity_now: Vec<Pack>,
@@ -139,10 +141,16 @@ impl FacetScratch {
             normal_sign: Pack::ZERO,
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
+            through: zeroed(2 * through_len(M)),
             violated: Pack::ZERO,
             velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
             v: zeroed(2 * D * points),
             scratch: Scratch::new(D - 1, 2 * M.max(D), widest),
         }
     }
+}
+
+/// Numbers of one part of a flux through a boundary: M fluxes and the flux of angular momentum.
+pub(crate) const fn through_len(components: usize) -> usize {
+    components + 3
 }

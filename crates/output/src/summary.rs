@@ -49,6 +49,9 @@ pub struct Summary {
     /// Distance to the exact solution at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorNorms>,
+    /// The steady flow from which the run starts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steady: Option<Steady>,
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
@@ -161,11 +164,50 @@ pub struct ErrorNorms {
 pub struct Wall {
     /// Time integral of the force, one entry per direction.
     pub impulse: Vec<f64>,
+    /// The part of pressure in it.
+    pub pressure_impulse: Vec<f64>,
+    /// The part of friction in it.
+    pub friction_impulse: Vec<f64>,
+    /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
+    pub moment_impulse: Vec<f64>,
     /// Time integral of the power.
     pub work: f64,
     /// Drag coefficient at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag_coefficient: Option<f64>,
+    /// Lift coefficient at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lift_coefficient: Option<f64>,
+    /// Moment coefficient at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_coefficient: Option<f64>,
+}
+
+/// The steady flow from which a run starts.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steady {
+    /// Newton steps.
+    pub newton: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// The residual, relative to that of the initial state.
+    pub residual: f64,
+    /// The coefficients of the walls, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub walls: BTreeMap<String, SteadyWall>,
+}
+
+/// The coefficients of a wall in steady flow.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyWall {
+    /// Drag coefficient.
+    pub drag_coefficient: f64,
+    /// Lift coefficient.
+    pub lift_coefficient: f64,
+    /// Moment coefficient.
+    pub moment_coefficient: f64,
 }
 
 /// What the run cost.
@@ -231,9 +273,27 @@ mod tests {
                 energy_l2: Some(3e-3),
                 displacement_max: Some(1e-12),
             }),
+            steady: Some(Steady {
+                newton: 12,
+                krylov: 300,
+                residual: 1e-10,
+                walls: BTreeMap::from([(
+                    "foil".to_owned(),
+                    SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
+                )]),
+            }),
             walls: BTreeMap::from([(
                 "foil".to_owned(),
-                Wall { impulse: vec![1.0, -2.0], work: 0.5, drag_coefficient: Some(0.12) },
+                Wall {
+                    impulse: vec![1.0, -2.0],
+                    pressure_impulse: vec![0.75, -2.25],
+                    friction_impulse: vec![0.25, 0.25],
+                    moment_impulse: vec![3.0],
+                    work: 0.5,
+                    drag_coefficient: Some(0.12),
+                    lift_coefficient: Some(1.5),
+                    moment_coefficient: Some(-0.5),
+                },
             )]),
             cost: Cost {
                 wall_seconds: 2.5,
@@ -259,7 +319,11 @@ mod tests {
                               "first_invalid_time": 1.5 },
             "conservation": { "mass_error": 1e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
-            "walls": { "foil": { "impulse": [1.0, -2.0], "work": 0.5, "drag_coefficient": 0.12 } },
+            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
+                "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
+            "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
+                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5,
+                                 "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
             "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
                       "residual_evaluations": 100, "jacobian_products": 81 }
         })

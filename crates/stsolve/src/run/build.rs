@@ -79,6 +79,19 @@ where
     Ok(March::new(SlabProblem::new(operator, mover), u, settings(case)))
 }
 
+/// The problem of the steady flow of a case, on the mesh at rest.
+pub fn steady<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> SlabProblem<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: 1 };
+    let operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
+    SlabProblem::new(operator, MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1))
+}
+
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,

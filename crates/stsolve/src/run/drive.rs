@@ -4,6 +4,7 @@ use super::books::{Books, Stop};
 use super::mesh_run::move_mesh;
 use super::record::{MeshMoverView, Recorder, Snapshot};
 use super::tally::Tally;
+use super::walls::felt;
 use super::{build, checkpoint, history, summary};
 use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::RunArguments;
@@ -68,15 +69,16 @@ where
     let view = MeshMoverView::new(&march.problem.mover);
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
     let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, &view, arguments.resume)?;
-    let tally = resume(&mut march, stored.as_ref(), case)?;
+    let tally = resume(&mut march, stored.as_ref(), case, flow)?;
     let mut books = Books::new(&case.time, march.state.time, arguments, &session, begun, tally);
-    if stored.is_none() {
-        books.tally.totals_at_start = march.totals();
-        let (velocities, flow) = (vec![0.0; march.state.d.len() * case.time.order], flow_at_start(&march));
-        let (time, displacement) = (march.state.time, &march.state.d[..]);
-        recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
-    }
-    let stop = solve_slabs(case, &mut march, &mut recorder, &mut books, &session)?;
+    let stop = match stored {
+        None => begin(case, flow, &mut march, &mut recorder, &mut books)?,
+        Some(_) => None,
+    };
+    let stop = match stop {
+        None => solve_slabs(case, flow, &mut march, &mut recorder, &mut books, &session)?,
+        stop => stop,
+    };
     recorder.checkpoint(solver_state(&march), &books.tally)?;
     books.progress.finish();
     summary::of_flow(case, flow, &march, &books, stop.as_ref()).write(&session.directory)?;
@@ -89,11 +91,49 @@ where
     Ok(())
 }
 
+/// Begins a new run: from the steady flow if the case says so. Returns why that was not found, if it was not.
+fn begin<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    march: &mut March<D, M>,
+    recorder: &mut Recorder<D, M>,
+    books: &mut Books,
+) -> Result<Option<Stop>, Failure>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    if let Some(settings) = &case.solver.steady {
+        let mut problem = build::steady::<D, M>(case, flow);
+        let report = match coupled::solve_steady(&mut problem, &mut march.state.u, case.time.start, &settings.newton())
+        {
+            Ok(report) => report,
+            Err(error) => return Ok(Some(Stop::Failed(anyhow::Error::from(error).context("there is no steady flow")))),
+        };
+        let felt = felt(flow, &report);
+        books.tally.start_from_steady(&report, &felt);
+        books.tally.totals_at_start = report.totals.clone();
+        recorder.history.push(&history::row(flow, &report, &felt, &books.tally))?;
+        let (steps, iterations) = (report.newton.steps.len(), report.newton.krylov_iterations);
+        books.progress.say(&format!("steady flow: newton {steps}  krylov {iterations}  {:.1} s", books.seconds()));
+    }
+    books.tally.totals_at_start = march.totals();
+    let (velocities, flow) = (vec![0.0; march.state.d.len() * case.time.order], flow_at_start(march));
+    let (time, displacement) = (march.state.time, &march.state.d[..]);
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
+    if case.solver.steady.is_some() {
+        recorder.checkpoint(solver_state(march), &books.tally)?;
+    }
+    Ok(None)
+}
+
 /// Puts the march where the checkpoint left it.
 fn resume<const D: usize, const M: usize>(
     march: &mut March<D, M>,
     stored: Option<&SolverState>,
     case: &Case<D>,
+    flow: &Flow<D>,
 ) -> Result<Tally, Failure> {
     let Some(stored) = stored else { return Ok(Tally::default()) };
     let (state, frozen, stale) = checkpoint::load(stored, &case.time).ok_or_else(checkpoint::incomplete)?;
@@ -105,7 +145,7 @@ fn resume<const D: usize, const M: usize>(
         march.problem.thaw(frozen);
     }
     march.problem.stale = stale;
-    Tally::from_arrays(&stored.arrays, case.mesh.boundary_names().len()).ok_or_else(checkpoint::incomplete)
+    Tally::from_arrays(&stored.arrays, flow.walls.len()).ok_or_else(checkpoint::incomplete)
 }
 
 fn solver_state<const D: usize, const M: usize>(march: &March<D, M>) -> SolverState {
@@ -122,6 +162,7 @@ fn flow_at_start<const D: usize, const M: usize>(march: &March<D, M>) -> Vec<f64
 /// Solves what is left of the run; returns why it stopped before its end, if it did.
 fn solve_slabs<const D: usize, const M: usize>(
     case: &Case<D>,
+    flow: &Flow<D>,
     march: &mut March<D, M>,
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
@@ -132,7 +173,7 @@ fn solve_slabs<const D: usize, const M: usize>(
             return Ok(Some(Stop::Asked));
         }
         match march.advance() {
-            Ok(report) => finish_slab(case, march, &report, recorder, books)?,
+            Ok(report) => finish_slab(case, flow, march, &report, recorder, books)?,
             Err(error) => return Ok(Some(Stop::Failed(error.into()))),
         }
     }
@@ -141,13 +182,15 @@ fn solve_slabs<const D: usize, const M: usize>(
 
 fn finish_slab<const D: usize, const M: usize>(
     case: &Case<D>,
+    flow: &Flow<D>,
     march: &March<D, M>,
-    report: &SlabReport,
+    report: &SlabReport<M>,
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
 ) -> Result<(), Failure> {
-    books.tally.add(report);
-    recorder.history.push(&history::row(case, report, &books.tally))?;
+    let felt = felt(flow, report);
+    books.tally.add(report, &felt);
+    recorder.history.push(&history::row(flow, report, &felt, &books.tally))?;
     if let Some(past) = &march.state.past
         && (report.slab.is_multiple_of(case.output.every) || march.is_done())
     {

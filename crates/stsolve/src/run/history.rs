@@ -1,8 +1,10 @@
 //! The columns of history.csv, and its rows.
 
 use super::tally::Tally;
-use crate::case::Case;
+use super::walls::Felt;
+use crate::case::{Case, Flow, Wall};
 use coupled::{Interval, MeshQuality, SlabReport};
+use navier_stokes::{Coefficients, WallForce};
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -21,24 +23,46 @@ const OF_FLOW: [&str; 9] = [
     "mass_error",
 ];
 
-/// Columns of history.csv: those of every run, and for each wall its mean force over the slab and its power.
+/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
-    if case.flow.is_some() {
-        columns.extend(OF_FLOW.map(String::from));
-    }
-    for wall in walls(case) {
-        let name = &case.mesh.boundary_names()[wall];
-        columns.extend(["force_x", "force_y", "force_z"][..D].iter().map(|force| format!("{name}_{force}")));
-        columns.push(format!("{name}_power"));
+    let Some(flow) = &case.flow else { return columns };
+    columns.extend(OF_FLOW.map(String::from));
+    for wall in &flow.walls {
+        columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
     columns
 }
 
-/// The boundaries that are walls.
-pub fn walls<const D: usize>(case: &Case<D>) -> Vec<usize> {
-    let conditions = case.flow.iter().flat_map(|flow| flow.boundary.iter().enumerate());
-    conditions.filter(|(_, boundary)| boundary.condition.is_wall()).map(|(number, _)| number).collect()
+/// Columns of a wall, in the order of [`row_of_wall`].
+fn of_wall<const D: usize>() -> Vec<String> {
+    let axes = &["x", "y", "z"][..D];
+    let vector = |name: &'static str| axes.iter().map(move |axis| format!("{name}_{axis}"));
+    let moment = |name: &'static str| match D {
+        2 => vec![name.to_string()],
+        _ => vector(name).collect(),
+    };
+    let mut columns: Vec<String> = ["force", "pressure_force", "friction_force"].into_iter().flat_map(vector).collect();
+    columns.extend(moment("moment"));
+    columns.extend(["power", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
+    columns.extend(vector("impulse"));
+    columns.extend(moment("moment_impulse"));
+    columns.push("work".to_string());
+    columns
+}
+
+fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
+    // In the plane the moment has one component, the last.
+    let moment = |force: &WallForce<D>| if D == 2 { force.moment[2..].to_vec() } else { force.moment.to_vec() };
+    let (now, during) = (&felt.at_top, &felt.during);
+    let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
+    let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
+    row.extend(moment(now));
+    row.extend([now.power, drag, lift, turning]);
+    row.extend(during.force());
+    row.extend(moment(during));
+    row.push(during.power);
+    row
 }
 
 /// A row of the mesh alone.
@@ -47,8 +71,13 @@ pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality)
     vec![interval.end, interval.end - interval.start, iterations as f64, lower_bound, sampled_min, scaled_jacobian]
 }
 
-/// A row of mesh and flow; `tally` includes the slab.
-pub fn row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tally) -> Vec<f64> {
+/// A row of mesh and flow, with what the walls felt; `tally` includes the slab.
+pub fn row<const D: usize, const M: usize>(
+    flow: &Flow<D>,
+    report: &SlabReport<M>,
+    felt: &[Felt<D>],
+    tally: &Tally,
+) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
     row.extend([
@@ -59,10 +88,6 @@ pub fn row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tally) -
         newton.final_norm(),
     ]);
     row.extend([counts.rebuilds as f64, report.rejected as f64, totals[0], tally.mass_balance(totals)]);
-    let dt = interval.end - interval.start;
-    for wall in walls(case) {
-        // What momentum leaves through a wall is the force of the fluid on it; what energy leaves is the work on it.
-        row.extend(report.through[wall][1..].iter().map(|through| through / dt));
-    }
+    row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row
 }

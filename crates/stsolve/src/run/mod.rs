@@ -12,6 +12,7 @@
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `tally` | sums over the run |
+//! | `walls` | what walls feel |
 
 mod books;
 mod build;
@@ -23,5 +24,6 @@ mod mesh_run;
 mod record;
 mod summary;
 mod tally;
+mod walls;
 
 pub use drive::{motion, run};

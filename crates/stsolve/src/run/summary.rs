@@ -1,12 +1,15 @@
 //! summary.json
 
 use super::books::{Books, Stop};
-use super::history::walls;
-use crate::case::{Case, Flow, Motion, State, Stiffness, Vector};
+use super::tally;
+use super::walls::from_numbers;
+use crate::case::{self, Case, Flow, Motion, State, Stiffness, Vector};
 use coupled::{March, MeshMover};
 use fem::{StateField, squared_errors};
-use navier_stokes::Exact;
-use output::{Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Summary, Unknowns, Wall};
+use navier_stokes::{Coefficients, Exact};
+use output::{
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Steady, SteadyWall, Summary, Unknowns, Wall,
+};
 
 /// Of a run of mesh and flow.
 pub fn of_flow<const D: usize, const M: usize>(
@@ -42,12 +45,43 @@ where
         },
     };
     summary.conservation = (conservation != Conservation::default()).then_some(conservation);
-    for wall in walls(case) {
-        let Some(through) = tally.through.get(wall) else { continue };
-        let wall_summary = Wall { impulse: through[1..=D].to_vec(), work: through[M - 1], drag_coefficient: None };
-        summary.walls.insert(case.mesh.boundary_names()[wall].clone(), wall_summary);
+    let impulse = |wall: usize| tally.impulses.get(wall).map_or(&[][..], Vec::as_slice);
+    let force = |wall: usize| tally.forces.get(wall).map_or(&[][..], Vec::as_slice);
+    for (number, wall) in flow.walls.iter().enumerate() {
+        summary.walls.insert(wall.name.clone(), of_wall(wall, impulse(number), force(number)));
     }
+    summary.steady = tally.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
+}
+
+/// Of a wall, from its impulses over the run and its forces at the end.
+fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64]) -> Wall {
+    let impulses = from_numbers::<D>(impulses);
+    let coefficients = wall.scales.coefficients(&from_numbers(forces));
+    Wall {
+        impulse: impulses.force().to_vec(),
+        pressure_impulse: impulses.pressure.to_vec(),
+        friction_impulse: impulses.friction.to_vec(),
+        moment_impulse: impulses.moment[if D == 2 { 2 } else { 0 }..].to_vec(),
+        work: impulses.power,
+        drag_coefficient: Some(coefficients.drag),
+        lift_coefficient: Some(coefficients.lift),
+        moment_coefficient: Some(coefficients.moment),
+    }
+}
+
+/// Of the steady flow at the start.
+fn of_steady<const D: usize>(flow: &Flow<D>, steady: &tally::Steady) -> Steady {
+    let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
+        let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
+        (wall.name.clone(), SteadyWall { drag_coefficient: drag, lift_coefficient: lift, moment_coefficient: moment })
+    };
+    Steady {
+        newton: steady.newton,
+        krylov: steady.krylov,
+        residual: steady.residual,
+        walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
+    }
 }
 
 /// Of a run of the mesh alone.

@@ -1,14 +1,16 @@
 //! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
 
 mod flow;
+mod forces;
 mod mesh;
 mod motion;
 mod solver;
 mod states;
 mod time;
 
-pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver};
+pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver, Steady};
 pub use flow::{BoundaryData, Flow};
+pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use time::{Output, Time};
 
