@@ -1,13 +1,15 @@
-//! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab.
+//! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
 mod initial;
 mod march;
 mod mesh_march;
 mod mesh_mover;
 mod motion;
+mod observation;
 pub mod preconditioner;
 mod slab_problem;
 mod state;
+mod structure_march;
 pub mod weights;
 
 pub use initial::interpolate;
@@ -15,5 +17,7 @@ pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, Sla
 pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
+pub use observation::Observation;
 pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};
+pub use structure_march::{StructureMarch, StructureReport};

@@ -14,6 +14,7 @@
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
@@ -24,6 +25,7 @@ pub mod generate;
 mod geometry;
 mod gmsh;
 mod lattice;
+mod locate;
 mod mesh;
 mod numbering;
 mod periodic;

@@ -1,6 +1,6 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
-use coupled::{MeshQuality, SlabReport};
+use coupled::{MeshQuality, SlabReport, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
@@ -32,6 +32,28 @@ pub struct Tally {
     pub through: Vec<Vec<f64>>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
+    /// The energy of a structure.
+    pub structure: EnergyBalance,
+}
+
+/// Where the energy of a structure came from and went to, since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// The energy at the start.
+    pub energy_at_start: f64,
+    /// The work of the loads.
+    pub load_work: f64,
+    /// The work of the supports.
+    pub support_work: f64,
+    /// What the jumps between slabs have taken.
+    pub dissipation: f64,
+}
+
+impl EnergyBalance {
+    /// By how much `energy` is more than it should be: round-off.
+    pub fn error(&self, energy: f64) -> f64 {
+        energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
+    }
 }
 
 /// Where a mesh became invalid.
@@ -62,6 +84,14 @@ impl Tally {
             sum.iter_mut().zip(through).for_each(|(sum, through)| *sum += through);
         }
         self.mass_error = self.mass_error.max(self.mass_balance(&report.totals).abs());
+    }
+
+    /// Adds a slab of a structure.
+    pub fn add_structure(&mut self, report: &StructureReport) {
+        self.elasticity += report.dynamics.iterations as u64;
+        self.structure.load_work += report.dynamics.load_work;
+        self.structure.support_work += report.dynamics.support_work;
+        self.structure.dissipation += report.dynamics.dissipation;
     }
 
     /// Adds the quality of the mesh in a slab.
@@ -101,6 +131,10 @@ impl Tally {
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
             ("tally.through".into(), self.through.concat()),
             ("tally.mass_error".into(), vec![self.mass_error]),
+            ("tally.structure".into(), {
+                let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
+                vec![energy_at_start, load_work, support_work, dissipation]
+            }),
         ])
     }
 
@@ -117,6 +151,7 @@ impl Tally {
             }
             _ => None,
         };
+        let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
         let through = get("through")?;
         let components = through.len().checked_div(boundaries).unwrap_or(0).max(1);
         Some(Tally {
@@ -136,6 +171,7 @@ impl Tally {
             totals_at_start: get("totals_at_start")?.clone(),
             through: through.chunks(components).map(<[f64]>::to_vec).collect(),
             mass_error: *get("mass_error")?.first()?,
+            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
         })
     }
 }

@@ -4,7 +4,7 @@ use super::{mesh_crate, order};
 use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
-use crate::case::raw::{Axis, BoxGenerator, Curving, Generate, Mesh};
+use crate::case::raw::{BoxGenerator, Curving, Generate, Mesh};
 use mesh_crate::BoxMesh;
 
 /// The number of dimensions of the mesh.
@@ -62,7 +62,7 @@ fn box_mesh<const D: usize>(checker: &Checker<'_>, raw: &BoxGenerator, order: us
     for axis in 0..D {
         checker.positive(&key.child("size_ratio").entry(axis), "the ratio of sizes", ratios[axis])?;
     }
-    let periodic = periodic_axes(checker, &key.child("periodic"), &raw.periodic)?;
+    let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
     // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
     let key = curving_key(&key.child("curving"), raw.curving);
@@ -71,16 +71,6 @@ fn box_mesh<const D: usize>(checker: &Checker<'_>, raw: &BoxGenerator, order: us
 
 fn box_key() -> Key {
     Key::new("mesh.generate.box")
-}
-
-fn periodic_axes<const D: usize>(checker: &Checker<'_>, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
-    let mut periodic = [false; D];
-    for (index, axis) in axes.iter().enumerate() {
-        let place = *axis as usize;
-        checker.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
-        periodic[place] = true;
-    }
-    Ok(periodic)
 }
 
 /// Nodes of a mesh at most: coordinates of some gigabytes.
