@@ -87,6 +87,14 @@ pub enum ElasticityError {
         /// The nodal force.
         value: f64,
     },
+    /// There are fewer natural modes than wanted.
+    #[error("{wanted} natural modes are wanted, but the structure has only {free}: ask for fewer, or refine the mesh")]
+    TooManyModes {
+        /// The modes asked for.
+        wanted: usize,
+        /// Entries of a displacement that are free.
+        free: usize,
+    },
     /// Natural modes did not converge.
     #[error("{wanted} natural modes did not converge in {iterations} iterations: ask for fewer, or refine the mesh")]
     Modes {

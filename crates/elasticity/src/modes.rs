@@ -39,17 +39,20 @@ impl NaturalMode {
     }
 }
 
-/// The `count` modes of lowest frequency, in increasing order; all that there are, if they are fewer. Rigid motions that nothing
+/// The `count` modes of lowest frequency, in increasing order. Rigid motions that nothing
 /// prevents have frequency 0, up to round-off.
 ///
 /// # Errors
-/// [`ElasticityError::Modes`] without convergence, or that of a solve with K + s M.
+/// [`ElasticityError::TooManyModes`], [`ElasticityError::Modes`] without convergence, or that of a solve with K + s M.
 pub fn natural_modes<const D: usize>(
     structure: &Structure<D>,
     count: usize,
 ) -> Result<Vec<NaturalMode>, ElasticityError> {
     let free = structure.fixed().iter().filter(|fixed| !**fixed).count();
-    let (wanted, size) = (count.min(free), (count + GUARD).min(free));
+    if count > free {
+        return Err(ElasticityError::TooManyModes { wanted: count, free });
+    }
+    let size = (count + GUARD).min(free);
     let s = structure.typical_shift();
     let shifted = structure.shifted(s)?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
@@ -57,11 +60,11 @@ pub fn natural_modes<const D: usize>(
         let old = std::mem::take(&mut block.omega_squared);
         block = block.iterate(structure, &shifted)?;
         let settled = |k: usize| (block.omega_squared[k] - old[k]).abs() <= TOLERANCE * (block.omega_squared[k] + s);
-        if (0..wanted).all(settled) {
-            return Ok(block.into_modes(wanted));
+        if (0..count).all(settled) {
+            return Ok(block.into_modes(count));
         }
     }
-    Err(ElasticityError::Modes { wanted, iterations: MAX_ITERATIONS })
+    Err(ElasticityError::Modes { wanted: count, iterations: MAX_ITERATIONS })
 }
 
 /// Approximate modes.
@@ -102,10 +105,12 @@ impl Block {
     }
 
     fn into_modes(self, count: usize) -> Vec<NaturalMode> {
-        let mode = |(shape, omega_squared): (Vec<f64>, f64)| NaturalMode {
+        let mode = |(mut shape, omega_squared): (Vec<f64>, f64)| {
+            // Of the two shapes of a mode the one whose largest entry is positive.
+            let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+            shape.iter_mut().for_each(|x| *x *= largest.signum());
             // Rigid motions: round-off may lie below zero.
-            angular_frequency: omega_squared.max(0.0).sqrt(),
-            shape,
+            NaturalMode { angular_frequency: omega_squared.max(0.0).sqrt(), shape }
         };
         self.x.into_iter().zip(self.omega_squared).take(count).map(mode).collect()
     }

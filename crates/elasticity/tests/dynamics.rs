@@ -3,57 +3,8 @@
 
 mod common;
 
-use common::{box_mesh, structure};
-use elasticity::{Dynamics, DynamicsReport, Loads, Material, SlabBottom, Structure};
-
-/// A run of slabs of one length from rest or from a given state.
-struct Run<const D: usize> {
-    dynamics: Dynamics<D>,
-    time: f64,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-impl<const D: usize> Run<D> {
-    fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize, step: f64) -> Self {
-        let (displacement, velocity) = (vec![0.0; structure.length()], vec![0.0; structure.length()]);
-        let dynamics = Dynamics::new(structure, loads, time_order, step).unwrap();
-        Run { dynamics, time: 0.0, displacement, velocity }
-    }
-
-    /// One slab; supports move with `support(x, t)`.
-    fn advance(&mut self, dt: f64, support: impl Fn(&[f64; D], f64) -> [f64; D]) -> DynamicsReport {
-        let length = self.displacement.len();
-        let nodes = self.dynamics.motion().time().nodes().to_vec();
-        let fixed = self.dynamics.structure().fixed().to_vec();
-        let mut v = self.velocity.repeat(nodes.len());
-        for (s, v) in nodes.iter().zip(v.chunks_exact_mut(length)) {
-            for (node, x) in self.dynamics.structure().coordinates().iter().enumerate() {
-                let g = support(x, self.time + s * dt);
-                (0..D).filter(|i| fixed[node * D + i]).for_each(|i| v[node * D + i] = g[i]);
-            }
-        }
-        let bottom = SlabBottom { time: self.time, displacement: &self.displacement, velocity: &self.velocity };
-        let report = self.dynamics.solve(bottom, dt, &mut v).unwrap();
-        let mut top = vec![0.0; length];
-        self.dynamics.motion().displacement(dt, &self.displacement, &v, 1.0, &mut top);
-        self.displacement = top;
-        self.velocity = v[v.len() - length..].to_vec();
-        self.time += dt;
-        report
-    }
-
-    fn energy(&self) -> f64 {
-        let structure = self.dynamics.structure();
-        structure.kinetic_energy(&self.velocity) + structure.strain_energy(&self.displacement)
-    }
-
-    fn start(mut self, d: impl Fn(&[f64; D]) -> [f64; D], v: impl Fn(&[f64; D]) -> [f64; D]) -> Self {
-        self.displacement = self.dynamics.structure().coordinates().iter().flat_map(d).collect();
-        self.velocity = self.dynamics.structure().coordinates().iter().flat_map(v).collect();
-        self
-    }
-}
+use common::{Run, box_mesh, structure};
+use elasticity::{Loads, Material};
 
 fn material() -> Material {
     Material::new(2.0, 0.3).unwrap()

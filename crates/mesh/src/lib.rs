@@ -15,6 +15,7 @@
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `boundary` | normals and arc lengths at the nodes of a boundary |
+//! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
@@ -26,6 +27,7 @@ pub mod generate;
 mod geometry;
 mod gmsh;
 mod lattice;
+mod locate;
 mod mesh;
 mod numbering;
 mod periodic;

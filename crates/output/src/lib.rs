@@ -44,6 +44,6 @@ pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall, Summary,
-    Unknowns, Wall,
+    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
+    StructureSummary, Summary, Unknowns, Wall,
 };

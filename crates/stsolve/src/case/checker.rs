@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
-use super::raw::Formula;
+use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program};
 use navier_stokes::InvalidParameter;
@@ -75,6 +75,24 @@ impl<'a> Checker<'a> {
     pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
         self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
         Ok(value)
+    }
+
+    /// Poisson's ratio, where the elastic energy is definite.
+    pub(super) fn poisson_ratio(&self, key: &Key, nu: f64) -> Checked<f64> {
+        let accepted = "a number above -1 and below 0.5 (0.5 would be incompressible)";
+        self.require(key, "Poisson's ratio", nu > -1.0 && nu < 0.5, accepted)?;
+        Ok(nu)
+    }
+
+    /// Which of the axes of the mesh are listed.
+    pub(super) fn axes<const D: usize>(&self, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
+        let mut listed = [false; D];
+        for (index, axis) in axes.iter().enumerate() {
+            let place = *axis as usize;
+            self.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
+            listed[place] = true;
+        }
+        Ok(listed)
     }
 
     /// `value`, if it is 1 or more.

@@ -1,9 +1,9 @@
 //! The columns of history.csv, and its rows.
 
-use super::tally::Tally;
+use super::tally::{EnergyBalance, Tally};
 use super::walls::Felt;
-use crate::case::{Case, Flow, Wall};
-use coupled::{Interval, MeshQuality, SlabReport};
+use crate::case::{Case, Flow, Structure, Wall};
+use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::{Coefficients, WallForce};
 
 /// Columns of every run.
@@ -23,8 +23,26 @@ const OF_FLOW: [&str; 9] = [
     "mass_error",
 ];
 
-/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab.
+/// Columns of a run of a structure; work and dissipation since the start.
+const OF_STRUCTURE: [&str; 10] = [
+    "t",
+    "dt",
+    "elasticity_iterations",
+    "kinetic_energy",
+    "strain_energy",
+    "energy",
+    "load_work",
+    "support_work",
+    "dissipation",
+    "energy_error",
+];
+
+/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab. A structure has
+/// its own.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
+    if let Some(structure) = &case.structure {
+        return columns_of_structure(structure);
+    }
     let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
     let Some(flow) = &case.flow else { return columns };
     columns.extend(OF_FLOW.map(String::from));
@@ -65,10 +83,28 @@ fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
     row
 }
 
+/// With the displacement of every point and the coordinate of every natural mode.
+fn columns_of_structure<const D: usize>(structure: &Structure<D>) -> Vec<String> {
+    let of_point =
+        |(name, _): &(String, [f64; D])| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect();
+    let points = structure.points.iter().flat_map(of_point as fn(&_) -> Vec<String>);
+    let modes = (1..=structure.natural_modes).map(|mode| format!("mode_{mode}"));
+    OF_STRUCTURE.map(String::from).into_iter().chain(points).chain(modes).collect()
+}
+
 /// A row of the mesh alone.
 pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality) -> Vec<f64> {
     let MeshQuality { lower_bound, sampled_min, scaled_jacobian, .. } = *quality;
     vec![interval.end, interval.end - interval.start, iterations as f64, lower_bound, sampled_min, scaled_jacobian]
+}
+
+/// A row of a structure, up to its points; `balance` includes the slab.
+pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Vec<f64> {
+    let StructureReport { interval, dynamics, kinetic_energy, strain_energy, .. } = report;
+    let energy = kinetic_energy + strain_energy;
+    let time = [interval.end, interval.end - interval.start, dynamics.iterations as f64];
+    let work = [balance.load_work, balance.support_work, balance.dissipation, balance.error(energy)];
+    [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
 }
 
 /// A row of mesh and flow, with what the walls felt; `tally` includes the slab.

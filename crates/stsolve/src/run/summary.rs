@@ -4,11 +4,13 @@ use super::books::{Books, Stop};
 use super::tally;
 use super::walls::from_numbers;
 use crate::case::{self, Case, Flow, Motion, State, Stiffness, Vector};
-use coupled::{March, MeshMover};
+use coupled::{March, MeshMover, StructureMarch};
+use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Steady, SteadyWall, Summary, Unknowns, Wall,
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Steady, SteadyWall, StructureSummary, Summary,
+    Unknowns, Wall,
 };
 
 /// Of a run of mesh and flow.
@@ -95,14 +97,7 @@ pub fn of_mesh<const D: usize>(
     let tally = &books.tally;
     let displacement_max = displacement_error(case, mover, state);
     Summary {
-        case: case.about.name.clone(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        completed: stop.is_none(),
-        reason: stop.map(Stop::reason),
-        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
-        unknowns: Unknowns { flow: None, mesh: case.mesh_unknowns() },
-        slabs: state.slab as u64,
-        time: state.time,
+        unknowns: Unknowns { mesh: case.mesh_unknowns(), ..Default::default() },
         mesh_quality: tally.quality.map(|quality| MeshQuality {
             det_j_lower_bound: Some(quality.lower_bound),
             det_j_sampled_min: Some(quality.sampled_min),
@@ -110,6 +105,46 @@ pub fn of_mesh<const D: usize>(
             first_invalid_time: tally.first_invalid.map(|first| first.time),
         }),
         error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
+        ..common(case, state, books, stop)
+    }
+}
+
+/// Of a run of a structure that has the given `energy` now.
+pub fn of_structure<const D: usize>(
+    case: &Case<D>,
+    march: &StructureMarch<D>,
+    energy: f64,
+    modes: &[NaturalMode],
+    books: &Books,
+    stop: Option<&Stop>,
+) -> Summary {
+    let balance = books.tally.structure;
+    let free = march.dynamics.structure().fixed().iter().filter(|fixed| !**fixed).count();
+    let mut summary = common(case, &march.state, books, stop);
+    summary.unknowns.structure = Some(free * case.time.order);
+    summary.structure = Some(StructureSummary {
+        natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
+        energy_at_start: balance.energy_at_start,
+        energy,
+        load_work: balance.load_work,
+        support_work: balance.support_work,
+        dissipation: balance.dissipation,
+        energy_error: balance.error(energy),
+        iterations: books.tally.elasticity,
+    });
+    summary
+}
+
+/// What the summary of every run has.
+fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books, stop: Option<&Stop>) -> Summary {
+    Summary {
+        case: case.about.name.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        completed: stop.is_none(),
+        reason: stop.map(Stop::reason),
+        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
+        slabs: state.slab as u64,
+        time: state.time,
         cost: books.cost(),
         ..Default::default()
     }

@@ -1,7 +1,7 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
 use super::walls::{Felt, to_numbers};
-use coupled::{MeshQuality, SlabReport};
+use coupled::{MeshQuality, SlabReport, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
@@ -39,6 +39,28 @@ pub struct Tally {
     pub steady: Option<Steady>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
+    /// The energy of a structure.
+    pub structure: EnergyBalance,
+}
+
+/// Where the energy of a structure came from and went to, since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// The energy at the start.
+    pub energy_at_start: f64,
+    /// The work of the loads.
+    pub load_work: f64,
+    /// The work of the supports.
+    pub support_work: f64,
+    /// What the jumps between slabs have taken.
+    pub dissipation: f64,
+}
+
+impl EnergyBalance {
+    /// By how much `energy` is more than it should be: round-off.
+    pub fn error(&self, energy: f64) -> f64 {
+        energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
+    }
 }
 
 /// The steady flow at the start.
@@ -103,6 +125,14 @@ impl Tally {
         });
     }
 
+    /// Adds a slab of a structure.
+    pub fn add_structure(&mut self, report: &StructureReport) {
+        self.elasticity += report.dynamics.iterations as u64;
+        self.structure.load_work += report.dynamics.load_work;
+        self.structure.support_work += report.dynamics.support_work;
+        self.structure.dissipation += report.dynamics.dissipation;
+    }
+
     /// Adds the quality of the mesh in a slab.
     pub fn add_quality(&mut self, quality: MeshQuality) {
         self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
@@ -142,6 +172,10 @@ impl Tally {
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
             ("tally.mass_error".into(), vec![self.mass_error]),
+            ("tally.structure".into(), {
+                let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
+                vec![energy_at_start, load_work, support_work, dissipation]
+            }),
         ])
     }
 
@@ -158,6 +192,7 @@ impl Tally {
             }
             _ => None,
         };
+        let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
         let by_wall = |numbers: &[f64]| -> Vec<Vec<f64>> {
             let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
             numbers.chunks(each).map(<[f64]>::to_vec).collect()
@@ -190,6 +225,7 @@ impl Tally {
                 _ => None,
             },
             mass_error: *get("mass_error")?.first()?,
+            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
         })
     }
 }

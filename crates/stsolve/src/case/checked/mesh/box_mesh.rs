@@ -4,7 +4,7 @@ use super::AnyMesh;
 use super::family::Family;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::raw::{Axis, BoxGenerator, Curving};
+use crate::case::raw::{BoxGenerator, Curving};
 use ::mesh::{BoxMesh, Mesh};
 
 pub(super) fn build(checker: &Checker<'_>, raw: &BoxGenerator, order: usize) -> Checked<AnyMesh> {
@@ -30,7 +30,7 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     for axis in 0..D {
         checker.positive(&key.child("size_ratio").entry(axis), "the ratio of sizes", ratios[axis])?;
     }
-    let periodic = periodic_axes(checker, &key.child("periodic"), &raw.periodic)?;
+    let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
     // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
     let key = curving_key(&key.child("curving"), raw.curving);
@@ -45,16 +45,6 @@ fn check_axes<const D: usize>(family: &Family<'_>, extents: &[f64; D], cells: &[
         family.checker.at_least_one(&at("cells"), "the number of cells", cells[axis])?;
     }
     Ok(())
-}
-
-fn periodic_axes<const D: usize>(checker: &Checker<'_>, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
-    let mut periodic = [false; D];
-    for (index, axis) in axes.iter().enumerate() {
-        let place = *axis as usize;
-        checker.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
-        periodic[place] = true;
-    }
-    Ok(periodic)
 }
 
 /// The key of the amplitude.
