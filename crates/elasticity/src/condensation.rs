@@ -19,8 +19,7 @@ use rayon::prelude::*;
 use tensor::{Pack, WIDTH};
 
 /// The condensed and factored K_ff of an [`ElasticMesh`].
-pub struct Condensation<'a, const D: usize> {
-    mesh: &'a ElasticMesh<D>,
+pub struct Condensation<const D: usize> {
     cells: Vec<Cell>,
     /// The free C0 nodes that lie in several cells.
     skeleton: Vec<usize>,
@@ -39,32 +38,32 @@ struct Cell {
     extension: Mat<f64>,
 }
 
-impl<'a, const D: usize> Condensation<'a, D> {
+impl<const D: usize> Condensation<D> {
     /// Condenses every cell, and factors S.
     ///
     /// # Errors
     /// [`ElasticityError::NotDefinite`] if too few nodes are constrained.
-    pub fn new(mesh: &'a ElasticMesh<D>) -> Result<Self, ElasticityError> {
+    pub fn new(mesh: &ElasticMesh<D>) -> Result<Self, ElasticityError> {
         let batches = mesh.operator().batches();
         let is_skeleton = |&node: &usize| !mesh.constrained()[node] && batches.multiplicity(node) > 1;
         let skeleton: Vec<usize> = (0..mesh.constrained().len()).filter(is_skeleton).collect();
         let mut unknowns = vec![None; mesh.constrained().len()];
         skeleton.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let condense = |batch| -> Vec<Result<(Cell, Mat<f64>), ElasticityError>> {
-            let matrices = mesh.operator().cell_matrices(batch);
+            let matrices = mesh.cell_matrices(batch);
             let cells = (batch * WIDTH..batches.cells()).take(WIDTH);
             cells.map(|cell| Cell::condense(mesh, cell, &unknowns, &matrices)).collect()
         };
         let condensed: Vec<_> = (0..batches.count()).into_par_iter().map(condense).collect();
         let (cells, schur) = condensed.into_iter().flatten().collect::<Result<(Vec<_>, Vec<_>), _>>()?;
         let factor = assemble::<D>(&cells, &schur, skeleton.len()).factor()?;
-        Ok(Condensation { mesh, cells, skeleton, factor })
+        Ok(Condensation { cells, skeleton, factor })
     }
 
-    /// Solves K_ff d_f = f_f - K_fc d_c; `d` holds the prescribed displacement at constrained nodes, `f` the forces.
-    pub fn solve(&self, f: &[f64], d: &mut [f64]) {
+    /// Solves K_ff d_f = f_f - K_fc d_c with the K of `mesh` that was condensed; `d` holds the prescribed displacement at constrained nodes, `f` the forces.
+    pub fn solve(&self, mesh: &ElasticMesh<D>, f: &[f64], d: &mut [f64]) {
         let (mut boundary, mut b) = (vec![0.0; d.len()], vec![0.0; d.len()]);
-        self.mesh.right_hand_side(Some(f), d, &mut boundary, &mut b);
+        mesh.right_hand_side(Some(f), d, &mut boundary, &mut b);
         let mut s = entries::<D>(&b, &self.skeleton);
         for cell in &self.cells {
             // K_si K_ii^{-1} is the transpose of the extension.
@@ -161,7 +160,7 @@ mod tests {
         let random = noise(2 * elastic.length());
         let (forces, given) = random.split_at(elastic.length());
         let (mut direct, mut iterative) = (given.to_vec(), given.to_vec());
-        Condensation::new(&elastic).unwrap().solve(forces, &mut direct);
+        Condensation::new(&elastic).unwrap().solve(&elastic, forces, &mut direct);
         elastic.solve(forces, &mut iterative, 1e-13).unwrap();
         assert!(distance(&direct, &iterative) < 1e-9 * largest(&direct), "D = {D}, N = {order}");
     }

@@ -1,35 +1,43 @@
 //! A mesh that moves like an elastic body.
 
 use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, quadrature_points};
+use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
-use crate::{ElasticityError, Material, Stiffness};
-use basis::{gauss, gauss_lobatto};
+use crate::{Condensation, ElasticityError, Law, Material, Stiffness};
+use basis::gauss_lobatto;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::cg;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::operator::LinearSystem;
+use position::Position;
 
 /// CG iterations after which a solve is given up: ten times what the worst case takes.
 const MAX_ITERATIONS: usize = 500;
 
-/// The equilibrium of a mesh in its reference position: div sigma(d) = 0, with the displacement d prescribed at constrained nodes.
+/// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
 ///
 /// ```text
 /// K_ff d_f + K_fc d_c = f_f          f: free nodes, c: constrained nodes                                       (equilibrium)
 /// ```
 ///
-/// K depends on the reference mesh, the material and the stiffness alone. It is prepared once, with its preconditioner, and serves
-/// every slab and every temporal mode of a run. Vectors have the layout `[C0 node][component]`; temporal modes are separate vectors.
-/// All methods take `&self`: several vectors may be treated at the same time.
+/// With [`Law::Linear`], K depends on the initial mesh, the material and the stiffness alone. It is prepared once, with its
+/// preconditioner, and serves every slab and every temporal mode of a run. With the other laws K is the derivative of the forces at the
+/// displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal modes are
+/// separate vectors. All other methods take `&self`: several vectors may be treated at the same time.
 pub struct ElasticMesh<const D: usize> {
+    law: Law,
     operator: Operator<D>,
+    /// Where K is taken.
+    position: Position,
+    /// K condensed and factored, where that is done anew for every slab.
+    direct: Option<Condensation<D>>,
     preconditioner: LowOrder<D>,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
+    spacing: Vec<f64>,
     solves: Pool<SolveWork>,
     vectors: Pool<Vec<f64>>,
 }
@@ -57,20 +65,24 @@ impl<const D: usize> ElasticMesh<D> {
         constrained: &[bool],
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
-        let (order, lame) = (numbering.order(), material.lame());
-        let rule = gauss(quadrature_points(D, order));
+        let (order, law, lame) = (numbering.order(), material.law(), material.lame());
+        let rule = law.rule(D, order);
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
-        let operator = Operator::new(lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
         let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
         let preconditioner = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);
         Ok(ElasticMesh {
+            law,
+            position: Position::new(law, &operator, stiffness, diagonal.len()),
+            direct: None,
             operator,
             preconditioner,
             constrained: constrained.to_vec(),
             coordinates: nodal_coordinates(mesh, numbering),
             diagonal,
+            spacing: node_spacing(mesh, numbering),
             solves: Pool::new(),
             vectors: Pool::new(),
         })
@@ -88,9 +100,20 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
     }
-    /// diag K: the scale of the forces at every node, and the weight of a pseudo-time term.
+    /// The law.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+    /// diag K of the initial mesh at rest: the scale of the forces at every node, and the weight of a pseudo-time term.
     pub fn diagonal(&self) -> &[f64] {
         &self.diagonal
+    }
+    /// Weights of the residual in a slab of `time_order` nodes, that make its norm an error of position relative to the node spacing h:
+    /// |R|^2 = (1 / n) sum (R_i / (K_ii h_i))^2.
+    pub fn position_weights(&self, time_order: usize) -> Vec<f64> {
+        let count = (self.length() * time_order) as f64;
+        let weight = |i: usize| 1.0 / ((self.diagonal[i] * self.spacing[i / D]).powi(2) * count);
+        (0..time_order).flat_map(|_| (0..self.length()).map(weight)).collect()
     }
     /// Stored entries of the factor of the preconditioner: its memory, in numbers.
     pub fn factor_entries(&self) -> usize {
@@ -104,7 +127,7 @@ impl<const D: usize> ElasticMesh<D> {
     /// out = K d on all nodes, constrained or not. Nothing is allocated after a first call.
     pub fn apply(&self, d: &[f64], out: &mut [f64]) {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
-        self.operator.apply(d, out);
+        self.operator.product(self.position.bottom(), d, out);
     }
 
     /// out_f = K_ff d_f, out_c = 0, for a `d` that vanishes at constrained nodes.
@@ -144,6 +167,11 @@ impl<const D: usize> ElasticMesh<D> {
         d: &mut [f64],
         tolerance: f64,
     ) -> Result<cg::Report, ElasticityError> {
+        if let Some(direct) = &self.direct {
+            let none = f.is_none().then(|| vec![0.0; d.len()]);
+            direct.solve(self, f.or(none.as_deref()).unwrap_or(&[]), d);
+            return Ok(cg::Report::default());
+        }
         let mut work = self.solves.take(|| SolveWork::new(self.length()));
         let SolveWork { right_hand_side, solution, cg } = &mut work;
         self.right_hand_side(f, d, solution, right_hand_side);
@@ -226,5 +254,6 @@ impl<const D: usize> LinearSystem for FreeNodes<'_, D> {
     }
 }
 
+mod position;
 #[cfg(test)]
 mod tests;

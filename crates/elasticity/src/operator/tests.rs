@@ -106,7 +106,7 @@ fn same_bits_for_any_number_of_threads() {
             let mut solution = d.clone();
             let report = elastic.extend(&mut solution, 1e-10).unwrap();
             let mut direct = d.clone();
-            Condensation::new(&elastic).unwrap().solve(&d, &mut direct);
+            Condensation::new(&elastic).unwrap().solve(&elastic, &d, &mut direct);
             (product(&elastic, &d), elastic.diagonal().to_vec(), solution, report, direct)
         })
     };

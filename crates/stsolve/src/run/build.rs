@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness};
 use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
-use elasticity::{ElasticMesh, ElasticityError, Material};
+use elasticity::{Accuracy, ElasticMesh, ElasticityError, Material};
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::NodeNumbering;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -20,7 +20,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     let motion = match &case.motion {
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
-        Some(Motion::Elastic { poisson_ratio, stiffness, boundary }) => {
+        Some(Motion::Elastic { poisson_ratio, stiffness, law, tolerance, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
             let function = |x: &[f64; D]| match stiffness {
                 Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
@@ -31,9 +31,10 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
                 Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
                 Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
             };
-            let material = Material::new(1.0, *poisson_ratio)?;
+            let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
             let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
-            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, tolerance: ELASTIC_TOLERANCE }
+            let accuracy = Accuracy { solve: ELASTIC_TOLERANCE, position: *tolerance };
+            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
         }
     };
     Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))

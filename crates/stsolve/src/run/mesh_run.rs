@@ -90,13 +90,13 @@ fn finish_slab<const D: usize, const M: usize>(
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
 ) -> Result<(), Failure> {
-    let MeshReport { slab, interval, iterations, quality, first_invalid } = report;
+    let MeshReport { slab, interval, work, quality, first_invalid } = report;
     let tally = &mut books.tally;
-    tally.elasticity += *iterations as u64;
+    tally.elasticity += work.iterations as u64;
     tally.add_quality(*quality);
     let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
     tally.first_invalid = tally.first_invalid.or(first_invalid);
-    recorder.history.push(&history::row_of_mesh(*interval, *iterations, quality))?;
+    recorder.history.push(&history::row_of_mesh(*interval, work.iterations, quality))?;
     if let Some(past) = &march.state.past
         && (slab % case.output.every == 0 || march.is_done())
     {
