@@ -65,7 +65,7 @@ impl Turn {
         let motion = MeshMotion::Elastic {
             mesh: Box::new(elastic.unwrap()),
             boundary: BoundaryMotion { fields: vec![Arc::new(Turning)], field_of_node },
-            accuracy: Accuracy { solve: 1e-13, position: self.accuracy },
+            accuracy: Accuracy { solve: if self.law.is_linear() { 1e-13 } else { 1e-3 }, position: self.accuracy },
         };
         let mover = MeshMover::new(motion, mesh, numbering, self.time_order);
         MeshMarch::new(mover, 0.0, self.end, self.step, (self.end / self.step).round() as usize)

@@ -57,14 +57,9 @@ impl<const D: usize> Batches<D> {
     pub(crate) fn cells(&self) -> usize {
         self.cells
     }
-    /// The C0 nodes of a cell.
-    pub(crate) fn cell_nodes(&self, cell: usize) -> impl Iterator<Item = usize> {
-        let (batch, lane) = (cell / WIDTH, cell % WIDTH);
-        self.batch_nodes(batch).iter().skip(lane).step_by(WIDTH).copied()
-    }
-    /// In how many places of cells a C0 node lies.
-    pub(crate) fn multiplicity(&self, node: usize) -> usize {
-        self.starts[node + 1] - self.starts[node]
+    /// The C0 node in place `k` of a cell.
+    pub(crate) fn cell_node(&self, cell: usize, k: usize) -> usize {
+        self.batch_nodes(cell / WIDTH)[k * WIDTH + cell % WIDTH]
     }
     /// The C0 nodes of a batch, `[node][lane]`.
     fn batch_nodes(&self, batch: usize) -> &[usize] {
@@ -77,6 +72,10 @@ impl<const D: usize> Batches<D> {
     /// Packs of one batch in a cell field.
     pub(crate) fn cell_length(&self) -> usize {
         D * self.nodes_per_cell
+    }
+    /// Numbers of a nodal vector.
+    pub(crate) fn nodal_length(&self) -> usize {
+        D * (self.starts.len() - 1)
     }
     /// Packs of a cell field.
     pub(crate) fn field_length(&self) -> usize {

@@ -4,13 +4,13 @@ use crate::ElasticityError;
 use crate::pool::Pool;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::cholesky::llt::solve::solve_in_place;
-use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side, Spec};
+use faer::{Accum, Conj, MatMut, Par, Side, Spec};
 
 /// A symmetric matrix of D x D blocks, one block per pair of neighbouring nodes. Only the lower triangle is stored, by columns.
 pub(crate) struct BlockMatrix<const D: usize> {
@@ -113,11 +113,6 @@ impl Cholesky {
         self.symbolic.nrows()
     }
 
-    /// Stored entries of L.
-    pub(crate) fn entries(&self) -> usize {
-        self.values.len()
-    }
-
     /// x = A^{-1} x for one right-hand side.
     pub(crate) fn solve(&self, x: &mut [f64]) {
         let n = self.len();
@@ -130,28 +125,22 @@ impl Cholesky {
     }
 }
 
-/// The factor L of a small dense matrix A = L L^T.
-pub(crate) struct DenseCholesky(Mat<f64>);
-
-impl DenseCholesky {
-    /// Factors the lower triangle of `matrix`.
-    pub(crate) fn new(mut matrix: Mat<f64>) -> Result<Self, ElasticityError> {
-        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(matrix.nrows(), SEQUENTIAL, Spec::default()));
-        let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
-        cholesky_in_place(matrix.as_mut(), regularization, SEQUENTIAL, stack, Spec::default()).map_err(not_definite)?;
-        Ok(DenseCholesky(matrix))
-    }
-
-    /// x = A^{-1} x for every column.
-    pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
-        // faer asks for memory here, but needs none.
-        solve_in_place(self.0.as_ref(), x, SEQUENTIAL, MemStack::new(&mut []));
-    }
-}
-
-/// target += scale left right.
-pub(crate) fn add_product(target: &mut Mat<f64>, scale: f64, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
-    matmul(target.as_mut(), Accum::Add, left, right, scale, SEQUENTIAL);
+/// Replaces the lower triangle of a symmetric `matrix`, with its first `count` rows and columns called e and the others b, by that of
+///
+/// ```text
+/// L_ee                       F_ee = L_ee L_ee^T
+/// L_be   F_bb - L_be L_be^T  L_be = F_be L_ee^{-T}
+/// ```
+pub(crate) fn eliminate_leading(matrix: MatMut<'_, f64>, count: usize) -> Result<(), ElasticityError> {
+    let (mut f_ee, _, f_be, f_bb) = matrix.split_at_mut(count, count);
+    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(count, SEQUENTIAL, Spec::default()));
+    let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
+    cholesky_in_place(f_ee.as_mut(), regularization, SEQUENTIAL, stack, Spec::default()).map_err(not_definite)?;
+    let mut l_eb = f_be.transpose_mut();
+    solve_lower_triangular_in_place(f_ee.as_ref(), l_eb.as_mut(), SEQUENTIAL);
+    let (lower, full, l_be) = (BlockStructure::TriangularLower, BlockStructure::Rectangular, l_eb.as_ref().transpose());
+    matmul(f_bb, lower, Accum::Add, l_be, full, l_eb.as_ref(), full, -1.0, SEQUENTIAL);
+    Ok(())
 }
 
 fn not_definite(cause: impl std::fmt::Debug) -> ElasticityError {

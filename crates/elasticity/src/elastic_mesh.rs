@@ -1,20 +1,23 @@
 //! A mesh that moves like an elastic body.
 
+mod position;
+mod solve;
+#[cfg(test)]
+mod tests;
+
 use crate::batches::Batches;
+use crate::condensation::Elimination;
 use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
-use crate::{Condensation, ElasticityError, Law, Material, Stiffness};
+use crate::solver::{Inverse, Solver};
+use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
-use mesh::{Mesh, NodeNumbering};
-use newton_krylov::cg;
-use newton_krylov::inner_product::{Euclidean, InnerProduct};
-use newton_krylov::operator::LinearSystem;
+use mesh::{CellMap, Mesh, NodeNumbering};
 use position::Position;
-
-/// CG iterations after which a solve is given up: ten times what the worst case takes.
-const MAX_ITERATIONS: usize = 500;
+use solve::SolveWork;
+use std::sync::Arc;
 
 /// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
 ///
@@ -31,9 +34,7 @@ pub struct ElasticMesh<const D: usize> {
     operator: Operator<D>,
     /// Where K is taken.
     position: Position,
-    /// K condensed and factored, where that is done anew for every slab.
-    direct: Option<Condensation<D>>,
-    preconditioner: LowOrder<D>,
+    inverse: Inverse<D>,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
@@ -42,21 +43,13 @@ pub struct ElasticMesh<const D: usize> {
     vectors: Pool<Vec<f64>>,
 }
 
-/// Work space of one solve.
-struct SolveWork {
-    right_hand_side: Vec<f64>,
-    solution: Vec<f64>,
-    cg: cg::Workspace,
-}
-
 impl<const D: usize> ElasticMesh<D> {
-    /// Prepares K of the order of `numbering` on the reference mesh, and factors its preconditioner.
+    /// Prepares K of the order of `numbering` on the reference mesh, and the solver that its size suggests.
     ///
     /// `constrained[node]` says where the displacement is prescribed, in all components.
     ///
     /// # Errors
-    /// A stiffness that is not positive, a sub-cell between Gauss-Lobatto nodes that is inverted, no or too few constrained nodes, or
-    /// a `constrained` of the wrong length.
+    /// As [`Self::with_solver`].
     pub fn new(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
@@ -64,21 +57,48 @@ impl<const D: usize> ElasticMesh<D> {
         stiffness: Stiffness<'_, D>,
         constrained: &[bool],
     ) -> Result<Self, ElasticityError> {
+        Self::with_solver(mesh, numbering, material, stiffness, constrained, Solver::Automatic)
+    }
+
+    /// The same with the given solver.
+    ///
+    /// # Errors
+    /// A stiffness that is not positive, no or too few constrained nodes, a `constrained` of the wrong length, or, where the solver
+    /// needs the low-order refinement, a sub-cell between Gauss-Lobatto nodes that is inverted.
+    pub fn with_solver(
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        material: Material,
+        stiffness: Stiffness<'_, D>,
+        constrained: &[bool],
+        solver: Solver,
+    ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
         let rule = law.rule(D, order);
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
         let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
-        let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
-        let preconditioner = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
+        let position = Position::new(law, &operator, stiffness, numbering.count * D);
+        let elimination = Arc::new(Elimination::new(order, operator.batches(), constrained, &centres(mesh)));
+        let inverse = match solver.chosen(elimination.factor_entries(operator.batches()) * size_of::<f64>()) {
+            Solver::Direct => {
+                let factor =
+                    elimination.factor(operator.batches(), |batch| operator.cell_matrices(position.bottom(), batch))?;
+                Inverse::Direct(Box::new(factor))
+            }
+            _ => {
+                let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
+                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
+                Inverse::LowOrder(Box::new(low_order))
+            }
+        };
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);
         Ok(ElasticMesh {
             law,
-            position: Position::new(law, &operator, stiffness, diagonal.len()),
-            direct: None,
             operator,
-            preconditioner,
+            position,
+            inverse,
             constrained: constrained.to_vec(),
             coordinates: nodal_coordinates(mesh, numbering),
             diagonal,
@@ -115,14 +135,6 @@ impl<const D: usize> ElasticMesh<D> {
         let weight = |i: usize| 1.0 / ((self.diagonal[i] * self.spacing[i / D]).powi(2) * count);
         (0..time_order).flat_map(|_| (0..self.length()).map(weight)).collect()
     }
-    /// Stored entries of the factor of the preconditioner: its memory, in numbers.
-    pub fn factor_entries(&self) -> usize {
-        self.preconditioner.factor_entries()
-    }
-
-    pub(crate) fn operator(&self) -> &Operator<D> {
-        &self.operator
-    }
 
     /// out = K d on all nodes, constrained or not. Nothing is allocated after a first call.
     pub fn apply(&self, d: &[f64], out: &mut [f64]) {
@@ -134,70 +146,6 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn apply_free(&self, d: &[f64], out: &mut [f64]) {
         self.apply(d, out);
         self.at_constrained(out, |_| 0.0);
-    }
-
-    /// z_f = P^{-1} r_f by one low-order solve, z_c = 0.
-    pub fn precondition(&self, r: &[f64], z: &mut [f64]) {
-        self.preconditioner.apply(r, z);
-    }
-
-    /// Solves (equilibrium) for the forces `f`, whose entries at constrained nodes are ignored, by CG to
-    /// |residual| <= `tolerance` |f_f - K_fc d_c|. `d` holds the prescribed displacement at constrained nodes and a guess at the others.
-    ///
-    /// # Errors
-    /// [`ElasticityError::Solver`]; `d` then holds the last iterate.
-    pub fn solve(&self, f: &[f64], d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
-        debug_assert_eq!((f.len(), d.len()), (self.length(), self.length()));
-        self.solve_equilibrium(Some(f), d, tolerance)
-    }
-
-    /// Extends the displacement at constrained nodes to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free nodes.
-    ///
-    /// An increment of the boundary position reaches the mesh in this way only. A boundary that moves alone inverts the cells at it.
-    ///
-    /// # Errors
-    /// As [`Self::solve`].
-    pub fn extend(&self, d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
-        self.solve_equilibrium(None, d, tolerance)
-    }
-
-    fn solve_equilibrium(
-        &self,
-        f: Option<&[f64]>,
-        d: &mut [f64],
-        tolerance: f64,
-    ) -> Result<cg::Report, ElasticityError> {
-        if let Some(direct) = &self.direct {
-            let none = f.is_none().then(|| vec![0.0; d.len()]);
-            direct.solve(self, f.or(none.as_deref()).unwrap_or(&[]), d);
-            return Ok(cg::Report::default());
-        }
-        let mut work = self.solves.take(|| SolveWork::new(self.length()));
-        let SolveWork { right_hand_side, solution, cg } = &mut work;
-        self.right_hand_side(f, d, solution, right_hand_side);
-        solution.copy_from_slice(d);
-        self.at_constrained(solution, |_| 0.0);
-        if right_hand_side.iter().all(|&b| b == 0.0) {
-            // No tolerance relative to zero can be met from a guess.
-            solution.fill(0.0);
-        }
-        let settings =
-            cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
-        let result = cg::solve(&mut FreeNodes(self), right_hand_side, solution, &settings, cg);
-        self.at_free(d, |i| solution[i]);
-        self.solves.give(work);
-        Ok(result?)
-    }
-
-    /// b = f_f - K_fc d_c at free nodes, 0 at the others.
-    pub(crate) fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
-        boundary.copy_from_slice(d);
-        self.at_free(boundary, |_| 0.0);
-        self.apply(boundary, b);
-        for (i, b) in b.iter_mut().enumerate() {
-            *b = f.map_or(0.0, |f| f[i]) - *b;
-        }
-        self.at_constrained(b, |_| 0.0);
     }
 
     /// Sets the entries of free nodes.
@@ -225,6 +173,12 @@ impl<const D: usize> ElasticMesh<D> {
     }
 }
 
+/// The middles of the cells.
+fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
+    let middle = CellMap::on_grid(mesh.order(), &[0.0]);
+    (0..mesh.n_cells()).map(|cell| middle.positions(mesh.cell_coordinates(cell))[0]).collect()
+}
+
 fn check_constraints(numbering: &NodeNumbering, constrained: &[bool]) -> Result<(), ElasticityError> {
     if constrained.len() != numbering.count {
         let (found, expected) = (constrained.len(), numbering.count);
@@ -232,28 +186,3 @@ fn check_constraints(numbering: &NodeNumbering, constrained: &[bool]) -> Result<
     }
     if constrained.contains(&true) { Ok(()) } else { Err(ElasticityError::Unconstrained) }
 }
-
-impl SolveWork {
-    fn new(length: usize) -> Self {
-        SolveWork { right_hand_side: vec![0.0; length], solution: vec![0.0; length], cg: cg::Workspace::default() }
-    }
-}
-
-/// K_ff and its preconditioner, on vectors that vanish at constrained nodes.
-struct FreeNodes<'a, const D: usize>(&'a ElasticMesh<D>);
-
-impl<const D: usize> LinearSystem for FreeNodes<'_, D> {
-    fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.0.apply_free(x, y);
-    }
-    fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
-        self.0.precondition(r, z);
-    }
-    fn inner_product(&self) -> &dyn InnerProduct {
-        &Euclidean
-    }
-}
-
-mod position;
-#[cfg(test)]
-mod tests;

@@ -28,7 +28,7 @@ const ROUND_OFF: f64 = 1e-9;
 /// How exactly the equilibrium of a slab is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// The relative residual of solves with K.
+    /// The relative residual of solves with K. Where the law is not linear they precondition only, and 1e-3 is enough.
     pub solve: f64,
     /// (accuracy), for a law that is not linear.
     pub position: f64,
@@ -186,3 +186,6 @@ impl<const D: usize> NonlinearProblem for Equilibrium<'_, D> {
         1.0
     }
 }
+
+#[cfg(test)]
+mod tests;

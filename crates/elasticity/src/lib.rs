@@ -14,8 +14,9 @@
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
-//! | `condensation` | a direct solver: inner nodes eliminated, sparse Cholesky on the skeleton |
+//! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
 //! | `cholesky` | sparse and dense factorisation, by faer on one thread |
+//! | `solver` | which of them is taken |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
 //! | `equilibrium` | their solution |
@@ -36,11 +37,11 @@ mod material;
 mod operator;
 mod pool;
 mod slab;
+mod solver;
 mod stiffness;
 #[cfg(test)]
 mod testing;
 
-pub use condensation::Condensation;
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
@@ -48,4 +49,5 @@ pub use law::Law;
 pub use material::{Lame, Material};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
+pub use solver::Solver;
 pub use stiffness::Stiffness;

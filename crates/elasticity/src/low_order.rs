@@ -50,11 +50,6 @@ impl<const D: usize> LowOrder<D> {
         }
         self.buffers.give(x);
     }
-
-    /// Stored entries of the factor.
-    pub(crate) fn factor_entries(&self) -> usize {
-        self.factor.entries()
-    }
 }
 
 /// The low-order stiffness matrix of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.

@@ -17,7 +17,6 @@
 use crate::{ElasticMesh, ElasticityError, Inversion};
 use basis::{Matrix, RadauTime};
 use newton_krylov::cg;
-use rayon::prelude::*;
 
 /// The most time nodes of a slab.
 pub const MAX_TIME_ORDER: usize = 16;
@@ -136,23 +135,21 @@ impl<const D: usize> ElasticSlab<'_, D> {
     }
 
     /// Solves (dR/dV) w = r with K for the derivative of the forces at all time nodes, which for a linear law it is: the temporal modes
-    /// separate into N_t independent solves with K for displacement increments, whose constrained entries enter through K_fc, and w
-    /// follows by (velocity).
+    /// separate into N_t right-hand sides of K for displacement increments, whose constrained entries enter through K_fc, and w follows
+    /// by (velocity).
     ///
     /// # Errors
     /// As [`ElasticMesh::solve`].
     pub fn solve(&self, r: &[f64], w: &mut [f64], tolerance: f64) -> Result<Vec<cg::Report>, ElasticityError> {
         let length = self.mesh.length();
-        let solve_node = |(d, r): (&mut [f64], &[f64])| {
-            d.fill(0.0);
+        w.fill(0.0);
+        for (d, r) in w.chunks_exact_mut(length).zip(r.chunks_exact(length)) {
             self.mesh.at_constrained(d, |i| r[i] / self.mesh.diagonal()[i]);
-            self.mesh.solve(r, d, tolerance)
-        };
-        let modes = w.par_chunks_exact_mut(length).zip(r.par_chunks_exact(length));
-        let reports: Vec<Result<_, _>> = modes.map(solve_node).collect();
+        }
+        let reports = self.mesh.solve_all(r, w, tolerance);
         w.iter_mut().for_each(|d| *d /= self.dt);
         combine_nodes(self.motion.time.inverse_collocation(), w);
-        reports.into_iter().collect()
+        reports
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::geometry::{Sampler, quadrature_points};
 use crate::operator::tensor_weights;
-use crate::{ElasticMesh, Lame, Material, Stiffness};
+use crate::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use basis::{Lagrange, Matrix, gauss};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -30,8 +30,19 @@ pub(crate) fn material() -> Material {
 
 /// The elastic mesh with its whole boundary constrained.
 pub(crate) fn clamped<const D: usize>(mesh: &Mesh<D>, order: usize, stiffness: Stiffness<'_, D>) -> ElasticMesh<D> {
+    clamped_with(mesh, order, stiffness, Solver::Automatic)
+}
+
+/// The same with the given solver.
+pub(crate) fn clamped_with<const D: usize>(
+    mesh: &Mesh<D>,
+    order: usize,
+    stiffness: Stiffness<'_, D>,
+    solver: Solver,
+) -> ElasticMesh<D> {
     let numbering = NodeNumbering::new(mesh, order);
-    ElasticMesh::new(mesh, &numbering, material(), stiffness, &boundary_nodes(mesh, &numbering)).unwrap()
+    let constrained = boundary_nodes(mesh, &numbering);
+    ElasticMesh::with_solver(mesh, &numbering, material(), stiffness, &constrained, solver).unwrap()
 }
 
 /// Numbers in [-1, 1) that look random: the fractional parts of a quadratic sequence.

@@ -2,12 +2,15 @@
 
 use super::ElasticMesh;
 use crate::operator::Operator;
-use crate::{Condensation, ElasticityError, Inversion, Law, Stiffness};
+use crate::solver::Inverse;
+use crate::{ElasticityError, Inversion, Law, Stiffness};
 use tensor::Pack;
 
 /// The displacement at the bottom of the slab, and what it takes to move the reference mesh there.
 pub(super) struct Position {
     bottom: Vec<f64>,
+    /// Whether the inverse is that of K there.
+    is_prepared: bool,
     /// Of [`Law::Incremental`]: W and G of the initial mesh.
     initial_metric: Vec<Pack>,
     /// The power of det J in the stiffness; 0 for one that stays with the material.
@@ -24,7 +27,7 @@ impl Position {
     ) -> Self {
         let initial_metric = if law == Law::Incremental { operator.metric().to_vec() } else { Vec::new() };
         let power = if let Stiffness::InverseJacobian { power } = stiffness { power } else { 0.0 };
-        Position { bottom: vec![0.0; length], initial_metric, power }
+        Position { bottom: vec![0.0; length], is_prepared: true, initial_metric, power }
     }
 
     /// The displacement at the bottom of the slab; zero for [`Law::Linear`], where it does not matter.
@@ -40,20 +43,23 @@ impl<const D: usize> ElasticMesh<D> {
     /// # Errors
     /// [`ElasticityError::Inverted`] or [`ElasticityError::NotDefinite`] if `bottom` is not a position of the mesh, or not a stable one.
     pub fn begin_slab(&mut self, bottom: &[f64]) -> Result<(), ElasticityError> {
-        let is_prepared = self.direct.is_some() && self.position.bottom == bottom;
-        if self.law == Law::Linear || is_prepared {
+        let is_there = self.position.is_prepared && self.position.bottom == bottom;
+        if self.law == Law::Linear || is_there {
             return Ok(());
         }
-        self.direct = None;
+        self.position.is_prepared = false;
         if self.law == Law::Incremental {
             let Position { initial_metric, power, .. } = &self.position;
             let metric = self.operator.moved_metric(initial_metric, bottom, *power)?;
             self.operator.set_metric(metric);
         }
         self.position.bottom.copy_from_slice(bottom);
-        if D == 2 {
-            self.direct = Some(Condensation::new(self)?);
+        if let Inverse::Direct(condensation) = &self.inverse {
+            let matrices = |batch| self.operator.cell_matrices(bottom, batch);
+            let factor = condensation.elimination().factor(self.operator.batches(), matrices)?;
+            self.inverse = Inverse::Direct(Box::new(factor));
         }
+        self.position.is_prepared = true;
         Ok(())
     }
 
@@ -76,10 +82,5 @@ impl<const D: usize> ElasticMesh<D> {
     /// out = dR/dd (d) w, the derivative of [`Self::forces`] at `d` along `w`. Nothing is allocated after a first call.
     pub fn product_at(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
         self.operator.product(d, w, out);
-    }
-
-    /// K of the cells of one batch.
-    pub(crate) fn cell_matrices(&self, batch: usize) -> Vec<Pack> {
-        self.operator.cell_matrices(&self.position.bottom, batch)
     }
 }

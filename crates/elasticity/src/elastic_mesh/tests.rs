@@ -1,8 +1,9 @@
 #![allow(clippy::unwrap_used)]
 use crate::testing::{
-    assembled, boundary_nodes, clamped, distance, largest, material, nodal, noise, solve_densely, unit_box,
+    assembled, boundary_nodes, clamped, clamped_with, distance, largest, material, nodal, noise, solve_densely,
+    unit_box,
 };
-use crate::{ElasticMesh, ElasticityError, Stiffness};
+use crate::{ElasticMesh, ElasticityError, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use tensor::dot;
 
@@ -32,23 +33,77 @@ fn patch_test_on_curved_meshes_in_3d() {
     }
 }
 
-#[test]
-fn iterative_agrees_with_direct() {
-    let mesh = unit_box([4, 3], 5, 0.03);
+/// Every solver against a dense factorisation of the matrix that is assembled point by point.
+fn agrees_with_dense<const D: usize>(mesh: &Mesh<D>, order: usize) {
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
-    let elastic = clamped(&mesh, 5, stiffness);
-    let random = noise(2 * elastic.length());
-    let (forces, given) = random.split_at(elastic.length());
-    let mut direct = given.to_vec();
-    solve_densely::<2>(&assembled(&mesh, 5, material().lame(), stiffness), elastic.constrained(), forces, &mut direct);
-    let mut iterative = given.to_vec();
-    elastic.solve(forces, &mut iterative, 1e-12).unwrap();
-    assert!(distance(&iterative, &direct) < 1e-9 * largest(&direct));
+    let k = assembled(mesh, order, material().lame(), stiffness);
+    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+        let elastic = clamped_with(mesh, order, stiffness, solver);
+        let random = noise(2 * elastic.length());
+        let (forces, given) = random.split_at(elastic.length());
+        let (mut expected, mut found) = (given.to_vec(), given.to_vec());
+        solve_densely::<D>(&k, elastic.constrained(), forces, &mut expected);
+        let report = elastic.solve(forces, &mut found, 1e-12).unwrap();
+        assert!(distance(&found, &expected) < 1e-9 * largest(&expected), "D = {D}, N = {order}, {solver:?}");
+        assert_eq!(report.iterations == 0, solver == Solver::Direct);
+    }
+}
+
+#[test]
+fn every_solver_agrees_with_a_dense_factorisation() {
+    for order in [2, 3, 5, 8] {
+        agrees_with_dense(&unit_box([4, 3], order, 0.03), order);
+    }
+    for order in [2, 3, 4] {
+        agrees_with_dense(&unit_box([3, 2, 2], order, 0.03), order);
+    }
+}
+
+/// Nodes of one cell on both sides of a periodic boundary are one node.
+#[test]
+fn every_solver_agrees_with_a_dense_factorisation_on_a_periodic_strip_one_cell_long() {
+    let (curving, periodic) = (Curving::None, [true, false]);
+    let strip = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells: [1, 3], order: 4, curving, periodic };
+    agrees_with_dense(&strip.build().unwrap(), 4);
+}
+
+/// A free boundary, and constrained nodes inside cells.
+#[test]
+fn every_solver_agrees_with_a_dense_factorisation_where_other_nodes_are_constrained() {
+    let (mesh, order) = (unit_box([3, 3], 5, 0.03), 5);
+    let numbering = NodeNumbering::new(&mesh, order);
+    let constrained: Vec<bool> = (0..numbering.count).map(|node| node % 13 == 0).collect();
+    let k = assembled(&mesh, order, material().lame(), Stiffness::Constant);
+    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+        let elastic =
+            ElasticMesh::with_solver(&mesh, &numbering, material(), Stiffness::Constant, &constrained, solver).unwrap();
+        let random = noise(2 * elastic.length());
+        let (forces, given) = random.split_at(elastic.length());
+        let (mut expected, mut found) = (given.to_vec(), given.to_vec());
+        solve_densely::<2>(&k, &constrained, forces, &mut expected);
+        elastic.solve(forces, &mut found, 1e-12).unwrap();
+        assert!(distance(&found, &expected) < 1e-9 * largest(&expected), "{solver:?}");
+    }
+}
+
+#[test]
+fn right_hand_sides_together_are_those_one_by_one() {
+    let mesh = unit_box([5, 4], 4, 0.03);
+    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+        let elastic = clamped_with(&mesh, 4, Stiffness::Constant, solver);
+        let (f, mut together) = (noise(3 * elastic.length()), noise(3 * elastic.length()));
+        let mut single = together.clone();
+        elastic.solve_all(&f, &mut together, 1e-12).unwrap();
+        for (f, d) in f.chunks_exact(elastic.length()).zip(single.chunks_exact_mut(elastic.length())) {
+            elastic.solve(f, d, 1e-12).unwrap();
+        }
+        assert!(distance(&together, &single) < 1e-12 * largest(&single), "{solver:?}");
+    }
 }
 
 /// CG iterations to 1e-10 for random forces on a clamped mesh.
 fn iterations<const D: usize>(mesh: &Mesh<D>, order: usize) -> usize {
-    let elastic = clamped(mesh, order, Stiffness::Constant);
+    let elastic = clamped_with(mesh, order, Stiffness::Constant, Solver::ConjugateGradients);
     let mut d = vec![0.0; elastic.length()];
     elastic.solve(&noise(d.len()), &mut d, 1e-10).unwrap().iterations
 }
@@ -95,7 +150,8 @@ fn iterations_do_not_grow_with_the_aspect_ratio() {
 fn iterations_in_a_boundary_layer() {
     for order in [4, 8] {
         let mesh = straight([1.0, 1.0], 64 / order, order).build_graded([1.0, 1000.0]).unwrap();
-        let elastic = clamped(&mesh, order, Stiffness::InverseJacobian { power: 1.0 });
+        let stiffness = Stiffness::InverseJacobian { power: 1.0 };
+        let elastic = clamped_with(&mesh, order, stiffness, Solver::ConjugateGradients);
         let mut d = vec![0.0; elastic.length()];
         let wall = nodal(&elastic, |x| if x[1] == 0.0 { [0.0, 0.01 * (6.0 * x[0]).sin()] } else { [0.0, 0.0] });
         elastic.at_constrained(&mut d, |i| wall[i]);
@@ -106,7 +162,7 @@ fn iterations_in_a_boundary_layer() {
 
 #[test]
 fn a_good_guess_saves_iterations_and_no_boundary_motion_needs_none() {
-    let elastic = clamped(&unit_box([4, 4], 4, 0.0), 4, Stiffness::Constant);
+    let elastic = clamped_with(&unit_box([4, 4], 4, 0.0), 4, Stiffness::Constant, Solver::ConjugateGradients);
     let boundary = nodal(&elastic, |x| [x[0] * x[1], x[0] * x[0]]);
     let mut d = boundary.clone();
     let cold = elastic.extend(&mut d, 1e-10).unwrap().iterations;

@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// Tolerance of a solve with K: displacements are then good to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
 
+/// The same where K only preconditions, because the law is not linear.
+const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
+
 /// The mover of the mesh of a case.
 ///
 /// # Errors
@@ -33,7 +36,8 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
             };
             let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
             let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
-            let accuracy = Accuracy { solve: ELASTIC_TOLERANCE, position: *tolerance };
+            let solve = if law.is_linear() { ELASTIC_TOLERANCE } else { PRECONDITIONER_TOLERANCE };
+            let accuracy = Accuracy { solve, position: *tolerance };
             MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
         }
     };

@@ -1,0 +1,207 @@
+//! The solution of the equilibrium, for several right-hand sides.
+
+use super::ElasticMesh;
+use crate::ElasticityError;
+use crate::condensation::Condensation;
+use crate::solver::Inverse;
+use newton_krylov::cg;
+use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
+use newton_krylov::operator::LinearSystem;
+use rayon::prelude::*;
+
+/// CG iterations after which a solve is given up: ten times what the worst case takes.
+const MAX_ITERATIONS: usize = 500;
+
+/// Corrections of a direct solve after the first one. Each gains ten digits or more, up to round-off.
+const MAX_REFINEMENTS: usize = 2;
+
+/// The relative residual that a direct solve reaches in any case: a larger one is an error.
+const DIRECT_TOLERANCE: f64 = 1e-8;
+
+/// Work space of one solve with CG.
+pub(super) struct SolveWork {
+    right_hand_side: Vec<f64>,
+    solution: Vec<f64>,
+    cg: cg::Workspace,
+}
+
+impl SolveWork {
+    fn new(length: usize) -> Self {
+        SolveWork { right_hand_side: vec![0.0; length], solution: vec![0.0; length], cg: cg::Workspace::default() }
+    }
+}
+
+impl<const D: usize> ElasticMesh<D> {
+    /// Solves (equilibrium) for the forces `f`, whose entries at constrained nodes are ignored, to
+    /// |residual| <= `tolerance` |f_f - K_fc d_c|; a direct solver, to as near to that as round-off allows. `d` holds the prescribed
+    /// displacement at constrained nodes and, for iterative solvers, a guess at the others.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Solver`]; `d` then holds the last iterate.
+    pub fn solve(&self, f: &[f64], d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
+        debug_assert_eq!((f.len(), d.len()), (self.length(), self.length()));
+        self.solve_one(Some(f), d, tolerance)
+    }
+
+    /// Extends the displacement at constrained nodes to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free nodes.
+    ///
+    /// An increment of the boundary position reaches the mesh in this way only. A boundary that moves alone inverts the cells at it.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn extend(&self, d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
+        self.solve_one(None, d, tolerance)
+    }
+
+    /// [`Self::solve`] for vectors one after the other, `[right-hand side][C0 node][component]`, with a report for each. A direct solver
+    /// treats all of them in one pass, CG side by side.
+    ///
+    /// # Errors
+    /// That of the first right-hand side with one.
+    pub fn solve_all(&self, f: &[f64], d: &mut [f64], tolerance: f64) -> Result<Vec<cg::Report>, ElasticityError> {
+        debug_assert_eq!((f.len(), d.len() % self.length()), (d.len(), 0));
+        self.solve_equilibrium(Some(f), d, tolerance)
+    }
+
+    /// z_f = P^{-1} r_f, z_c = 0, with the inverse that the solver has prepared; the exact one of a direct solver.
+    pub fn precondition(&self, r: &[f64], z: &mut [f64]) {
+        match &self.inverse {
+            Inverse::Direct(condensation) => {
+                z.copy_from_slice(r);
+                self.at_constrained(z, |_| 0.0);
+                condensation.solve(self.operator.batches(), z);
+            }
+            Inverse::LowOrder(low_order) => low_order.apply(r, z),
+        }
+    }
+
+    fn solve_one(&self, f: Option<&[f64]>, d: &mut [f64], tolerance: f64) -> Result<cg::Report, ElasticityError> {
+        Ok(self.solve_equilibrium(f, d, tolerance)?[0])
+    }
+
+    fn solve_equilibrium(
+        &self,
+        f: Option<&[f64]>,
+        d: &mut [f64],
+        tolerance: f64,
+    ) -> Result<Vec<cg::Report>, ElasticityError> {
+        match &self.inverse {
+            Inverse::Direct(condensation) => self.solve_directly(condensation, f, d, tolerance),
+            Inverse::LowOrder(_) => {
+                let sides = d.par_chunks_exact_mut(self.length()).enumerate();
+                let solve = |(side, d)| self.solve_iteratively(f.map(|f| self.side(f, side)), d, tolerance);
+                let reports: Vec<_> = sides.map(solve).collect();
+                reports.into_iter().collect()
+            }
+        }
+    }
+
+    /// Right-hand side number `side` of several.
+    fn side<'a>(&self, f: &'a [f64], side: usize) -> &'a [f64] {
+        &f[side * self.length()..][..self.length()]
+    }
+
+    /// d = d + K_ff^{-1} r, r = f - K d, from d_f = 0, repeated until r is small enough or as small as round-off lets it be.
+    fn solve_directly(
+        &self,
+        condensation: &Condensation<D>,
+        f: Option<&[f64]>,
+        d: &mut [f64],
+        tolerance: f64,
+    ) -> Result<Vec<cg::Report>, ElasticityError> {
+        d.chunks_exact_mut(self.length()).for_each(|d| self.at_free(d, |_| 0.0));
+        let mut r = vec![0.0; d.len()];
+        let start = self.residuals(f, d, &mut r);
+        let mut norms = start.clone();
+        for _ in 0..=MAX_REFINEMENTS {
+            if norms.iter().zip(&start).all(|(norm, start)| *norm <= tolerance * start) {
+                break;
+            }
+            condensation.solve(self.operator.batches(), &mut r);
+            axpy(1.0, &r, d);
+            let refined = self.residuals(f, d, &mut r);
+            // A norm that is not a number is kept: it is an error below.
+            let stalled = norms.iter().zip(&refined).all(|(old, new)| *new >= 0.5 * old);
+            norms = refined;
+            if stalled {
+                break;
+            }
+        }
+        let report = |(&initial_norm, &final_norm)| cg::Report { iterations: 0, initial_norm, final_norm };
+        start.iter().zip(&norms).map(report).map(|report| accepted(report, tolerance)).collect()
+    }
+
+    /// r = (f - K d)_f for every right-hand side; returns the norms.
+    fn residuals(&self, f: Option<&[f64]>, d: &[f64], r: &mut [f64]) -> Vec<f64> {
+        let sides = d.chunks_exact(self.length()).zip(r.chunks_exact_mut(self.length())).enumerate();
+        let residual = |(side, (d, r)): (usize, (&[f64], &mut [f64]))| {
+            self.apply(d, r);
+            self.subtract_from(f.map(|f| self.side(f, side)), r);
+            Euclidean.norm(r)
+        };
+        sides.map(residual).collect()
+    }
+
+    fn solve_iteratively(
+        &self,
+        f: Option<&[f64]>,
+        d: &mut [f64],
+        tolerance: f64,
+    ) -> Result<cg::Report, ElasticityError> {
+        let mut work = self.solves.take(|| SolveWork::new(self.length()));
+        let SolveWork { right_hand_side, solution, cg } = &mut work;
+        self.right_hand_side(f, d, solution, right_hand_side);
+        solution.copy_from_slice(d);
+        self.at_constrained(solution, |_| 0.0);
+        if right_hand_side.iter().all(|&b| b == 0.0) {
+            // No tolerance relative to zero can be met from a guess.
+            solution.fill(0.0);
+        }
+        let settings =
+            cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
+        let result = cg::solve(&mut FreeNodes(self), right_hand_side, solution, &settings, cg);
+        self.at_free(d, |i| solution[i]);
+        self.solves.give(work);
+        Ok(result?)
+    }
+
+    /// b = f_f - K_fc d_c at free nodes, 0 at the others.
+    fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
+        boundary.copy_from_slice(d);
+        self.at_free(boundary, |_| 0.0);
+        self.apply(boundary, b);
+        self.subtract_from(f, b);
+    }
+
+    /// b = f - b at free nodes, 0 at the others; without forces, f = 0.
+    fn subtract_from(&self, f: Option<&[f64]>, b: &mut [f64]) {
+        for (i, b) in b.iter_mut().enumerate() {
+            *b = f.map_or(0.0, |f| f[i]) - *b;
+        }
+        self.at_constrained(b, |_| 0.0);
+    }
+}
+
+/// The report of a direct solve that has reached its tolerance, or round-off.
+fn accepted(report: cg::Report, tolerance: f64) -> Result<cg::Report, ElasticityError> {
+    if report.final_norm <= tolerance.max(DIRECT_TOLERANCE) * report.initial_norm {
+        Ok(report)
+    } else {
+        Err(cg::Error::MaxIterations(report).into())
+    }
+}
+
+/// K_ff and its preconditioner, on vectors that vanish at constrained nodes.
+struct FreeNodes<'a, const D: usize>(&'a ElasticMesh<D>);
+
+impl<const D: usize> LinearSystem for FreeNodes<'_, D> {
+    fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        self.0.apply_free(x, y);
+    }
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.0.precondition(r, z);
+    }
+    fn inner_product(&self) -> &dyn InnerProduct {
+        &Euclidean
+    }
+}
