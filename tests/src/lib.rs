@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 pub mod orders;
+pub mod rotating_box;
 pub mod viscous;
 pub mod vortex;
 

@@ -2,7 +2,7 @@
 
 use crate::prescribed;
 use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
-use elasticity::{ElasticMesh, Material, Stiffness};
+use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Vortex;
@@ -122,5 +122,6 @@ fn elastic_motion(mesh: &Mesh<2>, numbering: &NodeNumbering) -> MeshMotion<2> {
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
     let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
     let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
-    MeshMotion::Elastic { mesh: Box::new(elastic), boundary, tolerance: 1e-13 }
+    let accuracy = Accuracy { solve: 1e-13, position: 1e-3 };
+    MeshMotion::Elastic { mesh: Box::new(elastic), boundary, accuracy }
 }

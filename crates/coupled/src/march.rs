@@ -209,8 +209,8 @@ impl<const D: usize, const M: usize> March<D, M> {
     /// Solves one slab from the current state.
     fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
         let dt = interval.end - interval.start;
-        self.problem.begin(interval.start, dt, &self.state.u, &self.state.d);
-        let mut v = self.guess_velocities(dt);
+        self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
+        let mut v = self.guess_velocities(interval);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
             // Before any flow is solved on it.
@@ -295,13 +295,17 @@ impl<const D: usize, const M: usize> March<D, M> {
         }
     }
 
-    /// The first guess of the mesh velocities.
-    fn guess_velocities(&self, dt: f64) -> Vec<f64> {
-        let (time, len) = (self.problem.mover.slab_motion.time(), self.problem.mover.field_len());
-        match self.settings.predictor {
-            Predictor::Constant => vec![0.0; len * time.order()],
-            _ => self.state.extrapolated_velocities(time, len, dt),
-        }
+    /// The first guess of the mesh velocities: rest, unless the motion of the slab before may be continued.
+    fn guess_velocities(&self, interval: Interval) -> Vec<f64> {
+        let mover = &self.problem.mover;
+        let (time, len) = (mover.slab_motion.time(), mover.field_len());
+        let extrapolated = self.state.extrapolated_velocities(time, len, interval.end - interval.start);
+        let is_good = match self.settings.predictor {
+            Predictor::Constant => false,
+            Predictor::Elastic => true,
+            Predictor::Extrapolated => mover.quality(&self.state.d, &extrapolated, interval).is_valid(),
+        };
+        if is_good { extrapolated } else { vec![0.0; len * time.order()] }
     }
 
     /// Moves the state to the top of the slab.

@@ -3,7 +3,7 @@
 use crate::mesh_mover::{MeshMover, MeshQuality};
 use crate::schedule::Schedule;
 use crate::state::{Interval, Past, State};
-use elasticity::ElasticityError;
+use elasticity::{ElasticityError, Work};
 
 /// What a slab of the mesh alone has done.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,15 +12,15 @@ pub struct MeshReport {
     pub slab: usize,
     /// Its interval.
     pub interval: Interval,
-    /// CG iterations with K.
-    pub iterations: usize,
+    /// What its equilibrium has cost.
+    pub work: Work,
     /// The quality of the mesh.
     pub quality: MeshQuality,
     /// The first time at which a cell is not proved to be valid, if there is one.
     pub first_invalid: Option<f64>,
 }
 
-/// A mesh that moves without a flow. It goes on when cells are inverted: linear elasticity does not notice.
+/// A mesh that moves without a flow. With a linear law it goes on when cells are inverted: that law does not notice.
 pub struct MeshMarch<const D: usize> {
     /// The mesh.
     pub mover: MeshMover<D>,
@@ -44,22 +44,23 @@ impl<const D: usize> MeshMarch<D> {
     /// Advances one slab.
     ///
     /// # Errors
-    /// As [`elasticity::ElasticMesh::solve`].
+    /// As [`MeshMover::begin_slab`] and [`MeshMover::velocities`].
     pub fn advance(&mut self) -> Result<MeshReport, ElasticityError> {
         let interval = self.schedule.next(&self.state);
         let dt = interval.end - interval.start;
+        let bottom = self.state.d.clone();
+        self.mover.begin_slab(&bottom)?;
         let time = self.mover.slab_motion.time();
         let mut g = vec![0.0; self.mover.field_len() * time.order()];
         self.mover.prescribed_in_slab(interval.start, dt, &mut g);
         let mut v = self.state.extrapolated_velocities(time, self.mover.field_len(), dt);
-        let bottom = self.state.d.clone();
-        let iterations = self.mover.velocities(dt, &bottom, &g, &mut v)?;
+        let work = self.mover.velocities(interval, &bottom, &g, &mut v)?;
         let quality = self.mover.quality(&bottom, &v, interval);
         let first_invalid = if quality.is_valid() { None } else { self.mover.first_invalid(&bottom, &v, interval) };
         self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
         self.state.pending.push(interval);
         self.state.finish(interval);
-        Ok(MeshReport { slab: self.state.slab, interval, iterations, quality, first_invalid })
+        Ok(MeshReport { slab: self.state.slab, interval, work, quality, first_invalid })
     }
 }

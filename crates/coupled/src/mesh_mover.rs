@@ -3,8 +3,9 @@
 use crate::motion::MeshMotion;
 use crate::state::Interval;
 use basis::RadauTime;
-use elasticity::{ElasticityError, SlabMotion};
+use elasticity::{ElasticityError, SlabMotion, Work};
 use mesh::{Mesh, NodeNumbering, Validity, ValidityCheck};
+use newton_krylov::problem::Inadmissible;
 
 /// The quality of the mesh over a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,12 +100,45 @@ impl<const D: usize> MeshMover<D> {
         }
     }
 
-    /// Velocities that meet the displacements `g` prescribed at the time nodes, from the guess in `v`. Returns the CG iterations.
+    /// Prepares the elastic mesh for the slab that starts at the displacement `bottom`.
     ///
     /// # Errors
-    /// As [`elasticity::ElasticMesh::solve`].
-    pub fn velocities(&self, dt: f64, bottom: &[f64], g: &[f64], v: &mut [f64]) -> Result<usize, ElasticityError> {
-        self.motion.velocities(&self.slab_motion, dt, bottom, g, v)
+    /// As [`elasticity::ElasticMesh::begin_slab`].
+    pub fn begin_slab(&mut self, bottom: &[f64]) -> Result<(), ElasticityError> {
+        if let MeshMotion::Elastic { mesh, .. } = &mut self.motion { mesh.begin_slab(bottom) } else { Ok(()) }
+    }
+
+    /// Velocities in a slab that meet the displacements `g` prescribed at its time nodes, from the guess in `v`. A mesh whose law is not
+    /// linear is proved to stay valid at every step on the way.
+    ///
+    /// # Errors
+    /// As [`elasticity::ElasticSlab::equilibrium`].
+    pub fn velocities(
+        &self,
+        interval: Interval,
+        bottom: &[f64],
+        g: &[f64],
+        v: &mut [f64],
+    ) -> Result<Work, ElasticityError> {
+        let guard = |v: &[f64]| self.check_validity(bottom, v, interval);
+        self.motion.velocities(&self.slab_motion, interval.end - interval.start, bottom, g, v, &guard)
+    }
+
+    /// Whether the motion of a slab is proved to be valid, as an answer to a line search.
+    ///
+    /// # Errors
+    /// The smallest det J / det J_0 seen, where it is not.
+    pub fn check_validity(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Result<(), Inadmissible> {
+        let quality = self.quality(bottom, v, interval);
+        if quality.is_valid() {
+            return Ok(());
+        }
+        let MeshQuality { sampled_min: value, cell, time, .. } = quality;
+        Err(Inadmissible {
+            quantity: "det J / det J_0".into(),
+            value,
+            location: format!("in cell {cell} at t = {time}"),
+        })
     }
 
     /// Proves det J > 0 for the motion of a slab.

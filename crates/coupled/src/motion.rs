@@ -1,6 +1,6 @@
 //! How the mesh of a run moves.
 
-use elasticity::{ElasticMesh, ElasticityError, SlabMotion};
+use elasticity::{Accuracy, ElasticMesh, ElasticSlab, ElasticityError, Guard, SlabMotion, Work};
 use fem::VectorField;
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ pub enum MeshMotion<const D: usize> {
         mesh: Box<ElasticMesh<D>>,
         /// The boundary.
         boundary: BoundaryMotion<D>,
-        /// Tolerance of a solve with K, relative.
-        tolerance: f64,
+        /// How exactly it is put into equilibrium.
+        accuracy: Accuracy,
     },
 }
 
@@ -48,10 +48,10 @@ impl<const D: usize> MeshMotion<D> {
     }
 
     /// Velocities whose displacement meets the prescribed one `g` at the time nodes; for an elastic mesh in equilibrium at
-    /// all of them, found from the guess in `v`. Returns the CG iterations.
+    /// all of them; found from the guess in `v` without leaving what `guard` allows.
     ///
     /// # Errors
-    /// As [`ElasticMesh::solve`].
+    /// As [`ElasticSlab::equilibrium`].
     pub fn velocities(
         &self,
         motion: &SlabMotion,
@@ -59,23 +59,18 @@ impl<const D: usize> MeshMotion<D> {
         bottom: &[f64],
         g: &[f64],
         v: &mut [f64],
-    ) -> Result<usize, ElasticityError> {
+        guard: Guard<'_>,
+    ) -> Result<Work, ElasticityError> {
         match self {
             MeshMotion::Still => v.fill(0.0),
             MeshMotion::Prescribed(_) => {
                 v.copy_from_slice(g);
                 motion.velocities(dt, bottom, v);
             }
-            MeshMotion::Elastic { mesh, tolerance, .. } => {
-                let slab = elasticity::ElasticSlab { mesh, motion, dt };
-                let mut residual = vec![0.0; v.len()];
-                let mut correction = vec![0.0; v.len()];
-                slab.residual(bottom, g, v, &mut residual);
-                let reports = slab.solve(&residual, &mut correction, *tolerance)?;
-                v.iter_mut().zip(&correction).for_each(|(v, w)| *v -= w);
-                return Ok(reports.iter().map(|r| r.iterations).sum());
+            MeshMotion::Elastic { mesh, accuracy, .. } => {
+                return ElasticSlab { mesh, motion, dt }.equilibrium(bottom, g, v, *accuracy, guard);
             }
         }
-        Ok(0)
+        Ok(Work::default())
     }
 }

@@ -1,7 +1,7 @@
 //! One slab as one nonlinear problem.
 //!
 //! ```text
-//! z = (V, U),   R(z) = ( R_e(V), R_f(U; V) ),   dR/dz = [ K  0 ; B  A ]                                           (coupled)
+//! z = (V, U),   R(z) = ( R_e(V), R_f(U; V) ),   dR/dz = [ K(V)  0 ; B  A ]                                        (coupled)
 //! ```
 //!
 //! Motions that are prescribed everywhere leave V out of z.
@@ -9,6 +9,7 @@
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use crate::preconditioner::{FlowPreconditioner, Ordering};
+use crate::state::Interval;
 use basis::TemporalModes;
 use elasticity::{ElasticMesh, ElasticSlab};
 use fem::{SlabOperator, Violation};
@@ -81,8 +82,11 @@ pub struct SlabProblem<const D: usize, const M: usize> {
 }
 
 impl<const D: usize, const M: usize> SlabProblem<D, M> {
-    /// The problem of `flow` on the mesh that `mover` moves.
-    pub fn new(flow: SlabOperator<D, M>, mover: MeshMover<D>) -> Self {
+    /// The problem of `flow` on the mesh that `mover` moves. Where the mesh is found ahead of the flow, it is found until it is settled.
+    pub fn new(flow: SlabOperator<D, M>, mut mover: MeshMover<D>) -> Self {
+        if let MeshMotion::Elastic { accuracy, .. } = &mut mover.motion {
+            accuracy.position = accuracy.position.min(SETTLED);
+        }
         let mesh_weights = crate::weights::mesh(&mover, flow.tables.orders.time);
         let (mesh_len, velocity_len) = (mesh_weights.len(), flow.mesh.field_len() * flow.tables.orders.time);
         let flow_len = flow.layout.len();
@@ -127,21 +131,26 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     }
 
     /// Moves to the slab from `start` of length `dt`, on top of the state `u` and the displacement `d`.
-    pub fn begin(&mut self, start: f64, dt: f64, u: &[f64], d: &[f64]) {
+    ///
+    /// # Errors
+    /// As [`MeshMover::begin_slab`].
+    pub fn begin(&mut self, start: f64, dt: f64, u: &[f64], d: &[f64]) -> Result<(), elasticity::ElasticityError> {
+        self.mover.begin_slab(d)?;
         self.flow.begin_slab(start, dt, u, d);
         self.bottom.copy_from_slice(d);
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
         self.inverse_pseudo_time.fill(0.0);
+        Ok(())
     }
 
     /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`; sets the mesh of the flow.
     ///
     /// # Errors
-    /// As [`ElasticMesh::solve`].
+    /// As [`MeshMover::velocities`].
     pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
-        let (_, dt) = self.flow.interval();
-        self.counts.elasticity_iterations += self.mover.velocities(dt, &self.bottom, &self.prescribed, v)?;
+        let work = self.mover.velocities(self.interval(), &self.bottom, &self.prescribed, v)?;
+        self.counts.elasticity_iterations += work.iterations;
         self.set_velocities(v);
         Ok(())
     }
@@ -194,8 +203,13 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     }
 
     fn elastic(&self) -> Option<(ElasticSlab<'_, D>, f64)> {
-        let MeshMotion::Elastic { mesh, tolerance, .. } = &self.mover.motion else { return None };
-        Some((ElasticSlab { mesh, motion: &self.mover.slab_motion, dt: self.flow.interval().1 }, *tolerance))
+        let MeshMotion::Elastic { mesh, accuracy, .. } = &self.mover.motion else { return None };
+        Some((ElasticSlab { mesh, motion: &self.mover.slab_motion, dt: self.flow.interval().1 }, accuracy.solve))
+    }
+
+    fn interval(&self) -> Interval {
+        let (start, dt) = self.flow.interval();
+        Interval { start, end: start + dt, halvings: 0 }
     }
 
     fn elastic_mesh(&self) -> Option<&ElasticMesh<D>> {
@@ -203,13 +217,13 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         Some(mesh)
     }
 
-    /// w = K^{-1} r_e; whether CG converged.
+    /// w = K^{-1} r_e with the K of the bottom; whether that is exact: the law is linear, and CG converged.
     fn solve_mesh(&mut self, r_e: &[f64], w: &mut [f64]) -> bool {
         let Some((slab, tolerance)) = self.elastic() else { return true };
         let result = slab.solve(r_e, w, tolerance);
-        let converged = result.is_ok();
+        let exact = result.is_ok() && slab.mesh.law().is_linear();
         self.counts.elasticity_iterations += result.map_or(0, |reports| reports.iter().map(|r| r.iterations).sum());
-        converged
+        exact
     }
 
     /// rest -= B w.
@@ -301,7 +315,10 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         let n = self.mesh_len();
         let ((v, u), (r_e, r_f)) = (z.split_at(n), r.split_at_mut(n));
         if let Some((slab, _)) = self.elastic() {
-            slab.residual(&self.bottom, &self.prescribed, v, r_e);
+            slab.residual(&self.bottom, &self.prescribed, v, r_e)?;
+            if self.velocities != v {
+                self.mover.check_validity(&self.bottom, v, self.interval())?;
+            }
             self.set_velocities(v);
         }
         self.counts.residuals += 1;
@@ -325,7 +342,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         } else {
             self.counts.mesh_products += 1;
             if let Some((slab, _)) = self.elastic() {
-                slab.jacobian_product(w, out_e);
+                slab.jacobian_product(&self.bottom, &self.velocities, w, out_e);
             }
             self.flow.product_with_mesh(x, w, out_f);
         }

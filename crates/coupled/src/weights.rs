@@ -8,7 +8,6 @@
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use fem::SlabOperator;
-use mesh::{Mesh, NodeNumbering};
 
 /// Weights of the flow's residual in a slab.
 pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Vec<f64> {
@@ -38,28 +37,5 @@ pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Ve
 /// Weights of the mesh equations in a slab of `time_order` nodes; empty unless the mesh is elastic.
 pub fn mesh<const D: usize>(mover: &MeshMover<D>, time_order: usize) -> Vec<f64> {
     let MeshMotion::Elastic { mesh: elastic, .. } = &mover.motion else { return Vec::new() };
-    let spacing = node_spacing(&mover.reference, &mover.numbering);
-    let diagonal = elastic.diagonal();
-    let count = (diagonal.len() * time_order) as f64;
-    let weight = |i: usize| 1.0 / ((diagonal[i] * spacing[i / D]).powi(2) * count);
-    (0..time_order).flat_map(|_| (0..diagonal.len()).map(weight)).collect()
-}
-
-/// The distance of every C0 node to the nearest neighbour on its lines.
-fn node_spacing<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<f64> {
-    let n = mesh.order();
-    let mut spacing = vec![f64::INFINITY; numbering.count];
-    for cell in 0..mesh.n_cells() {
-        let (x, numbers) = (mesh.cell_coordinates(cell), numbering.cell(cell));
-        for i in 0..numbers.len() {
-            for stride in (0..D).map(|axis| n.pow(axis as u32)).filter(|stride| i / stride % n + 1 < n) {
-                let squares = (0..D).map(|d| (x[(i + stride) * D + d] - x[i * D + d]).powi(2));
-                let distance = squares.sum::<f64>().sqrt();
-                for node in [numbers[i], numbers[i + stride]] {
-                    spacing[node] = spacing[node].min(distance);
-                }
-            }
-        }
-    }
-    spacing
+    elastic.position_weights(time_order)
 }

@@ -98,6 +98,11 @@ struct SolveWork {
 }
 
 impl<const D: usize> Condensation<D> {
+    /// The order of elimination, for the factor of another K of the same mesh.
+    pub(crate) fn elimination(&self) -> &Arc<Elimination<D>> {
+        &self.elimination
+    }
+
     /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained nodes.
     /// After a first call with as many right-hand sides nothing is allocated.
     pub(crate) fn solve(&self, batches: &Batches<D>, x: &mut [f64]) {

@@ -1,37 +1,44 @@
 //! A mesh that moves like an elastic body.
 
+mod position;
 mod solve;
 #[cfg(test)]
 mod tests;
 
 use crate::batches::Batches;
 use crate::condensation::Elimination;
-use crate::geometry::{Sampler, nodal_coordinates, quadrature_points};
+use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Solver};
-use crate::{ElasticityError, Material, Stiffness};
-use basis::{gauss, gauss_lobatto};
+use crate::{ElasticityError, Law, Material, Stiffness};
+use basis::gauss_lobatto;
 use mesh::{CellMap, Mesh, NodeNumbering};
+use position::Position;
 use solve::SolveWork;
 use std::sync::Arc;
 
-/// The equilibrium of a mesh in its reference position: div sigma(d) = 0, with the displacement d prescribed at constrained nodes.
+/// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
 ///
 /// ```text
 /// K_ff d_f + K_fc d_c = f_f          f: free nodes, c: constrained nodes                                       (equilibrium)
 /// ```
 ///
-/// K depends on the reference mesh, the material and the stiffness alone. It is prepared once, with its preconditioner, and serves
-/// every slab and every temporal mode of a run. Vectors have the layout `[C0 node][component]`; temporal modes are separate vectors.
-/// All methods take `&self`: several vectors may be treated at the same time.
+/// With [`Law::Linear`], K depends on the initial mesh, the material and the stiffness alone. It is prepared once, with its
+/// preconditioner, and serves every slab and every temporal mode of a run. With the other laws K is the derivative of the forces at the
+/// displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal modes are
+/// separate vectors. All other methods take `&self`: several vectors may be treated at the same time.
 pub struct ElasticMesh<const D: usize> {
+    law: Law,
     operator: Operator<D>,
+    /// Where K is taken.
+    position: Position,
     inverse: Inverse<D>,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
+    spacing: Vec<f64>,
     solves: Pool<SolveWork>,
     vectors: Pool<Vec<f64>>,
 }
@@ -67,14 +74,16 @@ impl<const D: usize> ElasticMesh<D> {
         solver: Solver,
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
-        let (order, lame) = (numbering.order(), material.lame());
-        let rule = gauss(quadrature_points(D, order));
+        let (order, law, lame) = (numbering.order(), material.law(), material.lame());
+        let rule = law.rule(D, order);
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
-        let operator = Operator::new(lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let position = Position::new(law, &operator, stiffness, numbering.count * D);
         let elimination = Arc::new(Elimination::new(order, operator.batches(), constrained, &centres(mesh)));
         let inverse = match solver.chosen(elimination.factor_entries(operator.batches()) * size_of::<f64>()) {
             Solver::Direct => {
-                let factor = elimination.factor(operator.batches(), |batch| operator.cell_matrices(batch))?;
+                let factor =
+                    elimination.factor(operator.batches(), |batch| operator.cell_matrices(position.bottom(), batch))?;
                 Inverse::Direct(Box::new(factor))
             }
             _ => {
@@ -86,11 +95,14 @@ impl<const D: usize> ElasticMesh<D> {
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);
         Ok(ElasticMesh {
+            law,
             operator,
+            position,
             inverse,
             constrained: constrained.to_vec(),
             coordinates: nodal_coordinates(mesh, numbering),
             diagonal,
+            spacing: node_spacing(mesh, numbering),
             solves: Pool::new(),
             vectors: Pool::new(),
         })
@@ -108,15 +120,26 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
     }
-    /// diag K: the scale of the forces at every node, and the weight of a pseudo-time term.
+    /// The law.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+    /// diag K of the initial mesh at rest: the scale of the forces at every node, and the weight of a pseudo-time term.
     pub fn diagonal(&self) -> &[f64] {
         &self.diagonal
+    }
+    /// Weights of the residual in a slab of `time_order` nodes, that make its norm an error of position relative to the node spacing h:
+    /// |R|^2 = (1 / n) sum (R_i / (K_ii h_i))^2.
+    pub fn position_weights(&self, time_order: usize) -> Vec<f64> {
+        let count = (self.length() * time_order) as f64;
+        let weight = |i: usize| 1.0 / ((self.diagonal[i] * self.spacing[i / D]).powi(2) * count);
+        (0..time_order).flat_map(|_| (0..self.length()).map(weight)).collect()
     }
 
     /// out = K d on all nodes, constrained or not. Nothing is allocated after a first call.
     pub fn apply(&self, d: &[f64], out: &mut [f64]) {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
-        self.operator.apply(d, out);
+        self.operator.product(self.position.bottom(), d, out);
     }
 
     /// out_f = K_ff d_f, out_c = 0, for a `d` that vanishes at constrained nodes.

@@ -1,6 +1,7 @@
 //! What can be wrong with an elastic mesh.
 
-use newton_krylov::{cg, fgmres};
+use newton_krylov::problem::Inadmissible;
+use newton_krylov::{cg, fgmres, newton};
 use thiserror::Error;
 
 /// Why an elastic mesh cannot be built or solved.
@@ -39,6 +40,9 @@ pub enum ElasticityError {
         /// The determinant of the edges there.
         determinant: f64,
     },
+    /// The displacement inverts a cell.
+    #[error(transparent)]
+    Inverted(#[from] Inversion),
     /// An array does not have the length that mesh and order imply.
     #[error("{array} has {found} entries, expected {expected}")]
     Length {
@@ -103,4 +107,24 @@ pub enum ElasticityError {
         /// What was done.
         iterations: usize,
     },
+    /// Newton's method did not find the equilibrium of a nonlinear law.
+    #[error("the equilibrium of the mesh was not found")]
+    Newton(#[source] Box<newton::Error>),
+}
+
+/// The displacement inverts a cell at a point where its energy is integrated: a neo-Hookean mesh has no stress there.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("the displacement d inverts cell {cell}: det(I + grad d) = {volume_ratio:e} at a point of its energy")]
+pub struct Inversion {
+    /// The cell.
+    pub cell: usize,
+    /// The smallest det(I + grad d) of the mesh.
+    pub volume_ratio: f64,
+}
+
+impl From<Inversion> for Inadmissible {
+    fn from(Inversion { cell, volume_ratio }: Inversion) -> Self {
+        let location = format!("in cell {cell} at a point of its elastic energy");
+        Inadmissible { quantity: "det(I + grad d)".into(), value: volume_ratio, location }
+    }
 }

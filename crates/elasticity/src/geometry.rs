@@ -3,7 +3,7 @@
 use crate::{ElasticityError, Stiffness};
 use basis::gauss_lobatto;
 use mesh::{CellMap, Mesh, NodeNumbering};
-use tensor::{cofactor, determinant};
+use tensor::{cofactor, determinant, norm};
 
 /// Gauss points per direction that integrate K.
 ///
@@ -72,6 +72,25 @@ pub(crate) fn nodal_coordinates<const D: usize>(mesh: &Mesh<D>, numbering: &Node
         }
     }
     coordinates
+}
+
+/// The distance of every C0 node to the nearest neighbour on its lines.
+pub(crate) fn node_spacing<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<f64> {
+    let n = numbering.order();
+    let map = CellMap::<D>::on_grid(mesh.order(), &gauss_lobatto(n).points);
+    let mut spacing = vec![f64::INFINITY; numbering.count];
+    for cell in 0..mesh.n_cells() {
+        let (x, numbers) = (map.positions(mesh.cell_coordinates(cell)), numbering.cell(cell));
+        for i in 0..numbers.len() {
+            for stride in (0..D).map(|axis| n.pow(axis as u32)).filter(|stride| i / stride % n + 1 < n) {
+                let edge: [f64; D] = std::array::from_fn(|d| x[i + stride][d] - x[i][d]);
+                for node in [numbers[i], numbers[i + stride]] {
+                    spacing[node] = spacing[node].min(norm(&edge));
+                }
+            }
+        }
+    }
+    spacing
 }
 
 /// det J and J^{-1}.

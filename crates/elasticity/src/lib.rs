@@ -1,22 +1,25 @@
-//! Linear elasticity that moves the mesh, and that a structure obeys.
+//! Elasticity that moves the mesh, and that a structure obeys.
 //!
 //! The displacement d of the reference mesh x0 is that of an elastic body whose boundary follows the prescribed motion:
-//! div sigma(d) = 0 with sigma = 2 mu eps + lambda tr(eps) I, in 2-D in plane strain. The space is that of the C0 nodes of order N; its
-//! basis here is nodal, at Gauss-Lobatto points. K is constant over a run, so it is prepared once.
+//! div P(grad d) = 0 with the stress P of linear elasticity or of a neo-Hookean material, in 2-D in plane strain. The space is that of
+//! the C0 nodes of order N; its basis here is nodal, at Gauss-Lobatto points. K of the linear law is constant over a run, so it is
+//! prepared once.
 //!
 //! | module | mathematics |
 //! |---|---|
-//! | `material` | the law at a point |
+//! | `material` | Lame's constants, and the linear stress |
+//! | `law` | the laws at a point |
 //! | `stiffness` | where the mesh is stiff |
 //! | `geometry` | the reference mesh at points of its cells |
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
-//! | `operator` | K, matrix-free |
+//! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
 //! | `cholesky` | sparse and dense factorisation, by faer on one thread |
 //! | `solver` | which of them is taken |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
-//! | `slab` | motion and equilibrium in a time slab |
+//! | `slab` | motion and mesh equations in a time slab |
+//! | `equilibrium` | their solution |
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
 //! | `dynamics` | the motion of a structure in a time slab |
@@ -31,8 +34,10 @@ mod cholesky;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;
+mod equilibrium;
 mod errors;
 mod geometry;
+mod law;
 mod loads;
 mod low_order;
 mod mass;
@@ -50,7 +55,9 @@ mod testing;
 
 pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
 pub use elastic_mesh::ElasticMesh;
-pub use errors::ElasticityError;
+pub use equilibrium::{Accuracy, Guard, Work};
+pub use errors::{ElasticityError, Inversion};
+pub use law::Law;
 pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
 pub use material::{Lame, Material};
 pub use modes::{NaturalMode, natural_modes};

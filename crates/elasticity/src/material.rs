@@ -1,19 +1,20 @@
-//! The pointwise law of linear elasticity.
+//! The material of the mesh, and the stress of linear elasticity.
 
-use crate::ElasticityError;
+use crate::{ElasticityError, Law};
 use tensor::Real;
 
-/// An isotropic linear material: Young's modulus E and Poisson's ratio nu. In 2-D the strain is plane.
+/// An isotropic material: Young's modulus E and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane.
 ///
 /// Where only the motion of a mesh is sought E may be 1: it scales the stress, not the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     young: f64,
     poisson: f64,
+    law: Law,
 }
 
 impl Material {
-    /// A material with E > 0 and -1 < nu < 0.5, outside of which the energy has no minimum.
+    /// A linear material with E > 0 and -1 < nu < 0.5, outside of which the energy has no minimum.
     ///
     /// # Errors
     /// [`ElasticityError::Material`] if a constant is out of range or not a number.
@@ -32,7 +33,16 @@ impl Material {
                 accepted: "-1 < nu < 0.5",
             });
         }
-        Ok(Material { young, poisson })
+        Ok(Material { young, poisson, law: Law::Linear })
+    }
+
+    /// The same constants with another law.
+    pub fn with_law(self, law: Law) -> Self {
+        Material { law, ..self }
+    }
+    /// The law.
+    pub fn law(&self) -> Law {
+        self.law
     }
 
     /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu).

@@ -1,29 +1,37 @@
-//! The stiffness operator K, matrix-free, in SIMD lanes and threads.
+//! The forces of the mesh and their derivative K, matrix-free, in SIMD lanes and threads.
 //!
 //! ```text
-//! d . K w = int eps(d) : sigma(w) dx = sum over cells and points of  W  (H G) : sigma(H' G)                    (K)
+//! w . R(d) = int grad w : P(grad d) dx = sum over cells and points of  W  (H' G) : P(H G)                      (forces)
+//! w . K(d) e = d/da  w . R(d + a e)  at a = 0                                                                  (K)
 //! ```
 //!
-//! with the reference gradient H of the displacement, `H[i][a]` = d d_i / d xi_a, the inverse Jacobian of the reference mesh,
-//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0 with the quadrature weight w. Per cell: interpolate to the points, differentiate there, apply the law, and the
-//! transposes of both in reverse order: O(N^(D+1)).
+//! with the reference gradients H, H' of d and w, `H[i][a]` = d d_i / d xi_a, the inverse Jacobian of the reference mesh,
+//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0 with the quadrature weight w. Per cell: interpolate to the points, differentiate
+//! there, apply the law, and the transposes of both in reverse order: O(N^(D+1)). K is the same source with dual numbers; for a linear
+//! law R(d) = K d, and K is the same everywhere.
 
 mod diagonal;
+mod kernel;
 #[cfg(test)]
 mod tests;
+mod updated;
 
-use crate::ElasticityError;
 use crate::batches::Batches;
 use crate::geometry::Sampler;
+use crate::law::{Law, NeoHookean, PointLaw};
 use crate::material::Lame;
 use crate::pool::Pool;
-use basis::{Lagrange, Matrix, Rule, apply_all_axes, apply_axis, apply_axis_add, scratch_length};
+use crate::{ElasticityError, Inversion};
+use basis::{Lagrange, Matrix, Rule};
+use kernel::{CellMatrices, Cells, Forces, Mode, Scratch, Tangent};
 use rayon::prelude::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
-use tensor::{Lanes, Pack, Real, WIDTH, zeroed};
+use std::marker::PhantomData;
+use tensor::pulp::Arch;
+use tensor::{Pack, WIDTH, zeroed};
 
-/// K on all nodes: no node is constrained here.
+/// R and K on all nodes: no node is constrained here.
 pub(crate) struct Operator<const D: usize> {
+    law: Law,
     lame: Lame,
     batches: Batches<D>,
     lines: Lines,
@@ -46,21 +54,11 @@ struct Lines {
 struct Workspace {
     /// The cell field of results.
     results: Vec<Pack>,
+    /// The smallest J of every cell, one pack per batch.
+    smallest: Vec<Pack>,
     /// One per task.
     scratch: Vec<Scratch>,
     batches_per_task: usize,
-}
-
-/// Work space of one batch.
-struct Scratch {
-    /// `[component][node]`
-    nodal: Vec<Pack>,
-    /// `[component][point]`
-    values: Vec<Pack>,
-    /// `[direction][component][point]`
-    gradients: Vec<Pack>,
-    /// Between two axes.
-    between: Vec<Pack>,
 }
 
 impl Lines {
@@ -76,8 +74,9 @@ impl Lines {
 }
 
 impl<const D: usize> Operator<D> {
-    /// The operator of order `order` for the law `lame`, with the Gauss `rule` along each axis, whose points `sampler` samples.
+    /// The operator of order `order` for `law`, with `rule` along each axis, whose points `sampler` samples.
     pub(crate) fn new(
+        law: Law,
         lame: Lame,
         order: usize,
         batches: Batches<D>,
@@ -85,58 +84,96 @@ impl<const D: usize> Operator<D> {
         sampler: &Sampler<'_, D>,
     ) -> Result<Self, ElasticityError> {
         let metric = metric(&batches, rule, sampler)?;
-        Ok(Operator { lame, batches, lines: Lines::new(order, &rule.points), metric, workspaces: Pool::new() })
+        Ok(Operator { law, lame, batches, lines: Lines::new(order, &rule.points), metric, workspaces: Pool::new() })
     }
 
-    /// out = K d, both `[C0 node][component]`.
-    pub(crate) fn apply(&self, d: &[f64], out: &mut [f64]) {
-        let mut workspace = self.workspaces.take(|| self.workspace());
-        let Workspace { results, scratch, batches_per_task } = &mut workspace;
-        let tasks = results.par_chunks_mut(*batches_per_task * self.batches.cell_length()).zip(scratch.par_iter_mut());
-        tasks.enumerate().for_each(|(task, (results, scratch))| {
-            let first = task * *batches_per_task;
-            Arch::new().dispatch(ApplyToCells { operator: self, first, d, results, scratch });
-        });
-        self.batches.assemble(results, out);
-        self.workspaces.give(workspace);
+    /// out = R(d), both `[C0 node][component]`. `out` has no meaning after an error.
+    pub(crate) fn forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
+        match self.law {
+            Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[d], out),
+            Law::NeoHookean => self.apply::<Forces, _>(NeoHookean(self.lame), &[d], out),
+        }
     }
 
-    /// The matrices of the cells of one batch, `[column][row]`, column and row `[component][node]`.
-    pub(crate) fn cell_matrices(&self, batch: usize) -> Vec<Pack> {
-        let mut columns = zeroed(self.batches.cell_length().pow(2));
-        Arch::new().dispatch(CellMatrices { operator: self, batch, columns: &mut columns });
-        columns
+    /// out = K(d) w, for a `d` where R is defined. A linear law does not look at `d`.
+    pub(crate) fn product(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
+        let applied = match self.law {
+            Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[w], out),
+            Law::NeoHookean => self.apply::<Tangent, _>(NeoHookean(self.lame), &[d, w], out),
+        };
+        debug_assert!(applied.is_ok(), "K is asked for where R is defined");
+    }
+
+    /// The matrices K(d) of the cells of one batch, `[column][row]`, column and row `[component][node]`.
+    pub(crate) fn cell_matrices(&self, d: &[f64], batch: usize) -> Vec<Pack> {
+        let mut matrices = zeroed(self.batches.cell_length().pow(2));
+        match self.law {
+            Law::Linear | Law::Incremental => self.columns::<Forces, _>(self.lame, d, batch, &mut matrices),
+            Law::NeoHookean => self.columns::<Tangent, _>(NeoHookean(self.lame), d, batch, &mut matrices),
+        }
+        matrices
+    }
+
+    fn columns<M: Mode, L: PointLaw>(&self, law: L, point: &[f64], batch: usize, columns: &mut [Pack]) {
+        let mode = PhantomData::<M>;
+        Arch::new().dispatch(CellMatrices { operator: self, law, mode, batch, point, columns });
     }
 
     /// The cells, in packs.
     pub(crate) fn batches(&self) -> &Batches<D> {
         &self.batches
     }
+    /// W and G of all batches.
+    pub(crate) fn metric(&self) -> &[Pack] {
+        &self.metric
+    }
+    /// Replaces W and G by those of another mesh.
+    pub(crate) fn set_metric(&mut self, metric: Vec<Pack>) {
+        self.metric = metric;
+    }
+
+    /// The cells with `law`, in tasks, and their sum.
+    fn apply<M: Mode, L: PointLaw>(&self, law: L, fields: &[&[f64]], out: &mut [f64]) -> Result<(), Inversion> {
+        let mut workspace = self.workspaces.take(|| self.workspace());
+        let Workspace { results, smallest, scratch, batches_per_task } = &mut workspace;
+        let results_of = results.par_chunks_mut(*batches_per_task * self.batches.cell_length());
+        let tasks = results_of.zip(smallest.par_chunks_mut(*batches_per_task)).zip(scratch.par_iter_mut());
+        tasks.enumerate().for_each(|(task, ((results, smallest), scratch))| {
+            let (first, mode) = (task * *batches_per_task, PhantomData::<M>);
+            Arch::new().dispatch(Cells { operator: self, law, mode, first, fields, results, smallest, scratch });
+        });
+        self.batches.assemble(results, out);
+        let checked = if L::HAS_BARRIER { self.check_inversion(smallest) } else { Ok(()) };
+        self.workspaces.give(workspace);
+        checked
+    }
+
+    /// The cell with the smallest J, if that is not positive.
+    fn check_inversion(&self, smallest: &[Pack]) -> Result<(), Inversion> {
+        let of_cell = |cell: usize| Inversion { cell, volume_ratio: smallest[cell / WIDTH].0[cell % WIDTH] };
+        let inverted =
+            (0..self.batches.cells()).map(of_cell).filter(|i| i.volume_ratio.is_nan() || i.volume_ratio <= 0.0);
+        inverted.min_by(|a, b| a.volume_ratio.total_cmp(&b.volume_ratio)).map_or(Ok(()), Err)
+    }
 
     /// Work space for the threads there are now; a few tasks per thread, so that none waits long for another.
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
         let batches_per_task = self.batches.count().div_ceil(tasks).max(1);
-        let scratch = (0..tasks).map(|_| self.scratch()).collect();
-        Workspace { results: zeroed(self.batches.field_length()), scratch, batches_per_task }
-    }
-
-    fn scratch(&self) -> Scratch {
-        let points = self.lines.points::<D>();
-        let between = scratch_length(&[&self.lines.interpolate; D], D)
-            .max(scratch_length(&[&self.lines.interpolate_transposed; D], D));
-        Scratch {
-            nodal: zeroed(self.batches.cell_length()),
-            values: zeroed(D * points),
-            gradients: zeroed(D * D * points),
-            between: zeroed(between),
-        }
+        let blocks = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS };
+        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, blocks)).collect();
+        let smallest = zeroed(self.batches.count());
+        Workspace { results: zeroed(self.batches.field_length()), smallest, scratch, batches_per_task }
     }
 
     /// W and G at the points of a batch.
     fn batch_metric(&self, batch: usize) -> &[Pack] {
-        let length = self.lines.points::<D>() * (1 + D * D);
-        &self.metric[batch * length..][..length]
+        &self.metric[batch * self.metric_length()..][..self.metric_length()]
+    }
+
+    /// Packs of one batch in the metric, `[point][1 + D D]`.
+    fn metric_length(&self) -> usize {
+        self.lines.points::<D>() * (1 + D * D)
     }
 }
 
@@ -170,110 +207,4 @@ fn metric<const D: usize>(
 /// Products of the weights along each axis, axis 0 fastest.
 pub(crate) fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
     (0..D).fold(vec![1.0], |product, _| weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect())
-}
-
-/// W and G at one point.
-#[inline(always)]
-fn read_metric<S: Simd, const D: usize>(
-    simd: S,
-    metric: &[Pack],
-    point: usize,
-    part: usize,
-) -> (Lanes<S>, [[Lanes<S>; D]; D]) {
-    let entry = &metric[point * (1 + D * D)..][..1 + D * D];
-    let mut g = [[Lanes::splat(simd, 0.0); D]; D];
-    for a in 0..D {
-        for j in 0..D {
-            g[a][j] = Lanes::read(simd, &entry[1 + a * D + j], part);
-        }
-    }
-    (Lanes::read(simd, &entry[0], part), g)
-}
-
-/// K d in consecutive batches from `first`.
-struct ApplyToCells<'a, const D: usize> {
-    operator: &'a Operator<D>,
-    first: usize,
-    d: &'a [f64],
-    results: &'a mut [Pack],
-    scratch: &'a mut Scratch,
-}
-
-impl<const D: usize> WithSimd for ApplyToCells<'_, D> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let ApplyToCells { operator, first, d, results, scratch } = self;
-        for (offset, result) in results.chunks_exact_mut(operator.batches.cell_length()).enumerate() {
-            operator.batches.gather(first + offset, d, &mut scratch.nodal);
-            operator.apply_to_batch(simd, first + offset, scratch, result);
-        }
-    }
-}
-
-/// The matrices of the cells of one batch, column by column.
-struct CellMatrices<'a, const D: usize> {
-    operator: &'a Operator<D>,
-    batch: usize,
-    /// `[column][row]`, both of them `[component][node]`.
-    columns: &'a mut [Pack],
-}
-
-impl<const D: usize> WithSimd for CellMatrices<'_, D> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let mut scratch = self.operator.scratch();
-        for (number, column) in self.columns.chunks_exact_mut(self.operator.batches.cell_length()).enumerate() {
-            scratch.nodal.fill(Pack::ZERO);
-            scratch.nodal[number] = Pack([1.0; WIDTH]);
-            self.operator.apply_to_batch(simd, self.batch, &mut scratch, column);
-        }
-    }
-}
-
-impl<const D: usize> Operator<D> {
-    /// `result` = K of the cells of one batch times `scratch.nodal`.
-    #[inline(always)]
-    fn apply_to_batch<S: Simd>(&self, simd: S, batch: usize, scratch: &mut Scratch, result: &mut [Pack]) {
-        let Scratch { nodal, values, gradients, between } = scratch;
-        let Lines { interpolate, differentiate, interpolate_transposed, differentiate_transposed } = &self.lines;
-        let (extents, block) = ([interpolate.rows(); D], values.len());
-        apply_all_axes(simd, &[interpolate; D], D, nodal, values, between);
-        for a in 0..D {
-            apply_axis(simd, differentiate, a, &extents, D, values, &mut gradients[a * block..][..block]);
-        }
-        apply_law::<S, D>(simd, self.lame, self.batch_metric(batch), gradients);
-        apply_axis(simd, differentiate_transposed, 0, &extents, D, &gradients[..block], values);
-        for a in 1..D {
-            apply_axis_add(simd, differentiate_transposed, a, &extents, D, &gradients[a * block..][..block], values);
-        }
-        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between);
-    }
-}
-
-/// Replaces H by W sigma(H G) G^T at every point: what the reference gradients of the test functions are multiplied by.
-#[inline(always)]
-fn apply_law<S: Simd, const D: usize>(simd: S, lame: Lame, metric: &[Pack], gradients: &mut [Pack]) {
-    let points = gradients.len() / (D * D);
-    for point in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-            let mut physical = [[weight.zero(); D]; D];
-            for a in 0..D {
-                for i in 0..D {
-                    let h = Lanes::read(simd, &gradients[(a * D + i) * points + point], part) * weight;
-                    for j in 0..D {
-                        physical[i][j] = h.mul_add(g[a][j], physical[i][j]);
-                    }
-                }
-            }
-            let sigma = lame.stress(&physical);
-            for a in 0..D {
-                for i in 0..D {
-                    tensor::dot(&sigma[i], &g[a]).write(&mut gradients[(a * D + i) * points + point], part);
-                }
-            }
-        }
-    }
 }

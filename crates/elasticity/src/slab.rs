@@ -14,7 +14,7 @@
 //!
 //! Fields of a slab have the layout `[time node][C0 node][component]`.
 
-use crate::{ElasticMesh, ElasticityError};
+use crate::{ElasticMesh, ElasticityError, Inversion};
 use basis::{Matrix, RadauTime};
 use newton_krylov::cg;
 
@@ -83,12 +83,14 @@ pub(crate) fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
 /// The mesh equations of a slab of length `dt`, in the unknown velocities V.
 ///
 /// ```text
-/// R_a = (K d(s_a))_f                    at free nodes                                                            (slab)
+/// R_a = R(d(s_a))_f                     at free nodes                                                            (slab)
 /// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained nodes: a force, like the other rows
 /// ```
+///
+/// The slab begins at the displacement that [`ElasticMesh::begin_slab`] was called with.
 #[derive(Clone, Copy)]
 pub struct ElasticSlab<'a, const D: usize> {
-    /// K and the constrained nodes.
+    /// The law and the constrained nodes.
     pub mesh: &'a ElasticMesh<D>,
     /// The temporal basis.
     pub motion: &'a SlabMotion,
@@ -99,32 +101,42 @@ pub struct ElasticSlab<'a, const D: usize> {
 impl<const D: usize> ElasticSlab<'_, D> {
     /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes, of which
     /// only the entries of constrained nodes are read.
-    pub fn residual(&self, bottom: &[f64], g: &[f64], v: &[f64], r: &mut [f64]) {
+    ///
+    /// # Errors
+    /// [`Inversion`] where the law has no stress; `r` then has no meaning.
+    pub fn residual(&self, bottom: &[f64], g: &[f64], v: &[f64], r: &mut [f64]) -> Result<(), Inversion> {
         let length = self.mesh.length();
         self.mesh.with_vector(|d| {
             for (a, (r, g)) in r.chunks_exact_mut(length).zip(g.chunks_exact(length)).enumerate() {
                 self.motion.displacement_at_node(self.dt, bottom, v, a, d);
-                self.mesh.apply(d, r);
+                self.mesh.forces(d, r)?;
                 self.mesh.at_constrained(r, |i| self.mesh.diagonal()[i] * (d[i] - g[i]));
             }
-        });
+            Ok(())
+        })
     }
 
-    /// out = (dR/dV) w. R is affine in V, so this is the same everywhere.
-    pub fn jacobian_product(&self, w: &[f64], out: &mut [f64]) {
+    /// out = (dR/dV)(V) w.
+    pub fn jacobian_product(&self, bottom: &[f64], v: &[f64], w: &[f64], out: &mut [f64]) {
         let length = self.mesh.length();
         self.mesh.with_vector(|d| {
-            for (a, out) in out.chunks_exact_mut(length).enumerate() {
-                d.fill(0.0);
-                accumulate(self.dt, w, self.motion.time.collocation().row(a), d);
-                self.mesh.apply(d, out);
-                self.mesh.at_constrained(out, |i| self.mesh.diagonal()[i] * d[i]);
-            }
+            self.mesh.with_vector(|direction| {
+                for (a, out) in out.chunks_exact_mut(length).enumerate() {
+                    if !self.mesh.law().is_linear() {
+                        self.motion.displacement_at_node(self.dt, bottom, v, a, d);
+                    }
+                    direction.fill(0.0);
+                    accumulate(self.dt, w, self.motion.time.collocation().row(a), direction);
+                    self.mesh.product_at(d, direction, out);
+                    self.mesh.at_constrained(out, |i| self.mesh.diagonal()[i] * direction[i]);
+                }
+            });
         });
     }
 
-    /// Solves (dR/dV) w = r: the temporal modes separate into N_t right-hand sides of K for displacement increments, whose
-    /// constrained entries enter through K_fc, and w follows by (velocity).
+    /// Solves (dR/dV) w = r with K for the derivative of the forces at all time nodes, which for a linear law it is: the temporal modes
+    /// separate into N_t right-hand sides of K for displacement increments, whose constrained entries enter through K_fc, and w follows
+    /// by (velocity).
     ///
     /// # Errors
     /// As [`ElasticMesh::solve`].

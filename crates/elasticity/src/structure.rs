@@ -1,14 +1,14 @@
 //! An elastic body with mass.
 
 use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, quadrature_points};
+use crate::geometry::{Sampler, nodal_coordinates};
 use crate::loads::{Loads, Surface};
 use crate::low_order::LowOrder;
 use crate::mass::Mass;
 use crate::operator::Operator;
 use crate::shifted::Shifted;
-use crate::{ElasticityError, Material, Stiffness};
-use basis::{gauss, gauss_lobatto};
+use crate::{ElasticityError, Law, Material, Stiffness};
+use basis::gauss_lobatto;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
@@ -55,9 +55,9 @@ impl<const D: usize> Structure<D> {
         }
         let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
-        let rule = gauss(quadrature_points(D, order));
+        let rule = Law::Linear.rule(D, order);
         let at_points = Sampler::new(&mesh, Stiffness::Constant, &rule.points);
-        let operator = Operator::new(material.lame(), order, batches, &rule, &at_points)?;
+        let operator = Operator::new(Law::Linear, material.lame(), order, batches, &rule, &at_points)?;
         let surface = Surface::new(&mesh, &numbering);
         let coordinates = nodal_coordinates(&mesh, &numbering);
         Ok(Structure { operator, mass, surface, fixed, coordinates, mesh, numbering, material })
@@ -86,7 +86,8 @@ impl<const D: usize> Structure<D> {
 
     /// out = K d on all entries, fixed or not.
     pub fn apply_stiffness(&self, d: &[f64], out: &mut [f64]) {
-        self.operator.apply(d, out);
+        // A linear K is the same everywhere.
+        self.operator.product(d, d, out);
     }
 
     /// out = M v on all entries, fixed or not.

@@ -138,6 +138,10 @@ impl<T: Real> Real for Dual<T> {
         self.chain(power, power / self.value * exponent)
     }
     #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), self.value.recip())
+    }
+    #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         let derivative = self.value.mul_add(factor.derivative, self.derivative.mul_add(factor.value, term.derivative));
         Dual::new(self.value.mul_add(factor.value, term.value), derivative)
@@ -181,9 +185,6 @@ impl<T: Transcendental> Transcendental for Dual<T> {
     fn exp(self) -> Self {
         let e = self.value.exp();
         self.chain(e, e)
-    }
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), self.value.recip())
     }
     fn sin(self) -> Self {
         self.chain(self.value.sin(), self.value.cos())

@@ -147,6 +147,16 @@ impl<S: Simd> Real for Lanes<S> {
         }
         Lanes::read(self.simd, &pack, 0)
     }
+    /// Lane by lane: one logarithm per point is little beside the rest of a law.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let mut pack = Pack::ZERO;
+        self.write(&mut pack, 0);
+        for lane in 0..S::F64_LANES {
+            pack.0[lane] = pack.0[lane].ln();
+        }
+        Lanes::read(self.simd, &pack, 0)
+    }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self.with(self.simd.mul_add_f64s(self.register, factor.register, term.register))

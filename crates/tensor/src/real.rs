@@ -37,6 +37,8 @@ pub trait Real:
     fn select_ge(self, threshold: Self, a: Self, b: Self) -> Self;
     /// `self` to a constant real power; `self` must be positive.
     fn powf(self, exponent: f64) -> Self;
+    /// The natural logarithm; `self` must be positive.
+    fn ln(self) -> Self;
     /// `self * factor + term`, fused where the hardware fuses.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
@@ -94,8 +96,6 @@ pub trait Transcendental: Real + From<f64> {
     fn value(self) -> f64;
     /// The exponential.
     fn exp(self) -> Self;
-    /// The natural logarithm.
-    fn ln(self) -> Self;
     /// The sine.
     fn sin(self) -> Self;
     /// The cosine.
@@ -139,6 +139,10 @@ impl Real for f64 {
     fn powf(self, exponent: f64) -> f64 {
         f64::powf(self, exponent)
     }
+    #[inline(always)]
+    fn ln(self) -> f64 {
+        f64::ln(self)
+    }
     /// Not `f64::mul_add`: without a compile-time target feature that is a call into the C library, a hundred times slower.
     #[inline(always)]
     fn mul_add(self, factor: f64, term: f64) -> f64 {
@@ -152,9 +156,6 @@ impl Transcendental for f64 {
     }
     fn exp(self) -> f64 {
         f64::exp(self)
-    }
-    fn ln(self) -> f64 {
-        f64::ln(self)
     }
     fn sin(self) -> f64 {
         f64::sin(self)

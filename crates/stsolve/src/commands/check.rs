@@ -4,6 +4,7 @@ use super::print;
 use super::table::Table;
 use crate::case::{About, AnyCase, Case, Flow, Motion, Structure, Support};
 use crate::failure::Failure;
+use elasticity::Law;
 use serde_json::{Map, Value};
 
 /// Explains a checked case.
@@ -80,8 +81,8 @@ fn motion_table<const D: usize>(motion: &Motion<D>) -> Table {
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
-        Motion::Elastic { poisson_ratio, boundary, .. } => table
-            .row("interior", "linear elasticity", "")
+        Motion::Elastic { poisson_ratio, law, boundary, .. } => table
+            .row("interior", law_name(*law), "")
             .row("Poisson's ratio", *poisson_ratio, "")
             .row("moving boundaries", boundary.iter().flatten().count(), ""),
     };
@@ -103,6 +104,14 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
         .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
         .row("natural modes", structure.natural_modes, "");
     table
+}
+
+fn law_name(law: Law) -> &'static str {
+    match law {
+        Law::Linear => "linear elasticity about the initial mesh",
+        Law::Incremental => "linear elasticity about the mesh at the start of each slab",
+        Law::NeoHookean => "neo-Hookean elasticity about the initial mesh",
+    }
 }
 
 fn flow_table<const D: usize>(case: &Case<D>, flow: &Flow<D>, size: f64) -> Table {

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness, Structure, Support, Vector};
 use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem, StructureMarch};
-use elasticity::{Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction};
+use elasticity::{Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction};
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::NodeNumbering;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 /// Tolerance of a solve with K: displacements are then good to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
+
+/// The same where K only preconditions, because the law is not linear.
+const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
 
 /// The mover of the mesh of a case.
 ///
@@ -20,7 +23,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     let motion = match &case.motion {
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
-        Some(Motion::Elastic { poisson_ratio, stiffness, boundary }) => {
+        Some(Motion::Elastic { poisson_ratio, stiffness, law, tolerance, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
             let function = |x: &[f64; D]| match stiffness {
                 Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
@@ -31,9 +34,11 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
                 Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
                 Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
             };
-            let material = Material::new(1.0, *poisson_ratio)?;
+            let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
             let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
-            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, tolerance: ELASTIC_TOLERANCE }
+            let solve = if law.is_linear() { ELASTIC_TOLERANCE } else { PRECONDITIONER_TOLERANCE };
+            let accuracy = Accuracy { solve, position: *tolerance };
+            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
         }
     };
     Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))

@@ -57,14 +57,14 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn enter(&self, report: &MeshReport, books: &mut Books) -> Vec<f64> {
-        let MeshReport { slab, interval, iterations, quality, first_invalid } = report;
+        let MeshReport { slab, interval, work, quality, first_invalid } = report;
         let tally = &mut books.tally;
-        tally.elasticity += *iterations as u64;
+        tally.elasticity += work.iterations as u64;
         tally.add_quality(*quality);
         let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
         tally.first_invalid = tally.first_invalid.or(first_invalid);
         books.progress.mesh(*slab, self.march.state.time, quality);
-        history::row_of_mesh(*interval, *iterations, quality)
+        history::row_of_mesh(*interval, work.iterations, quality)
     }
 
     fn store(&self) -> SolverState {

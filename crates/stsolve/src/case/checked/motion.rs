@@ -7,6 +7,7 @@ use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::vector::Vector;
 use crate::expression::Program;
+use elasticity::Law;
 
 /// How the mesh moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,10 +20,17 @@ pub enum Motion<const D: usize> {
         poisson_ratio: f64,
         /// Young's modulus over the mesh.
         stiffness: Stiffness,
+        /// The law.
+        law: Law,
+        /// Where Newton's method stops, an error of position relative to the distance of nodes.
+        tolerance: f64,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
         boundary: Vec<Option<Vector<D>>>,
     },
 }
+
+/// [`Motion::Elastic::tolerance`] unless the case says otherwise: a slab that turns by 5 degrees then takes one or two steps.
+const TOLERANCE: f64 = 1e-2;
 
 /// Young's modulus over the mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +82,7 @@ fn elastic<const D: usize>(
     let key_elasticity = key.child("elasticity");
     let nu = checker.poisson_ratio(&key_elasticity.child("poisson_ratio"), elasticity.poisson_ratio)?;
     let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
+    let law = law(checker, &key_elasticity, &elasticity)?;
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
     let displacement = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| match motion {
         raw::BoundaryMotion::Fixed => Ok(None),
@@ -85,7 +94,37 @@ fn elastic<const D: usize>(
         }
     };
     let boundary = named.iter().enumerate().map(displacement).collect::<Checked<_>>()?;
-    Ok(Motion::Elastic { poisson_ratio: nu, stiffness, boundary })
+    Ok(Motion::Elastic {
+        poisson_ratio: nu,
+        stiffness,
+        law,
+        tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
+        boundary,
+    })
+}
+
+/// The law, whose keys must be those of the law that is chosen.
+fn law(checker: &Checker<'_>, key: &Key, raw: &raw::Elasticity) -> Checked<Law> {
+    let without_effect = |name: &str, law: &str, remedy: &str| {
+        let problem = format!("`motion.elasticity.{name}` has no effect with the {law} law");
+        checker.combination(&key.child(name), &problem, remedy)
+    };
+    if let Some(tolerance) = raw.tolerance {
+        let positive = tolerance > 0.0 && tolerance.is_finite();
+        checker.require(&key.child("tolerance"), "the tolerance", positive, "a positive number")?;
+    }
+    match (raw.law, raw.reference) {
+        (raw::Law::Linear, _) if raw.tolerance.is_some() => {
+            Err(without_effect("tolerance", "linear", "remove it: one solve is exact"))
+        }
+        (raw::Law::Linear, Some(raw::ReferenceMesh::Updated)) => Ok(Law::Incremental),
+        (raw::Law::Linear, _) => Ok(Law::Linear),
+        (raw::Law::NeoHookean, Some(raw::ReferenceMesh::Updated)) => {
+            let remedy = "\"initial\": remove it, or choose the linear law";
+            Err(without_effect("reference", "neo-Hookean", remedy))
+        }
+        (raw::Law::NeoHookean, _) => Ok(Law::NeoHookean),
+    }
 }
 
 fn stiffness<const D: usize>(

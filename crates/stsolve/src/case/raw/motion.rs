@@ -19,7 +19,7 @@ pub struct Motion {
     pub boundary: BTreeMap<String, BoundaryMotion>,
 }
 
-/// The mesh as a linear elastic body; in two dimensions its strain is plane.
+/// The mesh as an elastic body; in two dimensions its strain is plane.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Elasticity {
@@ -29,6 +29,35 @@ pub struct Elasticity {
     /// Young's modulus over the mesh. Only its variation matters, not its size.
     #[serde(default)]
     pub stiffness: Stiffness,
+    /// The energy that the mesh minimises.
+    #[serde(default)]
+    pub law: Law,
+    /// The mesh from which strain is counted; of the linear law.
+    pub reference: Option<ReferenceMesh>,
+    /// Where Newton's method stops, an error of position relative to the distance of nodes; of the neo-Hookean law. With a flow the mesh
+    /// is found to round-off.
+    pub tolerance: Option<f64>,
+}
+
+/// The energy that the mesh minimises.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// Linear elasticity: one linear solve per time node, for rotations up to 60 degrees at best.
+    #[default]
+    Linear,
+    /// mu/2 (|F|^2 - D - 2 ln J) + lambda/2 (ln J)^2 with F = I + grad d and J = det F: some Newton steps per slab, for large rotations.
+    NeoHookean,
+}
+
+/// The mesh from which strain is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ReferenceMesh {
+    /// The one at the start: the mesh depends on the position of its boundary alone, and returns with it.
+    Initial,
+    /// The one at the start of each slab: larger motions, but the mesh depends on its past.
+    Updated,
 }
 
 fn poisson_ratio() -> f64 {
@@ -37,7 +66,13 @@ fn poisson_ratio() -> f64 {
 
 impl Default for Elasticity {
     fn default() -> Self {
-        Elasticity { poisson_ratio: poisson_ratio(), stiffness: Stiffness::default() }
+        Elasticity {
+            poisson_ratio: poisson_ratio(),
+            stiffness: Stiffness::default(),
+            law: Law::default(),
+            reference: None,
+            tolerance: None,
+        }
     }
 }
 

@@ -1,0 +1,191 @@
+//! The equilibrium of a slab: the solution of its mesh equations.
+//!
+//! With a linear law one solve is exact, from any guess. With another one Newton's method starts from the guess, which is best the motion
+//! of the slab before, continued. It stops at
+//!
+//! ```text
+//! sqrt( (1/n) sum (b_i R_i / (K_ii h_i))^2 ) <= accuracy,     h: node spacing                                   (accuracy)
+//! ```
+//!
+//! At free nodes b = 1, and this is an error of position relative to the node spacing; at constrained nodes b is so large that the
+//! boundary is where it should be to [`BOUNDARY_ACCURACY`]. The increment of the boundary enters every Newton step through K_fc. A step
+//! begins with one solve with the K of the slab's bottom, which is all it takes if that leaves little of the residual; otherwise the
+//! exact derivative at the iterate is used, preconditioned by the former. No iterate has J <= 0 where the energy is integrated, or fails
+//! the guard of the caller.
+
+use crate::{ElasticSlab, ElasticityError};
+use newton_krylov::inner_product::{InnerProduct, Weighted};
+use newton_krylov::newton::{self, Workspace};
+use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
+use newton_krylov::{forcing, pseudo_time};
+
+/// How well the boundary is met, relative to the node spacing.
+const BOUNDARY_ACCURACY: f64 = 1e-9;
+
+/// Where rounding ends the search for an accuracy that cannot be had, relative to the node spacing.
+const ROUND_OFF: f64 = 1e-9;
+
+/// How exactly the equilibrium of a slab is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The relative residual of solves with K. Where the law is not linear they precondition only, and 1e-3 is enough.
+    pub solve: f64,
+    /// (accuracy), for a law that is not linear.
+    pub position: f64,
+}
+
+/// What the equilibrium of a slab has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Newton steps; 1 for a linear law.
+    pub steps: usize,
+    /// Solves with K for all time nodes.
+    pub solves: usize,
+    /// CG iterations in them.
+    pub iterations: usize,
+}
+
+/// Says whether a motion V is one that the mesh may have.
+pub type Guard<'a> = &'a (dyn Fn(&[f64]) -> Result<(), Inadmissible> + 'a);
+
+impl<const D: usize> ElasticSlab<'_, D> {
+    /// Replaces the guess `v` by the velocities for which the mesh equations with the data `bottom` and `g` of [`Self::residual`] hold.
+    /// `guard` is asked only if the law is not linear; a guess that it refuses is replaced by rest.
+    ///
+    /// # Errors
+    /// As [`crate::ElasticMesh::solve`]; [`ElasticityError::Newton`] if the equilibrium is not found.
+    pub fn equilibrium(
+        &self,
+        bottom: &[f64],
+        g: &[f64],
+        v: &mut [f64],
+        accuracy: Accuracy,
+        guard: Guard<'_>,
+    ) -> Result<Work, ElasticityError> {
+        if self.mesh.law().is_linear() {
+            let (mut r, mut w) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+            self.residual(bottom, g, v, &mut r)?;
+            let reports = self.solve(&r, &mut w, accuracy.solve)?;
+            v.iter_mut().zip(&w).for_each(|(v, w)| *v -= w);
+            return Ok(Work { steps: 1, solves: 1, iterations: reports.iter().map(|report| report.iterations).sum() });
+        }
+        let mut problem = Equilibrium::new(self, bottom, g, accuracy, guard);
+        if problem.residual(v, &mut vec![0.0; v.len()]).is_err() {
+            v.fill(0.0);
+        }
+        let settings = settings(accuracy.position);
+        let report = newton::solve(&mut problem, v, Some(&[1.0]), &settings, &mut Workspace::default())
+            .map_err(|error| ElasticityError::Newton(Box::new(error)))?;
+        Ok(Work { steps: report.steps.len(), ..problem.work })
+    }
+}
+
+/// Newton's method without pseudo-time.
+fn settings(accuracy: f64) -> newton::Settings {
+    newton::Settings {
+        relative_tolerance: 0.0,
+        absolute_tolerance: accuracy,
+        round_off: ROUND_OFF,
+        forcing: forcing::Settings { minimum: 1e-2, ..Default::default() },
+        pseudo_time: pseudo_time::Settings { restart_inverse: 0.0, max_rejections: 0, ..Default::default() },
+        ..Default::default()
+    }
+}
+
+/// The mesh equations of one slab as R(V) = 0.
+struct Equilibrium<'a, const D: usize> {
+    slab: &'a ElasticSlab<'a, D>,
+    bottom: &'a [f64],
+    prescribed: &'a [f64],
+    guard: Guard<'a>,
+    /// Of a solve with K.
+    tolerance: f64,
+    fields: [Field; 1],
+    weights: Weighted,
+    /// V where R is differentiated.
+    point: Vec<f64>,
+    work: Work,
+}
+
+impl<'a, const D: usize> Equilibrium<'a, D> {
+    fn new(
+        slab: &'a ElasticSlab<'a, D>,
+        bottom: &'a [f64],
+        prescribed: &'a [f64],
+        accuracy: Accuracy,
+        guard: Guard<'a>,
+    ) -> Self {
+        let boundary = (accuracy.position / BOUNDARY_ACCURACY).max(1.0).powi(2);
+        let mut weights = slab.mesh.position_weights(slab.motion.time().order());
+        for weights in weights.chunks_exact_mut(bottom.len()) {
+            weights
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| slab.mesh.constrained()[i / D])
+                .for_each(|(_, w)| *w *= boundary);
+        }
+        Equilibrium {
+            slab,
+            bottom,
+            prescribed,
+            guard,
+            tolerance: accuracy.solve,
+            fields: [Field { name: "mesh", range: 0..prescribed.len() }],
+            weights: Weighted { weights },
+            point: vec![0.0; prescribed.len()],
+            work: Work::default(),
+        }
+    }
+
+    /// w = K^{-1} r. An unconverged w is still a good direction.
+    fn solve(&mut self, r: &[f64], w: &mut [f64]) {
+        self.work.solves += 1;
+        if let Ok(reports) = self.slab.solve(r, w, self.tolerance) {
+            self.work.iterations += reports.iter().map(|report| report.iterations).sum::<usize>();
+        }
+    }
+}
+
+impl<const D: usize> NonlinearProblem for Equilibrium<'_, D> {
+    fn len(&self) -> usize {
+        self.prescribed.len()
+    }
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+    fn inner_product(&self) -> &dyn InnerProduct {
+        &self.weights
+    }
+
+    fn residual(&mut self, v: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.slab.residual(self.bottom, self.prescribed, v, r)?;
+        (self.guard)(v)
+    }
+
+    fn linearise(&mut self, v: &[f64], _inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
+        self.point.copy_from_slice(v);
+        Ok(())
+    }
+
+    /// Meets the boundary: all directions that follow leave it alone.
+    fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
+        self.solve(right_side, increment);
+    }
+
+    fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
+        self.slab.jacobian_product(self.bottom, &self.point, direction, out);
+    }
+
+    fn add_pseudo_time(&mut self, _direction: &[f64], _out: &mut [f64]) {}
+
+    fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
+        self.solve(r, out);
+    }
+
+    fn largest_step(&mut self, _v: &[f64], _increment: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests;

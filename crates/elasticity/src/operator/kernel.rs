@@ -1,0 +1,247 @@
+//! The kernel of one batch: the forces of its cells, or their derivative along a direction, by the same source.
+
+use super::{Lines, Operator};
+use crate::law::PointLaw;
+use basis::{apply_all_axes, apply_axis, apply_axis_add, scratch_length};
+use std::marker::PhantomData;
+use tensor::pulp::{Simd, WithSimd};
+use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, WIDTH, dot, zeroed};
+
+/// What a run of the kernel differentiates.
+pub(super) trait Mode: Send + Sync {
+    /// Numbers of the displacement.
+    type Number<S: Simd>: LaneNumber<S> + Over<Lanes<S>>;
+    /// Blocks of its arrays: values, and derivatives behind them.
+    const BLOCKS: usize;
+}
+
+/// The forces themselves.
+pub(super) struct Forces;
+
+impl Mode for Forces {
+    type Number<S: Simd> = Lanes<S>;
+    const BLOCKS: usize = 1;
+}
+
+/// Their derivative along a direction.
+pub(super) struct Tangent;
+
+impl Mode for Tangent {
+    type Number<S: Simd> = Dual<Lanes<S>>;
+    const BLOCKS: usize = 2;
+}
+
+/// Work space of one batch; arrays hold as many blocks as the law may need.
+pub(super) struct Scratch {
+    /// `[block][component][node]`
+    pub(super) nodal: Vec<Pack>,
+    /// `[block][component][point]`
+    values: Vec<Pack>,
+    /// `[direction][block][component][point]`
+    gradients: Vec<Pack>,
+    /// Between two axes.
+    between: Vec<Pack>,
+}
+
+impl Scratch {
+    pub(super) fn new<const D: usize>(lines: &Lines, blocks: usize) -> Self {
+        let Lines { interpolate, interpolate_transposed, .. } = lines;
+        let (points, nodes) = (lines.points::<D>(), interpolate.cols().pow(D as u32));
+        let between =
+            scratch_length(&[interpolate; D], blocks * D).max(scratch_length(&[interpolate_transposed; D], D));
+        Scratch {
+            nodal: zeroed(blocks * D * nodes),
+            values: zeroed(blocks * D * points),
+            gradients: zeroed(blocks * D * D * points),
+            between: zeroed(between),
+        }
+    }
+}
+
+/// The forces of consecutive batches from `first`, for a displacement and, where it is differentiated, its direction.
+pub(super) struct Cells<'a, const D: usize, M, L> {
+    pub(super) operator: &'a Operator<D>,
+    pub(super) law: L,
+    pub(super) mode: PhantomData<M>,
+    pub(super) first: usize,
+    /// One nodal vector per block.
+    pub(super) fields: &'a [&'a [f64]],
+    /// The cell field of results.
+    pub(super) results: &'a mut [Pack],
+    /// The smallest J of every cell.
+    pub(super) smallest: &'a mut [Pack],
+    pub(super) scratch: &'a mut Scratch,
+}
+
+impl<const D: usize, M: Mode, L: PointLaw> WithSimd for Cells<'_, D, M, L> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Cells { operator, law, first, fields, results, smallest, scratch, .. } = self;
+        let length = operator.batches.cell_length();
+        for (offset, result) in results.chunks_exact_mut(length).enumerate() {
+            let batch = first + offset;
+            for (block, field) in fields.iter().enumerate() {
+                operator.batches.gather(batch, field, &mut scratch.nodal[block * length..][..length]);
+            }
+            smallest[offset] = operator.apply_to_batch::<S, M, L>(simd, law, batch, scratch, result);
+        }
+    }
+}
+
+/// The matrices of the cells of one batch, column by column.
+pub(super) struct CellMatrices<'a, const D: usize, M, L> {
+    pub(super) operator: &'a Operator<D>,
+    pub(super) law: L,
+    pub(super) mode: PhantomData<M>,
+    pub(super) batch: usize,
+    /// Where the forces are differentiated.
+    pub(super) point: &'a [f64],
+    /// `[column][row]`, both of them `[component][node]`.
+    pub(super) columns: &'a mut [Pack],
+}
+
+impl<const D: usize, M: Mode, L: PointLaw> WithSimd for CellMatrices<'_, D, M, L> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let CellMatrices { operator, law, batch, point, columns, .. } = self;
+        let length = operator.batches.cell_length();
+        let mut scratch = Scratch::new::<D>(&operator.lines, M::BLOCKS);
+        // The direction is the last block; before it lies, where there are two, the displacement.
+        let direction = (M::BLOCKS - 1) * length;
+        for (number, column) in columns.chunks_exact_mut(length).enumerate() {
+            operator.batches.gather(batch, point, &mut scratch.nodal[..length]);
+            scratch.nodal[direction..].fill(Pack::ZERO);
+            scratch.nodal[direction + number] = Pack([1.0; WIDTH]);
+            operator.apply_to_batch::<S, M, L>(simd, law, batch, &mut scratch, column);
+        }
+    }
+}
+
+impl<const D: usize> Operator<D> {
+    /// `result` = the forces of the cells of one batch for the displacement `scratch.nodal`. Returns the smallest J of every cell.
+    #[inline(always)]
+    fn apply_to_batch<S: Simd, M: Mode, L: PointLaw>(
+        &self,
+        simd: S,
+        law: L,
+        batch: usize,
+        scratch: &mut Scratch,
+        result: &mut [Pack],
+    ) -> Pack {
+        let Scratch { values, gradients, between, .. } = scratch;
+        let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
+        let (extents, block) = ([interpolate.rows(); D], D * self.lines.points::<D>());
+        // 1. values and reference gradients at the points
+        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS, &scratch.nodal, values, gradients, between);
+        // 2. the law at every point
+        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, block);
+        // 3. against the reference gradients of the test functions
+        let values = &mut values[..block];
+        apply_axis(simd, differentiate_transposed, 0, &extents, D, &gradients[..block], values);
+        for a in 1..D {
+            let gradients = &gradients[a * M::BLOCKS * block..][..block];
+            apply_axis_add(simd, differentiate_transposed, a, &extents, D, gradients, values);
+        }
+        // 4. from points to nodes
+        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between);
+        smallest
+    }
+
+    /// The reference gradients of the displacement `d` in one batch, `[direction][component][point]`.
+    #[inline(always)]
+    pub(super) fn gradients_of<'a, S: Simd>(
+        &self,
+        simd: S,
+        batch: usize,
+        d: &[f64],
+        scratch: &'a mut Scratch,
+    ) -> &'a [Pack] {
+        self.batches.gather(batch, d, &mut scratch.nodal);
+        let Scratch { nodal, values, gradients, between } = scratch;
+        reference_gradients::<S, D>(simd, &self.lines, 1, nodal, values, gradients, between);
+        gradients
+    }
+}
+
+/// Interpolates to the points, and differentiates there.
+#[inline(always)]
+fn reference_gradients<S: Simd, const D: usize>(
+    simd: S,
+    lines: &Lines,
+    blocks: usize,
+    nodal: &[Pack],
+    values: &mut [Pack],
+    gradients: &mut [Pack],
+    between: &mut [Pack],
+) {
+    let (components, extents) = (blocks * D, [lines.interpolate.rows(); D]);
+    let length = components * lines.points::<D>();
+    apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between);
+    for a in 0..D {
+        let gradient = &mut gradients[a * length..][..length];
+        apply_axis(simd, &lines.differentiate, a, &extents, components, values, gradient);
+    }
+}
+
+/// Replaces H by W P(H G) G^T at every point: what the reference gradients of the test functions are multiplied by. Returns the
+/// smallest J.
+#[inline(always)]
+fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
+    simd: S,
+    law: L,
+    metric: &[Pack],
+    gradients: &mut [Pack],
+    block: usize,
+) -> Pack {
+    let (points, direction) = (block / D, M::BLOCKS * block);
+    let mut smallest = Pack([f64::INFINITY; WIDTH]);
+    for point in 0..points {
+        for part in 0..Lanes::<S>::PARTS {
+            let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
+            let mut physical = [[M::Number::<S>::lift(weight.zero()); D]; D];
+            for a in 0..D {
+                for i in 0..D {
+                    let h = M::Number::<S>::load(simd, &gradients[a * direction..], block, i * points + point, part);
+                    for j in 0..D {
+                        physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
+                    }
+                }
+            }
+            let stress = law.stress(&physical);
+            if L::HAS_BARRIER {
+                let least = Lanes::read(simd, &smallest, part);
+                least.min(stress.volume_ratio.primal()).write(&mut smallest, part);
+            }
+            for i in 0..D {
+                let mut weighted = g[0];
+                for j in 0..D {
+                    weighted[j] = stress.piola[i][j].result() * weight;
+                }
+                for a in 0..D {
+                    dot(&weighted, &g[a]).write(&mut gradients[a * direction + i * points + point], part);
+                }
+            }
+        }
+    }
+    smallest
+}
+
+/// W and G at one point.
+#[inline(always)]
+pub(super) fn read_metric<S: Simd, const D: usize>(
+    simd: S,
+    metric: &[Pack],
+    point: usize,
+    part: usize,
+) -> (Lanes<S>, [[Lanes<S>; D]; D]) {
+    let entry = &metric[point * (1 + D * D)..][..1 + D * D];
+    let mut g = [[Lanes::splat(simd, 0.0); D]; D];
+    for a in 0..D {
+        for j in 0..D {
+            g[a][j] = Lanes::read(simd, &entry[1 + a * D + j], part);
+        }
+    }
+    (Lanes::read(simd, &entry[0], part), g)
+}

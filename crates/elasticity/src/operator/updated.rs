@@ -1,0 +1,81 @@
+//! The metric of a mesh that has moved.
+//!
+//! With the deformation gradient F = I + grad d of the move, its determinant j, and a stiffness that is partly the (-chi)th power of
+//! det J,
+//!
+//! ```text
+//! G_n = G F^{-1},      det J_n = j det J,      W_n = w det J_n E_n = W j^{1 - chi}                               (updated)
+//! ```
+
+use super::Operator;
+use super::kernel::{Scratch, read_metric};
+use crate::Inversion;
+use crate::law::plus_identity;
+use rayon::prelude::*;
+use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
+
+/// (updated) in one batch.
+struct MoveBatch<'a, const D: usize> {
+    operator: &'a Operator<D>,
+    batch: usize,
+    displacement: &'a [f64],
+    /// 1 - chi
+    power: f64,
+    /// W and G, replaced by W_n and G_n.
+    metric: &'a mut [Pack],
+}
+
+impl<const D: usize> WithSimd for MoveBatch<'_, D> {
+    /// The smallest j of every cell.
+    type Output = Pack;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Pack {
+        let MoveBatch { operator, batch, displacement, power, metric } = self;
+        let points = operator.lines.points::<D>();
+        let mut scratch = Scratch::new::<D>(&operator.lines, 1);
+        let gradients = operator.gradients_of(simd, batch, displacement, &mut scratch);
+        let mut smallest = Pack([f64::INFINITY; WIDTH]);
+        for point in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
+                let mut gradient = [[weight.zero(); D]; D];
+                for a in 0..D {
+                    for i in 0..D {
+                        let h = Lanes::read(simd, &gradients[(a * D + i) * points + point], part);
+                        for j in 0..D {
+                            gradient[i][j] = h.mul_add(g[a][j], gradient[i][j]);
+                        }
+                    }
+                }
+                let f = plus_identity(&gradient);
+                let cofactor = cofactor(&f);
+                let j = determinant(&f, &cofactor);
+                Lanes::read(simd, &smallest, part).min(j).write(&mut smallest, part);
+                let entry = &mut metric[point * (1 + D * D)..][..1 + D * D];
+                (weight * j.powf(power)).write(&mut entry[0], part);
+                for a in 0..D {
+                    for k in 0..D {
+                        // F^{-1} = cof(F)^T / j
+                        (tensor::dot(&g[a], &cofactor[k]) / j).write(&mut entry[1 + a * D + k], part);
+                    }
+                }
+            }
+        }
+        smallest
+    }
+}
+
+impl<const D: usize> Operator<D> {
+    /// The metric after the move `displacement` of the mesh, from the one before; chi is the power of `stiffness`.
+    pub(crate) fn moved_metric(&self, before: &[Pack], displacement: &[f64], chi: f64) -> Result<Vec<Pack>, Inversion> {
+        let mut metric = before.to_vec();
+        let length = self.metric_length();
+        let move_batch = |(batch, metric): (usize, &mut [Pack])| {
+            Arch::new().dispatch(MoveBatch { operator: self, batch, displacement, power: 1.0 - chi, metric })
+        };
+        let smallest: Vec<Pack> = metric.par_chunks_exact_mut(length).enumerate().map(move_batch).collect();
+        self.check_inversion(&smallest)?;
+        Ok(metric)
+    }
+}
