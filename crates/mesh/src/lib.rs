@@ -46,4 +46,4 @@ pub use gmsh::{GmshError, Place};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
 pub use periodic::PeriodicPair;
-pub use validity::{Bound, SlabPoint, Validity, ValidityCheck};
+pub use validity::{Bound, MotionCheck, SlabPoint, Validity, ValidityCheck};
