@@ -60,7 +60,7 @@ impl<const D: usize> Turning<D> {
     fn solve(&self, slab: usize, bottom: &[f64], v: &mut [f64]) {
         let elastic = ElasticSlab { mesh: &self.mesh, motion: &self.motion, dt: STEP };
         let (mut r, mut w) = (vec![0.0; v.len()], vec![0.0; v.len()]);
-        elastic.residual(bottom, &self.prescribed(slab), v, &mut r);
+        elastic.residual(bottom, &self.prescribed(slab), v, &mut r).unwrap();
         elastic.solve(&r, &mut w, 1e-10).unwrap();
         v.iter_mut().zip(&w).for_each(|(v, w)| *v -= w);
     }

@@ -58,19 +58,23 @@ impl<const D: usize> MotionCheck<D> {
         let cells: Vec<usize> = (0..self.reference_errors.len()).collect();
         let mut bounds = self.bound(&cells, displacements, false);
         let smallest = bounds.iter().map(|bound| bound.sampled_min).fold(f64::INFINITY, f64::min);
-        let settled = |bound: &Bound<D>| bound.lower > 0.0 && bound.lower >= SHARPNESS * smallest;
-        let open = |cell: &usize| !settled(&bounds[*cell]) && bounds[*cell].sampled_min > 0.0;
-        let open: Vec<usize> = cells.into_iter().filter(open).collect();
+        let proved = |bound: &Bound<D>| bound.lower > 0.0 && bound.lower >= SHARPNESS * smallest;
+        // A value that is not a number is not seen.
+        let refuted = |bound: &Bound<D>| bound.sampled_min <= 0.0 && !bound.lower.is_nan();
+        let is_open = |cell: &usize| !proved(&bounds[*cell]) && !refuted(&bounds[*cell]);
+        let open: Vec<usize> = cells.into_iter().filter(is_open).collect();
         for (cell, bound) in open.iter().zip(self.bound(&open, displacements, true)) {
-            bounds[*cell].lower = bound.lower;
+            bounds[*cell].lower = bounds[*cell].lower.max(bound.lower);
         }
-        let answer = |(cell, bound): (usize, &Bound<D>)| {
-            if settled(bound) { Validity::Valid(*bound) } else { self.search(cell, displacements, smallest) }
+        let answer = |(cell, bound): (usize, &Bound<D>)| match bound {
+            bound if proved(bound) => Validity::Valid(*bound),
+            bound if refuted(bound) => Validity::Invalid(*bound),
+            _ => self.search(cell, displacements, smallest),
         };
         bounds.par_iter().enumerate().map(answer).collect()
     }
 
-    /// The bounds of some cells, as proved where [`Bound::lower`] is positive.
+    /// The bounds of some cells.
     fn bound(&self, cells: &[usize], displacements: &[f64], in_halves: bool) -> Vec<Bound<D>> {
         let mut bounds = vec![Bound::UNKNOWN; cells.len()];
         let bound_pack = |work: &mut Scratch, (cells, bounds): (&[usize], &mut [Bound<D>])| {

@@ -15,8 +15,10 @@
 //! The others are a sum of Bernstein polynomials alone. With the tails and round-off in the margins m, and e_i for det J_0,
 //!
 //! ```text
-//! det J >= sum_i (c_i - m_f) B_i >= r sum_i (e_i + m_g) B_i >= r det J_0,   r = min_i (c_i - m_f) / (e_i + m_g) >= 0   (lower)
+//! det J >= sum_i (c_i - m_f) B_i >= r det J_0,     r = min_i (c_i - m_f) / (e_i +- m_g)                       (lower)
 //! ```
+//!
+//! with the sign of c_i - m_f: det J_0 is at most sum_i (e_i + m_g) B_i, and at least sum_i (e_i - m_g) B_i > 0.
 //!
 //! This is quick and coarse: round-off is bounded by the norms of the matrices, which grow fast with q. What it does not settle
 //! is left to [`super::search`].

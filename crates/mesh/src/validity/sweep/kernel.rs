@@ -8,7 +8,7 @@ use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
 /// What is known of det J / det J_0 in eight cells.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::validity) struct Swept {
-    /// Proved where it is positive.
+    /// Proved.
     pub(in crate::validity) lower: Pack,
     /// The smallest and the largest value on the grid.
     pub(in crate::validity) sampled_min: Pack,
@@ -167,7 +167,7 @@ impl<const D: usize> Sweep<D> {
         Lanes::read(simd, &tail[0], part)
     }
 
-    /// (lower); not positive if det J_0 is not proved to be.
+    /// (lower); nothing is known if det J_0 is not proved to be positive.
     #[inline(always)]
     fn lower<S: Simd>(
         &self,
@@ -177,6 +177,7 @@ impl<const D: usize> Sweep<D> {
         part: usize,
     ) -> Lanes<S> {
         let (points, zero) = (work.reference.len(), Lanes::splat(simd, 0.0));
+        let nothing = Lanes::splat(simd, f64::NEG_INFINITY);
         let mut lowest = Lanes::splat(simd, f64::INFINITY);
         for place in &self.bernstein_places {
             let reference = Lanes::read(simd, &work.reference_coefficients[*place], part);
@@ -184,9 +185,10 @@ impl<const D: usize> Sweep<D> {
             for time in 0..self.kept[D] {
                 smallest = Lanes::read(simd, &work.coefficients[time * points + place], part).min(smallest);
             }
-            let ratio = (smallest - margin) / (reference + reference_margin);
+            let (least, low) = (smallest - margin, reference - reference_margin);
+            let ratio = least / least.select_ge(zero, reference + reference_margin, low);
             // What is not a number is kept by this order.
-            lowest = lowest.min((reference - reference_margin).select_ge(zero, ratio, zero));
+            lowest = lowest.min(zero.select_ge(low, nothing, ratio));
         }
         lowest
     }
