@@ -20,6 +20,12 @@ use std::ops::Range;
 /// products need not differentiate it.
 const SETTLED: f64 = 1e-11;
 
+/// The part of the bound of det J / det J_0 that an increment must leave.
+const KEPT: f64 = 0.1;
+
+/// How often an increment of the mesh is halved before the line search goes on without the proof of a good start.
+const MESH_HALVINGS: i32 = 8;
+
 /// What a solve has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -373,8 +379,23 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         self.flow_work = rest;
     }
 
-    fn largest_step(&mut self, _z: &[f64], _increment: &[f64]) -> f64 {
-        1.0
+    /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part [`KEPT`] of the bound of det J / det J_0
+    /// that it has at V.
+    fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64 {
+        let (v, w) = (&z[..self.mesh_len()], &increment[..self.mesh_len()]);
+        if w.iter().all(|&w| w == 0.0) {
+            return 1.0;
+        }
+        let bound = |v: &[f64]| self.mover.quality(&self.bottom, v, self.interval()).lower_bound;
+        let enough = (KEPT * bound(v)).max(0.0);
+        let mut trial = vec![0.0; v.len()];
+        let mut keeps = |a: f64| {
+            trial.iter_mut().zip(v.iter().zip(w)).for_each(|(trial, (v, w))| *trial = v + a * w);
+            bound(&trial) > enough
+        };
+        let mut steps = (0..MESH_HALVINGS).map(|k| 0.5_f64.powi(k));
+        // Where none will do the shortest is left to the residual, which says what is wrong.
+        steps.find(|a| keeps(*a)).unwrap_or(0.5_f64.powi(MESH_HALVINGS))
     }
 }
 
