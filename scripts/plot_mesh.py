@@ -5,10 +5,11 @@
 
 One row for each result and window, in it one panel for each way to draw and each time. Colours, at every point:
 
-    scaled        det J / max of det J in the cell: 1 in a parallelogram, red where the cell is inverted
+    scaled        det J / max of det J in the cell: 1 in a parallelogram, red where it is negative
     deformation   det F = det J / det J_0 of the mesh at the first step: how much an area has grown
     none          edges alone
 
+Inverted cells have red edges.
 Edges are drawn through many points of their polynomial (`--draw smooth`), or straight from node to node (`--draw nodal`), as
 a program would that knows nodes alone. Two dimensions only. Needs the packages of scripts/requirements.txt.
 """
@@ -26,7 +27,12 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize  # noqa: E402
 
+# Of det F.
 TICKS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 1, 1.1, 1.25, 1.4, 2, 3, 5, 10)
+# What counts as no area at all.
+INVERTED = 1e-9
+# Inches.
+BAR_WIDTH = 0.12
 INK, PAPER, WRONG = "#26323d", "#ffffff", "#d1242f"
 SCALED = LinearSegmentedColormap.from_list("scaled", ["#16425b", "#2f7f9e", "#8dc1c9", "#d9ecea", "#f7fbfa"])
 DEFORMATION = LinearSegmentedColormap.from_list(
@@ -51,7 +57,7 @@ class Colour:
         if self.what == "scaled":
             return det / det.max(axis=1, keepdims=True)
         # Where a cell is inverted no logarithm can tell: below the scale.
-        return np.maximum(det / result.determinants(0, points)[cells], 1e-9)
+        return np.maximum(det / result.determinants(0, points)[cells], INVERTED)
 
 
 def moved(window, result, step):
@@ -80,13 +86,13 @@ def triangles(count, cells):
 
 
 def fill(axes, result, step, cells, colour, count):
-    """Colours the cells; returns the smallest value drawn."""
+    """Colours the cells; returns the values, [cell][point]."""
     points = lattice(np.linspace(-1.0, 1.0, count), 2)
     x = result.values("position", step, points)[cells].reshape(-1, 2)
     values = colour.values(result, step, points, cells)
     axes.tripcolor(*x.T, values.ravel(), triangles=triangles(count, len(cells)), shading="gouraud", cmap=colour.map,
                    norm=colour.norm, rasterized=True)
-    return values.min()
+    return values
 
 
 def lines(result, step, cells, across, along):
@@ -97,6 +103,13 @@ def lines(result, step, cells, across, along):
             points = np.stack([along, np.full_like(along, fixed)], axis=1)
             parts.append(result.values("position", step, points[:, ::-1] if swap else points)[cells])
     return np.concatenate(parts)
+
+
+def outline(axes, result, step, cells, ink, width):
+    """The edges of cells."""
+    along = np.linspace(-1.0, 1.0, 6 * result.order("position"))
+    edges = lines(result, step, cells, (-1.0, 1.0), along)
+    axes.add_collection(LineCollection(edges, colors=ink, linewidths=width))
 
 
 def draw_edges(axes, result, step, cells, nodal, inner, width):
@@ -124,12 +137,16 @@ def draw_panel(axes, result, panel, colour, options):
     window = whole(result, step) if window is None else moved(window, result, step) if options.follow else window
     cells = cells_in(window, result, step)
     if colour:
-        smallest = fill(axes, result, step, cells, colour, options.samples)
-        axes.set_xlabel(f"smallest {smallest:.2f}" if smallest > 1e-6 else "inverted", fontsize=7,
-                        color=INK if smallest > 1e-6 else WRONG, labelpad=3)
+        smallest = fill(axes, result, step, cells, colour, options.samples).min(axis=1)
+        inverted = cells[smallest <= INVERTED]
+        text, ink = ("inverted", WRONG) if len(inverted) else (f"smallest {smallest.min():.2f}", INK)
+        axes.set_xlabel(text, fontsize=7, color=ink, labelpad=3)
     size = max(window[1] - window[0], window[3] - window[2])
     typical = np.median(np.ptp(result.coefficients("position", step)[cells], axis=2).max(axis=1))
-    draw_edges(axes, result, step, cells, draw == "nodal", options.inner, np.clip(9.0 * typical / size, 0.25, 0.8))
+    width = np.clip(9.0 * typical / size, 0.25, 0.8)
+    draw_edges(axes, result, step, cells, draw == "nodal", options.inner, width)
+    if colour and len(inverted):
+        outline(axes, result, step, inverted, WRONG, 1.3 * width)
     axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set(color=INK, linewidth=0.4)
@@ -139,7 +156,7 @@ def draw_panel(axes, result, panel, colour, options):
 def add_bar(figure, grid, colour):
     """The scale of the colours, beside all panels."""
     scale = matplotlib.cm.ScalarMappable(colour.norm, colour.map)
-    bar = figure.colorbar(scale, ax=grid, fraction=0.03, pad=0.01, aspect=30)
+    bar = figure.colorbar(scale, ax=grid, fraction=0.03, pad=0.01, aspect=figure.get_figheight() / BAR_WIDTH)
     bar.set_label(colour.label, fontsize=7.5, color=INK)
     bar.outline.set_linewidth(0.4)
     if colour.what == "deformation":
@@ -147,6 +164,18 @@ def add_bar(figure, grid, colour):
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
     bar.ax.tick_params(labelsize=7, width=0.4, colors=INK)
+
+
+def palette(colour):
+    """The 256 colours of a picture: those of the scale, and of lines half over them. The file is a quarter as large with them."""
+    scale = (colour.map if colour else SCALED)(np.linspace(0.0, 1.0, 150))[:, :3]
+    ink, paper, wrong = (np.array(matplotlib.colors.to_rgb(c)) for c in (INK, PAPER, WRONG))
+    under = np.concatenate([scale[::8], [paper, wrong]])
+    blends = [(1.0 - part) * under + part * ink for part in (0.2, 0.4, 0.6, 0.8)]
+    colours = np.concatenate([scale, [ink, paper, wrong], *blends])
+    picture = Image.new("P", (1, 1))
+    picture.putpalette(np.rint(255 * colours).astype(np.uint8).ravel().tolist())
+    return picture
 
 
 def draw_picture(results, options):
@@ -157,7 +186,7 @@ def draw_picture(results, options):
     shapes = [window or whole(result, 0) for result, window in rows]
     heights = [options.width * (y1 - y0) / (x1 - x0) + 0.3 for x0, x1, y0, y1 in shapes]
     figure, grid = plt.subplots(len(rows), len(columns), squeeze=False, layout="constrained", height_ratios=heights,
-                                figsize=(options.width * len(columns) + 0.8, sum(heights)))
+                                figsize=(options.width * len(columns) + 1.0, sum(heights)))
     figure.get_layout_engine().set(w_pad=0.03, h_pad=0.03)
     for row, (result, window) in enumerate(rows):
         for column, (draw, time) in enumerate(columns):
@@ -169,14 +198,10 @@ def draw_picture(results, options):
             grid[row, 0].set_ylabel(options.rows[row], fontsize=8, color=INK)
     if colour:
         add_bar(figure, grid, colour)
-    save(figure, options)
-
-
-def save(figure, options):
-    """With a palette of 256 colours, which makes the file a third as large."""
     figure.savefig(options.output, dpi=options.dpi, facecolor=PAPER)
     with Image.open(options.output) as picture:
-        picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(options.output, optimize=True)
+        reduced = picture.convert("RGB").quantize(palette=palette(colour), dither=Image.Dither.NONE)
+    reduced.save(options.output, optimize=True)
 
 
 def arguments():
