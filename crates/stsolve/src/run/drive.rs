@@ -85,7 +85,8 @@ where
         return books.conclude(stop, time, &session, &arguments.to_resume("run", directory));
     }
     let (time, seconds) = (rounded(time), books.seconds());
-    books.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}", directory.display()));
+    let next = RunArguments::to_report(directory);
+    books.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
     Ok(())
 }
 

@@ -17,7 +17,7 @@ mod books;
 mod build;
 mod checkpoint;
 mod drive;
-mod fields;
+pub(crate) mod fields;
 mod history;
 mod mesh_run;
 mod record;
