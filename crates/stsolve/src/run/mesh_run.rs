@@ -103,9 +103,10 @@ fn judge(books: &Books, session: &Session, time: f64) -> Result<(), Failure> {
     }
     books.progress.say(&format!(
         "valid until t = {}: det J / det J_0 >= {lower_bound:.6} proved, smallest in cell {cell} near t = {at}; {:.1} s; results \
-         in {directory}",
+         in {directory}; {}",
         rounded(time),
         books.seconds(),
+        RunArguments::to_report(session.directory.path()),
     ));
     Ok(())
 }

@@ -18,7 +18,7 @@ mod books;
 mod build;
 mod checkpoint;
 mod drive;
-mod fields;
+pub(crate) mod fields;
 mod flow_run;
 mod history;
 mod mesh_run;

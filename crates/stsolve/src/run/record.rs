@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use fem::{Layout as FlowLayout, Sampler};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Gas;
-use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, ResultFile, SolverState, Step};
+use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, RestMesh, ResultFile, SolverState, Step};
 
 /// What a run has at the end of a slab, and in it.
 pub struct Snapshot<'a> {
@@ -83,7 +83,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             let (result, stored, _) = ResultFile::resume(&session.directory, &fingerprint)?;
             (result, Some(stored))
         } else {
-            let metadata = metadata(case, fingerprint);
+            let metadata = metadata(case, mesh, fingerprint);
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
         let rows = stored.as_ref().and_then(|stored| stored.arrays.get("history")).map_or(&[][..], Vec::as_slice);
@@ -233,7 +233,7 @@ fn fingerprint<const D: usize>(case: &Case<D>) -> String {
     Checksum::default().text(&case.about.numerics).text(solved).to_string()
 }
 
-fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadata {
+fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>, case_fingerprint: String) -> Metadata {
     Metadata {
         creator: format!("stsolve {}", env!("CARGO_PKG_VERSION")),
         case_name: case.about.name.clone(),
@@ -242,5 +242,15 @@ fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadat
         mesh_id: Checksum::default().numbers(case.mesh.coordinates()).to_string(),
         space_nodes: basis::gauss_lobatto(flow_order(case)).points,
         time_nodes: basis::RadauTime::new(case.time.order).nodes().to_vec(),
+        mesh: rest_mesh(case, mesh),
+    }
+}
+
+fn rest_mesh<const D: usize>(case: &Case<D>, mesh: &MeshView<D>) -> RestMesh {
+    let facet = |facet: &mesh::BoundaryFacet| [facet.side.cell, facet.side.face, facet.boundary].map(|i| i as i64);
+    RestMesh {
+        position: mesh.positions.concat(),
+        boundary_names: case.mesh.boundary_names().to_vec(),
+        boundary_facets: case.mesh.boundary_facets().iter().map(facet).collect(),
     }
 }
