@@ -57,6 +57,7 @@ fn order_at_slab_ends_is_2_n_t_minus_1() {
         let (coarse, fine) = (manufactured_errors(order, slabs), manufactured_errors(order, 2 * slabs));
         for (coarse, fine) in coarse.into_iter().zip(fine) {
             let found = (coarse / fine).log2();
+            println!("N_t = {order}: order {found:.2}");
             let expected = (2 * order - 1) as f64;
             assert!(found > expected - 0.15, "N_t = {order}: order {found:.2}, errors {coarse:e}, {fine:e}");
         }

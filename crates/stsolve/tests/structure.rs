@@ -97,10 +97,10 @@ fn what_does_not_go_with_a_structure_is_refused() {
     let directory = TempDir::new().unwrap();
     for (set, parts) in [
         ("motion.displacement=[0,0]", &["a structure moves by itself"][..]),
-        ("structure.density=-1", &["`structure.density", "a positive number"]),
-        ("structure.poisson_ratio=0.5", &["`structure.poisson_ratio", "below 0.5"]),
-        ("structure.points.tip=[2,0]", &["`structure.points.tip", "a point inside the mesh"]),
-        ("structure.boundary.left={held=[\"z\"]}", &["`structure.boundary.left.held[0]", "two-dimensional"]),
+        ("structure.density=-1", &["the density is out of range", "a positive number"]),
+        ("structure.poisson_ratio=0.5", &["Poisson's ratio is out of range", "below 0.5"]),
+        ("structure.points.tip=[2,0]", &["the point is out of range", "a point inside the mesh"]),
+        ("structure.boundary.left={held=[\"z\"]}", &["structure.boundary.left.held[0]", "two-dimensional"]),
         ("structure.initial.displacement=[0,1e-3]", &["not that of boundary `left`"]),
     ] {
         on_case(directory.path(), "run", "cantilever", &[set], "run", &[]).expect(2, parts);
