@@ -5,17 +5,15 @@ mod solve;
 mod tests;
 
 use crate::batches::Batches;
-use crate::condensation::Elimination;
 use crate::geometry::{Sampler, nodal_coordinates, quadrature_points};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
-use crate::solver::{Inverse, Solver};
+use crate::solver::{Inverse, Plan, Solver};
 use crate::{ElasticityError, Material, Stiffness};
 use basis::{gauss, gauss_lobatto};
-use mesh::{CellMap, Mesh, NodeNumbering};
+use mesh::{Mesh, NodeNumbering};
 use solve::SolveWork;
-use std::sync::Arc;
 
 /// The equilibrium of a mesh in its reference position: div sigma(d) = 0, with the displacement d prescribed at constrained nodes.
 ///
@@ -29,6 +27,8 @@ use std::sync::Arc;
 pub struct ElasticMesh<const D: usize> {
     operator: Operator<D>,
     inverse: Inverse<D>,
+    /// The relative error that one pass of a direct solver leaves.
+    pass_error: f64,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
@@ -71,29 +71,35 @@ impl<const D: usize> ElasticMesh<D> {
         let rule = gauss(quadrature_points(D, order));
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
         let operator = Operator::new(lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
-        let elimination = Arc::new(Elimination::new(order, operator.batches(), constrained, &centres(mesh)));
-        let inverse = match solver.chosen(elimination.factor_entries(operator.batches()) * size_of::<f64>()) {
-            Solver::Direct => {
+        let coordinates = nodal_coordinates(mesh, numbering);
+        let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
+            (_, Some(elimination)) => {
                 let factor = elimination.factor(operator.batches(), |batch| operator.cell_matrices(batch))?;
                 Inverse::Direct(Box::new(factor))
             }
-            _ => {
+            (plan, None) => {
                 let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
+                let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
+                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained, multigrid)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);
-        Ok(ElasticMesh {
+        let mut mesh = ElasticMesh {
             operator,
             inverse,
+            pass_error: 0.0,
             constrained: constrained.to_vec(),
-            coordinates: nodal_coordinates(mesh, numbering),
+            coordinates,
             diagonal,
             solves: Pool::new(),
             vectors: Pool::new(),
-        })
+        };
+        if let Inverse::Direct(condensation) = &mesh.inverse {
+            mesh.pass_error = mesh.measure_pass_error(condensation);
+        }
+        Ok(mesh)
     }
 
     /// The length of a vector: D times the number of C0 nodes.
@@ -107,6 +113,13 @@ impl<const D: usize> ElasticMesh<D> {
     /// For every C0 node, whether its displacement is prescribed.
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
+    }
+    /// Memory of the factor or the hierarchy that the solver has prepared.
+    pub fn solver_bytes(&self) -> usize {
+        match &self.inverse {
+            Inverse::Direct(condensation) => condensation.bytes(),
+            Inverse::LowOrder(low_order) => low_order.bytes(),
+        }
     }
     /// diag K: the scale of the forces at every node, and the weight of a pseudo-time term.
     pub fn diagonal(&self) -> &[f64] {
@@ -148,12 +161,6 @@ impl<const D: usize> ElasticMesh<D> {
         self.vectors.give(vector);
         result
     }
-}
-
-/// The middles of the cells.
-fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
-    let middle = CellMap::on_grid(mesh.order(), &[0.0]);
-    (0..mesh.n_cells()).map(|cell| middle.positions(mesh.cell_coordinates(cell))[0]).collect()
 }
 
 fn check_constraints(numbering: &NodeNumbering, constrained: &[bool]) -> Result<(), ElasticityError> {

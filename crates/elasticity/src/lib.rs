@@ -12,6 +12,7 @@
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
+//! | `multigrid` | and what solves with those where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
 //! | `cholesky` | sparse and dense factorisation, by faer on one thread |
 //! | `solver` | which of them is taken |
@@ -29,6 +30,7 @@ mod errors;
 mod geometry;
 mod low_order;
 mod material;
+mod multigrid;
 mod operator;
 mod pool;
 mod slab;
@@ -42,5 +44,5 @@ pub use errors::ElasticityError;
 pub use material::{Lame, Material};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
-pub use solver::Solver;
+pub use solver::{Plan, Solver};
 pub use stiffness::Stiffness;

@@ -24,4 +24,5 @@ mod record;
 mod summary;
 mod tally;
 
+pub use build::elasticity_plan;
 pub use drive::{motion, run};

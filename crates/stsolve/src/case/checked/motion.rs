@@ -7,6 +7,7 @@ use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::vector::Vector;
 use crate::expression::Program;
+use elasticity::Solver;
 
 /// How the mesh moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub enum Motion<const D: usize> {
         poisson_ratio: f64,
         /// Young's modulus over the mesh.
         stiffness: Stiffness,
+        /// How the equations of the mesh are solved.
+        solver: Solver,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
         boundary: Vec<Option<Vector<D>>>,
     },
@@ -87,7 +90,16 @@ fn elastic<const D: usize>(
         }
     };
     let boundary = named.iter().enumerate().map(displacement).collect::<Checked<_>>()?;
-    Ok(Motion::Elastic { poisson_ratio: nu, stiffness, boundary })
+    Ok(Motion::Elastic { poisson_ratio: nu, stiffness, solver: solver(elasticity.solver), boundary })
+}
+
+fn solver(raw: raw::ElasticitySolver) -> Solver {
+    match raw {
+        raw::ElasticitySolver::Automatic => Solver::Automatic,
+        raw::ElasticitySolver::Direct => Solver::Direct,
+        raw::ElasticitySolver::Cg => Solver::ConjugateGradients,
+        raw::ElasticitySolver::Multigrid => Solver::Multigrid,
+    }
 }
 
 fn stiffness<const D: usize>(
