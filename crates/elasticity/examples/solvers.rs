@@ -31,19 +31,23 @@ fn measure<const D: usize>(cells: usize, order: usize, solver: Solver) -> Result
     let (first, iterations) = solve()?;
     let (further, _) = solve()?;
     println!(
-        "{D}  {order:2}  {:8}  {:18}  {set_up:7.3} s  {first:7.3} s  {further:7.3} s  {iterations:4}",
+        "{D}  {order:2}  {:8}  {:18}  {set_up:7.3} s  {first:7.3} s  {further:7.3} s  {iterations:4}  {:8.1} MB",
         elastic.length(),
         format!("{solver:?}"),
+        elastic.solver_bytes() as f64 / 1e6,
     );
     Ok(())
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("D   N  unknowns  solver                 set-up      first    further  iterations");
-    for (order, cells) in [(4, 75), (8, 32)] {
-        for solver in [Solver::Direct, Solver::ConjugateGradients] {
-            measure::<2>(cells, order, solver)?;
-        }
+    println!("D   N  unknowns  solver                 set-up      first    further  iterations   memory");
+    for solver in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
+        measure::<2>(75, 4, solver)?;
+        measure::<2>(32, 8, solver)?;
+        measure::<3>(11, 4, solver)?;
+        measure::<3>(5, 8, solver)?;
     }
+    measure::<3>(16, 4, Solver::Multigrid)?;
+    measure::<3>(7, 8, Solver::Multigrid)?;
     Ok(())
 }

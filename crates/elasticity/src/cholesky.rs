@@ -11,6 +11,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, MatMut, Par, Side, Spec};
+use std::array::from_fn;
 
 /// A symmetric matrix of D x D blocks, one block per pair of neighbouring nodes. Only the lower triangle is stored, by columns.
 pub(crate) struct BlockMatrix<const D: usize> {
@@ -56,6 +57,22 @@ impl<const D: usize> BlockMatrix<D> {
                 self.values[start + place * D + i - j] += block[i][j];
             }
         }
+    }
+
+    /// The number of nodes.
+    pub(crate) fn nodes(&self) -> usize {
+        self.neighbours.len()
+    }
+
+    /// The rows and blocks of a column, from the diagonal on.
+    pub(crate) fn column(&self, column: usize) -> impl Iterator<Item = (u32, [[f64; D]; D])> {
+        let entry = move |place: usize, i: usize, j: usize| {
+            // The diagonal block is symmetric and stored from its diagonal on.
+            let (i, j) = if place == 0 { (i.max(j), i.min(j)) } else { (i, j) };
+            self.values[self.columns[column * D + j] + place * D + i - j]
+        };
+        let block = move |place| from_fn(|i| from_fn(|j| entry(place, i, j)));
+        self.neighbours[column].iter().enumerate().map(move |(place, &row)| (row as u32, block(place)))
     }
 
     /// A = L L^T, with the approximate minimum degree ordering.
@@ -111,6 +128,11 @@ impl Cholesky {
     /// The number of unknowns.
     pub(crate) fn len(&self) -> usize {
         self.symbolic.nrows()
+    }
+
+    /// Memory of the factor.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.values[..])
     }
 
     /// x = A^{-1} x for one right-hand side.

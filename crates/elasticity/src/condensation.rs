@@ -15,6 +15,7 @@
 mod dissection;
 mod fronts;
 mod inner;
+mod sweep;
 
 use crate::ElasticityError;
 use crate::batches::Batches;
@@ -22,9 +23,10 @@ use crate::pool::Pool;
 use dissection::Dissection;
 use faer::MatMut;
 use fronts::{Contribution, Fronts};
-use inner::{CellUnknowns, InnerFactor, SweepWork};
+use inner::{CellUnknowns, InnerFactor};
 use std::sync::Arc;
-use tensor::Pack;
+use sweep::SweepWork;
+use tensor::{Pack, WIDTH};
 
 /// In which order the free nodes of a mesh are eliminated, and what their factor will need: known before any matrix is.
 pub(crate) struct Elimination<const D: usize> {
@@ -53,9 +55,24 @@ impl<const D: usize> Elimination<D> {
         Elimination { unknowns, dissection, numbers, constrained: constrained.to_vec(), largest_boundary }
     }
 
-    /// Stored entries of the factor.
-    pub(crate) fn factor_entries(&self, batches: &Batches<D>) -> usize {
-        self.unknowns.factor_length() * batches.count() * tensor::WIDTH + self.dissection.factor_entries(D)
+    /// Memory of the factor, and on the way to it of S of all cells and of the matrices of a batch. Threads do not count: they must not
+    /// decide which solver is taken.
+    pub(crate) fn bytes(&self, batches: &Batches<D>) -> usize {
+        let inner = self.unknowns.factor_length() * batches.count() * WIDTH;
+        let schur = self.unknowns.skeleton().pow(2) * batches.cells();
+        let matrices = 2 * self.unknowns.count().pow(2) * WIDTH;
+        (inner + self.dissection.factor_entries(D) + schur + matrices) * size_of::<f64>()
+    }
+
+    /// Multiplications of the factorisation.
+    pub(crate) fn operations(&self, batches: &Batches<D>) -> f64 {
+        let cells = eliminations(self.unknowns.count(), self.unknowns.inner()) * (batches.count() * WIDTH) as f64;
+        let parts = self
+            .dissection
+            .parts
+            .iter()
+            .map(|part| eliminations((part.eliminated.len() + part.boundary.len()) * D, part.eliminated.len() * D));
+        cells + parts.sum::<f64>()
     }
 
     /// The factor of the sum of the cells' matrices: `matrices(batch)` are those of a batch, `[column][row]`, both of them
@@ -76,6 +93,11 @@ impl<const D: usize> Elimination<D> {
         })?;
         Ok(Condensation { elimination: self.clone(), inner, fronts, work: Pool::new() })
     }
+}
+
+/// Multiplications that eliminate `count` of `rows` rows of a symmetric matrix, one after the other.
+fn eliminations(rows: usize, count: usize) -> f64 {
+    (rows - count..rows).map(|left| 0.5 * (left as f64).powi(2)).sum()
 }
 
 /// The factored K_ff.
@@ -129,6 +151,11 @@ impl<const D: usize> Condensation<D> {
             self.on_skeleton(|i, k| x[i] = skeleton[k]);
         }
         self.work.give(work);
+    }
+
+    /// Memory of the factor.
+    pub(crate) fn bytes(&self) -> usize {
+        self.inner.bytes() + self.fronts.bytes()
     }
 
     /// d_c = 0.

@@ -6,18 +6,16 @@ mod solve;
 mod tests;
 
 use crate::batches::Batches;
-use crate::condensation::Elimination;
 use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
-use crate::solver::{Inverse, Solver};
+use crate::solver::{Inverse, Plan, Solver};
 use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
-use mesh::{CellMap, Mesh, NodeNumbering};
+use mesh::{Mesh, NodeNumbering};
 use position::Position;
 use solve::SolveWork;
-use std::sync::Arc;
 
 /// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
 ///
@@ -35,6 +33,8 @@ pub struct ElasticMesh<const D: usize> {
     /// Where K is taken.
     position: Position,
     inverse: Inverse<D>,
+    /// The relative error that one pass of a direct solver leaves.
+    pass_error: f64,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
@@ -79,33 +79,40 @@ impl<const D: usize> ElasticMesh<D> {
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
         let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
         let position = Position::new(law, &operator, stiffness, numbering.count * D);
-        let elimination = Arc::new(Elimination::new(order, operator.batches(), constrained, &centres(mesh)));
-        let inverse = match solver.chosen(elimination.factor_entries(operator.batches()) * size_of::<f64>()) {
-            Solver::Direct => {
+        let coordinates = nodal_coordinates(mesh, numbering);
+        let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
+            (_, Some(elimination)) => {
                 let factor =
                     elimination.factor(operator.batches(), |batch| operator.cell_matrices(position.bottom(), batch))?;
                 Inverse::Direct(Box::new(factor))
             }
-            _ => {
+            (plan, None) => {
                 let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
+                let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
+                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained, multigrid)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };
         let mut diagonal = vec![0.0; numbering.count * D];
         operator.diagonal(&mut diagonal);
-        Ok(ElasticMesh {
+        let spacing = node_spacing(mesh, numbering);
+        let mut mesh = ElasticMesh {
             law,
             operator,
             position,
             inverse,
+            pass_error: 0.0,
             constrained: constrained.to_vec(),
-            coordinates: nodal_coordinates(mesh, numbering),
+            coordinates,
             diagonal,
-            spacing: node_spacing(mesh, numbering),
+            spacing,
             solves: Pool::new(),
             vectors: Pool::new(),
-        })
+        };
+        if let Inverse::Direct(condensation) = &mesh.inverse {
+            mesh.pass_error = mesh.measure_pass_error(condensation);
+        }
+        Ok(mesh)
     }
 
     /// The length of a vector: D times the number of C0 nodes.
@@ -119,6 +126,13 @@ impl<const D: usize> ElasticMesh<D> {
     /// For every C0 node, whether its displacement is prescribed.
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
+    }
+    /// Memory of the factor or the hierarchy that the solver has prepared.
+    pub fn solver_bytes(&self) -> usize {
+        match &self.inverse {
+            Inverse::Direct(condensation) => condensation.bytes(),
+            Inverse::LowOrder(low_order) => low_order.bytes(),
+        }
     }
     /// The law.
     pub fn law(&self) -> Law {
@@ -171,12 +185,6 @@ impl<const D: usize> ElasticMesh<D> {
         self.vectors.give(vector);
         result
     }
-}
-
-/// The middles of the cells.
-fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
-    let middle = CellMap::on_grid(mesh.order(), &[0.0]);
-    (0..mesh.n_cells()).map(|cell| middle.positions(mesh.cell_coordinates(cell))[0]).collect()
 }
 
 fn check_constraints(numbering: &NodeNumbering, constrained: &[bool]) -> Result<(), ElasticityError> {

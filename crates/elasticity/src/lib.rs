@@ -14,6 +14,7 @@
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
+//! | `multigrid` | and what solves with those where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
 //! | `cholesky` | sparse and dense factorisation, by faer on one thread |
 //! | `solver` | which of them is taken |
@@ -43,6 +44,7 @@ mod low_order;
 mod mass;
 mod material;
 mod modes;
+mod multigrid;
 mod operator;
 mod pool;
 mod shifted;
@@ -63,6 +65,6 @@ pub use material::{Lame, Material};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
-pub use solver::Solver;
+pub use solver::{Plan, Solver};
 pub use stiffness::Stiffness;
 pub use structure::Structure;

@@ -9,29 +9,37 @@ use crate::ElasticityError;
 use crate::cholesky::{BlockMatrix, Cholesky};
 use crate::geometry::{Sample, Sampler, determinant_and_inverse};
 use crate::material::Lame;
+use crate::multigrid::{self, Cycle};
 use crate::pool::Pool;
 use mesh::NodeNumbering;
 
-/// The factored low-order matrix of the free nodes: those that are not constrained.
+/// The low-order matrix of the free nodes, those that are not constrained, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
     /// The C0 nodes that are free.
     free: Vec<usize>,
-    factor: Cholesky,
+    inverse: Inverse,
     buffers: Pool<Vec<f64>>,
 }
 
+/// A^{-1}, exact or approximate.
+enum Inverse {
+    Factor(Box<Cholesky>),
+    Multigrid(Box<dyn Cycle>),
+}
+
 impl<const D: usize> LowOrder<D> {
-    /// Assembles and factors the matrix of the nodes that are not `constrained`; `sampler` samples the Gauss-Lobatto nodes of
-    /// `numbering`'s order in each of `cells` cells.
+    /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
+    /// positions of all C0 nodes; `sampler` samples the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
     pub(crate) fn new(
         lame: Lame,
         cells: usize,
         numbering: &NodeNumbering,
         sampler: &Sampler<'_, D>,
         constrained: &[bool],
+        multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, cells, numbering, sampler, &fixed)
+        Self::with_mass(lame, 0.0, cells, numbering, sampler, &fixed, multigrid)
     }
 
     /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
@@ -42,27 +50,46 @@ impl<const D: usize> LowOrder<D> {
         numbering: &NodeNumbering,
         sampler: &Sampler<'_, D>,
         fixed: &[[bool; D]],
+        multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let free: Vec<usize> = (0..numbering.count).filter(|&node| fixed[node] != [true; D]).collect();
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let factor = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, sampler, &unknowns)?.factor()?;
-        Ok(LowOrder { free, factor, buffers: Pool::new() })
+        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, sampler, &unknowns)?;
+        let inverse = match multigrid {
+            None => Inverse::Factor(Box::new(matrix.factor()?)),
+            Some(coordinates) => {
+                let of_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
+                Inverse::Multigrid(multigrid::hierarchy(&matrix, &of_free)?)
+            }
+        };
+        Ok(LowOrder { free, inverse, buffers: Pool::new() })
     }
 
     /// z = P^{-1} r at free nodes, 0 at the others; both `[C0 node][component]`.
     pub(crate) fn apply(&self, r: &[f64], z: &mut [f64]) {
-        let mut x = self.buffers.take(|| vec![0.0; self.factor.len()]);
+        let mut x = self.buffers.take(|| vec![0.0; self.free.len() * D]);
         for (x, &node) in x.chunks_exact_mut(D).zip(&self.free) {
             x.copy_from_slice(&r[node * D..][..D]);
         }
-        self.factor.solve(&mut x);
+        match &self.inverse {
+            Inverse::Factor(factor) => factor.solve(&mut x),
+            Inverse::Multigrid(cycle) => cycle.apply(&mut x),
+        }
         z.fill(0.0);
         for (x, &node) in x.chunks_exact(D).zip(&self.free) {
             z[node * D..][..D].copy_from_slice(x);
         }
         self.buffers.give(x);
+    }
+
+    /// Memory of what is prepared.
+    pub(crate) fn bytes(&self) -> usize {
+        match &self.inverse {
+            Inverse::Factor(factor) => factor.bytes(),
+            Inverse::Multigrid(cycle) => cycle.bytes(),
+        }
     }
 }
 

@@ -1,36 +1,142 @@
-//! Which method solves with K.
+//! Which method solves with K, and what it costs.
 
-use crate::condensation::Condensation;
+use crate::batches::Batches;
+use crate::condensation::{Condensation, Elimination};
 use crate::low_order::LowOrder;
+use mesh::{CellMap, Mesh, NodeNumbering};
+use std::sync::Arc;
 
 /// How K_ff d_f = b_f is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
-    /// What is cheapest for the size of the mesh.
+    /// What suits the size of the mesh, see [`Plan`].
     #[default]
     Automatic,
     /// Elimination of the nodes along a tree of parts of the mesh; no iterations.
     Direct,
     /// Conjugate gradients, preconditioned by a factored low-order refinement.
     ConjugateGradients,
+    /// Conjugate gradients, preconditioned by algebraic multigrid on the low-order refinement.
+    Multigrid,
 }
 
-/// Bytes up to which a direct factor is taken.
-const MAX_DIRECT_BYTES: usize = 1 << 30;
+/// The solver that a mesh will have, known before anything is computed.
+///
+/// Automatic is **direct up to 10^11 multiplications and 2^30 bytes, multigrid beyond**. That is some ten seconds of one core, once
+/// in a run, after which a solve costs what two passes through the factor cost. In the plane it is enough for millions of unknowns, in
+/// space for about 10^5.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The solver, never automatic.
+    pub solver: Solver,
+    /// Its memory: of a direct one counted, with what is needed on the way; otherwise estimated from the number of unknowns.
+    pub bytes: usize,
+}
 
-impl Solver {
-    /// What is meant for a mesh whose direct factor needs `direct_bytes`.
-    pub(crate) fn chosen(self, direct_bytes: usize) -> Solver {
-        match self {
-            Solver::Automatic if direct_bytes <= MAX_DIRECT_BYTES => Solver::Direct,
-            Solver::Automatic => Solver::ConjugateGradients,
-            _ => self,
+/// Up to this many multiplications a mesh is factored.
+const MAX_OPERATIONS: f64 = 1e11;
+/// Up to this many bytes a mesh is factored.
+const MAX_BYTES: usize = 1 << 30;
+
+impl Plan {
+    /// The plan for a mesh with displacements of the order of `numbering`, prescribed at `constrained[C0 node]`, where `solver` is asked
+    /// for.
+    pub fn new<const D: usize>(
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        constrained: &[bool],
+        solver: Solver,
+    ) -> Self {
+        Self::with_elimination(mesh, numbering, &Batches::new(mesh, numbering), constrained, solver).0
+    }
+
+    /// The same with the order of elimination, where the solver is direct.
+    pub(crate) fn with_elimination<const D: usize>(
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        batches: &Batches<D>,
+        constrained: &[bool],
+        solver: Solver,
+    ) -> (Self, Option<Arc<Elimination<D>>>) {
+        let unknowns = D * constrained.iter().filter(|constrained| !**constrained).count();
+        let iterative = |solver| (Plan { solver, bytes: low_order_bytes(D, unknowns, solver) }, None);
+        if matches!(solver, Solver::ConjugateGradients | Solver::Multigrid) {
+            return iterative(solver);
+        }
+        let elimination = Elimination::new(numbering.order(), batches, constrained, &centres(mesh));
+        let bytes = elimination.bytes(batches);
+        let is_small = elimination.operations(batches) <= MAX_OPERATIONS && bytes <= MAX_BYTES;
+        if solver == Solver::Direct || is_small {
+            (Plan { solver: Solver::Direct, bytes }, Some(Arc::new(elimination)))
+        } else {
+            iterative(Solver::Multigrid)
         }
     }
+}
+
+/// The measured memory of the preconditioners: in proportion to the unknowns, but for a factor in space, which grows like n^(4/3).
+fn low_order_bytes(dimension: usize, unknowns: usize, solver: Solver) -> usize {
+    let n = unknowns as f64;
+    let per_unknown = match (solver, dimension) {
+        (Solver::Multigrid, 2) => 350.0,
+        (Solver::Multigrid, _) => 2400.0,
+        (_, 2) => 820.0,
+        _ => 16_000.0 * (n / 1e5).cbrt(),
+    };
+    (per_unknown * n) as usize
+}
+
+/// The middles of the cells.
+fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
+    let middle = CellMap::on_grid(mesh.order(), &[0.0]);
+    (0..mesh.n_cells()).map(|cell| middle.positions(mesh.cell_coordinates(cell))[0]).collect()
 }
 
 /// K_ff^{-1}, or something near it, prepared.
 pub(crate) enum Inverse<const D: usize> {
     Direct(Box<Condensation<D>>),
     LowOrder(Box<LowOrder<D>>),
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::Stiffness;
+    use crate::testing::{boundary_nodes, clamped_with, unit_box};
+
+    fn plan<const D: usize>(mesh: &Mesh<D>, solver: Solver) -> Plan {
+        let numbering = NodeNumbering::new(mesh, mesh.order());
+        Plan::new(mesh, &numbering, &boundary_nodes(mesh, &numbering), solver)
+    }
+
+    #[test]
+    fn plane_meshes_and_small_ones_in_space_are_factored_and_large_ones_in_space_are_not() {
+        let chosen = |plan: Plan| plan.solver;
+        assert_eq!(chosen(plan(&unit_box([75, 75], 4, 0.0), Solver::Automatic)), Solver::Direct);
+        assert_eq!(chosen(plan(&unit_box([15, 15], 16, 0.0), Solver::Automatic)), Solver::Direct);
+        assert_eq!(chosen(plan(&unit_box([6, 6, 6], 4, 0.0), Solver::Automatic)), Solver::Direct);
+        assert_eq!(chosen(plan(&unit_box([16, 16, 16], 4, 0.0), Solver::Automatic)), Solver::Multigrid);
+        assert_eq!(chosen(plan(&unit_box([2, 2, 2], 16, 0.0), Solver::Automatic)), Solver::Multigrid);
+        for asked in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
+            assert_eq!(chosen(plan(&unit_box([2, 2, 2], 3, 0.0), asked)), asked);
+        }
+    }
+
+    /// The estimates hold to a factor of two or so, the count covers what is stored.
+    fn assert_memory<const D: usize>(mesh: &Mesh<D>) {
+        for solver in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
+            let found = clamped_with(mesh, mesh.order(), Stiffness::Constant, solver).solver_bytes() as f64;
+            let ratio = plan(mesh, solver).bytes as f64 / found;
+            assert!(ratio > 0.5 && ratio < 2.5, "{solver:?}: {ratio:.2} of {found} bytes");
+            assert!(solver != Solver::Direct || ratio >= 1.0);
+        }
+    }
+
+    #[test]
+    fn planned_memory_is_what_is_used() {
+        assert_memory(&unit_box([40, 40], 4, 0.0));
+        assert_memory(&unit_box([12, 12], 8, 0.0));
+        assert_memory(&unit_box([6, 6, 6], 4, 0.0));
+    }
 }

@@ -146,7 +146,7 @@ impl<const D: usize> Structure<D> {
         let nodes = gauss_lobatto(self.numbering.order()).points;
         let at_nodes = Sampler::new(&self.mesh, Stiffness::Constant, &nodes);
         let mass = m * self.mass.density();
-        let low_order = LowOrder::with_mass(lame, mass, cells, &self.numbering, &at_nodes, &self.fixed)?;
+        let low_order = LowOrder::with_mass(lame, mass, cells, &self.numbering, &at_nodes, &self.fixed, None)?;
         Ok(Shifted { m, low_order })
     }
 

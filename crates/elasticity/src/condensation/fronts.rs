@@ -36,6 +36,11 @@ impl<const D: usize> Fronts<D> {
         Ok(Fronts(factors))
     }
 
+    /// Memory of the factor.
+    pub(crate) fn bytes(&self) -> usize {
+        self.0.iter().map(|factor| factor.nrows() * factor.ncols() * size_of::<f64>()).sum()
+    }
+
     /// Solves for every column of `x`, rows `[number][component]`, in place. `work` has the rows of the largest boundary.
     pub(crate) fn solve(&self, dissection: &Dissection, mut x: MatMut<'_, f64>, mut work: MatMut<'_, f64>) {
         for (part, factor) in dissection.parts.iter().zip(&self.0) {

@@ -15,17 +15,17 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::ops::Range;
 use tensor::pulp::{Arch, Simd, WithSimd};
-use tensor::{Lanes, Pack, Real, WIDTH, zeroed};
+use tensor::{Lanes, Pack, Real, WIDTH};
 
 /// Columns that are factored together, and rows and columns of the blocks in which products are subtracted.
 const BLOCK: usize = 4;
 
 /// L_ii and L_si of all cells: `[batch]`, then row by row, of row j its first min(j + 1, inner) entries.
-pub(crate) struct InnerFactor(Vec<Vec<Pack>>);
+pub(crate) struct InnerFactor(pub(super) Vec<Vec<Pack>>);
 
 /// The order of the unknowns of a cell: numbers `[component][node]`, inner ones first, by nodes.
 pub(crate) struct CellUnknowns {
-    numbers: Vec<usize>,
+    pub(super) numbers: Vec<usize>,
     inner: usize,
 }
 
@@ -39,8 +39,17 @@ impl CellUnknowns {
         let numbers = inner.iter().chain(&skeleton).flat_map(|node| (0..dimension).map(move |i| i * nodes + node));
         CellUnknowns { numbers: numbers.collect(), inner: inner.len() * dimension }
     }
-    fn count(&self) -> usize {
+    /// The unknowns of a cell.
+    pub(crate) fn count(&self) -> usize {
         self.numbers.len()
+    }
+    /// Those inside.
+    pub(crate) fn inner(&self) -> usize {
+        self.inner
+    }
+    /// Those on the skeleton.
+    pub(crate) fn skeleton(&self) -> usize {
+        self.count() - self.inner
     }
     /// The nodes of a cell on the skeleton, in the order of the rows of S.
     pub(crate) fn skeleton_nodes(&self, dimension: usize) -> impl Iterator<Item = usize> {
@@ -48,7 +57,7 @@ impl CellUnknowns {
     }
     /// Packs of the rows of one batch.
     pub(crate) fn factor_length(&self) -> usize {
-        self.inner * (self.inner + 1) / 2 + self.inner * (self.count() - self.inner)
+        self.inner * (self.inner + 1) / 2 + self.inner * self.skeleton()
     }
 }
 
@@ -78,83 +87,21 @@ impl InnerFactor {
         Ok((InnerFactor(rows), schur.into_iter().flatten().collect()))
     }
 
-    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at those of the skeleton.
-    pub(crate) fn forward<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        b: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
-        self.sweep(unknowns, batches, true, b, out, work);
-    }
-
-    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at those of the skeleton, for z and d in
-    /// the vector `z`.
-    pub(crate) fn backward<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        z: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
-        self.sweep(unknowns, batches, false, z, out, work);
-    }
-
-    /// All right-hand sides while the factor of a batch is in the cache.
-    fn sweep<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        forward: bool,
-        from: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
-        let (length, nodal) = (batches.cell_length(), batches.nodal_length());
-        let count = from.len() / nodal;
-        let SweepWork { field, sorted } = work;
-        sorted.resize(count * field.len(), Pack::ZERO);
-        let cells = field.par_chunks_mut(length).zip(sorted.par_chunks_mut(count * length)).zip(&self.0);
-        cells.enumerate().for_each(|(batch, ((cell, sorted), rows))| {
-            for (from, x) in from.chunks_exact(nodal).zip(sorted.chunks_exact_mut(length)) {
-                batches.gather(batch, from, cell);
-                x.iter_mut().zip(&unknowns.numbers).for_each(|(x, &number)| *x = cell[number]);
-                Arch::new().dispatch(Sweep { rows, inner: unknowns.inner, forward, x });
-            }
-        });
-        for (side, out) in out.chunks_exact_mut(nodal).enumerate() {
-            let cells = field.par_chunks_mut(length).zip(sorted.par_chunks(count * length));
-            cells.for_each(|(cell, sorted)| {
-                let x = &sorted[side * length..][..length];
-                x.iter().zip(&unknowns.numbers).for_each(|(x, &number)| cell[number] = *x);
-            });
-            batches.assemble(field, out);
-        }
-    }
-}
-
-/// Work space of the sweeps.
-pub(crate) struct SweepWork {
-    /// A cell field.
-    field: Vec<Pack>,
-    /// `[batch][right-hand side][unknown]`, in the order of [`CellUnknowns`].
-    sorted: Vec<Pack>,
-}
-
-impl SweepWork {
-    pub(crate) fn new<const D: usize>(batches: &Batches<D>) -> Self {
-        SweepWork { field: zeroed(batches.field_length()), sorted: Vec::new() }
+    /// Memory of the factor.
+    pub(crate) fn bytes(&self) -> usize {
+        self.0.iter().map(|rows| size_of_val(&rows[..])).sum()
     }
 }
 
 impl CellUnknowns {
     /// The matrix with rows and columns in this order, from one that is symmetric.
     fn sorted(&self, matrix: &[Pack]) -> Vec<Pack> {
-        let rows = self.numbers.iter().map(|row| &matrix[row * self.count()..][..self.count()]);
-        rows.flat_map(|row| self.numbers.iter().map(move |&column| row[column])).collect()
+        let mut sorted = Vec::with_capacity(matrix.len());
+        for row in &self.numbers {
+            let row = &matrix[row * self.count()..][..self.count()];
+            sorted.extend(self.numbers.iter().map(|&column| row[column]));
+        }
+        sorted
     }
 
     /// Gives the inner nodes that are `held` in a lane the rows and columns of the identity.
@@ -185,7 +132,7 @@ impl CellUnknowns {
 
     /// Both triangles of S of the cell in `lane` of a matrix after [`Eliminate`].
     fn schur(&self, matrix: &[Pack], lane: usize) -> Mat<f64> {
-        let (inner, size) = (self.inner, self.count() - self.inner);
+        let (inner, size) = (self.inner, self.skeleton());
         let entry = |j: usize, k: usize| matrix[(inner + j.max(k)) * self.count() + inner + j.min(k)].0[lane];
         Mat::from_fn(size, size, entry)
     }
@@ -293,88 +240,5 @@ impl<S: Simd> MatrixLanes<'_, S> {
     #[inline(always)]
     fn write(&mut self, entry: Lanes<S>, row: usize, column: usize) {
         entry.write(&mut self.matrix[row * self.count + column], self.part);
-    }
-}
-
-/// One of the two triangular solves in the cells of a batch, in place of `x`.
-struct Sweep<'a> {
-    /// As in [`InnerFactor`].
-    rows: &'a [Pack],
-    inner: usize,
-    forward: bool,
-    x: &'a mut [Pack],
-}
-
-impl WithSimd for Sweep<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for part in 0..Lanes::<S>::PARTS {
-            let mut lanes = SweepLanes { simd, part, rows: self.rows, inner: self.inner, x: &mut *self.x };
-            if self.forward { lanes.forward() } else { lanes.backward() }
-        }
-    }
-}
-
-/// Some lanes of a [`Sweep`].
-struct SweepLanes<'a, S: Simd> {
-    simd: S,
-    part: usize,
-    rows: &'a [Pack],
-    inner: usize,
-    x: &'a mut [Pack],
-}
-
-impl<'a, S: Simd> SweepLanes<'a, S> {
-    /// x_j = (x_j - sum_{r<j} L_jr x_r) / L_jj for inner unknowns, x_j = -sum_r L_jr x_r for the others.
-    #[inline(always)]
-    fn forward(&mut self) {
-        for j in 0..self.x.len() {
-            let row = self.row(j);
-            let start = if j < self.inner { self.read(j) } else { Lanes::splat(self.simd, 0.0) };
-            let rest = start - self.sum(&row[..j.min(self.inner)]);
-            let x_j = if j < self.inner { rest / Lanes::read(self.simd, &row[j], self.part) } else { rest };
-            x_j.write(&mut self.x[j], self.part);
-        }
-    }
-
-    /// x_r = (x_r - sum_{j>r} L_jr x_j) / L_rr for inner unknowns, subtracted row by row; x_j = 0 for the others.
-    #[inline(always)]
-    fn backward(&mut self) {
-        for j in (0..self.x.len()).rev() {
-            let row = self.row(j);
-            let mut x_j = self.read(j);
-            if j < self.inner {
-                x_j = x_j / Lanes::read(self.simd, &row[j], self.part);
-            }
-            for (r, l_jr) in row[..j.min(self.inner)].iter().enumerate() {
-                let rest = self.read(r) - Lanes::read(self.simd, l_jr, self.part) * x_j;
-                rest.write(&mut self.x[r], self.part);
-            }
-            let x_j = if j < self.inner { x_j } else { Lanes::splat(self.simd, 0.0) };
-            x_j.write(&mut self.x[j], self.part);
-        }
-    }
-
-    /// sum_r L_jr x_r, in two halves that do not wait for each other.
-    #[inline(always)]
-    fn sum(&self, row: &[Pack]) -> Lanes<S> {
-        let mut sums = [Lanes::splat(self.simd, 0.0); 2];
-        for (r, l_jr) in row.iter().enumerate() {
-            sums[r % 2] = Lanes::read(self.simd, l_jr, self.part).mul_add(self.read(r), sums[r % 2]);
-        }
-        sums[0] + sums[1]
-    }
-
-    /// Row j of L.
-    #[inline(always)]
-    fn row(&self, j: usize) -> &'a [Pack] {
-        let full = j.min(self.inner);
-        let start = full * (full + 1) / 2 + (j - full) * self.inner;
-        &self.rows[start..][..(j + 1).min(self.inner)]
-    }
-    #[inline(always)]
-    fn read(&self, j: usize) -> Lanes<S> {
-        Lanes::read(self.simd, &self.x[j], self.part)
     }
 }

@@ -7,6 +7,8 @@ use crate::{ElasticMesh, ElasticityError, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use tensor::dot;
 
+const SOLVERS: [Solver; 3] = [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid];
+
 /// An affine displacement of the boundary must come back as the same affine displacement inside, if E is constant.
 fn patch_test<const D: usize>(cells: [usize; D], order: usize) {
     let elastic = clamped(&unit_box(cells, order, 0.05), order, Stiffness::Constant);
@@ -37,7 +39,7 @@ fn patch_test_on_curved_meshes_in_3d() {
 fn agrees_with_dense<const D: usize>(mesh: &Mesh<D>, order: usize) {
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
     let k = assembled(mesh, order, material().lame(), stiffness);
-    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+    for solver in SOLVERS {
         let elastic = clamped_with(mesh, order, stiffness, solver);
         let random = noise(2 * elastic.length());
         let (forces, given) = random.split_at(elastic.length());
@@ -74,7 +76,7 @@ fn every_solver_agrees_with_a_dense_factorisation_where_other_nodes_are_constrai
     let numbering = NodeNumbering::new(&mesh, order);
     let constrained: Vec<bool> = (0..numbering.count).map(|node| node % 13 == 0).collect();
     let k = assembled(&mesh, order, material().lame(), Stiffness::Constant);
-    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+    for solver in SOLVERS {
         let elastic =
             ElasticMesh::with_solver(&mesh, &numbering, material(), Stiffness::Constant, &constrained, solver).unwrap();
         let random = noise(2 * elastic.length());
@@ -89,7 +91,7 @@ fn every_solver_agrees_with_a_dense_factorisation_where_other_nodes_are_constrai
 #[test]
 fn right_hand_sides_together_are_those_one_by_one() {
     let mesh = unit_box([5, 4], 4, 0.03);
-    for solver in [Solver::Direct, Solver::ConjugateGradients] {
+    for solver in SOLVERS {
         let elastic = clamped_with(&mesh, 4, Stiffness::Constant, solver);
         let (f, mut together) = (noise(3 * elastic.length()), noise(3 * elastic.length()));
         let mut single = together.clone();

@@ -108,7 +108,7 @@ fn same_bits_for_any_number_of_threads() {
                 let reports = elastic.solve_all(&solutions.clone(), &mut solutions, 1e-10).unwrap();
                 (product(&elastic, &d), elastic.diagonal().to_vec(), solutions, reports)
             };
-            [Solver::Direct, Solver::ConjugateGradients].map(solve)
+            [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid].map(solve)
         })
     };
     let one = run(1);

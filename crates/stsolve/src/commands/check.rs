@@ -4,7 +4,8 @@ use super::print;
 use super::table::Table;
 use crate::case::{About, AnyCase, Case, Flow, Motion, Structure, Support};
 use crate::failure::Failure;
-use elasticity::Law;
+use crate::run::elasticity_plan;
+use elasticity::{Law, Solver};
 use serde_json::{Map, Value};
 
 /// Explains a checked case.
@@ -26,7 +27,7 @@ pub fn check(case: &AnyCase, json: bool) -> Result<(), Failure> {
 fn tables<const D: usize>(case: &Case<D>) -> Vec<Table> {
     let size = smallest_size(case);
     let mut tables = vec![about(&case.about), mesh_table(case, size), time_table(case)];
-    tables.extend(case.motion.as_ref().map(motion_table));
+    tables.extend(case.motion.as_ref().map(|motion| motion_table(case, motion)));
     tables.extend(case.structure.as_ref().map(|structure| structure_table(case, structure)));
     tables.extend(case.flow.as_ref().map(|flow| flow_table(case, flow, size)));
     tables.push(cost_table(case));
@@ -77,7 +78,7 @@ fn time_table<const D: usize>(case: &Case<D>) -> Table {
     table
 }
 
-fn motion_table<const D: usize>(motion: &Motion<D>) -> Table {
+fn motion_table<const D: usize>(case: &Case<D>, motion: &Motion<D>) -> Table {
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
@@ -86,6 +87,14 @@ fn motion_table<const D: usize>(motion: &Motion<D>) -> Table {
             .row("Poisson's ratio", *poisson_ratio, "")
             .row("moving boundaries", boundary.iter().flatten().count(), ""),
     };
+    if let Some(plan) = elasticity_plan(case) {
+        let solver = match plan.solver {
+            Solver::Direct => "direct",
+            Solver::Multigrid => "conjugate gradients with multigrid",
+            Solver::ConjugateGradients | Solver::Automatic => "conjugate gradients with a low-order factor",
+        };
+        table.row("solver", solver, "").row("memory of the solver", plan.bytes as f64 / 1e6, "MB");
+    }
     table
 }
 

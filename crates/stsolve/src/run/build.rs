@@ -23,7 +23,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     let motion = match &case.motion {
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
-        Some(Motion::Elastic { poisson_ratio, stiffness, law, tolerance, boundary }) => {
+        Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
             let function = |x: &[f64; D]| match stiffness {
                 Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
@@ -35,13 +35,21 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
                 Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
             };
             let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
-            let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
+            let mesh = ElasticMesh::with_solver(&case.mesh, &numbering, material, stiffness, &constrained, *solver)?;
             let solve = if law.is_linear() { ELASTIC_TOLERANCE } else { PRECONDITIONER_TOLERANCE };
             let accuracy = Accuracy { solve, position: *tolerance };
             MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
         }
     };
     Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))
+}
+
+/// The solver that the mesh of a case will have, if its interior is elastic.
+pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Plan> {
+    let Some(Motion::Elastic { solver, boundary, .. }) = &case.motion else { return None };
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let (constrained, _) = constraints(case, &numbering, boundary);
+    Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
 /// Which nodes are constrained, and how they move. A node on several boundaries moves with the first of them that moves.

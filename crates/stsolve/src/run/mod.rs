@@ -28,4 +28,5 @@ mod summary;
 mod tally;
 mod walls;
 
+pub use build::elasticity_plan;
 pub use drive::{motion, run};

@@ -7,7 +7,7 @@ use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::vector::Vector;
 use crate::expression::Program;
-use elasticity::Law;
+use elasticity::{Law, Solver};
 
 /// How the mesh moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub enum Motion<const D: usize> {
         law: Law,
         /// Where Newton's method stops, an error of position relative to the distance of nodes.
         tolerance: f64,
+        /// How the equations of the mesh are solved.
+        solver: Solver,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
         boundary: Vec<Option<Vector<D>>>,
     },
@@ -98,6 +100,7 @@ fn elastic<const D: usize>(
         poisson_ratio: nu,
         stiffness,
         law,
+        solver: solver(elasticity.solver),
         tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
         boundary,
     })
@@ -124,6 +127,15 @@ fn law(checker: &Checker<'_>, key: &Key, raw: &raw::Elasticity) -> Checked<Law> 
             Err(without_effect("reference", "neo-Hookean", remedy))
         }
         (raw::Law::NeoHookean, _) => Ok(Law::NeoHookean),
+    }
+}
+
+fn solver(raw: raw::ElasticitySolver) -> Solver {
+    match raw {
+        raw::ElasticitySolver::Automatic => Solver::Automatic,
+        raw::ElasticitySolver::Direct => Solver::Direct,
+        raw::ElasticitySolver::Cg => Solver::ConjugateGradients,
+        raw::ElasticitySolver::Multigrid => Solver::Multigrid,
     }
 }
 

@@ -29,6 +29,9 @@ pub struct Elasticity {
     /// Young's modulus over the mesh. Only its variation matters, not its size.
     #[serde(default)]
     pub stiffness: Stiffness,
+    /// How the equations of the mesh are solved.
+    #[serde(default)]
+    pub solver: ElasticitySolver,
     /// The energy that the mesh minimises.
     #[serde(default)]
     pub law: Law,
@@ -72,8 +75,24 @@ impl Default for Elasticity {
             law: Law::default(),
             reference: None,
             tolerance: None,
+            solver: ElasticitySolver::default(),
         }
     }
+}
+
+/// How the equations of the mesh are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticitySolver {
+    /// Direct where that is cheap, multigrid for large meshes in space. `stsolve check` names the choice.
+    #[default]
+    Automatic,
+    /// Elimination, factored once per run; no iterations.
+    Direct,
+    /// Conjugate gradients with a factored low-order preconditioner.
+    Cg,
+    /// Conjugate gradients with algebraic multigrid: the least memory.
+    Multigrid,
 }
 
 /// Young's modulus over the mesh.

@@ -51,6 +51,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
         &["stiffness.expression = \"x-1\"`", "positive everywhere"],
     ),
     ("elasticity =", "elasticity = { stiffness = { expression = \"t\" } }", &["unknown name `t`"]),
+    ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown variant `lu`", "`direct`", "`multigrid`"]),
     ("elasticity =", "displacement = [0, 0]", &["`motion.boundary`", "has no effect", "remove the other"]),
     (
         "left = { displacement",

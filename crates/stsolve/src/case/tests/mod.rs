@@ -76,8 +76,11 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
     let walls: Vec<bool> = flow.boundary.iter().map(|data| data.condition.is_wall()).collect();
     assert_eq!(case.mesh.boundary_names(), ["left", "right", "bottom", "top"]);
     assert_eq!(walls, [true, false, false, false]);
-    let Some(Motion::Elastic { poisson_ratio, stiffness, boundary, .. }) = case.motion else { panic!("elastic") };
+    let Some(Motion::Elastic { poisson_ratio, stiffness, solver, boundary, .. }) = case.motion else {
+        panic!("elastic")
+    };
     assert_eq!((poisson_ratio, stiffness), (0.3, Stiffness::InverseJacobian { power: 1.0 }));
+    assert_eq!(solver, elasticity::Solver::Automatic);
     let left = boundary[0].as_ref().unwrap();
     assert_eq!((left.value(&[0.0, 0.5], 2.0), left.rate(&[0.0, 0.5], 2.0)), ([0.2, 0.0], [0.1, 0.0]));
     assert_eq!(boundary[1..], [const { None }; 3]);

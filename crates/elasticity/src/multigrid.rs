@@ -1,0 +1,250 @@
+//! Algebraic multigrid on the low-order matrix: smoothed aggregation with the rigid motions as near-kernel.
+//!
+//! A V-cycle on every level: one forward sweep of block Gauss-Seidel, the correction from the next level by A_c = P^T A P, one backward
+//! sweep. It is symmetric, so it preconditions CG. Couplings count as strong from a threshold on, so that aggregates follow the
+//! short sides of stretched cells; without it boundary layers take hundreds of iterations.
+
+mod aggregation;
+mod blocks;
+
+use crate::ElasticityError;
+use crate::cholesky::{BlockMatrix, Cholesky};
+use crate::pool::Pool;
+use aggregation::{aggregates, smoothed, tentative};
+use blocks::{Block, BlockRows, add_block_vector, inverse};
+
+/// Strength from which couplings count on the finest level; on each next one half of it.
+const THETA: f64 = 0.08;
+
+/// Unknowns from which on a level is factored.
+const COARSEST: usize = 1500;
+
+/// A preconditioner on vectors of free nodes, `[node][component]`.
+pub(crate) trait Cycle: Send + Sync {
+    /// x = P^{-1} x.
+    fn apply(&self, x: &mut [f64]);
+    /// Memory of all matrices.
+    fn bytes(&self) -> usize;
+}
+
+/// The hierarchy for a matrix in D dimensions of nodes at `coordinates`.
+pub(crate) fn hierarchy<const D: usize>(
+    matrix: &BlockMatrix<D>,
+    coordinates: &[[f64; D]],
+) -> Result<Box<dyn Cycle>, ElasticityError> {
+    let centre: [f64; D] =
+        std::array::from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
+    let from_centre = |x: &[f64; D]| std::array::from_fn(|i| x[i] - centre[i]);
+    if D == 2 {
+        let modes = coordinates.iter().map(|x| rigid_motions::<D, 3>(&from_centre(x))).collect();
+        Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
+    } else {
+        let modes = coordinates.iter().map(|x| rigid_motions::<D, 6>(&from_centre(x))).collect();
+        Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
+    }
+}
+
+/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`.
+fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
+    let mut motions = [[0.0; B]; D];
+    (0..D).for_each(|i| motions[i][i] = 1.0);
+    let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
+    for (motion, (a, b)) in (D..B).zip(planes) {
+        motions[b][motion] = x[a];
+        motions[a][motion] = -x[b];
+    }
+    motions
+}
+
+/// Both triangles of a matrix.
+fn block_rows<const D: usize>(matrix: &BlockMatrix<D>) -> BlockRows<D, D> {
+    let mut lower = BlockRows::new();
+    (0..matrix.nodes()).for_each(|node| lower.push_row(matrix.column(node)));
+    // The blocks of a column on and below the diagonal, transposed, are those of a row on and right of it.
+    let upper = lower.transpose(matrix.nodes());
+    let mut rows = BlockRows::new();
+    for node in 0..matrix.nodes() {
+        let left = upper
+            .row(node)
+            .filter(|(column, _)| *column < node)
+            .map(|(c, block)| (c as u32, blocks::transposed(block)));
+        let right = lower.row(node).map(|(c, block)| (c as u32, blocks::transposed(block)));
+        rows.push_row(left.chain(right));
+    }
+    rows
+}
+
+/// All levels; unknowns have R components per node on the finest and B, one per mode, on the others.
+struct Hierarchy<const R: usize, const B: usize> {
+    finest: Level<R, B>,
+    others: Vec<Level<B, B>>,
+    coarsest: Cholesky,
+    work: Pool<Work<R, B>>,
+}
+
+/// A level with a next one.
+struct Level<const R: usize, const B: usize> {
+    matrix: BlockRows<R, R>,
+    /// The inverses of the blocks on the diagonal.
+    inverses: Vec<Block<R, R>>,
+    prolongation: BlockRows<R, B>,
+}
+
+/// The residual and the correction of every level.
+struct Work<const R: usize, const B: usize> {
+    finest: [Vec<[f64; R]>; 2],
+    /// With the coarsest level.
+    others: Vec<[Vec<[f64; B]>; 2]>,
+}
+
+impl<const R: usize, const B: usize> Hierarchy<R, B> {
+    fn new(matrix: BlockRows<R, R>, modes: Vec<Block<R, B>>) -> Result<Self, ElasticityError> {
+        let (finest, mut matrix, mut modes) = Level::new(matrix, &modes, THETA);
+        let (mut others, mut theta) = (Vec::new(), 0.5 * THETA);
+        while matrix.rows() * B > COARSEST {
+            let rows = matrix.rows();
+            let (level, next, next_modes) = Level::new(matrix, &modes, theta);
+            (matrix, modes) = (next, next_modes);
+            others.push(level);
+            theta = if matrix.rows() == rows { 0.0 } else { 0.5 * theta };
+        }
+        let coarsest = factor(&matrix)?;
+        let work = Pool::new();
+        Ok(Hierarchy { finest, others, coarsest, work })
+    }
+
+    fn work(&self) -> Work<R, B> {
+        let vectors = |rows: usize| [vec![[0.0; B]; rows], vec![[0.0; B]; rows]];
+        let rows = self.others.iter().map(|level| level.matrix.rows()).chain([self.coarsest.len() / B]);
+        let finest = self.finest.matrix.rows();
+        Work { finest: [vec![[0.0; R]; finest], vec![[0.0; R]; finest]], others: rows.map(vectors).collect() }
+    }
+
+    /// One V-cycle for the residual of the first of `levels`; the last entry of `work` belongs to the coarsest one.
+    fn cycle(&self, levels: &[Level<B, B>], work: &mut [[Vec<[f64; B]>; 2]]) {
+        let Some(([residual, correction], below)) = work.split_first_mut() else { return };
+        match levels.split_first() {
+            None => {
+                correction.copy_from_slice(residual);
+                self.coarsest.solve(correction.as_flattened_mut());
+            }
+            Some((level, levels)) => {
+                level.smooth_forward(residual, correction);
+                level.restrict(correction, &mut below[0][0]);
+                self.cycle(levels, below);
+                level.prolongation.add_product(1.0, &below[0][1], correction);
+                level.smooth_backward(residual, correction);
+            }
+        }
+    }
+}
+
+impl<const R: usize, const B: usize> Cycle for Hierarchy<R, B> {
+    fn apply(&self, x: &mut [f64]) {
+        let mut work = self.work.take(|| self.work());
+        let Work { finest: [residual, correction], others } = &mut work;
+        residual.as_flattened_mut().copy_from_slice(x);
+        self.finest.smooth_forward(residual, correction);
+        self.finest.restrict(correction, &mut others[0][0]);
+        self.cycle(&self.others, others);
+        self.finest.prolongation.add_product(1.0, &others[0][1], correction);
+        self.finest.smooth_backward(residual, correction);
+        x.copy_from_slice(correction.as_flattened());
+        self.work.give(work);
+    }
+    fn bytes(&self) -> usize {
+        self.finest.bytes() + self.others.iter().map(Level::bytes).sum::<usize>() + self.coarsest.bytes()
+    }
+}
+
+impl<const R: usize, const B: usize> Level<R, B> {
+    /// The level of a matrix, and matrix and near-kernel of the next one.
+    fn new(matrix: BlockRows<R, R>, modes: &[Block<R, B>], theta: f64) -> (Self, BlockRows<B, B>, Vec<Block<B, B>>) {
+        let inverses: Vec<_> = (0..matrix.rows()).map(|row| inverse(&diagonal(&matrix, row))).collect();
+        let (aggregate, count) = aggregates(&matrix, theta);
+        let (functions, coarse_modes) = tentative(&aggregate, count, modes);
+        let prolongation = smoothed(&matrix, &inverses, &functions, count);
+        let coarse = prolongation.transpose(count).product(&matrix.product(&prolongation, count), count);
+        (Level { matrix, inverses, prolongation }, regular(coarse), coarse_modes)
+    }
+
+    /// x = (D + L)^{-1} r: a sweep of Gauss-Seidel from x = 0.
+    fn smooth_forward(&self, r: &[[f64; R]], x: &mut [[f64; R]]) {
+        for row in 0..x.len() {
+            let mut rest = r[row];
+            let before = self.matrix.row(row).take_while(|(column, _)| *column < row);
+            before.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
+            x[row] = times(&self.inverses[row], &rest);
+        }
+    }
+
+    /// A sweep of Gauss-Seidel in the opposite direction.
+    fn smooth_backward(&self, r: &[[f64; R]], x: &mut [[f64; R]]) {
+        for row in (0..x.len()).rev() {
+            let mut rest = r[row];
+            let others = self.matrix.row(row).filter(|(column, _)| *column != row);
+            others.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
+            x[row] = times(&self.inverses[row], &rest);
+        }
+    }
+
+    /// coarse = P^T (r - A x) for the x that [`Self::smooth_forward`] leaves: r - A x = -U x.
+    fn restrict(&self, x: &[[f64; R]], coarse: &mut [[f64; B]]) {
+        coarse.fill([0.0; B]);
+        for row in 0..x.len() {
+            let mut rest = [0.0; R];
+            let behind = self.matrix.row(row).skip_while(|(column, _)| *column <= row);
+            behind.for_each(|(column, block)| subtract(block, &x[column], &mut rest));
+            for (aggregate, block) in self.prolongation.row(row) {
+                for (block, rest) in block.iter().zip(&rest) {
+                    (0..B).for_each(|k| coarse[aggregate][k] += block[k] * rest);
+                }
+            }
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.matrix.bytes() + self.prolongation.bytes() + size_of_val(&self.inverses[..])
+    }
+}
+
+/// A x
+#[inline(always)]
+fn times<const R: usize>(block: &Block<R, R>, x: &[f64; R]) -> [f64; R] {
+    let mut product = [0.0; R];
+    add_block_vector(block, x, &mut product);
+    product
+}
+
+/// y = y - A x
+#[inline(always)]
+fn subtract<const R: usize>(block: &Block<R, R>, x: &[f64; R], y: &mut [f64; R]) {
+    let product = times(block, x);
+    (0..R).for_each(|i| y[i] -= product[i]);
+}
+
+fn diagonal<const R: usize>(matrix: &BlockRows<R, R>, row: usize) -> Block<R, R> {
+    matrix.row(row).find(|(column, _)| *column == row).map_or([[0.0; R]; R], |(_, block)| *block)
+}
+
+/// The matrix with ones on the diagonal for modes that are zero on an aggregate: their rows and columns are zero.
+fn regular<const R: usize>(mut matrix: BlockRows<R, R>) -> BlockRows<R, R> {
+    for row in 0..matrix.rows() {
+        for place in matrix.starts[row]..matrix.starts[row + 1] {
+            if matrix.columns[place] as usize == row {
+                let block = &mut matrix.blocks[place];
+                (0..R).filter(|&k| block[k][k] == 0.0).collect::<Vec<_>>().into_iter().for_each(|k| block[k][k] = 1.0);
+            }
+        }
+    }
+    matrix
+}
+
+fn factor<const R: usize>(matrix: &BlockRows<R, R>) -> Result<Cholesky, ElasticityError> {
+    let neighbours = (0..matrix.rows()).map(|row| matrix.row(row).map(|(column, _)| column).collect()).collect();
+    let mut symmetric = BlockMatrix::new(neighbours);
+    for row in 0..matrix.rows() {
+        matrix.row(row).for_each(|(column, block)| symmetric.add(row, column, block));
+    }
+    symmetric.factor()
+}
