@@ -1,6 +1,7 @@
 //! Arrays over tensor-product lattices, and one-dimensional matrices along their axes.
 
 use basis::Matrix;
+use tensor::pulp::{Arch, Simd, WithSimd};
 
 /// The index along `axis` of node `index` of a lattice with `n` nodes along every axis.
 pub(crate) fn digit(index: usize, n: usize, axis: usize) -> usize {
@@ -28,11 +29,10 @@ impl Lattice {
         let mut shape = self.shape.clone();
         shape[axis] = rows;
         let mut values = vec![0.0; shape.iter().product()];
-        for (input, output) in self.values.chunks_exact(stride * columns).zip(values.chunks_exact_mut(stride * rows)) {
-            match stride {
-                1 => matrix.apply(input, output),
-                _ => apply_to_rows(matrix, stride, input, output),
-            }
+        let (input, output) = (&self.values, &mut values);
+        match stride {
+            1 => Arch::new().dispatch(ApplyToLines { transposed: &matrix.transpose(), input, output }),
+            _ => Arch::new().dispatch(ApplyToRows { matrix, stride, input, output }),
         }
         Lattice { shape, values }
     }
@@ -54,11 +54,54 @@ impl Lattice {
     }
 }
 
-/// output[i] = sum_j matrix[i][j] input[j] for rows of `stride` numbers.
-fn apply_to_rows(matrix: &Matrix, stride: usize, input: &[f64], output: &mut [f64]) {
-    for (i, target) in output.chunks_exact_mut(stride).enumerate() {
-        for (factor, source) in matrix.row(i).iter().zip(input.chunks_exact(stride)) {
-            target.iter_mut().zip(source).for_each(|(t, s)| *t += factor * s);
+/// output[i] = sum_j matrix[i][j] input[j] in consecutive lines.
+struct ApplyToLines<'a> {
+    transposed: &'a Matrix,
+    input: &'a [f64],
+    output: &'a mut [f64],
+}
+
+impl WithSimd for ApplyToLines<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (columns, rows) = (self.transposed.rows(), self.transposed.cols());
+        for (input, output) in self.input.chunks_exact(columns).zip(self.output.chunks_exact_mut(rows)) {
+            for j in 0..columns {
+                add_multiple(input[j], self.transposed.row(j), output);
+            }
         }
+    }
+}
+
+/// output[i] = sum_j matrix[i][j] input[j] for rows of `stride` numbers.
+struct ApplyToRows<'a> {
+    matrix: &'a Matrix,
+    stride: usize,
+    input: &'a [f64],
+    output: &'a mut [f64],
+}
+
+impl WithSimd for ApplyToRows<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let ApplyToRows { matrix, stride, input, output } = self;
+        let (columns, rows) = (matrix.cols(), matrix.rows());
+        for (input, output) in input.chunks_exact(stride * columns).zip(output.chunks_exact_mut(stride * rows)) {
+            for (i, target) in output.chunks_exact_mut(stride).enumerate() {
+                for (j, source) in input.chunks_exact(stride).enumerate() {
+                    add_multiple(matrix[(i, j)], source, target);
+                }
+            }
+        }
+    }
+}
+
+/// y = y + a x
+#[inline(always)]
+fn add_multiple(a: f64, x: &[f64], y: &mut [f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
     }
 }
