@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `material` | the law at a point |
 //! | `stiffness` | where the mesh is stiff |
+//! | `wall_distance` | stiffness by the distance to moving and resting boundaries |
 //! | `geometry` | the reference mesh at points of its cells |
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | K, matrix-free |
@@ -34,6 +35,7 @@ mod slab;
 mod stiffness;
 #[cfg(test)]
 mod testing;
+mod wall_distance;
 
 pub use condensation::Condensation;
 pub use elastic_mesh::ElasticMesh;
@@ -42,3 +44,4 @@ pub use material::{Lame, Material};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use stiffness::Stiffness;
+pub use wall_distance::WallDistance;

@@ -14,12 +14,14 @@
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `distance` | distances to curved boundaries |
 //! | `boundary` | normals and arc lengths at the nodes of a boundary |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
 
 mod boundary;
+mod distance;
 mod errors;
 mod facet;
 pub mod generate;
@@ -34,6 +36,7 @@ mod scramble;
 mod topology;
 mod validity;
 
+pub use distance::BoundaryDistance;
 pub use errors::MeshError;
 pub use facet::{
     BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign,
