@@ -4,6 +4,7 @@ use super::print;
 use super::table::Table;
 use crate::case::{About, AnyCase, Case, Flow, Motion};
 use crate::failure::Failure;
+use mesh::Mesh;
 use serde_json::{Map, Value};
 
 /// Explains a checked case.
@@ -56,8 +57,13 @@ fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
         .row("order", mesh.order(), "nodes per direction")
         .row("volume", mesh.volume(), "")
         .row("smallest cell", size, "")
+        .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
     table
+}
+
+fn largest_aspect_ratio<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    (0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)).fold(1.0, f64::max)
 }
 
 fn time_table<const D: usize>(case: &Case<D>) -> Table {

@@ -1,10 +1,10 @@
 //! From a checked case to the problem of the numerics.
 
 use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness};
-use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
-use elasticity::{ElasticMesh, ElasticityError, Material};
-use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
-use mesh::NodeNumbering;
+use coupled::{BoundaryField, BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
+use elasticity::{ElasticMesh, ElasticityError, Material, WallDistance};
+use fem::{Orders, Problem, SlabOperator, StateField};
+use mesh::{BoundaryDistance, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use std::sync::Arc;
 
@@ -22,14 +22,11 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
         Some(Motion::Elastic { poisson_ratio, stiffness, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
-            let function = |x: &[f64; D]| match stiffness {
-                Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
-                _ => 1.0,
-            };
+            let modulus = modulus(case, stiffness);
             let stiffness = match stiffness {
                 Stiffness::Constant => elasticity::Stiffness::Constant,
                 Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
-                Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
+                _ => elasticity::Stiffness::Function(&modulus),
             };
             let material = Material::new(1.0, *poisson_ratio)?;
             let mesh = ElasticMesh::new(&case.mesh, &numbering, material, stiffness, &constrained)?;
@@ -39,15 +36,31 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))
 }
 
+/// Young's modulus as a function of the position at rest.
+type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
+
+/// Young's modulus, 1 where it is no function of the position.
+fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modulus<'a, D> {
+    match stiffness {
+        Stiffness::Expression(modulus) => Box::new(|x| modulus.evaluate(x, 0.0)),
+        Stiffness::WallDistance { amplitude, distance, inner, outer } => {
+            let [inner, outer] = [inner, outer].map(|boundaries| BoundaryDistance::new(&case.mesh, boundaries));
+            let law = WallDistance { amplitude: *amplitude, distance: *distance, inner, outer };
+            Box::new(move |x| law.modulus(x))
+        }
+        _ => Box::new(|_| 1.0),
+    }
+}
+
 /// Which nodes are constrained, and how they move. A node on several boundaries moves with the first of them that moves.
 fn constraints<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
-    boundary: &[Option<crate::case::Vector<D>>],
+    boundary: &[Option<crate::case::BoundaryMotion<D>>],
 ) -> (Vec<bool>, BoundaryMotion<D>) {
     let mut constrained = vec![false; numbering.count];
     let mut field_of_node = vec![None; numbering.count];
-    let mut fields: Vec<Arc<dyn VectorField<D>>> = Vec::new();
+    let mut fields: Vec<Arc<dyn BoundaryField<D>>> = Vec::new();
     for (index, displacement) in boundary.iter().enumerate() {
         let nodes = numbering.on_boundary(&case.mesh, index);
         nodes.iter().for_each(|&node| constrained[node] = true);

@@ -90,12 +90,13 @@ fn finish_slab<const D: usize, const M: usize>(
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
 ) -> Result<(), Failure> {
-    let MeshReport { slab, interval, iterations, quality, first_invalid } = report;
+    let MeshReport { slab, interval, iterations, quality, first_invalid, first_invalid_sampled } = report;
     let tally = &mut books.tally;
     tally.elasticity += *iterations as u64;
     tally.add_quality(*quality);
     let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
     tally.first_invalid = tally.first_invalid.or(first_invalid);
+    tally.first_invalid_sampled = tally.first_invalid_sampled.or(*first_invalid_sampled);
     recorder.history.push(&history::row_of_mesh(*interval, *iterations, quality))?;
     if let Some(past) = &march.state.past
         && (slab % case.output.every == 0 || march.is_done())
@@ -124,11 +125,15 @@ fn judge(books: &Books, session: &Session, time: f64) -> Result<(), Failure> {
     let MeshQuality { lower_bound, sampled_min, cell, time: at, .. } = quality;
     let at = rounded(at);
     if let Some(first) = books.tally.first_invalid {
+        let sampled = match books.tally.first_invalid_sampled {
+            Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded(time)),
+            None => "nowhere at 2N Gauss points per direction".to_owned(),
+        };
         return Err(Failure::solve(anyhow::anyhow!(
-            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on; det J / det J_0 falls to {sampled_min:.6} in \
-             cell {cell} at t = {at}; results in {directory}",
+            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; det J / det J_0 falls to \
+             {sampled_min:.6} in cell {cell} at t = {at}; results in {directory}",
             first.cell,
-            first.time,
+            rounded(first.time),
         )));
     }
     books.progress.say(&format!(

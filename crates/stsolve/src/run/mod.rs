@@ -24,4 +24,5 @@ mod record;
 mod summary;
 mod tally;
 
+pub use build::mover;
 pub use drive::{motion, run};

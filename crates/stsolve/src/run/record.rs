@@ -226,7 +226,8 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
 /// Of what a run must have in common with the one that it continues: the numbers of the case, and what is solved.
 fn fingerprint<const D: usize>(case: &Case<D>) -> String {
     let solved = if case.flow.is_some() { "mesh and flow" } else { "mesh" };
-    Checksum::default().text(&case.about.numerics).text(solved).to_string()
+    // The mesh too: it may come from a file that has changed.
+    Checksum::default().text(&case.about.numerics).text(solved).numbers(case.mesh.coordinates()).to_string()
 }
 
 fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadata {

@@ -26,6 +26,8 @@ pub struct Tally {
     pub quality: Option<MeshQuality>,
     /// Where the mesh was invalid first.
     pub first_invalid: Option<FirstInvalid>,
+    /// The first time at which a sampled det J was not positive.
+    pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
     /// What has left through each boundary, `[boundary][component]`.
@@ -98,6 +100,7 @@ impl Tally {
                 "tally.first_invalid".into(),
                 self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
             ),
+            ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
             ("tally.through".into(), self.through.concat()),
             ("tally.mass_error".into(), vec![self.mass_error]),
@@ -133,6 +136,7 @@ impl Tally {
                 [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
                 _ => None,
             },
+            first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
             totals_at_start: get("totals_at_start")?.clone(),
             through: through.chunks(components).map(<[f64]>::to_vec).collect(),
             mass_error: *get("mass_error")?.first()?,
