@@ -18,6 +18,8 @@ pub struct MeshReport {
     pub quality: MeshQuality,
     /// The first time at which a cell is not proved to be valid, if there is one.
     pub first_invalid: Option<f64>,
+    /// The first time at which det J <= 0 at a sampled point, if there is one, see [`MeshMover::first_invalid_sampled`].
+    pub first_invalid_sampled: Option<f64>,
 }
 
 /// A mesh that moves without a flow. With a linear law it goes on when cells are inverted: that law does not notice.
@@ -56,11 +58,15 @@ impl<const D: usize> MeshMarch<D> {
         let mut v = self.state.extrapolated_velocities(time, self.mover.field_len(), dt);
         let work = self.mover.velocities(interval, &bottom, &g, &mut v)?;
         let quality = self.mover.quality(&bottom, &v, interval);
-        let first_invalid = if quality.is_valid() { None } else { self.mover.first_invalid(&bottom, &v, interval) };
+        let (mut first_invalid, mut first_invalid_sampled) = (None, None);
+        if !quality.is_valid() {
+            first_invalid = self.mover.first_invalid(&bottom, &v, interval);
+            first_invalid_sampled = self.mover.first_invalid_sampled(&bottom, &v, interval);
+        }
         self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
         self.state.pending.push(interval);
         self.state.finish(interval);
-        Ok(MeshReport { slab: self.state.slab, interval, work, quality, first_invalid })
+        Ok(MeshReport { slab: self.state.slab, interval, work, quality, first_invalid, first_invalid_sampled })
     }
 }

@@ -4,11 +4,24 @@ use elasticity::{Accuracy, ElasticMesh, ElasticSlab, ElasticityError, Guard, Sla
 use fem::VectorField;
 use std::sync::Arc;
 
+/// The displacement of a boundary that moves.
+pub trait BoundaryField<const D: usize>: Send + Sync {
+    /// The displacement of C0 node `node`, at `x` at rest, at time `t`.
+    fn displacement(&self, node: usize, x: &[f64; D], t: f64) -> [f64; D];
+}
+
+/// A displacement that is known everywhere.
+impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
+    fn displacement(&self, _: usize, x: &[f64; D], t: f64) -> [f64; D] {
+        self.value(x, t)
+    }
+}
+
 /// The displacement prescribed at boundary nodes.
 #[derive(Clone)]
 pub struct BoundaryMotion<const D: usize> {
-    /// The displacement of each moving boundary as a function of reference position and time.
-    pub fields: Vec<Arc<dyn VectorField<D>>>,
+    /// The displacement of each moving boundary.
+    pub fields: Vec<Arc<dyn BoundaryField<D>>>,
     /// For every C0 node the field that moves it, if it is constrained and does not stand still.
     pub field_of_node: Vec<Option<usize>>,
 }
@@ -36,13 +49,15 @@ impl<const D: usize> MeshMotion<D> {
     pub fn prescribed(&self, x: &[[f64; D]], t: f64, out: &mut [f64]) {
         out.fill(0.0);
         for (node, (x, out)) in x.iter().zip(out.chunks_exact_mut(D)).enumerate() {
-            let field = match self {
+            let displacement = match self {
                 MeshMotion::Still => None,
-                MeshMotion::Prescribed(field) => Some(field),
-                MeshMotion::Elastic { boundary, .. } => boundary.field_of_node[node].map(|f| &boundary.fields[f]),
+                MeshMotion::Prescribed(field) => Some(field.value(x, t)),
+                MeshMotion::Elastic { boundary, .. } => {
+                    boundary.field_of_node[node].map(|field| boundary.fields[field].displacement(node, x, t))
+                }
             };
-            if let Some(field) = field {
-                out.copy_from_slice(&field.value(x, t));
+            if let Some(displacement) = displacement {
+                out.copy_from_slice(&displacement);
             }
         }
     }

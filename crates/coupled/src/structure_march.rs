@@ -1,9 +1,10 @@
 //! The march of a structure.
 
-use crate::motion::BoundaryMotion;
 use crate::schedule::Schedule;
 use crate::state::{Interval, Past, State};
 use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom};
+use fem::VectorField;
+use std::sync::Arc;
 
 /// What a slab of a structure has done.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,15 @@ pub struct StructureReport {
     pub strain_energy: f64,
 }
 
+/// How the fixed entries of a structure move.
+#[derive(Clone)]
+pub struct Supports<const D: usize> {
+    /// The displacement of each support that moves, as a function of position at rest and time.
+    pub fields: Vec<Arc<dyn VectorField<D>>>,
+    /// For every C0 node the field that moves its fixed entries; without one they rest.
+    pub field_of_node: Vec<Option<usize>>,
+}
+
 /// A structure, slab by slab.
 pub struct StructureMarch<const D: usize> {
     /// The structure and its equations.
@@ -27,7 +37,7 @@ pub struct StructureMarch<const D: usize> {
     /// Where the run stands; the flow is empty, and velocities are those of the past slab.
     pub state: State,
     /// How its fixed entries move; those of no field rest.
-    supports: BoundaryMotion<D>,
+    supports: Supports<D>,
     velocity_at_start: Vec<f64>,
     schedule: Schedule,
 }
@@ -35,13 +45,7 @@ pub struct StructureMarch<const D: usize> {
 impl<const D: usize> StructureMarch<D> {
     /// A march through the slabs of `schedule`, at its fixed step, from the displacement `d` and the velocity `v`, both
     /// `[C0 node][component]`; fixed entries have the velocity of their support.
-    pub fn new(
-        dynamics: Dynamics<D>,
-        supports: BoundaryMotion<D>,
-        d: Vec<f64>,
-        mut v: Vec<f64>,
-        schedule: Schedule,
-    ) -> Self {
+    pub fn new(dynamics: Dynamics<D>, supports: Supports<D>, d: Vec<f64>, mut v: Vec<f64>, schedule: Schedule) -> Self {
         let (state, velocity_at_start) = (State::new(schedule.start, Vec::new(), d), Vec::new());
         let schedule = Schedule { control: None, ..schedule };
         let march = StructureMarch { dynamics, state, supports, velocity_at_start, schedule };

@@ -10,6 +10,7 @@
 //! | `material` | Lame's constants, and the linear stress |
 //! | `law` | the laws at a point |
 //! | `stiffness` | where the mesh is stiff |
+//! | `wall_distance` | stiffness by the distance to moving and resting boundaries |
 //! | `geometry` | the reference mesh at points of its cells |
 //! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
@@ -54,6 +55,7 @@ mod stiffness;
 mod structure;
 #[cfg(test)]
 mod testing;
+mod wall_distance;
 
 pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
 pub use elastic_mesh::ElasticMesh;
@@ -68,3 +70,4 @@ pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use solver::{Plan, Solver};
 pub use stiffness::Stiffness;
 pub use structure::Structure;
+pub use wall_distance::WallDistance;

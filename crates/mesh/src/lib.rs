@@ -14,6 +14,7 @@
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `distance` | distances to curved boundaries |
 //! | `boundary` | normals and arc lengths at the nodes of a boundary |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
@@ -21,6 +22,7 @@
 //! | `gmsh` | meshes from Gmsh files |
 
 mod boundary;
+mod distance;
 mod errors;
 mod facet;
 pub mod generate;
@@ -36,6 +38,7 @@ mod scramble;
 mod topology;
 mod validity;
 
+pub use distance::BoundaryDistance;
 pub use errors::MeshError;
 pub use facet::{
     BoundaryFacet, InteriorFacet, Orientation, Side, axis_and_side, corner_node, face_nodes, outward_sign, tangent_sign,

@@ -129,9 +129,12 @@ pub struct MeshQuality {
     /// Smallest scaled Jacobian.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scaled_jacobian_min: Option<f64>,
-    /// First time at which a cell is inverted.
+    /// First time at which a cell is not proved to be valid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_invalid_time: Option<f64>,
+    /// First time at which det J is not positive at one of 2N Gauss points per direction of a cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_invalid_time_sampled: Option<f64>,
 }
 
 /// Errors in what must be conserved.
@@ -293,6 +296,7 @@ mod tests {
                 det_j_sampled_min: Some(0.6),
                 scaled_jacobian_min: Some(0.7),
                 first_invalid_time: Some(1.5),
+                first_invalid_time_sampled: Some(1.75),
             }),
             conservation: Some(Conservation { mass_error: Some(1e-15), free_stream_error: Some(2e-14) }),
             error: Some(ErrorNorms {

@@ -30,7 +30,7 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Tell what a result file holds.
+    /// Tell what a result file, or a mesh file of Gmsh, holds.
     Info {
         /// The file.
         file: PathBuf,

@@ -7,12 +7,14 @@
 //! | `cli` | the command line |
 //! | `case` | the case file: what the user writes, and what the program needs |
 //! | `expression` | formulas in a case file |
+//! | `any_mesh` | a mesh whose dimension is known only when it is read |
 //! | `commands` | what each command does |
 //! | `run` | from a checked case to files |
 //! | `report` | a page that shows a run |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `failure` | error messages and exit codes |
 
+mod any_mesh;
 pub mod case;
 pub mod cli;
 pub mod commands;

@@ -36,7 +36,7 @@ impl<'a> Checker<'a> {
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
             checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
             if !checker.names.define(name, value) {
-                let accepted = "another name, of letters, digits and _; not x, y, z, t, pi or a function";
+                let accepted = "another name, of letters, digits and _; not x, y, z, s, t, pi or a function";
                 return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), accepted));
             }
         }
@@ -151,6 +151,17 @@ impl<'a> Checker<'a> {
         self.program(key, formula, &self.names.with_coordinates(D).with_time())
     }
 
+    /// A formula in time.
+    pub(super) fn formula_of_time(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_time())
+    }
+
+    /// A formula in position and time, and in two dimensions in the arc length s.
+    pub(super) fn formula_on_boundary<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        let names = self.names.with_coordinates(D).with_time();
+        self.program(key, formula, &if D == 2 { names.with_arc_length() } else { names })
+    }
+
     /// A formula in position and time for each axis.
     pub(super) fn formulas<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
         self.programs(key, formulas, &self.names.with_coordinates(D).with_time())
@@ -175,6 +186,18 @@ impl<'a> Checker<'a> {
                 Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))
             }
         }
+    }
+
+    /// The indices of the boundaries of the mesh with these `names`.
+    pub(super) fn boundaries(&self, key: &Key, names: &[String], known: &[String]) -> Checked<Vec<usize>> {
+        let index = |(entry, name): (usize, &String)| {
+            let unknown = || {
+                let cause = Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.to_vec() };
+                self.error(&key.entry(entry), cause)
+            };
+            known.iter().position(|other| other == name).ok_or_else(unknown)
+        };
+        names.iter().enumerate().map(index).collect()
     }
 
     /// For each of the `boundaries` of the mesh its entry of the table `given` at `key`, with the key of that entry.

@@ -13,7 +13,9 @@
 //! | `checked` | the case as the program needs it; no other code sees `raw` |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
+//! | `boundary_motion` | how a boundary moves |
 
+mod boundary_motion;
 mod checked;
 mod checker;
 mod document;
@@ -25,6 +27,7 @@ mod state;
 mod tests;
 mod vector;
 
+pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
 pub use document::Document;
 pub use error::{CaseError, Cause};

@@ -6,6 +6,7 @@ use crate::case::{About, AnyCase, Case, Flow, Motion, Structure, Support};
 use crate::failure::Failure;
 use crate::run::elasticity_plan;
 use elasticity::{Law, Solver};
+use mesh::Mesh;
 use serde_json::{Map, Value};
 
 /// Explains a checked case.
@@ -59,8 +60,13 @@ fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
         .row("order", mesh.order(), "nodes per direction")
         .row("volume", mesh.volume(), "")
         .row("smallest cell", size, "")
+        .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
     table
+}
+
+fn largest_aspect_ratio<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    (0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)).fold(1.0, f64::max)
 }
 
 fn time_table<const D: usize>(case: &Case<D>) -> Table {

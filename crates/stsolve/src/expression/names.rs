@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// A quantity that a formula depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
-    /// A coordinate: axis 0 is x, 1 is y, 2 is z.
+    /// An entry of the position: the coordinates x, y, z, and after them the arc length s where there is one.
     Coordinate(usize),
     /// The time t.
     Time,
@@ -15,7 +15,8 @@ pub enum Variable {
 /// Variables and constants that a formula may contain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names {
-    dimension: usize,
+    /// The names of the entries of the position.
+    position: Vec<&'static str>,
     time: bool,
     constants: BTreeMap<String, f64>,
 }
@@ -55,6 +56,8 @@ pub(super) enum Meaning {
 
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
+const ARC_LENGTH: &str = "s";
+
 const CALLABLES: [(&str, Callable); 14] = [
     ("if", Callable::If),
     ("min", Callable::Min),
@@ -86,12 +89,22 @@ impl Callable {
 impl Names {
     /// The names of a formula without variables: functions and pi.
     pub fn constants_only() -> Self {
-        Names { dimension: 0, time: false, constants: BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]) }
+        Names {
+            position: Vec::new(),
+            time: false,
+            constants: BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]),
+        }
     }
 
     /// These constants, and the coordinates of a space of the given dimension.
     pub fn with_coordinates(&self, dimension: usize) -> Self {
-        Names { dimension, ..self.clone() }
+        Names { position: COORDINATES[..dimension].to_vec(), ..self.clone() }
+    }
+
+    /// These names, and s, the arc length along a curve, as the entry of the position after the coordinates.
+    pub fn with_arc_length(&self) -> Self {
+        let position = self.position.iter().copied().chain([ARC_LENGTH]).collect();
+        Names { position, ..self.clone() }
     }
 
     /// These names and the time t.
@@ -101,7 +114,8 @@ impl Names {
 
     /// Defines a constant; false if `name` cannot be read as a name, or means something already in this or another formula.
     pub fn define(&mut self, name: &str, value: f64) -> bool {
-        let taken = name == "t" || COORDINATES.contains(&name) || self.meaning(name).is_some();
+        let variable = name == "t" || name == ARC_LENGTH || COORDINATES.contains(&name);
+        let taken = variable || self.meaning(name).is_some();
         if taken || !lexer::is_name(name) {
             return false;
         }
@@ -110,8 +124,8 @@ impl Names {
     }
 
     pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
-        if let Some(axis) = COORDINATES[..self.dimension].iter().position(|axis| *axis == name) {
-            return Some(Meaning::Variable(Variable::Coordinate(axis)));
+        if let Some(entry) = self.position.iter().position(|entry| *entry == name) {
+            return Some(Meaning::Variable(Variable::Coordinate(entry)));
         }
         if self.time && name == "t" {
             return Some(Meaning::Variable(Variable::Time));
@@ -124,7 +138,7 @@ impl Names {
 
     /// Every name, variables first.
     pub(super) fn known(&self) -> Vec<String> {
-        let variables = COORDINATES[..self.dimension].iter().copied().chain(self.time.then_some("t"));
+        let variables = self.position.iter().copied().chain(self.time.then_some("t"));
         let constants = self.constants.keys().map(String::as_str);
         let callables = CALLABLES.iter().map(|(name, _)| *name);
         variables.chain(constants).chain(callables).map(str::to_owned).collect()

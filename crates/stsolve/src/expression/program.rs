@@ -68,7 +68,12 @@ impl Program {
         Program { instructions: vec![Instruction::Constant(value)] }
     }
 
-    /// The value at the point `x` and time `t`. Coordinates beyond the length of `x` are zero.
+    /// Whether the value depends on `variable`.
+    pub fn contains(&self, variable: Variable) -> bool {
+        self.instructions.contains(&Instruction::Variable(variable))
+    }
+
+    /// The value at the point `x` and time `t`. Entries beyond the length of `x` are zero.
     pub fn evaluate<T: Transcendental>(&self, x: &[T], t: T) -> T {
         let mut stack = [T::from(0.0); STACK];
         let mut top = 0;

@@ -1,10 +1,12 @@
 //! From a checked case to the problem of the numerics.
 
 use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness, Structure, Support, Vector};
-use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem, StructureMarch};
-use elasticity::{Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction};
+use coupled::{BoundaryField, BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem, StructureMarch, Supports};
+use elasticity::{
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction, WallDistance,
+};
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
-use mesh::NodeNumbering;
+use mesh::{BoundaryDistance, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use std::sync::Arc;
 
@@ -25,14 +27,11 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
         Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
-            let function = |x: &[f64; D]| match stiffness {
-                Stiffness::Expression(modulus) => modulus.evaluate(x, 0.0),
-                _ => 1.0,
-            };
+            let modulus = modulus(case, stiffness);
             let stiffness = match stiffness {
                 Stiffness::Constant => elasticity::Stiffness::Constant,
                 Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
-                Stiffness::Expression(_) => elasticity::Stiffness::Function(&function),
+                _ => elasticity::Stiffness::Function(&modulus),
             };
             let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
             let mesh = ElasticMesh::with_solver(&case.mesh, &numbering, material, stiffness, &constrained, *solver)?;
@@ -52,25 +51,51 @@ pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Pla
     Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
-/// Which nodes are constrained, and how they move. A node on several boundaries moves with the first of them that moves.
+/// Young's modulus as a function of the position at rest.
+type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
+
+/// Young's modulus, 1 where it is no function of the position.
+fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modulus<'a, D> {
+    match stiffness {
+        Stiffness::Expression(modulus) => Box::new(|x| modulus.evaluate(x, 0.0)),
+        Stiffness::WallDistance { amplitude, distance, inner, outer } => {
+            let [inner, outer] = [inner, outer].map(|boundaries| BoundaryDistance::new(&case.mesh, boundaries));
+            let law = WallDistance { amplitude: *amplitude, distance: *distance, inner, outer };
+            Box::new(move |x| law.modulus(x))
+        }
+        _ => Box::new(|_| 1.0),
+    }
+}
+
+/// Which nodes are constrained, and how they move.
 fn constraints<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
-    boundary: &[Option<Vector<D>>],
+    boundary: &[Option<crate::case::BoundaryMotion<D>>],
 ) -> (Vec<bool>, BoundaryMotion<D>) {
     let mut constrained = vec![false; numbering.count];
-    let mut field_of_node = vec![None; numbering.count];
-    let mut fields: Vec<Arc<dyn VectorField<D>>> = Vec::new();
-    for (index, displacement) in boundary.iter().enumerate() {
-        let nodes = numbering.on_boundary(&case.mesh, index);
-        nodes.iter().for_each(|&node| constrained[node] = true);
-        let Some(displacement) = displacement else { continue };
-        for node in nodes {
-            field_of_node[node].get_or_insert(fields.len());
-        }
-        fields.push(Arc::new(displacement.clone()));
+    for index in 0..boundary.len() {
+        numbering.on_boundary(&case.mesh, index).into_iter().for_each(|node| constrained[node] = true);
     }
-    (constrained, BoundaryMotion { fields, field_of_node })
+    let field = |motion: &crate::case::BoundaryMotion<D>| Arc::new(motion.clone()) as Arc<dyn BoundaryField<D>>;
+    let fields = boundary.iter().flatten().map(field).collect();
+    (constrained, BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) })
+}
+
+/// For every C0 node which of the boundaries that move moves it: the first of those on which it lies.
+fn moved_by<T, const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Option<T>],
+) -> Vec<Option<usize>> {
+    let mut moved_by = vec![None; numbering.count];
+    let moving = boundary.iter().enumerate().filter(|(_, motion)| motion.is_some());
+    for (field, (index, _)) in moving.enumerate() {
+        for node in numbering.on_boundary(&case.mesh, index) {
+            moved_by[node].get_or_insert(field);
+        }
+    }
+    moved_by
 }
 
 /// The march of a case with a flow, at its start.
@@ -126,22 +151,22 @@ pub fn structure_march<const D: usize>(
     Ok(StructureMarch::new(dynamics, supports, d, v, case.time.schedule()))
 }
 
-/// Which components of which nodes are prescribed, and how they move. A node on several boundaries moves with the first of them that
-/// moves.
+/// Which components of which nodes are prescribed, and how they move.
 fn supports<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
     boundary: &[Support<D>],
-) -> (Vec<[bool; D]>, BoundaryMotion<D>) {
+) -> (Vec<[bool; D]>, Supports<D>) {
     let mut fixed = vec![[false; D]; numbering.count];
-    let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
-    let (_, motion) = constraints(case, numbering, &boundary.iter().map(moved).collect::<Vec<_>>());
     for (index, support) in boundary.iter().enumerate() {
         for node in numbering.on_boundary(&case.mesh, index) {
             (0..D).for_each(|i| fixed[node][i] |= support.fixes()[i]);
         }
     }
-    (fixed, motion)
+    let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
+    let moved: Vec<Option<Vector<D>>> = boundary.iter().map(moved).collect();
+    let fields = moved.iter().flatten().map(|g| Arc::new(g.clone()) as Arc<dyn VectorField<D>>).collect();
+    (fixed, Supports { fields, field_of_node: moved_by(case, numbering, &moved) })
 }
 
 fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {

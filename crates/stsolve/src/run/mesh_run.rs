@@ -57,12 +57,13 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn enter(&self, report: &MeshReport, books: &mut Books) -> Vec<f64> {
-        let MeshReport { slab, interval, work, quality, first_invalid } = report;
+        let MeshReport { slab, interval, work, quality, first_invalid, first_invalid_sampled } = report;
         let tally = &mut books.tally;
         tally.elasticity += work.iterations as u64;
         tally.add_quality(*quality);
         let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
         tally.first_invalid = tally.first_invalid.or(first_invalid);
+        tally.first_invalid_sampled = tally.first_invalid_sampled.or(*first_invalid_sampled);
         books.progress.mesh(*slab, self.march.state.time, quality);
         history::row_of_mesh(*interval, work.iterations, quality)
     }
@@ -94,11 +95,15 @@ fn judge(books: &Books, session: &Session, time: f64) -> Result<(), Failure> {
     let MeshQuality { lower_bound, sampled_min, cell, time: at, .. } = quality;
     let at = rounded(at);
     if let Some(first) = books.tally.first_invalid {
+        let sampled = match books.tally.first_invalid_sampled {
+            Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded(time)),
+            None => "nowhere at 2N Gauss points per direction".to_owned(),
+        };
         return Err(Failure::solve(anyhow::anyhow!(
-            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on; det J / det J_0 falls to {sampled_min:.6} in \
-             cell {cell} at t = {at}; results in {directory}",
+            "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; det J / det J_0 falls to \
+             {sampled_min:.6} in cell {cell} at t = {at}; results in {directory}",
             first.cell,
-            first.time,
+            rounded(first.time),
         )));
     }
     books.progress.say(&format!(

@@ -28,5 +28,5 @@ mod summary;
 mod tally;
 mod walls;
 
-pub use build::elasticity_plan;
+pub use build::{elasticity_plan, mover};
 pub use drive::{motion, run};

@@ -230,7 +230,8 @@ fn fingerprint<const D: usize>(case: &Case<D>) -> String {
         (None, Some(_)) => "structure",
         (None, None) => "mesh",
     };
-    Checksum::default().text(&case.about.numerics).text(solved).to_string()
+    // The mesh too: it may come from a file that has changed.
+    Checksum::default().text(&case.about.numerics).text(solved).numbers(case.mesh.coordinates()).to_string()
 }
 
 fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>, case_fingerprint: String) -> Metadata {

@@ -3,7 +3,7 @@
 use super::books::{Books, Stop};
 use super::tally;
 use super::walls::from_numbers;
-use crate::case::{self, Case, Flow, Motion, State, Stiffness, Vector};
+use crate::case::{self, Case, DisplacementOf, Flow, Motion, State, Stiffness};
 use coupled::{March, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
@@ -103,6 +103,7 @@ pub fn of_mesh<const D: usize>(
             det_j_sampled_min: Some(quality.sampled_min),
             scaled_jacobian_min: Some(quality.scaled_jacobian),
             first_invalid_time: tally.first_invalid.map(|first| first.time),
+            first_invalid_time_sampled: tally.first_invalid_sampled,
         }),
         error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
         ..common(case, state, books, stop)
@@ -183,7 +184,7 @@ where
 fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Option<f64> {
     let exact = known_displacement(case, state.time)?;
     let distance = |(x, d): (&[f64; D], &[f64])| {
-        let exact = exact.evaluate(x, state.time);
+        let exact = exact(x);
         (0..D).map(|i| (d[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
     };
     Some(mover.positions().iter().zip(state.d.chunks_exact(D)).map(distance).fold(0.0, f64::max))
@@ -191,26 +192,27 @@ fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, stat
 
 /// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With
 /// a constant stiffness its stress is constant, so that it is in equilibrium inside too.
-fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<&Vector<D>> {
+fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<DisplacementOf<'_, D>> {
     match case.motion.as_ref()? {
-        Motion::Prescribed(displacement) => Some(displacement),
+        Motion::Prescribed(displacement) => Some(Box::new(move |x| displacement.evaluate(x, t))),
         Motion::Elastic { stiffness: Stiffness::Constant, boundary, .. } => {
             let first = boundary.first()?.as_ref()?;
+            let displacement = first.of_position(t)?;
             let whole = boundary.iter().all(|other| other.as_ref() == Some(first));
             let periodic = case.mesh.interior_facets().iter().any(|facet| facet.periodic);
-            (whole && !periodic && is_affine(case, first, t)).then_some(first)
+            (whole && !periodic && is_affine(case, &displacement)).then_some(displacement)
         }
         Motion::Elastic { .. } => None,
     }
 }
 
 /// Whether g(x) = g(0) + sum_i x_i (g(e_i) - g(0)) at all nodes, up to round-off.
-fn is_affine<const D: usize>(case: &Case<D>, g: &Vector<D>, t: f64) -> bool {
-    let origin = g.evaluate(&[0.0; D], t);
-    let units: [_; D] = std::array::from_fn(|i| g.evaluate(&std::array::from_fn(|j| f64::from(u8::from(i == j))), t));
+fn is_affine<const D: usize>(case: &Case<D>, g: &DisplacementOf<'_, D>) -> bool {
+    let origin = g(&[0.0; D]);
+    let units: [_; D] = std::array::from_fn(|i| g(&std::array::from_fn(|j| f64::from(u8::from(i == j)))));
     let tolerance = 1e-12 * case.mesh.diameter();
     case.mesh.coordinates().chunks_exact(D).all(|x| {
-        let value = g.evaluate(&std::array::from_fn(|i| x[i]), t);
+        let value = g(&std::array::from_fn(|i| x[i]));
         (0..D).all(|d| {
             let affine = origin[d] + (0..D).map(|i| x[i] * (units[i][d] - origin[d])).sum::<f64>();
             (value[d] - affine).abs() <= tolerance

@@ -27,6 +27,8 @@ pub struct Tally {
     pub quality: Option<MeshQuality>,
     /// Where the mesh was invalid first.
     pub first_invalid: Option<FirstInvalid>,
+    /// The first time at which a sampled det J was not positive.
+    pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
     /// The mass that has left through all boundaries.
@@ -166,6 +168,7 @@ impl Tally {
                 "tally.first_invalid".into(),
                 self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
             ),
+            ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
             ("tally.mass_left".into(), vec![self.mass_left]),
             ("tally.impulses".into(), self.impulses.concat()),
@@ -211,6 +214,7 @@ impl Tally {
                 [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
                 _ => None,
             },
+            first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
             totals_at_start: get("totals_at_start")?.clone(),
             mass_left: *get("mass_left")?.first()?,
             impulses: by_wall(get("impulses")?),

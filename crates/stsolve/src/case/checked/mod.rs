@@ -1,5 +1,6 @@
 //! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
 
+mod boundary_motion;
 mod flow;
 mod forces;
 mod mesh;
@@ -21,9 +22,9 @@ use super::document::Document;
 use super::error::CaseError;
 use super::key::Key;
 use super::raw;
+use crate::any_mesh::AnyMesh;
 // The crate, beside a module of the same name.
 use ::mesh as mesh_crate;
-use mesh::AnyMesh;
 use std::collections::BTreeSet;
 use std::path::Path;
 

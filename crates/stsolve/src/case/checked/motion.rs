@@ -1,6 +1,8 @@
 //! The motion of the mesh.
 
-use super::mesh_crate::{Mesh, face_nodes};
+use super::boundary_motion::Boundaries;
+use super::mesh_crate::Mesh;
+use crate::case::boundary_motion::BoundaryMotion;
 use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
@@ -27,7 +29,7 @@ pub enum Motion<const D: usize> {
         /// How the equations of the mesh are solved.
         solver: Solver,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
-        boundary: Vec<Option<Vector<D>>>,
+        boundary: Vec<Option<BoundaryMotion<D>>>,
     },
 }
 
@@ -46,6 +48,17 @@ pub enum Stiffness {
     },
     /// A formula in the position at rest.
     Expression(Program),
+    /// By the distance to boundaries, see [`elasticity::WallDistance`].
+    WallDistance {
+        /// A.
+        amplitude: f64,
+        /// d_0.
+        distance: f64,
+        /// Boundaries that move, by index.
+        inner: Vec<usize>,
+        /// Boundaries that rest.
+        outer: Vec<usize>,
+    },
 }
 
 /// Checks `[motion]` of a run that starts at time `start`.
@@ -68,8 +81,10 @@ pub(super) fn check<const D: usize>(
     }
     let key = key.child("displacement");
     let displacement = checker.formulas(&key, formulas)?;
-    let points = mesh.coordinates().chunks_exact(D).map(position);
-    check_start(checker, &key, &displacement, points, start, mesh.diameter())?;
+    let size = mesh.diameter();
+    mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
+        check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
+    })?;
     Ok(Motion::Prescribed(displacement))
 }
 
@@ -86,16 +101,9 @@ fn elastic<const D: usize>(
     let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
     let law = law(checker, &key_elasticity, &elasticity)?;
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
-    let displacement = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| match motion {
-        raw::BoundaryMotion::Fixed => Ok(None),
-        raw::BoundaryMotion::Displacement(formulas) => {
-            let key = key.child("displacement");
-            let displacement = checker.formulas(&key, formulas)?;
-            check_start(checker, &key, &displacement, boundary_points(mesh, index), start, mesh.diameter())?;
-            Ok(Some(displacement))
-        }
-    };
-    let boundary = named.iter().enumerate().map(displacement).collect::<Checked<_>>()?;
+    let boundaries = Boundaries::new(checker, mesh, start);
+    let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
+    let boundary = named.iter().enumerate().map(motion).collect::<Checked<_>>()?;
     Ok(Motion::Elastic {
         poisson_ratio: nu,
         stiffness,
@@ -163,35 +171,44 @@ fn stiffness<const D: usize>(
             checker.require(&key, "the stiffness", everywhere, "a formula that is positive everywhere in the mesh")?;
             Ok(Stiffness::Expression(modulus))
         }
+        raw::Stiffness::WallDistance(raw) => wall_distance(checker, &key.child("wall_distance"), raw, mesh),
     }
 }
 
-/// The mesh starts at rest: the displacement is zero at `start`, up to round-off of the size of the mesh.
-fn check_start<const D: usize>(
+fn wall_distance<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
-    displacement: &Vector<D>,
-    points: impl Iterator<Item = [f64; D]>,
+    raw: &raw::WallDistance,
+    mesh: &Mesh<D>,
+) -> Checked<Stiffness> {
+    let boundaries = |name: &str, names| checker.boundaries(&key.child(name), names, mesh.boundary_names());
+    let (inner, outer) = (boundaries("inner", &raw.inner)?, boundaries("outer", &raw.outer)?);
+    checker.require(&key.child("inner"), "the list", !inner.is_empty(), "the name of a boundary, or several")?;
+    Ok(Stiffness::WallDistance {
+        amplitude: checker.positive(&key.child("amplitude"), "the amplitude", raw.amplitude)?,
+        distance: checker.positive(&key.child("distance"), "the distance", raw.distance)?,
+        inner,
+        outer,
+    })
+}
+
+/// The mesh starts at rest: the displacement `d` of the point `x` at `start` is zero up to round-off of the `size` of the mesh. `key`
+/// is that of its component along an axis.
+pub(super) fn check_start<const D: usize>(
+    checker: &Checker<'_>,
+    key: impl Fn(usize) -> Key,
+    x: &[f64; D],
+    d: &[f64; D],
     start: f64,
     size: f64,
 ) -> Checked<()> {
-    for x in points {
-        let d = displacement.evaluate(&x, start);
-        if let Some(axis) = d.iter().position(|d| d.is_nan() || d.abs() > 1e-12 * size) {
+    match d.iter().position(|d| d.is_nan() || d.abs() > 1e-12 * size) {
+        Some(axis) => {
             let cause = Cause::MovedAtStart { time: start, position: x.to_vec(), value: d[axis] };
-            return Err(checker.error(&key.entry(axis), cause));
+            Err(checker.error(&key(axis), cause))
         }
+        None => Ok(()),
     }
-    Ok(())
-}
-
-/// The nodes on a boundary, cell by cell.
-pub(super) fn boundary_points<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> impl Iterator<Item = [f64; D]> {
-    let facets = mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
-    facets.flat_map(|facet| {
-        let nodes = mesh.cell_coordinates(facet.side.cell);
-        face_nodes(D, mesh.order(), facet.side.face).into_iter().map(|k| position(&nodes[k * D..(k + 1) * D]))
-    })
 }
 
 fn position<const D: usize>(coordinates: &[f64]) -> [f64; D] {

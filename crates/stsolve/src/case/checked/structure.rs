@@ -1,7 +1,6 @@
 //! A structure.
 
-use super::mesh_crate::Mesh;
-use super::motion::boundary_points;
+use super::mesh_crate::{Mesh, face_nodes};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{self, StructureBoundary};
@@ -146,4 +145,15 @@ fn points<const D: usize>(
         Ok((name.clone(), x))
     };
     raw.points.iter().map(point).collect()
+}
+
+/// The nodes on a boundary, cell by cell.
+fn boundary_points<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> impl Iterator<Item = [f64; D]> {
+    let facets = mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
+    facets.flat_map(|facet| {
+        let nodes = mesh.cell_coordinates(facet.side.cell);
+        face_nodes(D, mesh.order(), facet.side.face)
+            .into_iter()
+            .map(|k| std::array::from_fn(|axis| nodes[k * D + axis]))
+    })
 }

@@ -109,6 +109,29 @@ pub enum Stiffness {
     },
     /// A positive formula in the position x, y, z at rest.
     Expression(Formula),
+    /// 1 + amplitude / (1 + (d / distance)^2): stiff near the boundaries that move, where d = 0, softer elsewhere. With the distances
+    /// to the inner and to the outer boundaries, d = max(0, min(to inner - distance, to outer + 2 distance)).
+    WallDistance(WallDistance),
+}
+
+/// Stiffness by the distance to boundaries, at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallDistance {
+    /// How much stiffer the mesh is at the inner boundaries than far from them.
+    #[serde(default = "hundred")]
+    pub amplitude: f64,
+    /// The distance up to which it is as stiff as at the inner boundaries.
+    pub distance: f64,
+    /// The boundaries that move, by name.
+    pub inner: Vec<String>,
+    /// The boundaries that rest, by name; there may be none.
+    #[serde(default)]
+    pub outer: Vec<String>,
+}
+
+fn hundred() -> f64 {
+    100.0
 }
 
 fn one() -> f64 {
@@ -129,4 +152,34 @@ pub enum BoundaryMotion {
     Fixed,
     /// Its displacement, a formula per axis in the position x, y, z at rest and the time t; zero at the start.
     Displacement(Vec<Formula>),
+    /// It moves like a rigid body: a list of steps, each of which moves what the steps before it have left. At the start they leave
+    /// every point where it is.
+    Rigid(Vec<RigidStep>),
+    /// Its displacement along its unit normal at rest, which points out of the mesh: positive into the wall. A formula in the position
+    /// x, y, z at rest, the time t, and in two dimensions on a closed curve s, the length along it as a fraction of the whole: from 0
+    /// at the point with the largest x, with the mesh on the right, which is counter-clockwise around a body. Where facets meet in
+    /// an edge or a corner the normal is the mean of theirs. Zero at the start.
+    Normal(Formula),
+}
+
+/// A step of a rigid motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum RigidStep {
+    /// A displacement, the same for all points: a formula per axis in the time t.
+    Translate(Vec<Formula>),
+    /// A rotation about a point.
+    Rotate(Rotation),
+}
+
+/// A rotation about a point that may move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// The angle in radians, counter-clockwise: a formula in the time t. Degrees are "pi/180*(...)".
+    pub angle: Formula,
+    /// The point, a formula per axis in the time t. Default: the origin.
+    pub centre: Option<Vec<Formula>>,
+    /// In three dimensions, the direction of the axis; its length does not matter. Default: along z.
+    pub axis: Option<[f64; 3]>,
 }

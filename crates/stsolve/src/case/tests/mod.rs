@@ -2,12 +2,14 @@
 
 use super::*;
 use crate::expression::Program;
+use coupled::BoundaryField;
 use fem::VectorField;
 use navier_stokes::{Boundary, ExactState, Riemann};
 use std::path::{Path, PathBuf};
 
 mod bad_input;
 mod meshes;
+mod motions;
 
 /// The smallest case with everything that errors are about.
 const BASE: &str = r#"
@@ -81,7 +83,7 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
     };
     assert_eq!((poisson_ratio, stiffness), (0.3, Stiffness::InverseJacobian { power: 1.0 }));
     assert_eq!(solver, elasticity::Solver::Automatic);
-    let left = boundary[0].as_ref().unwrap();
+    let Some(BoundaryMotion::Formulas(left)) = &boundary[0] else { panic!("by formulas") };
     assert_eq!((left.value(&[0.0, 0.5], 2.0), left.rate(&[0.0, 0.5], 2.0)), ([0.2, 0.0], [0.1, 0.0]));
     assert_eq!(boundary[1..], [const { None }; 3]);
 }
@@ -121,7 +123,7 @@ fn options_write_over_the_file() {
     let case = plane(BASE, &["flow.riemann=hllc", "time={order=1,end=2,slabs=5}", "constants.a=0.5", "mesh.order = 4"]);
     assert_eq!((case.flow.unwrap().law.riemann, case.time.slabs, case.mesh.order()), (Riemann::Hllc, 5, 4));
     let Some(Motion::Elastic { boundary, .. }) = case.motion else { panic!("elastic") };
-    assert_eq!(boundary[0].as_ref().unwrap().value(&[0.0; 2], 1.0), [0.5, 0.0]);
+    assert_eq!(boundary[0].as_ref().unwrap().displacement(0, &[0.0; 2], 1.0), [0.5, 0.0]);
     let replaced = plane(BASE, &[r#"flow.boundary={others="symmetry"}"#]).flow.unwrap();
     assert!(replaced.boundary.iter().all(|data| matches!(data.condition, Boundary::Symmetry(_))));
 }
@@ -129,7 +131,7 @@ fn options_write_over_the_file() {
 #[test]
 fn constants_may_use_those_above_them() {
     let bound = |options: &[&str]| match plane(BASE, options).motion {
-        Some(Motion::Elastic { boundary, .. }) => boundary[0].as_ref().unwrap().value(&[0.0; 2], 1.0)[0],
+        Some(Motion::Elastic { boundary, .. }) => boundary[0].as_ref().unwrap().displacement(0, &[0.0; 2], 1.0)[0],
         _ => panic!("elastic"),
     };
     let displacement = r#"motion.boundary.left.displacement=["b*t", 0]"#;

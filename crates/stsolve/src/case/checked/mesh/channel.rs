@@ -1,7 +1,7 @@
 //! `[mesh.generate.channel]`
 
-use super::AnyMesh;
 use super::family::Family;
+use crate::any_mesh::AnyMesh;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::ChannelGenerator;

@@ -1,11 +1,11 @@
 //! `mesh.file`
 
-use super::AnyMesh;
+use crate::any_mesh::AnyMesh;
 use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw;
-use ::mesh::{GmshError, Mesh};
+use ::mesh::GmshError;
 use std::path::Path;
 
 /// The mesh of a Gmsh file, in the order of the file.
@@ -20,10 +20,5 @@ pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Check
         }
         _ => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
     };
-    match Mesh::<3>::from_gmsh(&bytes, &pairs) {
-        Err(GmshError::Dimension { hexahedra: 0, .. }) => {
-            Mesh::<2>::from_gmsh(&bytes, &pairs).map(AnyMesh::Plane).map_err(refused)
-        }
-        read => read.map(AnyMesh::Space).map_err(refused),
-    }
+    AnyMesh::from_gmsh(&bytes, &pairs).map_err(refused)
 }

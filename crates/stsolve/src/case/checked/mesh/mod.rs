@@ -11,18 +11,12 @@ mod rotating_box;
 mod turbine_blade;
 
 use super::order;
+use crate::any_mesh::AnyMesh;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{Extrude, Generate, Mesh as Raw};
-use ::mesh::Mesh;
 use ::mesh::generate::Extrusion;
 use family::Family;
-
-/// A mesh in two or three dimensions.
-pub(super) enum AnyMesh {
-    Plane(Mesh<2>),
-    Space(Mesh<3>),
-}
 
 /// Builds the mesh.
 pub(super) fn build(checker: &Checker<'_>, raw: &Raw) -> Checked<AnyMesh> {
@@ -92,27 +86,4 @@ fn extruded(checker: &Checker<'_>, raw: &Extrude, mesh: AnyMesh) -> Checked<AnyM
     let Extrude { lower, depth, layers, periodic } = *raw;
     let extrusion = Extrusion { lower, depth, layers, periodic };
     plane.extruded(&extrusion).map(AnyMesh::Space).map_err(|error| family.refused(error))
-}
-
-impl AnyMesh {
-    fn order(&self) -> usize {
-        match self {
-            AnyMesh::Plane(mesh) => mesh.order(),
-            AnyMesh::Space(mesh) => mesh.order(),
-        }
-    }
-
-    fn with_order(self, order: usize) -> Self {
-        match self {
-            AnyMesh::Plane(mesh) => AnyMesh::Plane(mesh.with_order(order)),
-            AnyMesh::Space(mesh) => AnyMesh::Space(mesh.with_order(order)),
-        }
-    }
-
-    fn scrambled(self, seed: u64) -> Self {
-        match self {
-            AnyMesh::Plane(mesh) => AnyMesh::Plane(mesh.scrambled(seed)),
-            AnyMesh::Space(mesh) => AnyMesh::Space(mesh.scrambled(seed)),
-        }
-    }
 }

@@ -1,16 +1,21 @@
 //! `stsolve info`
 
+mod mesh_file;
+
 use super::print;
 use super::table::Table;
 use crate::failure::Failure;
 use output::ResultInfo;
 use std::path::Path;
 
-/// Tells what the result file at `path` holds.
+/// Tells what the file at `path` holds: a mesh file, which begins with `$MeshFormat` or ends in .msh, or a result file.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged or not a result file.
+/// If the file cannot be read, is damaged or neither.
 pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
+    if mesh_file::is_one(path) {
+        return mesh_file::info(path, json);
+    }
     let info = output::inspect(path)?;
     if json {
         return print(&serde_json::to_string_pretty(&info).map_err(Failure::bad_input)?);

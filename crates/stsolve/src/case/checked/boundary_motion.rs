@@ -1,0 +1,133 @@
+//! How the boundaries move.
+
+use super::mesh_crate::{Mesh, NodeNumbering, face_nodes};
+use super::motion::check_start;
+use crate::case::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
+use crate::case::checker::{Checked, Checker};
+use crate::case::error::Cause;
+use crate::case::key::Key;
+use crate::case::raw;
+use crate::case::vector::Vector;
+use crate::expression::{Program, Variable};
+use coupled::BoundaryField;
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// What the checks of all boundaries share.
+pub(super) struct Boundaries<'a, const D: usize> {
+    checker: &'a Checker<'a>,
+    mesh: &'a Mesh<D>,
+    /// The C0 nodes, once they are needed.
+    numbering: OnceCell<NodeNumbering>,
+    start: f64,
+}
+
+impl<'a, const D: usize> Boundaries<'a, D> {
+    /// Those of `mesh`, in a run that starts at time `start`.
+    pub(super) fn new(checker: &'a Checker<'a>, mesh: &'a Mesh<D>, start: f64) -> Self {
+        Boundaries { checker, mesh, numbering: OnceCell::new(), start }
+    }
+
+    /// The motion of boundary number `boundary`, given at `key`; None: it rests.
+    pub(super) fn motion(
+        &self,
+        boundary: usize,
+        key: &Key,
+        raw: &raw::BoundaryMotion,
+    ) -> Checked<Option<BoundaryMotion<D>>> {
+        let (key, motion) = match raw {
+            raw::BoundaryMotion::Fixed => return Ok(None),
+            raw::BoundaryMotion::Displacement(formulas) => {
+                let key = key.child("displacement");
+                let displacement = self.checker.formulas(&key, formulas)?;
+                (key, BoundaryMotion::Formulas(displacement))
+            }
+            raw::BoundaryMotion::Rigid(steps) => {
+                let key = key.child("rigid");
+                let step = |(index, step)| rigid_step(self.checker, &key.entry(index), step);
+                let steps = steps.iter().enumerate().map(step).collect::<Checked<_>>()?;
+                (key, BoundaryMotion::Rigid(RigidMotion { steps }))
+            }
+            raw::BoundaryMotion::Normal(formula) => {
+                let key = key.child("normal");
+                let motion = self.normal(boundary, &key, formula)?;
+                (key, BoundaryMotion::Normal(motion))
+            }
+        };
+        self.check_start(boundary, &key, &motion)?;
+        Ok(Some(motion))
+    }
+
+    fn numbering(&self) -> &NodeNumbering {
+        self.numbering.get_or_init(|| NodeNumbering::new(self.mesh, self.mesh.order()))
+    }
+
+    /// The C0 nodes on a boundary and their positions, facet by facet.
+    fn nodes_on(&self, boundary: usize) -> impl Iterator<Item = (usize, [f64; D])> {
+        let facets = self.mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
+        facets.flat_map(|facet| {
+            let (cell, face) = (facet.side.cell, facet.side.face);
+            let (numbers, positions) = (self.numbering().cell(cell), self.mesh.cell_coordinates(cell));
+            let node = |k: usize| (numbers[k], std::array::from_fn(|i| positions[k * D + i]));
+            face_nodes(D, self.mesh.order(), face).into_iter().map(node)
+        })
+    }
+
+    fn normal(&self, boundary: usize, key: &Key, formula: &raw::Formula) -> Checked<NormalMotion<D>> {
+        let amount = self.checker.formula_on_boundary::<D>(key, formula)?;
+        let numbering = self.numbering();
+        let normals = self.mesh.boundary_normals(numbering, boundary);
+        let normals = normals.map_err(|error| self.checker.error(key, Cause::Mesh(error)))?;
+        let arc = self.mesh.arc_fractions(numbering, boundary);
+        // In three dimensions the formula does not know s.
+        if D == 2 && arc.is_none() && amount.contains(Variable::Coordinate(D)) {
+            let problem = "`s` is the place along a closed curve, which this boundary is not";
+            return Err(self.checker.combination(key, problem, "a formula in x, y and t"));
+        }
+        let arc = arc.unwrap_or_default();
+        let with_arc = |(node, normal)| (node, (normal, arc.get(&node).copied().unwrap_or(0.0)));
+        Ok(NormalMotion { amount, nodes: Arc::new(normals.into_iter().map(with_arc).collect()) })
+    }
+
+    /// The boundary starts at rest: its displacement is zero at the start, up to round-off of the size of the mesh.
+    fn check_start(&self, boundary: usize, key: &Key, motion: &BoundaryMotion<D>) -> Checked<()> {
+        // Only formulas have an entry for each axis.
+        let key_of = |axis| match motion {
+            BoundaryMotion::Formulas(_) => key.entry(axis),
+            _ => key.clone(),
+        };
+        let size = self.mesh.diameter();
+        self.nodes_on(boundary).try_for_each(|(node, x)| {
+            let d = motion.displacement(node, &x, self.start);
+            check_start(self.checker, key_of, &x, &d, self.start, size)
+        })
+    }
+}
+
+fn rigid_step<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::RigidStep) -> Checked<RigidStep<D>> {
+    let rotation = match raw {
+        raw::RigidStep::Translate(formulas) => {
+            return Ok(RigidStep::Translate(checker.formulas_of_time(&key.child("translate"), formulas)?));
+        }
+        raw::RigidStep::Rotate(rotation) => rotation,
+    };
+    let key = key.child("rotate");
+    let angle = checker.formula_of_time(&key.child("angle"), &rotation.angle)?;
+    let centre = match &rotation.centre {
+        Some(formulas) => checker.formulas_of_time(&key.child("centre"), formulas)?,
+        None => Vector::new(std::array::from_fn(|_| Program::constant(0.0))),
+    };
+    Ok(RigidStep::Rotate { angle, centre, axis: axis::<D>(checker, &key.child("axis"), rotation.axis)? })
+}
+
+/// The unit vector along the axis of a rotation.
+fn axis<const D: usize>(checker: &Checker<'_>, key: &Key, raw: Option<[f64; 3]>) -> Checked<[f64; 3]> {
+    let Some(axis) = raw else { return Ok([0.0, 0.0, 1.0]) };
+    if D == 2 {
+        let problem = "in two dimensions a rotation has no axis but that along z";
+        return Err(checker.combination(key, problem, "no `axis`"));
+    }
+    let length = tensor::norm(&axis);
+    checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;
+    Ok(axis.map(|x| x / length))
+}

@@ -1,0 +1,78 @@
+//! What a mesh file holds.
+
+use crate::any_mesh::AnyMesh;
+use crate::commands::print;
+use crate::commands::table::Table;
+use crate::failure::Failure;
+use mesh::{Mesh, ValidityCheck};
+use serde_json::{Map, Value};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// How a Gmsh file begins.
+const BEGINNING: &[u8] = b"$MeshFormat";
+
+/// Whether the file at `path` is, or should be, one of Gmsh.
+pub(super) fn is_one(path: &Path) -> bool {
+    let mut beginning = Vec::new();
+    // A file that cannot be read is reported later.
+    let read = File::open(path).map(|file| file.take(BEGINNING.len() as u64).read_to_end(&mut beginning));
+    path.extension().is_some_and(|extension| extension == "msh") || matches!(read, Ok(Ok(_)) if beginning == BEGINNING)
+}
+
+/// Tells what the Gmsh file at `path` holds.
+///
+/// # Errors
+/// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
+pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
+    let in_file = |error: anyhow::Error| Failure::bad_input(anyhow::anyhow!("{}: {error}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| in_file(error.into()))?;
+    let tables = match AnyMesh::from_gmsh(&bytes, &[]).map_err(|error| in_file(error.into()))? {
+        AnyMesh::Plane(mesh) => tables(path, &mesh),
+        AnyMesh::Space(mesh) => tables(path, &mesh),
+    };
+    if json {
+        let object: Map<String, Value> = tables.iter().map(Table::json).collect();
+        return print(&Value::Object(object).to_string());
+    }
+    print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
+}
+
+fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
+    let (cell, aspect_ratio) = largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)));
+    let mut shape = Table::new(&path.display().to_string());
+    shape
+        .row("dimension", D, "")
+        .row("cells", mesh.n_cells(), "")
+        .row("order", mesh.order(), "nodes per direction")
+        .row("volume", mesh.volume(), "")
+        .row("largest aspect ratio", aspect_ratio, "")
+        .row("  in cell", cell, "")
+        .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
+        // Every mesh that was read is.
+        .row("valid", "yes", "det J > 0 is proved in every cell");
+    let mut boundaries = Table::new("boundaries");
+    for (boundary, name) in mesh.boundary_names().iter().enumerate() {
+        let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary).count();
+        boundaries.row(name, facets, "facets");
+    }
+    let mut periodic = Table::new("boundaries that are translates of each other and could be periodic");
+    for pair in mesh.translated_boundaries() {
+        let [minus, plus] = [pair.minus, pair.plus].map(|boundary| mesh.boundary_names()[boundary].as_str());
+        periodic.row(&format!("{minus}, {plus}"), pair.translation.to_vec(), "apart");
+    }
+    [shape, boundaries, periodic]
+}
+
+/// The largest value, and its place.
+fn largest(values: impl Iterator<Item = f64>) -> (usize, f64) {
+    values.enumerate().fold((0, 0.0), |largest, value| if value.1 > largest.1 { value } else { largest })
+}
+
+/// The smallest scaled Jacobian of a cell.
+fn smallest_scaled_jacobian<const D: usize>(mesh: &Mesh<D>) -> f64 {
+    let check = ValidityCheck::<D>::new(mesh.order(), &[0.0]);
+    let scaled = |cell| check.bound(mesh.cell_coordinates(cell)).scaled_jacobian();
+    (0..mesh.n_cells()).map(scaled).fold(f64::INFINITY, f64::min)
+}
