@@ -11,8 +11,18 @@ const OF_MESH: [&str; 6] =
     ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
 
 /// Columns of a run with a flow.
-const OF_FLOW: [&str; 8] =
-    ["newton", "krylov", "residual_initial", "residual", "preconditioner_builds", "rejected", "mass", "mass_error"];
+const OF_FLOW: [&str; 10] = [
+    "newton",
+    "krylov",
+    "residual_initial",
+    "residual",
+    "preconditioner_builds",
+    "rejected",
+    "mass",
+    "mass_error",
+    "energy",
+    "energy_error",
+];
 
 /// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
@@ -72,7 +82,8 @@ pub fn row<const D: usize, const M: usize>(
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
-    row.extend([counts.rebuilds as f64, report.rejected as f64, totals[0], tally.mass_balance(totals)]);
+    row.extend([counts.rebuilds as f64, report.rejected as f64]);
+    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], tally.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row
 }
