@@ -144,6 +144,9 @@ pub struct Conservation {
     /// Mass gained minus mass flown in, relative to the mass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_error: Option<f64>,
+    /// Energy gained minus energy flown in, relative to the energy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
     /// Largest deviation from a free stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free_stream_error: Option<f64>,
@@ -298,7 +301,11 @@ mod tests {
                 first_invalid_time: Some(1.5),
                 first_invalid_time_sampled: Some(1.75),
             }),
-            conservation: Some(Conservation { mass_error: Some(1e-15), free_stream_error: Some(2e-14) }),
+            conservation: Some(Conservation {
+                mass_error: Some(1e-15),
+                energy_error: Some(3e-15),
+                free_stream_error: Some(2e-14),
+            }),
             error: Some(ErrorNorms {
                 density_l2: Some(1e-3),
                 momentum_l2: Some(2e-3),
@@ -359,7 +366,7 @@ mod tests {
             "krylov": { "total": 81, "max_per_newton": 12, "mean_per_newton": 9.0, "elasticity_total": 40 },
             "mesh_quality": { "det_j_lower_bound": 0.5, "det_j_sampled_min": 0.6, "scaled_jacobian_min": 0.7,
                               "first_invalid_time": 1.5 },
-            "conservation": { "mass_error": 1e-15, "free_stream_error": 2e-14 },
+            "conservation": { "mass_error": 1e-15, "energy_error": 3e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
             "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
                 "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },

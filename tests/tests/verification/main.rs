@@ -1,6 +1,7 @@
 //! Verification of the numerics against exact solutions and identities: one program, so that the kernels are compiled once.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod boundary_flux;
 mod large_rotation;
 mod slab_operator;
 mod valid_steps;

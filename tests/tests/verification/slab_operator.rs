@@ -8,10 +8,10 @@ use navier_stokes::{
 };
 use verification::{Noise, curved_box, free_stream, law, operator, prescribed, relative_difference, uniform};
 
-type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
+pub(crate) type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
 
 /// A slab whose mesh moves smoothly in space and at random in time, and the uniform state in it.
-fn moving_slab<const D: usize, const M: usize>(
+pub(crate) fn moving_slab<const D: usize, const M: usize>(
     orders: Orders,
     viscosity: Viscosity,
     riemann: Riemann,
@@ -107,7 +107,7 @@ fn free_stream_has_no_residual_in_3d() {
 }
 
 /// A state near the uniform one, and a direction.
-fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut noise = Noise::new(seed);
     let state = state.iter().map(|u| u + 0.05 * noise.number()).collect::<Vec<_>>();
     let direction = noise.vector(state.len(), 1.0);
@@ -155,7 +155,7 @@ where
 }
 
 /// Every boundary condition, with numbers that suit the uniform state.
-fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
+pub(crate) fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
     let stream = uniform::<D>();
     let slide = [0.2; D];
     vec![

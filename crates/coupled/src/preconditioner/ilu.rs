@@ -1,11 +1,12 @@
 //! The sweeps of the factored modes, all at once.
 
 use super::blocks::{Link, links};
+use super::face_traces::FaceTraces;
 use super::factor::{factorise, stored_len};
 use super::ordering::{Ordering, minimum_discarded_fill};
-use super::panel::{Multiply, MultiplyComplex, padded};
+use super::panel::{Multiply, padded};
 use basis::{TemporalModes, is_real};
-use fem::{Layout, SpaceJacobian};
+use fem::{Layout, Pool, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::pulp::Arch;
 
@@ -22,8 +23,11 @@ pub struct FlowPreconditioner {
     /// Couplings in single precision, `[minus_plus, plus_minus]`, column-major with padded columns.
     couplings: Vec<[Vec<f32>; 2]>,
     inverses: Vec<Vec<f32>>,
+    /// How traces are taken and sent back, for every face of a cell.
+    faces: Vec<FaceTraces>,
     dt: f64,
     arch: Arch,
+    scratch: Pool<Scratch>,
     /// Right-hand sides and results, `[position][column][padded row]`.
     panel: Vec<f32>,
     result: Vec<f32>,
@@ -45,7 +49,10 @@ impl FlowPreconditioner {
         let t = jacobian.traces.len();
         let couplings =
             (jacobian.couplings.par_iter()).map(|c| [single(&c.minus_plus, t), single(&c.plus_minus, t)]).collect();
-        let size = layout.cells * modes.forward.rows() * padded(jacobian.block);
+        let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
+        let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
+        let size = layout.cells * columns * rows;
+        let room = || vec![0.0; columns * padded(t)];
         let mut preconditioner = FlowPreconditioner {
             layout,
             modes,
@@ -53,8 +60,10 @@ impl FlowPreconditioner {
             ordering,
             couplings,
             inverses: Vec::new(),
+            faces: (0..faces).map(|face| FaceTraces::new(&jacobian.traces, face)).collect(),
             dt,
             arch: Arch::new(),
+            scratch: Pool::new(|| Scratch { taken: room(), sent: room(), turned: vec![0.0; 2 * rows] }),
             panel: vec![0.0; size],
             result: vec![0.0; size],
             jacobian,
@@ -175,54 +184,56 @@ impl FlowPreconditioner {
 
     /// c -= sum dt A_ik x_k over the neighbours k whose x is given by `neighbour`; whether there was any.
     fn subtract<'a>(&self, position: usize, neighbour: impl Fn(usize) -> Option<&'a [f32]>, c: &mut [f32]) -> bool {
-        let (n, traces) = (self.jacobian.block, &self.jacobian.traces);
-        let t = padded(traces.len());
+        let (rows, columns) = (padded(self.jacobian.block), self.modes.forward.rows());
+        let t = padded(self.jacobian.traces.len());
         let mut any = false;
-        let (mut taken, mut sent) = ([0.0_f32; MAX_TRACES], [0.0_f32; MAX_TRACES]);
-        for link in &self.links[self.ordering.cells[position]] {
-            let Some(x) = neighbour(self.ordering.positions[link.cell]) else { continue };
-            any = true;
-            for (x, c) in x.chunks_exact(padded(n)).zip(c.chunks_exact_mut(padded(n))) {
-                for (trace, taken) in taken[..traces.len()].iter_mut().enumerate() {
-                    let (offset, functional) = traces.functional(link.other_face, trace);
-                    *taken = functional.iter().map(|&(node, w)| w as f32 * x[offset + node]).sum();
+        self.scratch.with(|Scratch { taken, sent, .. }| {
+            for link in &self.links[self.ordering.cells[position]] {
+                let Some(x) = neighbour(self.ordering.positions[link.cell]) else { continue };
+                any = true;
+                for (x, taken) in x.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
+                    self.faces[link.other_face].take(x, taken);
                 }
-                sent[..t].fill(0.0);
+                sent.fill(0.0);
                 let matrix = &self.couplings[link.coupling][link.side];
-                self.arch.dispatch(Multiply { matrix, x: &taken[..traces.len()], y: &mut sent[..t] });
-                for (trace, sent) in sent[..traces.len()].iter().enumerate() {
-                    let (offset, functional) = traces.functional(link.face, trace);
-                    functional.iter().for_each(|&(node, w)| c[offset + node] -= self.dt as f32 * w as f32 * sent);
+                self.arch.dispatch(Multiply { matrix, rows: t, columns, x: taken, y: sent });
+                for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
+                    self.faces[link.face].subtract(self.dt as f32, sent, c);
                 }
             }
-        }
+        });
         any
     }
 
     /// x += D^{-1} c, mode by mode.
     fn add_inverse(&self, position: usize, c: &[f32], x: &mut [f32]) {
         let (n, rows) = (self.jacobian.block, padded(self.jacobian.block));
-        let mut column = 0;
+        let mut first = 0;
         for (lambda, inverses) in self.modes.eigenvalues.iter().zip(&self.inverses) {
-            let len = stored_len(n, *lambda);
+            let (len, columns) = (stored_len(n, *lambda), if is_real(*lambda) { 1 } else { 2 });
             let inverse = &inverses[position * len..(position + 1) * len];
-            let (c, x) = (&c[column * rows..], &mut x[column * rows..]);
-            if is_real(*lambda) {
-                self.arch.dispatch(Multiply { matrix: inverse, x: &c[..n], y: &mut x[..rows] });
-                column += 1;
-            } else {
-                let (re, im) = inverse.split_at(rows * n);
-                let (x_re, x_im) = (&c[..n], &c[rows..rows + n]);
-                let (y_re, y_im) = x[..2 * rows].split_at_mut(rows);
-                self.arch.dispatch(MultiplyComplex { re, im, x_re, x_im, y_re, y_im });
-                column += 2;
+            let range = first * rows..(first + columns) * rows;
+            let (c, x) = (&c[range.clone()], &mut x[range]);
+            self.arch.dispatch(Multiply { matrix: &inverse[..rows * n], rows, columns, x: c, y: x });
+            if columns == 2 {
+                // i (re + i im) = - im + i re
+                self.scratch.with(|Scratch { turned, .. }| {
+                    turned[rows..].copy_from_slice(&c[..rows]);
+                    turned[..rows].iter_mut().zip(&c[rows..]).for_each(|(turned, im)| *turned = -im);
+                    self.arch.dispatch(Multiply { matrix: &inverse[rows * n..], rows, columns, x: turned, y: x });
+                });
             }
+            first += columns;
         }
     }
 }
 
-/// Traces of a face, at most: two kinds of five components at 16 x 16 nodes.
-const MAX_TRACES: usize = 2 * 5 * 256;
+/// Room for the traces of a panel, `[column][padded trace]`, and for a complex column.
+struct Scratch {
+    taken: Vec<f32>,
+    sent: Vec<f32>,
+    turned: Vec<f32>,
+}
 
 /// A row-major square matrix of order `n` in single precision, column-major with padded columns.
 fn single(matrix: &[f64], n: usize) -> Vec<f32> {

@@ -9,6 +9,7 @@
 //! replaced by its block ILU(0), and all of them are swept at once.
 
 mod blocks;
+mod face_traces;
 mod factor;
 mod ilu;
 mod ordering;

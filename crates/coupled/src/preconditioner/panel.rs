@@ -10,10 +10,18 @@ pub fn padded(n: usize) -> usize {
     n.div_ceil(ALIGNMENT) * ALIGNMENT
 }
 
-/// y += A x, A column-major with `y.len()` rows (a multiple of [`ALIGNMENT`]) and `x.len()` columns.
+/// Columns of a panel that are multiplied in one go, at most.
+const COLUMNS: usize = 4;
+
+/// y_c += A x_c for the columns c of a panel: A column-major with `rows` rows (a multiple of [`ALIGNMENT`]), x
+/// `[column][..]` with room for `x.len() / columns` numbers each, of which A takes the first, and y `[column][row]`.
 pub struct Multiply<'a> {
     /// A.
     pub matrix: &'a [f32],
+    /// Rows of A.
+    pub rows: usize,
+    /// Columns of the panel.
+    pub columns: usize,
     /// x.
     pub x: &'a [f32],
     /// y.
@@ -25,69 +33,90 @@ impl WithSimd for Multiply<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Multiply { matrix, x, y } = self;
-        let rows = y.len();
-        let (y, _) = S::as_mut_simd_f32s(y);
-        let width = rows / y.len().max(1);
-        let mut row = 0;
-        // Four registers of y at a time: each column of A is read once, in passing.
-        while row < y.len() {
-            let count = (y.len() - row).min(4);
-            let mut sums = [simd.splat_f32s(0.0); 4];
-            sums[..count].copy_from_slice(&y[row..row + count]);
-            for (column, &x) in x.iter().enumerate() {
-                let start = column * rows + row * width;
-                let (a, _) = S::as_simd_f32s(&matrix[start..start + count * width]);
-                let x = simd.splat_f32s(x);
-                for r in 0..count {
-                    sums[r] = simd.mul_add_f32s(a[r], x, sums[r]);
-                }
+        let Multiply { matrix, rows, columns, x, y } = self;
+        let x_len = x.len() / columns;
+        let mut first = 0;
+        while first < columns {
+            let count = (columns - first).min(COLUMNS);
+            let (x, y) = (&x[first * x_len..(first + count) * x_len], &mut y[first * rows..(first + count) * rows]);
+            match count {
+                1 => multiply::<1, 4, S>(simd, matrix, x, y),
+                2 => multiply::<2, 4, S>(simd, matrix, x, y),
+                3 => multiply::<3, 2, S>(simd, matrix, x, y),
+                _ => multiply::<COLUMNS, 2, S>(simd, matrix, x, y),
             }
-            y[row..row + count].copy_from_slice(&sums[..count]);
-            row += count;
+            first += count;
         }
     }
 }
 
-/// y += A x for complex A, x and y given as real and imaginary parts.
-pub struct MultiplyComplex<'a> {
-    /// Real part of A, column-major.
-    pub re: &'a [f32],
-    /// Imaginary part of A.
-    pub im: &'a [f32],
-    /// x, real part.
-    pub x_re: &'a [f32],
-    /// x, imaginary part.
-    pub x_im: &'a [f32],
-    /// y, real part.
-    pub y_re: &'a mut [f32],
-    /// y, imaginary part.
-    pub y_im: &'a mut [f32],
+/// [`Multiply`] for C columns, R registers of rows at a time, then one at a time.
+#[inline(always)]
+fn multiply<const C: usize, const R: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut [f32]) {
+    let (registers, _) = S::as_simd_f32s(matrix);
+    let (y, _) = S::as_mut_simd_f32s(y);
+    let height = y.len() / C;
+    let mut row = 0;
+    while row + R <= height {
+        multiply_rows::<C, R, S>(simd, registers, row, x, y);
+        row += R;
+    }
+    while row < height {
+        multiply_rows::<C, 1, S>(simd, registers, row, x, y);
+        row += 1;
+    }
 }
 
-impl WithSimd for MultiplyComplex<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let MultiplyComplex { re, im, x_re, x_im, y_re, y_im } = self;
-        let rows = y_re.len();
-        let (y_re, _) = S::as_mut_simd_f32s(y_re);
-        let (y_im, _) = S::as_mut_simd_f32s(y_im);
-        let width = rows / y_re.len().max(1);
-        for row in 0..y_re.len() {
-            let (mut sum_re, mut sum_im) = (y_re[row], y_im[row]);
-            for column in 0..x_re.len() {
-                let start = column * rows + row * width;
-                let a_re = S::as_simd_f32s(&re[start..start + width]).0[0];
-                let a_im = S::as_simd_f32s(&im[start..start + width]).0[0];
-                let (b_re, b_im) = (simd.splat_f32s(x_re[column]), simd.splat_f32s(x_im[column]));
-                sum_re = simd.mul_add_f32s(a_re, b_re, sum_re);
-                sum_re = simd.negate_mul_add_f32s(a_im, b_im, sum_re);
-                sum_im = simd.mul_add_f32s(a_re, b_im, sum_im);
-                sum_im = simd.mul_add_f32s(a_im, b_re, sum_im);
+/// The same for registers `row` to `row + R`, which stay in registers: each of A is read once for all columns.
+#[inline(always)]
+fn multiply_rows<const C: usize, const R: usize, S: Simd>(
+    simd: S,
+    registers: &[S::f32s],
+    row: usize,
+    x: &[f32],
+    y: &mut [S::f32s],
+) {
+    let (height, x_len) = (y.len() / C, x.len() / C);
+    let mut sums = [[simd.splat_f32s(0.0); R]; C];
+    for c in 0..C {
+        sums[c].copy_from_slice(&y[c * height + row..c * height + row + R]);
+    }
+    for (column, a) in registers.chunks_exact(height).enumerate() {
+        let a = &a[row..row + R];
+        for c in 0..C {
+            let x = simd.splat_f32s(x[c * x_len + column]);
+            for r in 0..R {
+                sums[c][r] = simd.mul_add_f32s(a[r], x, sums[c][r]);
             }
-            (y_re[row], y_im[row]) = (sum_re, sum_im);
+        }
+    }
+    for c in 0..C {
+        y[c * height + row..c * height + row + R].copy_from_slice(&sums[c]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tensor::pulp::Arch;
+
+    #[test]
+    fn panels_of_any_width_are_multiplied_column_by_column() {
+        let number = |i: usize| ((7 * i + 3) % 11) as f32 - 5.0;
+        for (n, columns) in [(1, 1), (16, 2), (20, 3), (64, 4), (100, 5), (37, 9)] {
+            let rows = padded(n);
+            let matrix: Vec<f32> = (0..rows * n).map(|i| if i % rows < n { number(i) } else { 0.0 }).collect();
+            let x: Vec<f32> = (0..rows * columns).map(|i| number(i + 1)).collect();
+            let mut y: Vec<f32> = (0..rows * columns).map(|i| number(i + 2)).collect();
+            let expected: Vec<f32> = (0..rows * columns)
+                .map(|i| {
+                    let (column, row) = (i / rows, i % rows);
+                    // Whole numbers: exact in any order.
+                    y[i] + (0..n).map(|k| matrix[k * rows + row] * x[column * rows + k]).sum::<f32>()
+                })
+                .collect();
+            Arch::new().dispatch(Multiply { matrix: &matrix, rows, columns, x: &x, y: &mut y });
+            assert_eq!(y, expected, "{n} x {columns}");
         }
     }
 }

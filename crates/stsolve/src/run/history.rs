@@ -11,7 +11,7 @@ const OF_MESH: [&str; 6] =
     ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
 
 /// Columns of a run with a flow.
-const OF_FLOW: [&str; 9] = [
+const OF_FLOW: [&str; 11] = [
     "jump",
     "newton",
     "krylov",
@@ -21,6 +21,8 @@ const OF_FLOW: [&str; 9] = [
     "rejected",
     "mass",
     "mass_error",
+    "energy",
+    "energy_error",
 ];
 
 /// Columns of a run of a structure; work and dissipation since the start.
@@ -116,14 +118,10 @@ pub fn row<const D: usize, const M: usize>(
 ) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
-    row.extend([
-        report.jump,
-        newton.steps.len() as f64,
-        newton.krylov_iterations as f64,
-        newton.initial_norm,
-        newton.final_norm(),
-    ]);
-    row.extend([counts.rebuilds as f64, report.rejected as f64, totals[0], tally.mass_balance(totals)]);
+    row.push(report.jump);
+    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
+    row.extend([counts.rebuilds as f64, report.rejected as f64]);
+    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], tally.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row
 }

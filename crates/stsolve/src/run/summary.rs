@@ -39,8 +39,9 @@ where
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
     let conservation = Conservation {
-        // A manufactured source makes mass.
+        // A manufactured source makes mass and energy.
         mass_error: (!flow.manufactured).then_some(tally.mass_error),
+        energy_error: (!flow.manufactured).then_some(tally.energy_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,

@@ -31,8 +31,8 @@ pub struct Tally {
     pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
-    /// The mass that has left through all boundaries.
-    pub mass_left: f64,
+    /// What has left through all boundaries, per component.
+    pub left: Vec<f64>,
     /// Impulses and work of every wall, as numbers.
     pub impulses: Vec<Vec<f64>>,
     /// What every wall feels at the time reached, as numbers.
@@ -41,6 +41,8 @@ pub struct Tally {
     pub steady: Option<Steady>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
+    /// The largest of the energy errors, relative to the energy at the start.
+    pub energy_error: f64,
     /// The energy of a structure.
     pub structure: EnergyBalance,
 }
@@ -107,13 +109,15 @@ impl Tally {
         self.residuals += report.counts.residuals as u64;
         self.products += (report.counts.products + report.counts.mesh_products) as u64;
         self.add_quality(report.quality);
-        self.mass_left += fem::left_during_slab(&report.fluxes)[0];
+        self.left.resize(M, 0.0);
+        self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.impulses.resize(felt.len(), vec![0.0; 2 * D + 4]);
         for (sums, felt) in self.impulses.iter_mut().zip(felt) {
             sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
         }
-        self.mass_error = self.mass_error.max(self.mass_balance(&report.totals).abs());
+        self.mass_error = self.mass_error.max(self.balance(&report.totals, 0).abs());
+        self.energy_error = self.energy_error.max(self.balance(&report.totals, M - 1).abs());
     }
 
     /// Notes how the steady flow was found from which the run starts.
@@ -140,10 +144,11 @@ impl Tally {
         self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
     }
 
-    /// (mass now + mass that has left - mass at the start) / mass at the start
-    pub fn mass_balance(&self, totals: &[f64]) -> f64 {
-        let start = self.totals_at_start.first().copied().unwrap_or(f64::NAN);
-        (totals[0] + self.mass_left - start) / start
+    /// (what there is now + what has left - what there was at the start) / what there was at the start, of one component.
+    pub fn balance(&self, totals: &[f64], component: usize) -> f64 {
+        let at = |values: &[f64]| values.get(component).copied();
+        let start = at(&self.totals_at_start).unwrap_or(f64::NAN);
+        (totals[component] + at(&self.left).unwrap_or(0.0) - start) / start
     }
 
     /// As named numbers.
@@ -170,11 +175,11 @@ impl Tally {
             ),
             ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
-            ("tally.mass_left".into(), vec![self.mass_left]),
+            ("tally.left".into(), self.left.clone()),
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
-            ("tally.mass_error".into(), vec![self.mass_error]),
+            ("tally.errors".into(), vec![self.mass_error, self.energy_error]),
             ("tally.structure".into(), {
                 let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
                 vec![energy_at_start, load_work, support_work, dissipation]
@@ -216,7 +221,7 @@ impl Tally {
             },
             first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
             totals_at_start: get("totals_at_start")?.clone(),
-            mass_left: *get("mass_left")?.first()?,
+            left: get("left")?.clone(),
             impulses: by_wall(get("impulses")?),
             forces: by_wall(get("forces")?),
             steady: match &get("steady")?[..] {
@@ -228,7 +233,8 @@ impl Tally {
                 }),
                 _ => None,
             },
-            mass_error: *get("mass_error")?.first()?,
+            mass_error: *get("errors")?.first()?,
+            energy_error: *get("errors")?.get(1)?,
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
         })
     }

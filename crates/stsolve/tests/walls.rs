@@ -1,0 +1,83 @@
+//! Forces on walls and runs that start from the steady flow, on coarse meshes, against published numbers.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, finished, number, on_case, summary};
+use tempfile::TempDir;
+
+fn at_end(run: &std::path::Path, name: &str) -> f64 {
+    *column(run, name).last().unwrap()
+}
+
+/// Case M1 of the 2024 workshop. The wall works on the gas, all of it stays inside, and the mesh follows the affine map.
+#[test]
+fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "cylinder_m1", &["mesh.order=6", "flow.order=6", "time.slabs=10"]);
+    let (wall, run) = (&summary["walls"]["wall"], directory.path().join("cylinder_m1"));
+    assert!(number(&summary, "conservation.mass_error") <= 1e-12, "{summary}");
+    assert!(number(&summary, "conservation.energy_error") <= 1e-12, "{summary}");
+    assert!(number(&summary, "error.displacement_max") <= 1e-10, "{summary}");
+    let gained = at_end(&run, "energy") + number(wall, "work");
+    // rho E = 50 in the disc of the mesh.
+    let (start, mass) = (50.0, at_end(&run, "mass"));
+    assert!((gained - start * mass).abs() <= 1e-11, "{:e}", gained - start * mass);
+    let impulse = wall["impulse"][1].as_f64().unwrap();
+    assert!((impulse / -0.591_592_1 - 1.0).abs() < 1.5e-4, "{impulse}");
+    assert!((number(wall, "work") / -0.306_314_8 - 1.0).abs() < 1e-4, "{wall}");
+    // At an instant it converges more slowly.
+    let power = at_end(&run, "wall_power");
+    assert!((power / -0.719_161_8 - 1.0).abs() < 0.04, "{power}");
+}
+
+/// A coarse mesh around the airfoil of case C1.
+const COARSE: [&str; 5] = [
+    "mesh.order=3",
+    "flow.order=3",
+    "mesh.generate.airfoil.surface_cells=8",
+    "mesh.generate.airfoil.wake_cells=6",
+    "mesh.generate.airfoil.normal_cells=10",
+];
+
+#[test]
+fn the_steady_flow_around_an_airfoil_has_the_published_drag() {
+    let directory = TempDir::new().unwrap();
+    let set = [&COARSE[..], &["time.end=0.1"]].concat();
+    let summary = finished(directory.path(), "naca0012_heave", &set);
+    let drag = number(&summary, "steady.walls.airfoil.drag_coefficient");
+    assert!((drag / 0.120_01 - 1.0).abs() < 0.02, "{drag}");
+    // The flow is symmetric, and steady: so is the first row, which is before any slab.
+    assert!(number(&summary, "steady.walls.airfoil.lift_coefficient").abs() < 1e-6, "{summary}");
+    let run = directory.path().join("naca0012_heave");
+    assert_eq!((column(&run, "t")[0], column(&run, "airfoil_work")[0]), (0.0, 0.0));
+    assert!((column(&run, "airfoil_drag_coefficient")[0] - drag).abs() < 1e-15);
+    assert!(number(&summary, "steady.newton") <= 12.0 && number(&summary, "steady.krylov") <= 250.0, "{summary}");
+}
+
+/// An airfoil that does not move stays in the steady flow.
+#[test]
+fn the_steady_flow_stays() {
+    let directory = TempDir::new().unwrap();
+    let still = ["motion.boundary.airfoil=fixed", "time.end=1", "time.step=1", "time.order=1"];
+    let summary = finished(directory.path(), "naca0012_heave", &[&COARSE[..], &still].concat());
+    let drag = number(&summary, "steady.walls.airfoil.drag_coefficient");
+    let later = number(&summary["walls"]["airfoil"], "drag_coefficient");
+    assert!((later - drag).abs() < 1e-7, "{drag} {later}");
+}
+
+#[test]
+fn a_resumed_run_does_not_look_for_the_steady_flow_again() {
+    let directory = TempDir::new().unwrap();
+    let run = |end: &str, output: &str, extra: &[&str]| {
+        let set = [&COARSE[..], &[end]].concat();
+        on_case(directory.path(), "run", "naca0012_heave", &set, output, extra).expect(0, &[]);
+    };
+    run("time.end=0.2", "through", &[]);
+    run("time.end=0.1", "resumed", &[]);
+    run("time.end=0.2", "resumed", &["--resume"]);
+    let at = |name: &str| directory.path().join(name);
+    assert_same_bits(&at("through"), &at("resumed"), "resumed");
+    assert_eq!(summary(&at("through"))["steady"], summary(&at("resumed"))["steady"]);
+}

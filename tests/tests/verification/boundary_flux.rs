@@ -1,0 +1,100 @@
+//! What leaves through boundaries, and what it does to walls.
+
+use crate::slab_operator::{Operator, every_condition, moving_slab, perturbed};
+use fem::{Orders, StateField, left_during_slab};
+use navier_stokes::exact::FreeStream;
+use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Primitive, Riemann, SlipWall, Viscosity, WallForce};
+use verification::{curved_box, free_stream, law, operator};
+
+/// The integrals of the components of a state at one time, on the mesh at the position `row`.
+fn totals<const D: usize, const M: usize>(operator: &Operator<D, M>, u: &[f64], row: &basis::Matrix) -> [f64; M] {
+    let one = operator.layout.at_one_time();
+    let mut moments = vec![0.0; one.len()];
+    operator.moments(u, row, &mut moments);
+    std::array::from_fn(|m| {
+        (0..one.cells).flat_map(|c| &moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes]).sum()
+    })
+}
+
+/// Test functions sum to one: all residuals of a component together are what there is more at the top than at the bottom, and
+/// what has left. Returns the largest difference, relative to what there is.
+fn balance_error<const D: usize, const M: usize>(condition: Boundary<D>) -> f64
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let orders = Orders { flow: 3, mesh: 3, time: 2 };
+    let (mut operator, uniform) = moving_slab::<D, M>(orders, Viscosity::Constant(0.02), Riemann::Roe, 2, condition);
+    let (layout, cells) = (operator.layout, operator.layout.cells);
+    let at_node =
+        |u: &[f64], a: usize| -> Vec<f64> { (0..cells).flat_map(|c| u[layout.cell_at(c, a)].to_vec()).collect() };
+    let (state, _) = perturbed(&uniform, 4);
+    let mut residual = vec![0.0; state.len()];
+    operator.residual(&state, &mut residual).unwrap();
+
+    let bottom = totals(&operator, &at_node(&uniform, 0), &operator.tables.bottom_row());
+    let top = totals(&operator, &at_node(&state, orders.time - 1), &operator.top_row());
+    let left = left_during_slab(&operator.boundary_fluxes());
+    let error = |m: usize| {
+        let sum: f64 = residual.chunks_exact(layout.nodes).skip(m).step_by(M).flatten().sum();
+        (sum - (top[m] - bottom[m] + left[m])).abs() / bottom[0]
+    };
+    (0..M).map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn what_the_gas_gains_is_what_the_residual_says_has_entered() {
+    for condition in every_condition::<2>() {
+        let error = balance_error::<2, 4>(condition);
+        assert!(error < 1e-14, "2-D, {condition:?}: {error:.1e}");
+    }
+    for condition in every_condition::<3>() {
+        let error = balance_error::<3, 5>(condition);
+        assert!(error < 1e-14, "3-D, {condition:?}: {error:.1e}");
+    }
+}
+
+/// Gas at rest in a curved box whose pressure rises linearly: the walls feel F = int grad p and M = int (x - x_p) x grad p. Returns
+/// the errors of force and moment.
+fn hydrostatic_errors<const D: usize, const M: usize>(gradient: [f64; D], point: [f64; D]) -> [f64; 2]
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let orders = Orders { flow: 4, mesh: 4, time: 1 };
+    let (law, mesh) = (law::<D>(Viscosity::Inviscid, Riemann::Roe), curved_box::<D>(2, orders.mesh));
+    let mut operator = operator(&mesh, law, orders, Boundary::SlipWall(SlipWall), free_stream::<D, M>(&law));
+    let layout = operator.layout;
+    let mut state = vec![0.0; layout.len()];
+    for cell in 0..layout.cells {
+        for (i, x) in mesh.cell_coordinates(cell).chunks_exact(D).enumerate() {
+            let pressure = 1.0 + (0..D).map(|d| gradient[d] * x[d]).sum::<f64>();
+            let u: [f64; M] = Primitive { density: 1.0, velocity: [0.0; D], pressure }.pack(&law.gas);
+            (0..M).for_each(|m| state[layout.index(cell, 0, m, i)] = u[m]);
+        }
+    }
+    operator.begin_slab(0.0, 1.0, &state, &vec![0.0; operator.mesh.field_len()]);
+    operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
+    operator.linearise(&state);
+    let fluxes = operator.boundary_fluxes();
+    let mut wall = WallForce::default();
+    (0..mesh.boundary_names().len()).for_each(|b| wall += WallForce::during_slab(&fluxes, b, |_| point));
+
+    let cells = mesh.volumes_and_centroids();
+    let volume: f64 = cells.iter().map(|(volume, _)| volume).sum();
+    let lever: [f64; D] =
+        std::array::from_fn(|d| cells.iter().map(|(volume, centre)| volume * (centre[d] - point[d])).sum());
+    let force_error = (0..D).map(|d| (wall.force()[d] - volume * gradient[d]).abs()).fold(0.0, f64::max);
+    let at = |v: &[f64; D], i: usize| v.get(i % 3).copied().unwrap_or(0.0);
+    let moment = |i| at(&lever, i + 1) * at(&gradient, i + 2) - at(&lever, i + 2) * at(&gradient, i + 1);
+    let moment_error = (0..3).map(|i| (wall.moment[i] - moment(i)).abs()).fold(wall.power.abs(), f64::max);
+    [force_error, moment_error]
+}
+
+#[test]
+fn walls_feel_the_weight_of_gas_at_rest() {
+    let plane = hydrostatic_errors::<2, 4>([0.3, -0.7], [2.0, -1.0]);
+    assert!(plane.iter().all(|error| *error < 1e-13), "{plane:?}");
+    let space = hydrostatic_errors::<3, 5>([0.3, -0.7, 0.2], [2.0, -1.0, 0.5]);
+    assert!(space.iter().all(|error| *error < 1e-13), "{space:?}");
+}
