@@ -33,7 +33,7 @@ pub struct ElasticMesh<const D: usize> {
     law: Law,
     operator: Operator<D>,
     /// Where K is taken.
-    position: Position,
+    position: Position<D>,
     inverse: Inverse<D>,
     constrained: Vec<bool>,
     coordinates: Vec<[f64; D]>,
@@ -78,7 +78,7 @@ impl<const D: usize> ElasticMesh<D> {
         let rule = law.rule(D, order);
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
         let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
-        let position = Position::new(law, &operator, stiffness, numbering.count * D);
+        let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let elimination = Arc::new(Elimination::new(order, operator.batches(), constrained, &centres(mesh)));
         let inverse = match solver.chosen(elimination.factor_entries(operator.batches()) * size_of::<f64>()) {
             Solver::Direct => {
@@ -88,7 +88,9 @@ impl<const D: usize> ElasticMesh<D> {
             }
             _ => {
                 let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained)?;
+                let low_order =
+                    LowOrder::new(lame, mesh.n_cells(), numbering, |cell| at_nodes.cell(cell), constrained)?;
+                position.keep_nodes(law, mesh.n_cells(), numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };

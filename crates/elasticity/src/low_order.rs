@@ -7,7 +7,7 @@
 
 use crate::ElasticityError;
 use crate::cholesky::{BlockMatrix, Cholesky};
-use crate::geometry::{Sample, Sampler, determinant_and_inverse};
+use crate::geometry::{Sample, determinant_and_inverse};
 use crate::material::Lame;
 use crate::pool::Pool;
 use mesh::NodeNumbering;
@@ -21,19 +21,19 @@ pub(crate) struct LowOrder<const D: usize> {
 }
 
 impl<const D: usize> LowOrder<D> {
-    /// Assembles and factors the matrix of the nodes that are not `constrained`; `sampler` samples the Gauss-Lobatto nodes of
+    /// Assembles and factors the matrix of the nodes that are not `constrained`; `samples(cell)` are those of the Gauss-Lobatto nodes of
     /// `numbering`'s order in each of `cells` cells.
     pub(crate) fn new(
         lame: Lame,
         cells: usize,
         numbering: &NodeNumbering,
-        sampler: &Sampler<'_, D>,
+        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         constrained: &[bool],
     ) -> Result<Self, ElasticityError> {
         let free: Vec<usize> = (0..numbering.count).filter(|&node| !constrained[node]).collect();
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
-        let factor = matrix(lame, cells, numbering, sampler, &unknowns)?.factor()?;
+        let factor = matrix(lame, cells, numbering, samples, &unknowns)?.factor()?;
         Ok(LowOrder { free, factor, buffers: Pool::new() })
     }
 
@@ -57,7 +57,7 @@ fn matrix<const D: usize>(
     lame: Lame,
     cells: usize,
     numbering: &NodeNumbering,
-    sampler: &Sampler<'_, D>,
+    samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
 ) -> Result<BlockMatrix<D>, ElasticityError> {
     let sub_cells = SubCells::<D>::new(numbering.order());
@@ -66,7 +66,7 @@ fn matrix<const D: usize>(
     (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(neighbours);
     for cell in 0..cells {
-        sub_cells.add_cell(lame, cell, &sampler.cell(cell)?, &of_cell(cell), &mut matrix)?;
+        sub_cells.add_cell(lame, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
 }
@@ -184,7 +184,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::Stiffness;
-    use crate::geometry::nodal_coordinates;
+    use crate::geometry::{Sampler, nodal_coordinates};
     use crate::testing::{material, unit_box};
     use basis::gauss_lobatto;
     use mesh::Mesh;
@@ -199,7 +199,8 @@ mod tests {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let matrix = matrix(material().lame(), mesh.n_cells(), &numbering, &sampler, &unknowns).unwrap();
+        let matrix =
+            matrix(material().lame(), mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }
