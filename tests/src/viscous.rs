@@ -1,7 +1,7 @@
 //! A manufactured viscous flow on a curved mesh whose motion is prescribed everywhere.
 
 use crate::{gas, prescribed};
-use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Settings, SlabProblem};
+use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::exact::Waves;
@@ -52,9 +52,8 @@ pub fn error(order: usize, time_order: usize, cells: usize, slabs: usize) -> f64
     let mover = MeshMover::new(MeshMotion::Prescribed(Arc::new(Swaying)), mesh, numbering, time_order);
     let newton =
         newton::Settings { relative_tolerance: 1e-8, absolute_tolerance: 1e-13, ..newton::Settings::default() };
-    let end = 0.1;
-    let (step, predictor, jacobian) = (end / slabs as f64, Predictor::Elastic, Jacobian::Exact);
-    let settings = Settings { start: 0.0, end, step, slabs, newton, predictor, jacobian, max_halvings: 0 };
+    let (schedule, predictor, jacobian) = (Schedule::uniform(0.1, slabs), Predictor::Elastic, Jacobian::Exact);
+    let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
     let mut march = March::new(SlabProblem::new(flow, mover), u, settings);
     while !march.is_done() {
         march.advance().unwrap();

@@ -1,7 +1,7 @@
 //! The vortex of the paper (IV.A) on a mesh that stretches and follows it.
 
 use crate::prescribed;
-use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Settings, SlabProblem};
+use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
 use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -89,9 +89,8 @@ impl VortexRun {
             absolute_tolerance: 1e-13,
             ..newton::Settings::default()
         };
-        let step = end / slabs as f64;
-        let jacobian = Jacobian::Exact;
-        let settings = Settings { start: 0.0, end, step, slabs, newton, predictor, jacobian, max_halvings: 0 };
+        let (schedule, jacobian) = (Schedule::uniform(end, slabs), Jacobian::Exact);
+        let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
         let mover = MeshMover::new(motion, mesh, numbering, time_order);
         VortexRun { march: March::new(SlabProblem::new(flow, mover), u, settings), exact }
     }

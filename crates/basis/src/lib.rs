@@ -11,6 +11,7 @@
 //! | `lagrange` | nodal basis |
 //! | `modified` | hierarchical C0 basis |
 //! | `time` | basis of a slab: Lagrange polynomials at right-Radau nodes |
+//! | `temporal_modes` | eigenvectors of its time matrix |
 //! | `sum_factorisation` | one matrix along one axis of a tensor, in SIMD lanes |
 //! | `tensor_product` | one matrix along each axis |
 
@@ -20,6 +21,7 @@ mod matrix;
 mod modified;
 mod quadrature;
 mod sum_factorisation;
+mod temporal_modes;
 mod tensor_product;
 mod time;
 
@@ -28,6 +30,7 @@ pub use matrix::Matrix;
 pub use modified::{ModifiedBasis, reversal_sign};
 pub use quadrature::{Rule, gauss, gauss_lobatto, right_radau};
 pub use sum_factorisation::{contract, contract_add};
+pub use temporal_modes::{TemporalModes, is_real};
 pub use tensor_product::{apply_all_axes, apply_all_axes_add, apply_axis, apply_axis_add, scratch_length};
 pub use time::RadauTime;
 

@@ -1,13 +1,17 @@
-//! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab.
+//! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
 mod initial;
 mod march;
 mod mesh_march;
 mod mesh_mover;
 mod motion;
+mod observation;
 pub mod preconditioner;
+mod schedule;
 mod slab_problem;
 mod state;
+mod steady;
+mod structure_march;
 pub mod weights;
 
 pub use initial::interpolate;
@@ -15,5 +19,9 @@ pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, Sla
 pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryMotion, MeshMotion};
+pub use observation::Observation;
+pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};
+pub use steady::solve_steady;
+pub use structure_march::{StructureMarch, StructureReport};

@@ -1,8 +1,10 @@
 //! The march from slab to slab.
 
 use crate::mesh_mover::MeshQuality;
+use crate::schedule::{Schedule, StepControl};
 use crate::slab_problem::{Counts, SlabProblem};
 use crate::state::{Interval, Past, State};
+use fem::FluxesAt;
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
@@ -30,14 +32,8 @@ pub enum Jacobian {
 /// Settings of a march.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The time at the start.
-    pub start: f64,
-    /// The time at the end.
-    pub end: f64,
-    /// The length of a slab; the last may be shorter.
-    pub step: f64,
-    /// The slabs that the run has, unless some are halved.
-    pub slabs: usize,
+    /// The slabs.
+    pub schedule: Schedule,
     /// The Newton driver. Its relative tolerance refers to the residual of the constant guess.
     pub newton: newton::Settings,
     /// The first guess of the mesh.
@@ -54,7 +50,7 @@ pub const ROUND_OFF: f64 = 1e-13;
 
 /// What a slab has done.
 #[derive(Clone, Debug)]
-pub struct SlabReport {
+pub struct SlabReport<const M: usize> {
     /// The number of the slab, from 1.
     pub slab: usize,
     /// Its interval.
@@ -67,10 +63,23 @@ pub struct SlabReport {
     pub counts: Counts,
     /// The quality of the mesh.
     pub quality: MeshQuality,
-    /// What has left through each boundary, `[boundary][component]`.
-    pub through: Vec<Vec<f64>>,
+    /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale: an estimate of the error
+    /// in time.
+    pub jump: f64,
+    /// What leaves through the boundaries at the quadrature points in time and at the top of the slab.
+    pub fluxes: Vec<FluxesAt<M>>,
     /// The integral of every component at the top of the slab.
     pub totals: Vec<f64>,
+}
+
+/// A slab that is solved.
+struct Solved {
+    newton: newton::Report,
+    quality: MeshQuality,
+    /// See [`SlabReport::jump`].
+    jump: f64,
+    /// Mesh and flow.
+    z: Vec<f64>,
 }
 
 /// Why a slab could not be solved.
@@ -132,8 +141,9 @@ impl<const D: usize, const M: usize> March<D, M> {
     /// A run of `problem` from the flow `u` at one time. Newton's absolute tolerance is raised to [`ROUND_OFF`] if it is less.
     pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, mut settings: Settings) -> Self {
         settings.newton.absolute_tolerance = settings.newton.absolute_tolerance.max(ROUND_OFF);
-        let d = problem.mover.displacement_at_start(settings.start);
-        let state = State::new(settings.start, u, d);
+        let Schedule { start, step, .. } = settings.schedule;
+        let d = problem.mover.displacement_at_start(start);
+        let state = State { step, ..State::new(start, u, d) };
         March { problem, state, settings, workspace: Workspace::default() }
     }
 
@@ -142,45 +152,62 @@ impl<const D: usize, const M: usize> March<D, M> {
         &mut self.settings
     }
 
-    /// Whether the end is reached.
-    pub fn is_done(&self) -> bool {
-        self.state.nominal >= self.settings.slabs && self.state.pending.is_empty()
+    /// Adapts the length of the slabs from now on.
+    pub fn adapt(&mut self, control: StepControl) {
+        self.settings.schedule.control = Some(control);
     }
 
-    /// Advances one slab, in halves if need be.
+    /// Whether the end is reached.
+    pub fn is_done(&self) -> bool {
+        self.settings.schedule.is_done(&self.state)
+    }
+
+    /// Advances one slab, a shorter one if need be.
     ///
     /// # Errors
     /// [`MarchError`]; the state is then that of the last slab that succeeded.
-    pub fn advance(&mut self) -> Result<SlabReport, MarchError> {
-        if self.state.pending.is_empty() {
-            let Settings { start, end, step, slabs, .. } = self.settings;
-            self.state.pending.push(self.state.next_slab(start, end, step, slabs));
-        }
+    pub fn advance(&mut self) -> Result<SlabReport<M>, MarchError> {
         let mut rejected = 0;
         loop {
-            let Some(&interval) = self.state.pending.last() else { unreachable!("an interval was pushed above") };
+            let interval = self.next_interval();
             match self.attempt(interval) {
-                Ok((report, quality, z)) => return Ok(self.accept(interval, rejected, report, quality, &z)),
-                Err(source) if interval.halvings >= self.settings.max_halvings => {
-                    return Err(MarchError {
-                        slab: self.state.slab + 1,
-                        interval,
-                        halvings: interval.halvings,
-                        source,
-                    });
+                Ok(Solved { jump, .. }) if self.repeats(interval, jump) => {
+                    tracing::info!(start = interval.start, end = interval.end, jump, "slab too long, shortened");
                 }
-                Err(source) => {
-                    tracing::warn!(start = interval.start, end = interval.end, cause = %chain(&source), "slab rejected, halving it");
-                    self.problem.stale = true;
-                    rejected += 1;
-                    self.state.halve();
-                }
+                Ok(solved) => return Ok(self.accept(interval, rejected, solved)),
+                Err(source) => self.shorten(interval, source)?,
             }
+            rejected += 1;
         }
     }
 
+    /// What is to be done next.
+    fn next_interval(&mut self) -> Interval {
+        if self.state.pending.is_empty() {
+            self.state.pending.push(self.settings.schedule.next(&self.state));
+        }
+        self.state.pending[self.state.pending.len() - 1]
+    }
+
+    fn repeats(&mut self, interval: Interval, jump: f64) -> bool {
+        let time_order = self.problem.flow.layout.time_order;
+        self.settings.schedule.repeats(&mut self.state, interval, jump, time_order)
+    }
+
+    /// Goes on with a shorter slab, if one is allowed, where `interval` has failed.
+    fn shorten(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
+        let cause = chain(&source);
+        if !self.settings.schedule.shorten(&mut self.state, interval, self.settings.max_halvings) {
+            let (slab, halvings) = (self.state.slab + 1, interval.halvings);
+            return Err(MarchError { slab, interval, halvings, source });
+        }
+        tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected, halving it");
+        self.problem.stale = true;
+        Ok(())
+    }
+
     /// Solves one slab from the current state.
-    fn attempt(&mut self, interval: Interval) -> Result<(newton::Report, MeshQuality, Vec<f64>), SlabError> {
+    fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
         let mut v = self.guess_velocities(interval);
@@ -205,10 +232,22 @@ impl<const D: usize, const M: usize> March<D, M> {
                 newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)
             }
         };
-        let report =
-            solved.map_err(|source| SlabError::Newton { cell: self.problem.worst_cell(&z), source: source.into() })?;
+        let report = solved.map_err(|source| self.cause(&z, interval, source))?;
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
-        Ok((report, quality, z))
+        let jump = self.jump(&z);
+        Ok(Solved { newton: report, quality, jump, z })
+    }
+
+    /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
+    fn cause(&mut self, z: &[f64], interval: Interval, source: newton::Error) -> SlabError {
+        let mut v = z[..self.problem.mesh_len()].to_vec();
+        if !v.is_empty() {
+            let moved = self.problem.move_mesh(&mut v).map_err(SlabError::from);
+            if let Err(cause) = moved.and_then(|()| self.check_mesh(&v, interval)) {
+                return cause;
+            }
+        }
+        SlabError::Newton { cell: self.problem.worst_cell(z), source: source.into() }
     }
 
     /// The quality of the mesh, if it is proved to be valid.
@@ -281,24 +320,13 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(
-        &mut self,
-        interval: Interval,
-        rejected: usize,
-        newton: newton::Report,
-        quality: MeshQuality,
-        z: &[f64],
-    ) -> SlabReport {
+    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved) -> SlabReport<M> {
+        let Solved { newton, quality, jump, z } = solved;
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
-        // One more residual: the products of the last Newton step have overwritten the facet terms.
-        let mut r = vec![0.0; z.len()];
-        let evaluated = self.problem.residual(z, &mut r);
-        debug_assert!(evaluated.is_ok(), "the solution is admissible");
-        let through = (0..self.problem.mover.reference.boundary_names().len())
-            .map(|b| self.problem.flow.through_boundary(b).to_vec())
-            .collect();
+        self.problem.set_point(&z);
+        let fluxes = self.problem.flow.boundary_fluxes();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
@@ -310,24 +338,31 @@ impl<const D: usize, const M: usize> March<D, M> {
         self.refresh_rule(&newton);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
+        self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);
         let counts = std::mem::take(&mut self.problem.counts);
-        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, through, totals }
+        SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, jump, fluxes, totals }
+    }
+
+    /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.
+    fn jump(&self, z: &[f64]) -> f64 {
+        let flow = &self.problem.flow;
+        let (layout, one, u) = (flow.layout, flow.layout.at_one_time(), &z[self.problem.flow_range()]);
+        let mut jump: Vec<f64> = self.state.u.iter().map(|below| -below).collect();
+        for (a, phi) in flow.tables.time.values(0.0).into_iter().enumerate() {
+            for cell in 0..layout.cells {
+                let above = &u[layout.cell_at(cell, a)];
+                jump[one.cell(cell)].iter_mut().zip(above).for_each(|(jump, u)| *jump += phi * u);
+            }
+        }
+        let (mut moments, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
+        flow.moments(&jump, &flow.tables.bottom_row(), &mut moments);
+        let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
+        jump.iter().zip(&moments).enumerate().map(square).sum::<f64>().max(0.0).sqrt()
     }
 
     /// The integrals of the components at the top of the slab.
     pub fn totals(&self) -> Vec<f64> {
-        let flow = &self.problem.flow;
-        let one = flow.layout.at_one_time();
-        let mut moments = vec![0.0; one.len()];
-        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
-        flow.moments(&self.state.u, &row, &mut moments);
-        (0..M)
-            .map(|m| {
-                (0..one.cells)
-                    .map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
-                    .sum()
-            })
-            .collect()
+        self.problem.totals(&self.state.u)
     }
 
     /// Marks the preconditioner stale when its iterations have grown too much since it was made.

@@ -1,6 +1,7 @@
 //! The march of the mesh alone.
 
 use crate::mesh_mover::{MeshMover, MeshQuality};
+use crate::schedule::Schedule;
 use crate::state::{Interval, Past, State};
 use elasticity::{ElasticityError, Work};
 
@@ -25,22 +26,19 @@ pub struct MeshMarch<const D: usize> {
     pub mover: MeshMover<D>,
     /// Where the run stands; the flow is empty.
     pub state: State,
-    start: f64,
-    end: f64,
-    step: f64,
-    slabs: usize,
+    schedule: Schedule,
 }
 
 impl<const D: usize> MeshMarch<D> {
-    /// A march of `slabs` slabs of length `step`, the last one up to `end`.
-    pub fn new(mover: MeshMover<D>, start: f64, end: f64, step: f64, slabs: usize) -> Self {
-        let state = State::new(start, Vec::new(), mover.displacement_at_start(start));
-        MeshMarch { mover, state, start, end, step, slabs }
+    /// A march through the slabs of `schedule`, at its fixed step: there is no flow to adapt it to.
+    pub fn new(mover: MeshMover<D>, schedule: Schedule) -> Self {
+        let state = State::new(schedule.start, Vec::new(), mover.displacement_at_start(schedule.start));
+        MeshMarch { mover, state, schedule: Schedule { control: None, ..schedule } }
     }
 
     /// Whether the end is reached.
     pub fn is_done(&self) -> bool {
-        self.state.nominal >= self.slabs
+        self.schedule.is_done(&self.state)
     }
 
     /// Advances one slab.
@@ -48,7 +46,7 @@ impl<const D: usize> MeshMarch<D> {
     /// # Errors
     /// As [`MeshMover::begin_slab`] and [`MeshMover::velocities`].
     pub fn advance(&mut self) -> Result<MeshReport, ElasticityError> {
-        let interval = self.state.next_slab(self.start, self.end, self.step, self.slabs);
+        let interval = self.schedule.next(&self.state);
         let dt = interval.end - interval.start;
         let bottom = self.state.d.clone();
         self.mover.begin_slab(&bottom)?;

@@ -4,7 +4,7 @@ use crate::motion::MeshMotion;
 use crate::state::Interval;
 use basis::RadauTime;
 use elasticity::{ElasticityError, SlabMotion, Work};
-use mesh::{Mesh, NodeNumbering, Validity, ValidityCheck};
+use mesh::{Mesh, MotionCheck, NodeNumbering, Validity};
 use newton_krylov::problem::Inadmissible;
 
 /// The quality of the mesh over a slab.
@@ -51,7 +51,7 @@ pub struct MeshMover<const D: usize> {
     pub numbering: NodeNumbering,
     positions: Vec<[f64; D]>,
     times: Vec<f64>,
-    check: ValidityCheck<D>,
+    check: MotionCheck<D>,
 }
 
 impl<const D: usize> MeshMover<D> {
@@ -59,7 +59,7 @@ impl<const D: usize> MeshMover<D> {
     pub fn new(motion: MeshMotion<D>, reference: Mesh<D>, numbering: NodeNumbering, time_order: usize) -> Self {
         let slab_motion = SlabMotion::new(RadauTime::new(time_order));
         let times: Vec<f64> = std::iter::once(0.0).chain(slab_motion.time().nodes().iter().copied()).collect();
-        let check = ValidityCheck::new(reference.order(), &times);
+        let check = MotionCheck::new(&reference, &numbering, &times);
         let mut positions = vec![[0.0; D]; numbering.count];
         for cell in 0..reference.n_cells() {
             for (node, x) in numbering.cell(cell).iter().zip(reference.cell_coordinates(cell).chunks_exact(D)) {
@@ -153,15 +153,7 @@ impl<const D: usize> MeshMover<D> {
         for (s, d) in self.times.iter().zip(displacements.chunks_exact_mut(len)) {
             self.slab_motion.displacement(dt, bottom, v, part * s, d);
         }
-        let positions = |cell: usize, out: &mut [f64]| {
-            let reference = self.reference.cell_coordinates(cell);
-            for (d, out) in displacements.chunks_exact(len).zip(out.chunks_exact_mut(reference.len())) {
-                for (i, x) in out.iter_mut().enumerate() {
-                    *x = reference[i] + d[self.numbering.cell(cell)[i / D] * D + i % D];
-                }
-            }
-        };
-        let cells = self.check.decide_cells_relative(&self.reference, positions);
+        let cells = self.check.decide(&displacements);
         worst(&cells, Interval { end: interval.start + part * dt, ..interval })
     }
 

@@ -8,8 +8,9 @@
 
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
-use crate::preconditioner::{FlowPreconditioner, Ordering, TemporalModes};
+use crate::preconditioner::{FlowPreconditioner, Ordering};
 use crate::state::Interval;
+use basis::TemporalModes;
 use elasticity::{ElasticMesh, ElasticSlab};
 use fem::{SlabOperator, Violation};
 use newton_krylov::inner_product::{InnerProduct, Weighted};
@@ -19,6 +20,12 @@ use std::ops::Range;
 /// The mesh is settled when its positions are this good, relative to the node spacing: increments then leave it alone, and
 /// products need not differentiate it.
 const SETTLED: f64 = 1e-11;
+
+/// The part of the bound of det J / det J_0 that an increment must leave.
+const KEPT: f64 = 0.1;
+
+/// How often an increment of the mesh is halved before the line search goes on without the proof of a good start.
+const MESH_HALVINGS: i32 = 8;
 
 /// What a solve has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,6 +71,8 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     pub counts: Counts,
     /// Set to have the preconditioner rebuilt at the next linearisation.
     pub stale: bool,
+    /// Whether the preconditioner is rebuilt at every linearisation.
+    pub always_fresh: bool,
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
@@ -104,6 +113,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             weights: Weighted { weights },
             counts: Counts::default(),
             stale: false,
+            always_fresh: false,
             preconditioner: None,
             frozen: None,
             mesh_work: vec![0.0; mesh_len],
@@ -149,6 +159,28 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.counts.elasticity_iterations += work.iterations;
         self.set_velocities(v);
         Ok(())
+    }
+
+    /// Sets mesh and flow to `z`: what products and boundary fluxes are taken of.
+    pub fn set_point(&mut self, z: &[f64]) {
+        let (v, u) = z.split_at(self.mesh_len());
+        if !v.is_empty() {
+            self.set_velocities(v);
+        }
+        self.flow.linearise(u);
+    }
+
+    /// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest).
+    pub fn totals(&self, u: &[f64]) -> Vec<f64> {
+        let flow = &self.flow;
+        let one = flow.layout.at_one_time();
+        let mut moments = vec![0.0; one.len()];
+        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
+        flow.moments(u, &row, &mut moments);
+        let component = |m: usize| -> f64 {
+            (0..one.cells).map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>()).sum()
+        };
+        (0..M).map(component).collect()
     }
 
     /// The norm of a residual's field `k`.
@@ -245,7 +277,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         let built_for = (interval.1, interval.1 * self.inverse_pseudo_time.last().copied().unwrap_or(0.0));
         let change = |old: f64, new: f64| (old - new).abs() > 0.1 * old.abs().max(new.abs());
         match (&mut self.preconditioner, &mut self.frozen) {
-            (Some(preconditioner), Some(frozen)) if !self.stale => {
+            (Some(preconditioner), Some(frozen)) if !self.stale && !self.always_fresh => {
                 if change(frozen.built_for.0, built_for.0) || change(frozen.built_for.1, built_for.1) {
                     preconditioner.refactor(built_for.0, built_for.1);
                     frozen.built_for = built_for;
@@ -300,11 +332,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     }
 
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
-        let (v, u) = z.split_at(self.mesh_len());
-        if !v.is_empty() {
-            self.set_velocities(v);
-        }
-        self.flow.linearise(u);
+        self.set_point(z);
         self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
         self.update_preconditioner();
         Ok(())
@@ -373,8 +401,23 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         self.flow_work = rest;
     }
 
-    fn largest_step(&mut self, _z: &[f64], _increment: &[f64]) -> f64 {
-        1.0
+    /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part [`KEPT`] of the bound of det J / det J_0
+    /// that it has at V.
+    fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64 {
+        let (v, w) = (&z[..self.mesh_len()], &increment[..self.mesh_len()]);
+        if w.iter().all(|&w| w == 0.0) {
+            return 1.0;
+        }
+        let bound = |v: &[f64]| self.mover.quality(&self.bottom, v, self.interval()).lower_bound;
+        let enough = (KEPT * bound(v)).max(0.0);
+        let mut trial = vec![0.0; v.len()];
+        let mut keeps = |a: f64| {
+            trial.iter_mut().zip(v.iter().zip(w)).for_each(|(trial, (v, w))| *trial = v + a * w);
+            bound(&trial) > enough
+        };
+        let mut steps = (0..MESH_HALVINGS).map(|k| 0.5_f64.powi(k));
+        // Where none will do the shortest is left to the residual, which says what is wrong.
+        steps.find(|a| keeps(*a)).unwrap_or(0.5_f64.powi(MESH_HALVINGS))
     }
 }
 

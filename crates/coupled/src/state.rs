@@ -45,6 +45,8 @@ pub struct State {
     pub past: Option<Past>,
     /// Parts of the current slab that are still to be done, the next one last.
     pub pending: Vec<Interval>,
+    /// The length of the next slab, where it is adapted.
+    pub step: f64,
     /// Krylov iterations of the longest solve in the slab for which the preconditioner was built.
     pub base_iterations: usize,
 }
@@ -52,7 +54,7 @@ pub struct State {
 impl State {
     /// The state at the start of a run.
     pub fn new(time: f64, u: Vec<f64>, d: Vec<f64>) -> Self {
-        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), base_iterations: 0 }
+        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), step: 0.0, base_iterations: 0 }
     }
 
     /// The mesh velocities of the slab before, extended to one of length `dt`; at rest in the first slab.
@@ -67,11 +69,10 @@ impl State {
         v
     }
 
-    /// The slab after the time reached, in a run from `start` to `end` of `slabs` slabs of length `step`; the last ends at `end`.
-    pub fn next_slab(&self, start: f64, end: f64, step: f64, slabs: usize) -> Interval {
-        let next = self.nominal + 1;
-        let end = if next == slabs { end } else { start + step * next as f64 };
-        Interval { start: self.time, end, halvings: 0 }
+    /// Sets the length of the next slab, in place of what was to be done next.
+    pub fn set_step(&mut self, step: f64) {
+        self.pending.clear();
+        self.step = step;
     }
 
     /// Replaces the next interval by its halves.

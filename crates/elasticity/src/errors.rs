@@ -1,14 +1,14 @@
 //! What can be wrong with an elastic mesh.
 
 use newton_krylov::problem::Inadmissible;
-use newton_krylov::{cg, newton};
+use newton_krylov::{cg, fgmres, newton};
 use thiserror::Error;
 
 /// Why an elastic mesh cannot be built or solved.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ElasticityError {
     /// A material constant is outside its range.
-    #[error("{constant} of the mesh material is {value}, expected {accepted}")]
+    #[error("{constant} of the elastic material is {value}, expected {accepted}")]
     Material {
         /// Which constant.
         constant: &'static str,
@@ -67,6 +67,46 @@ pub enum ElasticityError {
     /// CG did not reach the tolerance.
     #[error("the elasticity solve failed")]
     Solver(#[from] cg::Error),
+    /// FGMRES did not reach the tolerance for a pair of temporal modes.
+    #[error("the solve of a time slab of the structure failed")]
+    SlabSolver(#[from] fgmres::Error),
+    /// Round-off keeps a slab from its solution.
+    #[error(
+        "the structure in the slab from t = {time} cannot be solved further than to {residual:e} of the forces in it: round-off; \
+         it may be too slender for its mesh, or the slab too long"
+    )]
+    Stalled {
+        /// The bottom of the slab.
+        time: f64,
+        /// The residual relative to the forces.
+        residual: f64,
+    },
+    /// A load is not a number.
+    #[error("the force on the structure at t = {time} near {position:?} is {value}: check the formulas of its loads")]
+    Load {
+        /// The time.
+        time: f64,
+        /// A node that the load acts on.
+        position: Vec<f64>,
+        /// The nodal force.
+        value: f64,
+    },
+    /// There are fewer natural modes than wanted.
+    #[error("{wanted} natural modes are wanted, but the structure has only {free}: ask for fewer, or refine the mesh")]
+    TooManyModes {
+        /// The modes asked for.
+        wanted: usize,
+        /// Entries of a displacement that are free.
+        free: usize,
+    },
+    /// Natural modes did not converge.
+    #[error("{wanted} natural modes did not converge in {iterations} iterations: ask for fewer, or refine the mesh")]
+    Modes {
+        /// The modes asked for.
+        wanted: usize,
+        /// What was done.
+        iterations: usize,
+    },
     /// Newton's method did not find the equilibrium of a nonlinear law.
     #[error("the equilibrium of the mesh was not found")]
     Newton(#[source] Box<newton::Error>),

@@ -1,4 +1,4 @@
-//! Elasticity that moves the mesh.
+//! Elasticity that moves the mesh, and that a structure obeys.
 //!
 //! The displacement d of the reference mesh x0 is that of an elastic body whose boundary follows the prescribed motion:
 //! div P(grad d) = 0 with the stress P of linear elasticity or of a neo-Hookean material, in 2-D in plane strain. The space is that of
@@ -20,6 +20,11 @@
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
 //! | `equilibrium` | their solution |
+//! | `structure` | a body with mass, loads and supports |
+//! | `mass`, `loads` | the mass matrix; body force and traction |
+//! | `dynamics` | the motion of a structure in a time slab |
+//! | `shifted` | systems with K + m M, real and complex |
+//! | `modes` | natural frequencies and shapes |
 //!
 //! Invariants: nothing here knows the fluid, or where the boundary motion comes from. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
@@ -27,27 +32,37 @@
 mod batches;
 mod cholesky;
 mod condensation;
+mod dynamics;
 mod elastic_mesh;
 mod equilibrium;
 mod errors;
 mod geometry;
 mod law;
+mod loads;
 mod low_order;
+mod mass;
 mod material;
+mod modes;
 mod operator;
 mod pool;
+mod shifted;
 mod slab;
 mod solver;
 mod stiffness;
+mod structure;
 #[cfg(test)]
 mod testing;
 
+pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
+pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
 pub use material::{Lame, Material};
+pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
 pub use solver::Solver;
 pub use stiffness::Stiffness;
+pub use structure::Structure;

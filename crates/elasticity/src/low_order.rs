@@ -30,10 +30,24 @@ impl<const D: usize> LowOrder<D> {
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         constrained: &[bool],
     ) -> Result<Self, ElasticityError> {
-        let free: Vec<usize> = (0..numbering.count).filter(|&node| !constrained[node]).collect();
+        let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
+        Self::with_mass(lame, 0.0, cells, numbering, samples, &fixed)
+    }
+
+    /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
+    pub(crate) fn with_mass(
+        lame: Lame,
+        m: f64,
+        cells: usize,
+        numbering: &NodeNumbering,
+        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
+        fixed: &[[bool; D]],
+    ) -> Result<Self, ElasticityError> {
+        let free: Vec<usize> = (0..numbering.count).filter(|&node| fixed[node] != [true; D]).collect();
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
-        let factor = matrix(lame, cells, numbering, samples, &unknowns)?.factor()?;
+        let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
+        let factor = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?.factor()?;
         Ok(LowOrder { free, factor, buffers: Pool::new() })
     }
 
@@ -52,9 +66,19 @@ impl<const D: usize> LowOrder<D> {
     }
 }
 
-/// The low-order stiffness matrix of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
-fn matrix<const D: usize>(
+/// What a low-order matrix is made of.
+#[derive(Clone, Copy)]
+struct Terms<'a, const D: usize> {
     lame: Lame,
+    /// The factor of the mass matrix.
+    m: f64,
+    /// The components, by unknown, that are coupled with nothing.
+    fixed: &'a [[bool; D]],
+}
+
+/// The low-order matrix K + m M of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
+fn matrix<const D: usize>(
+    terms: Terms<'_, D>,
     cells: usize,
     numbering: &NodeNumbering,
     samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
@@ -66,7 +90,7 @@ fn matrix<const D: usize>(
     (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(neighbours);
     for cell in 0..cells {
-        sub_cells.add_cell(lame, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
+        sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
 }
@@ -81,9 +105,12 @@ struct SubCells<const D: usize> {
 
 /// The quadrature point at a corner of a sub-cell.
 struct Corner<const D: usize> {
-    /// det E / E_0 / 2^D.
-    weight: f64,
-    /// The functions with a gradient there, by lattice index: those of the corner and of its D neighbours.
+    /// det / 2^D.
+    volume: f64,
+    /// The factor on Young's modulus.
+    stiffness: f64,
+    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself, the last one and the
+    /// only one that does not vanish there.
     gradients: Vec<(usize, [f64; D])>,
 }
 
@@ -111,7 +138,7 @@ impl<const D: usize> SubCells<D> {
     /// Adds the sub-cells of one cell with the given samples and unknowns at its nodes.
     fn add_cell(
         &self,
-        lame: Lame,
+        terms: Terms<'_, D>,
         cell: usize,
         samples: &[Sample<D>],
         unknowns: &[Option<usize>],
@@ -119,7 +146,7 @@ impl<const D: usize> SubCells<D> {
     ) -> Result<(), ElasticityError> {
         for &first in &self.first {
             for corner in 0..1 << D {
-                add_corner(lame, &self.corner(cell, samples, first, corner)?, unknowns, matrix);
+                add_corner(terms, &self.corner(cell, samples, first, corner)?, unknowns, matrix);
             }
         }
         Ok(())
@@ -139,17 +166,42 @@ impl<const D: usize> SubCells<D> {
             return Err(ElasticityError::SubCell { cell, position: position.to_vec(), determinant });
         }
         let gradients = corner_gradients(corner, &inverse).into_iter().map(|(corner, g)| (node(corner), g)).collect();
-        Ok(Corner { weight: determinant * stiffness / (1 << D) as f64, gradients })
+        Ok(Corner { volume: determinant / (1 << D) as f64, stiffness, gradients })
     }
 }
 
-/// Adds W block(grad phi_row, grad phi_column) for all pairs of functions.
-fn add_corner<const D: usize>(lame: Lame, corner: &Corner<D>, unknowns: &[Option<usize>], matrix: &mut BlockMatrix<D>) {
-    for (row, grad_row) in &corner.gradients {
-        for (column, grad_column) in &corner.gradients {
+/// Adds W block(grad phi_row, grad phi_column) for all pairs of functions, and the mass of the corner.
+fn add_corner<const D: usize>(
+    terms: Terms<'_, D>,
+    corner: &Corner<D>,
+    unknowns: &[Option<usize>],
+    matrix: &mut BlockMatrix<D>,
+) {
+    let own = corner.gradients.len() - 1;
+    for (k, (row, grad_row)) in corner.gradients.iter().enumerate() {
+        for (l, (column, grad_column)) in corner.gradients.iter().enumerate() {
             if let (Some(row), Some(column)) = (unknowns[*row], unknowns[*column]) {
-                let weighted = grad_column.map(|g| g * corner.weight);
-                matrix.add(row, column, &lame.block(grad_row, &weighted));
+                let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
+                let mut block = terms.lame.block(grad_row, &weighted);
+                if (k, l) == (own, own) {
+                    (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
+                }
+                terms.decouple(row, column, &mut block);
+                matrix.add(row, column, &block);
+            }
+        }
+    }
+}
+
+impl<const D: usize> Terms<'_, D> {
+    /// Leaves of the rows and columns of fixed components only the diagonal.
+    fn decouple(&self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
+        for i in 0..D {
+            for j in 0..D {
+                let diagonal = row == column && i == j;
+                if !diagonal && (self.fixed[row][i] || self.fixed[column][j]) {
+                    block[i][j] = 0.0;
+                }
             }
         }
     }
@@ -199,8 +251,8 @@ mod tests {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let matrix =
-            matrix(material().lame(), mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
+        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
+        let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }
@@ -234,7 +286,8 @@ mod tests {
         // The last corner is pulled over the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(vec![]);
-        let error = SubCells::new(2).add_cell(material().lame(), 7, &samples, &[None; 4], &mut matrix).unwrap_err();
+        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };
+        let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
         assert!(
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),
             "{error}"

@@ -70,7 +70,7 @@ fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
 }
 
 /// field[a] = sum_b matrix[a][b] field[b], in place.
-fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
+pub(crate) fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
     let (nodes, length) = (matrix.rows(), field.len() / matrix.rows());
     let (mut old, mut new) = ([0.0; MAX_TIME_ORDER], [0.0; MAX_TIME_ORDER]);
     for i in 0..length {

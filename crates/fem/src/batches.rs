@@ -22,7 +22,7 @@ pub struct FacetBatch {
     pub plus: [(Side, usize); WIDTH],
     /// The boundary, if it is one.
     pub boundary: Option<usize>,
-    /// See [`crate::facet::FacetScratch::normal_sign`].
+    /// See [`crate::scratch::FacetScratch::normal_sign`].
     pub normal_sign: Pack,
 }
 

@@ -8,77 +8,14 @@
 
 use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
+use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
+use crate::scratch::CellScratch;
 use crate::tables::{Instant, Tables};
-use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
+use crate::tensor_product::{Parts, evaluate, integrate};
 use basis::{Matrix, contract, contract_add};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
-use tensor::{LaneNumber, Lanes, Over, Pack, Real, WIDTH, cofactor, determinant, zeroed};
-
-/// Packs of one batch of cells, kept by a thread from one batch to the next.
-///
-/// `b` counts blocks (values, derivatives), `p` points, `i` space nodes, `a` time nodes, `m` components of the state.
-pub struct CellScratch {
-    /// State in the slab, `[b][a][m][i]`.
-    pub state: Vec<Pack>,
-    /// Bottom position and velocities of the mesh, `[b][slot][d][i]`.
-    pub mesh: Vec<Pack>,
-    /// Residual, `[a][m][i]`.
-    pub residual: Vec<Pack>,
-    /// State at one time, `[b][m][i]`.
-    pub state_now: Vec<Pack>,
-    /// Position at one time, `[b][d][i]`.
-    pub position_now: Vec<Pack>,
-    /// Velocity at one time, `[b][d][i]`.
-    pub velocity_now: Vec<Pack>,
-    /// Flux terms at one time, `[m][i]`.
-    pub flux_now: Vec<Pack>,
-    /// Moments of the state at one time, int w u J, `[m][i]`.
-    pub moments_now: Vec<Pack>,
-    /// Positions at points, `[b][d][p]`: read by sources.
-    pub x: Vec<Pack>,
-    /// Source at points, `[b][m][p]`.
-    pub source: Vec<Pack>,
-    /// One where a state or a Jacobian determinant of the lane was inadmissible.
-    pub violated: Pack,
-    u: Vec<Pack>,
-    gradient: Vec<Pack>,
-    jacobian: Vec<Pack>,
-    v: Vec<Pack>,
-    flux: Vec<Pack>,
-    moments: Vec<Pack>,
-    scratch: Scratch,
-}
-
-impl CellScratch {
-    /// Room for any mode.
-    pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, points) = (tables.orders.time, tables.volume_points());
-        let nodes = tables.orders.flow.pow(D as u32);
-        let mesh_nodes = tables.orders.mesh.pow(D as u32);
-        let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
-        CellScratch {
-            state: zeroed(2 * n_t * M * nodes),
-            mesh: zeroed(2 * (n_t + 1) * D * mesh_nodes),
-            residual: zeroed(n_t * M * nodes),
-            state_now: zeroed(2 * M * nodes),
-            position_now: zeroed(2 * D * mesh_nodes),
-            velocity_now: zeroed(2 * D * mesh_nodes),
-            flux_now: zeroed(M * nodes),
-            moments_now: zeroed(M * nodes),
-            x: zeroed(2 * D * points),
-            source: zeroed(2 * M * points),
-            violated: Pack::ZERO,
-            u: zeroed(2 * M * points),
-            gradient: zeroed(D * 2 * M * points),
-            jacobian: zeroed(D * 2 * D * points),
-            v: zeroed(2 * D * points),
-            flux: zeroed(D * M * points),
-            moments: zeroed(M * points),
-            scratch: Scratch::new(D, 2 * M, widest),
-        }
-    }
-}
+use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// Fills the source at points from positions at points: `(time, x [b][d][p], source [b][m][p])`.
 pub type SourceAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
@@ -270,38 +207,28 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
     let one = Lanes::<S>::splat(simd, 1.0);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, points, p, part);
-            let u = load_state::<M, K::State<S>, S>(simd, &scratch.u, points, p, part);
-            let mut v = [det; D];
-            for d in 0..D {
-                v[d] = K::Geometry::<S>::load(simd, &scratch.v, D * points, d * points + p, part);
-            }
+            let at = Place { points, p, part };
+            let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, at);
+            let u = load::<M, K::State<S>, S>(simd, &scratch.u, at);
+            let v = load::<D, K::Geometry<S>, S>(simd, &scratch.v, at);
             let mut gradient = [u; D];
             if viscous {
-                gradient = physical_gradient::<D, M, K, S>(simd, &scratch.gradient, points, p, part, &cof, det);
+                gradient = physical_gradient::<D, M, K, S>(simd, &scratch.gradient, at, &cof, det);
             }
             let f = law.flux::<K::State<S>, K::Geometry<S>>(&u, &gradient, &v);
-            // - grad_x w . f J = - sum_j dw/dxi_j (sum_k cof_kj f_k): minus from integration by parts.
+            // Minus from integration by parts.
             let weight = -tables.volume_weights[p] * flux_weight;
-            for j in 0..D {
-                for m in 0..M {
-                    let mut sum = f[0][m].scale(cof[0][j]);
-                    for k in 1..D {
-                        sum = f[k][m].scale_add(cof[k][j], sum);
-                    }
-                    (sum * weight).result().write(&mut scratch.flux[(j * M + m) * points + p], part);
-                }
-            }
+            test_gradients::<D, M, K, S>(&f, &cof, weight, at, &mut scratch.flux);
             for m in 0..M {
                 let moment = u[m].scale(det) * (tables.volume_weights[p] * moment_weight);
-                moment.result().write(&mut scratch.moments[m * points + p], part);
+                moment.result().write(&mut scratch.moments[at.index(m)], part);
             }
             if with_source {
+                let s = load::<M, K::Geometry<S>, S>(simd, &scratch.source, at);
                 for m in 0..M {
-                    let s = K::Geometry::<S>::load(simd, &scratch.source, M * points, m * points + p, part);
                     // Minus: the source stands on the right of the law. Result overwrites the value block in place.
-                    let tested = K::State::<S>::lift(s * det) * weight;
-                    tested.result().write(&mut scratch.source[m * points + p], part);
+                    let tested = K::State::<S>::lift(s[m] * det) * weight;
+                    tested.result().write(&mut scratch.source[at.index(m)], part);
                 }
             }
             let margin = law.margin(&u).min(K::State::<S>::lift(det));
@@ -310,11 +237,21 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
     }
 }
 
-/// Marks the lanes where `margin` is not positive. Written so that a NaN is marked too.
+/// weight grad_x w . f J as tests against reference derivatives: weight sum_k cof_kj f_k for direction j; `tested[j][m][p]`.
 #[inline(always)]
-pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(simd: S, margin: T, one: Lanes<S>, violated: &mut Pack, part: usize) {
-    let so_far = Lanes::read(simd, violated, part);
-    margin.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
+fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
+    f: &[[K::State<S>; M]; D],
+    cof: &[[K::Geometry<S>; D]; D],
+    weight: f64,
+    at: Place,
+    tested: &mut [Pack],
+) {
+    for j in 0..D {
+        for m in 0..M {
+            let sum = along_reference::<D, M, K::State<S>, K::Geometry<S>>(f, cof, j, m);
+            (sum * weight).result().write(&mut tested[at.index(j * M + m)], at.part);
+        }
+    }
 }
 
 /// Moments of the state at one time, int w u J.
@@ -327,92 +264,16 @@ fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &T
     evaluate(simd, &tables.flow, D, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let (_, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, points, p, part);
-            let u = load_state::<M, K::State<S>, S>(simd, &scratch.u, points, p, part);
+            let at = Place { points, p, part };
+            let (_, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, at);
+            let u = load::<M, K::State<S>, S>(simd, &scratch.u, at);
             for m in 0..M {
                 let moment = u[m].scale(det) * tables.volume_weights[p];
-                moment.result().write(&mut scratch.moments[m * points + p], part);
+                moment.result().write(&mut scratch.moments[at.index(m)], part);
             }
         }
     }
     scratch.moments_now.fill(Pack::ZERO);
     let CellScratch { moments, moments_now, scratch: room, .. } = scratch;
     integrate(simd, &tables.flow, D, M, Parts::Values, moments, &[], moments_now, room);
-}
-
-/// Cofactors and determinant of dx/dxi at point `p`; `jacobian[direction][b][d][p]`.
-#[inline(always)]
-pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
-    simd: S,
-    jacobian: &[Pack],
-    points: usize,
-    p: usize,
-    part: usize,
-) -> ([[G; D]; D], G) {
-    let size = G::BLOCKS * D * points;
-    let first = G::load(simd, jacobian, D * points, p, part);
-    let mut dx = [[first; D]; D];
-    for j in 0..D {
-        for i in 0..D {
-            dx[i][j] = G::load(simd, &jacobian[j * size..(j + 1) * size], D * points, i * points + p, part);
-        }
-    }
-    let cof = cofactor(&dx);
-    (cof, determinant(&dx, &cof))
-}
-
-/// The state at point `p`; `u[b][m][p]`.
-#[inline(always)]
-pub(crate) fn load_state<const M: usize, T: LaneNumber<S>, S: Simd>(
-    simd: S,
-    u: &[Pack],
-    points: usize,
-    p: usize,
-    part: usize,
-) -> [T; M] {
-    let mut state = [T::load(simd, u, M * points, p, part); M];
-    for m in 1..M {
-        state[m] = T::load(simd, u, M * points, m * points + p, part);
-    }
-    state
-}
-
-/// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[direction][b][m][p]`.
-#[inline(always)]
-pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    gradient: &[Pack],
-    points: usize,
-    p: usize,
-    part: usize,
-    cof: &[[K::Geometry<S>; D]; D],
-    det: K::Geometry<S>,
-) -> [[K::State<S>; M]; D] {
-    let size = K::STATE_BLOCKS * M * points;
-    let inverse = det.recip();
-    let first = load_state::<M, K::State<S>, S>(simd, gradient, points, p, part);
-    let mut reference = [first; D];
-    for j in 1..D {
-        reference[j] = load_state::<M, K::State<S>, S>(simd, &gradient[j * size..], points, p, part);
-    }
-    let mut physical = reference;
-    for k in 0..D {
-        for m in 0..M {
-            let mut sum = reference[0][m].scale(cof[k][0]);
-            for j in 1..D {
-                sum = reference[j][m].scale_add(cof[k][j], sum);
-            }
-            physical[k][m] = sum.scale(inverse);
-        }
-    }
-    physical
-}
-
-/// Reads the coefficients of a batch, `source[lane]` each of the same length, into packs.
-pub fn gather(sources: [&[f64]; WIDTH], packs: &mut [Pack]) {
-    for (lane, source) in sources.iter().enumerate() {
-        for (pack, value) in packs.iter_mut().zip(*source) {
-            pack.0[lane] = *value;
-        }
-    }
 }

@@ -10,94 +10,18 @@
 //! the symmetric interior penalty method with sigma = N_s^2 |S| / J: the inverse trace inequality on the cell's height
 //! 2 J / |S| over the facet, the larger of both sides. n points from minus to plus; plus takes the flux with opposite sign.
 
-use crate::cell::{flag, load_state, metric, physical_gradient};
+use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;
 use crate::kernels::Times;
 use crate::mode::Mode;
+use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
+use crate::scratch::{FacetScratch, SideScratch};
 use crate::tables::{Instant, Tables};
 use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
 use basis::{Matrix, contract, contract_add};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
-use tensor::{LaneNumber, Lanes, Over, Pack, Real, norm, zeroed};
-
-/// Packs of one side of a batch of facets, in the lattice of the minus face.
-///
-/// Traces have two kinds: 0 the values, 1 the derivative along the reference axis that leaves the facet. Gradients are
-/// ordered tangential directions first, the leaving axis last.
-pub struct SideScratch {
-    /// State traces, `[kind][b][a][m][i]`.
-    pub state: [Vec<Pack>; 2],
-    /// Mesh traces, `[kind][b][slot][d][i]`.
-    pub mesh: [Vec<Pack>; 2],
-    /// Terms to test with, `[kind][a][m][i]`.
-    pub terms: [Vec<Pack>; 2],
-    state_now: [Vec<Pack>; 2],
-    position_now: [Vec<Pack>; 2],
-    terms_now: [Vec<Pack>; 2],
-    u: Vec<Pack>,
-    gradient: Vec<Pack>,
-    jacobian: Vec<Pack>,
-    tested: Vec<Pack>,
-    tested_gradient: Vec<Pack>,
-}
-
-/// Packs of a batch of facets, kept by a thread from one batch to the next.
-pub struct FacetScratch {
-    /// Minus and plus side; the plus side is unused on boundaries.
-    pub sides: [SideScratch; 2],
-    /// +1 or -1 per lane: the sign that turns the minus face's tangential cross product into the outward normal.
-    pub normal_sign: Pack,
-    /// Positions at points, `[b][d][p]`.
-    pub x: Vec<Pack>,
-    /// Prescribed states at points, `[b][m][p]`.
-    pub data: Vec<Pack>,
-    /// One where a trace of the lane was inadmissible.
-    pub violated: Pack,
-    velocity_now: Vec<Pack>,
-    v: Vec<Pack>,
-    scratch: Scratch,
-}
-
-impl SideScratch {
-    fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, points) = (tables.orders.time, tables.facet_points());
-        let nodes = tables.orders.flow.pow(D as u32 - 1);
-        let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
-        let pair = |len: usize| [zeroed(len), zeroed(len)];
-        SideScratch {
-            state: pair(2 * n_t * M * nodes),
-            mesh: pair(2 * (n_t + 1) * D * mesh_nodes),
-            terms: pair(n_t * M * nodes),
-            state_now: pair(2 * M * nodes),
-            position_now: pair(2 * D * mesh_nodes),
-            terms_now: pair(M * nodes),
-            u: zeroed(2 * M * points),
-            gradient: zeroed(D * 2 * M * points),
-            jacobian: zeroed(D * 2 * D * points),
-            tested: zeroed(M * points),
-            tested_gradient: zeroed(D * M * points),
-        }
-    }
-}
-
-impl FacetScratch {
-    /// Room for any mode.
-    pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let points = tables.facet_points();
-        let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
-        FacetScratch {
-            sides: [SideScratch::new::<D, M>(tables), SideScratch::new::<D, M>(tables)],
-            normal_sign: Pack::ZERO,
-            x: zeroed(2 * D * points),
-            data: zeroed(2 * M * points),
-            violated: Pack::ZERO,
-            velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
-            v: zeroed(2 * D * points),
-            scratch: Scratch::new(D - 1, 2 * M.max(D), widest),
-        }
-    }
-}
+use tensor::{LaneNumber, Lanes, Over, Pack, Real, norm};
 
 /// Fills the prescribed state at points from positions at points: `(time, x [b][d][p], data [b][m][p])`.
 pub type DataAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
@@ -176,7 +100,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
 /// Step 1: state, gradients and Jacobian matrix of one side at the points.
 #[inline(always)]
-fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -207,7 +131,7 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Step 2: the mesh velocity at the points, the same from both sides.
 #[inline(always)]
-fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
@@ -221,40 +145,36 @@ fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
 }
 
 /// The geometry of a facet point, seen from one side.
-struct FacetPoint<G, const D: usize> {
+pub(crate) struct FacetPoint<G, const D: usize> {
     /// Cofactors of the side's Jacobian matrix, columns ordered tangential first.
-    cof: [[G; D]; D],
+    pub(crate) cof: [[G; D]; D],
     /// Its determinant, of either sign: the facet's frame need not be right-handed.
-    det: G,
+    pub(crate) det: G,
     /// Area per reference area, |S|.
-    area: G,
+    pub(crate) area: G,
     /// Unit normal, from minus to plus.
-    n: [G; D],
+    pub(crate) n: [G; D],
     /// Mesh velocity.
-    v: [G; D],
+    pub(crate) v: [G; D],
 }
 
 #[inline(always)]
-fn facet_point<const D: usize, K: Mode, S: Simd>(
+pub(crate) fn facet_point<const D: usize, K: Mode, S: Simd>(
     simd: S,
     scratch: &FacetScratch,
-    points: usize,
-    p: usize,
-    part: usize,
+    at: Place,
 ) -> FacetPoint<K::Geometry<S>, D> {
-    let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[0].jacobian, points, p, part);
-    let sign = Lanes::read(simd, &scratch.normal_sign, part);
-    let mut v = [det; D];
-    let mut normal = [det; D];
+    let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[0].jacobian, at);
+    let sign = Lanes::read(simd, &scratch.normal_sign, at.part);
+    let v = load::<D, K::Geometry<S>, S>(simd, &scratch.v, at);
+    let mut n = v;
     for d in 0..D {
-        v[d] = K::Geometry::<S>::load(simd, &scratch.v, D * points, d * points + p, part);
-        normal[d] = cof[d][D - 1].times(sign);
+        n[d] = cof[d][D - 1].times(sign);
     }
-    let area = norm(&normal);
+    let area = norm(&n);
     let inverse = area.recip();
-    let mut n = normal;
     for d in 0..D {
-        n[d] = normal[d] * inverse;
+        n[d] = n[d] * inverse;
     }
     FacetPoint { cof, det, area, n, v }
 }
@@ -270,94 +190,73 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
 ) {
     let points = tables.facet_points();
     let one = Lanes::<S>::splat(simd, 1.0);
-    let viscous = law.is_viscous();
-    let penalty = (tables.orders.flow * tables.orders.flow) as f64;
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let weight = weight * tables.facet_weights[p];
-            let here = facet_point::<D, K, S>(simd, scratch, points, p, part);
-            let minus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[0].u, points, p, part);
-            let plus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[1].u, points, p, part);
-            let mut f = law.numerical_flux::<K::State<S>, K::Geometry<S>>(
-                &minus,
-                &plus,
-                &here.n,
-                tensor::dot(&here.n, &here.v),
-            );
-            if viscous {
-                let (cof_plus, det_plus) =
-                    metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[1].jacobian, points, p, part);
-                let gradient_minus = physical_gradient::<D, M, K, S>(
-                    simd,
-                    &scratch.sides[0].gradient,
-                    points,
-                    p,
-                    part,
-                    &here.cof,
-                    here.det,
-                );
-                let gradient_plus = physical_gradient::<D, M, K, S>(
-                    simd,
-                    &scratch.sides[1].gradient,
-                    points,
-                    p,
-                    part,
-                    &cof_plus,
-                    det_plus,
-                );
-                let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(&minus, &plus, &here.n);
-                let jump_flux_minus = law.viscous_flux(&minus, &jump);
-                let jump_flux_plus = law.viscous_flux(&plus, &jump);
-                let flux_minus = law.viscous_flux(&minus, &gradient_minus);
-                let flux_plus = law.viscous_flux(&plus, &gradient_plus);
-                let sigma = here.area * here.det.abs().recip().max(det_plus.abs().recip()) * penalty;
-                for m in 0..M {
-                    for k in 0..D {
-                        let mean = (flux_minus[k][m] + flux_plus[k][m]) * 0.5;
-                        let mean_jump = (jump_flux_minus[k][m] + jump_flux_plus[k][m]) * 0.5;
-                        f[m] -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
-                    }
-                }
-                // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
-                let half = -0.5 * weight;
-                let [side_minus, side_plus] = &mut scratch.sides;
-                symmetric_term::<D, M, K, S>(
-                    &jump_flux_minus,
-                    &here.cof,
-                    here.det,
-                    here.area,
-                    half,
-                    points,
-                    p,
-                    part,
-                    &mut side_minus.tested_gradient,
-                );
-                symmetric_term::<D, M, K, S>(
-                    &jump_flux_plus,
-                    &cof_plus,
-                    det_plus,
-                    here.area,
-                    half,
-                    points,
-                    p,
-                    part,
-                    &mut side_plus.tested_gradient,
-                );
+            let (at, weight) = (Place { points, p, part }, weight * tables.facet_weights[p]);
+            let here = facet_point::<D, K, S>(simd, scratch, at);
+            let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
+            let plus = load::<M, K::State<S>, S>(simd, &scratch.sides[1].u, at);
+            let normal_speed = tensor::dot(&here.n, &here.v);
+            let mut f = law.numerical_flux::<K::State<S>, K::Geometry<S>>(&minus, &plus, &here.n, normal_speed);
+            if law.is_viscous() {
+                let sides = &mut scratch.sides;
+                interior_viscous::<D, M, L, K, S>(simd, law, tables, [&minus, &plus], &here, weight, at, sides, &mut f);
             }
             for m in 0..M {
                 let term = (f[m].scale(here.area) * weight).result();
-                term.write(&mut scratch.sides[0].tested[m * points + p], part);
+                term.write(&mut scratch.sides[0].tested[at.index(m)], part);
                 // The flux that leaves minus enters plus.
-                (-term).write(&mut scratch.sides[1].tested[m * points + p], part);
+                (-term).write(&mut scratch.sides[1].tested[at.index(m)], part);
             }
             flag::<K::State<S>, S>(simd, law.margin(&minus).min(law.margin(&plus)), one, &mut scratch.violated, part);
         }
     }
 }
 
+/// The viscous part of step 3 between two cells, (sip): subtracts Fhat_v from `f`, and sets the terms that are tested with
+/// gradients.
+#[inline(always)]
+fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
+    simd: S,
+    law: &L,
+    tables: &Tables<D>,
+    [minus, plus]: [&[K::State<S>; M]; 2],
+    here: &FacetPoint<K::Geometry<S>, D>,
+    weight: f64,
+    at: Place,
+    [side_minus, side_plus]: &mut [SideScratch; 2],
+    f: &mut [K::State<S>; M],
+) {
+    let (cof_plus, det_plus) = metric::<D, K::Geometry<S>, S>(simd, &side_plus.jacobian, at);
+    let gradient_minus = physical_gradient::<D, M, K, S>(simd, &side_minus.gradient, at, &here.cof, here.det);
+    let gradient_plus = physical_gradient::<D, M, K, S>(simd, &side_plus.gradient, at, &cof_plus, det_plus);
+    let (flux_minus, flux_plus) = (law.viscous_flux(minus, &gradient_minus), law.viscous_flux(plus, &gradient_plus));
+    let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, plus, &here.n);
+    let (jump_flux_minus, jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
+    let sigma = here.area * here.det.abs().recip().max(det_plus.abs().recip()) * penalty(tables);
+    for m in 0..M {
+        for k in 0..D {
+            let mean = (flux_minus[k][m] + flux_plus[k][m]) * 0.5;
+            let mean_jump = (jump_flux_minus[k][m] + jump_flux_plus[k][m]) * 0.5;
+            f[m] -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
+        }
+    }
+    // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
+    let scale = here.area * (-0.5 * weight);
+    let (scale_minus, scale_plus) = (scale * here.det.recip(), scale * det_plus.recip());
+    symmetric_term::<D, M, K, S>(&jump_flux_minus, &here.cof, scale_minus, at, &mut side_minus.tested_gradient);
+    symmetric_term::<D, M, K, S>(&jump_flux_plus, &cof_plus, scale_plus, at, &mut side_plus.tested_gradient);
+}
+
+/// N_s^2 of sigma.
+#[inline(always)]
+pub(crate) fn penalty<const D: usize>(tables: &Tables<D>) -> f64 {
+    (tables.orders.flow * tables.orders.flow) as f64
+}
+
 /// (a - b) n, indexed `[direction][component]`.
 #[inline(always)]
-fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
+pub(crate) fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
     a: &[T; M],
     b: &[T; M],
     n: &[G; D],
@@ -371,99 +270,19 @@ fn times_normal<const D: usize, const M: usize, T: Over<G>, G: Real>(
     product
 }
 
-/// factor grad_x w : f |S| as tests against reference derivatives: sum_k cof_kj / det f_k for direction j.
+/// grad_x w : f as tests against reference derivatives, times det `scale`: sum_k cof_kj f_k for direction j.
 #[inline(always)]
-fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     f: &[[K::State<S>; M]; D],
     cof: &[[K::Geometry<S>; D]; D],
-    det: K::Geometry<S>,
-    area: K::Geometry<S>,
-    factor: f64,
-    points: usize,
-    p: usize,
-    part: usize,
+    scale: K::Geometry<S>,
+    at: Place,
     tested_gradient: &mut [Pack],
 ) {
-    let scale = area * det.recip() * factor;
     for j in 0..D {
         for m in 0..M {
-            let mut sum = f[0][m].scale(cof[0][j]);
-            for k in 1..D {
-                sum = f[k][m].scale_add(cof[k][j], sum);
-            }
-            sum.scale(scale).result().write(&mut tested_gradient[(j * M + m) * points + p], part);
-        }
-    }
-}
-
-/// Prescribed states at the points.
-#[inline(always)]
-fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    context: &FacetContext<D>,
-    instant: &Instant,
-    data: Option<DataAt>,
-    scratch: &mut FacetScratch,
-) {
-    let Some(data) = data else { return };
-    let g = K::GEOMETRY_BLOCKS;
-    let FacetScratch { sides, x, scratch: room, .. } = scratch;
-    evaluate(simd, &context.tables.mesh, D - 1, g * D, Parts::Values, &sides[0].position_now[0], x, &mut [], room);
-    data(context.start + context.dt * instant.s, x, &mut scratch.data);
-}
-
-/// Step 3 on a boundary.
-#[inline(always)]
-fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    weight: f64,
-    scratch: &mut FacetScratch,
-) {
-    let points = tables.facet_points();
-    let one = Lanes::<S>::splat(simd, 1.0);
-    let viscous = law.is_viscous();
-    let penalty = (tables.orders.flow * tables.orders.flow) as f64;
-    for p in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let weight = weight * tables.facet_weights[p];
-            let here = facet_point::<D, K, S>(simd, scratch, points, p, part);
-            let FacetPoint { n, v, .. } = &here;
-            let minus = load_state::<M, K::State<S>, S>(simd, &scratch.sides[0].u, points, p, part);
-            let data = load_state::<M, K::Geometry<S>, S>(simd, &scratch.data, points, p, part);
-            let mut f = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
-            if viscous {
-                let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, &minus, n, v, &data);
-                let gradient = physical_gradient::<D, M, K, S>(
-                    simd,
-                    &scratch.sides[0].gradient,
-                    points,
-                    p,
-                    part,
-                    &here.cof,
-                    here.det,
-                );
-                let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(&minus, &state, n);
-                let through =
-                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
-                let penalised =
-                    law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
-                let sigma = here.area * here.det.abs().recip() * penalty;
-                for m in 0..M {
-                    f[m] -= through[m] - penalised[m].scale(sigma);
-                }
-                let jump_flux = law.viscous_flux(&state, &jump);
-                let gradients = &mut scratch.sides[0].tested_gradient;
-                symmetric_term::<D, M, K, S>(
-                    &jump_flux, &here.cof, here.det, here.area, -weight, points, p, part, gradients,
-                );
-            }
-            for m in 0..M {
-                (f[m].scale(here.area) * weight).result().write(&mut scratch.sides[0].tested[m * points + p], part);
-            }
-            flag::<K::State<S>, S>(simd, law.margin(&minus), one, &mut scratch.violated, part);
+            let sum = along_reference::<D, M, K::State<S>, K::Geometry<S>>(f, cof, j, m);
+            sum.scale(scale).result().write(&mut tested_gradient[at.index(j * M + m)], at.part);
         }
     }
 }

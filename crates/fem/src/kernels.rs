@@ -3,10 +3,12 @@
 //! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
 //! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
 
-use crate::cell::{CellContext, CellMoments, CellScratch, SlabCells, SpaceCells};
+use crate::boundary::FacetFlux;
+use crate::cell::{CellContext, CellMoments, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, FacetContext, FacetScratch, Facets};
+use crate::facet::{Across, FacetContext, Facets};
 use crate::mode::{AlongState, AlongStateAndMesh, Values};
+use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Instant, Tables};
 use basis::Matrix;
 use std::marker::PhantomData;
@@ -68,6 +70,15 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         along: Along,
         context: &FacetContext<D>,
         times: &Times,
+        across: &Across,
+        scratch: &mut FacetScratch,
+    );
+    /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch.
+    fn boundary_flux(
+        &self,
+        context: &FacetContext<D>,
+        instant: &Instant,
+        position_row: &Matrix,
         across: &Across,
         scratch: &mut FacetScratch,
     );
@@ -160,5 +171,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
             }
         }
+    }
+
+    fn boundary_flux(
+        &self,
+        context: &FacetContext<D>,
+        instant: &Instant,
+        position_row: &Matrix,
+        across: &Across,
+        scratch: &mut FacetScratch,
+    ) {
+        let Across::Boundary(number, data) = across else { return };
+        let (law, condition) = (&self.law, self.conditions[*number]);
+        self.arch.dispatch(FacetFlux { law, condition, context, instant, position_row, data: *data, scratch });
     }
 }

@@ -8,32 +8,40 @@
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | what is differentiated |
-//! | `cell`, `facet` | the kernels |
+//! | `cell`, `facet`, `boundary`, `point` | the kernels |
+//! | `scratch`, `gather` | their packs, and how vectors get there |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
 //! | `operator` | the residual of a slab and its derivatives |
+//! | `boundary_flux` | what leaves through boundaries: forces, power |
 //! | `sampler` | cells seen from any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;
+mod boundary;
+mod boundary_flux;
 mod cell;
 mod conservation_law;
 mod facet;
 mod field;
+mod gather;
 mod kernels;
 mod layout;
 mod linearisation;
 mod mode;
 mod moving_mesh;
 mod operator;
+mod point;
 mod pool;
 mod prescribed;
 mod sampler;
+mod scratch;
 mod tables;
 mod tensor_product;
 mod traces;
 mod violation;
 
+pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
 pub use kernels::{Kernels, LawKernels};

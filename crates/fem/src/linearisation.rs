@@ -7,10 +7,11 @@
 //! All entries are derivatives by duals along unit directions, of the kernels that make the residual.
 
 use crate::batches::{FacetBatch, cells_of};
-use crate::cell::{CellContext, CellScratch, gather};
-use crate::facet::FacetScratch;
+use crate::cell::CellContext;
+use crate::gather::gather;
 use crate::kernels::{Along, Times};
-use crate::operator::{SlabOperator, gather_trace};
+use crate::operator::SlabOperator;
+use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Instant;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
@@ -188,7 +189,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
         let cells = cells_of(batch, self.layout.cells);
         gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
-        self.mesh_at(cells, frozen, scratch);
+        let slot = self.mesh.slot_len();
+        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
+        for (lane, cell) in cells.into_iter().enumerate() {
+            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_now[..slot]);
+            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_now[..slot]);
+        }
         let fill = |_: f64, _: &[Pack], data: &mut [Pack]| data.fill(Pack::ZERO); // a source does not depend on the state
         let (start, dt) = self.interval();
         let context = CellContext {
@@ -209,27 +215,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Position and velocity of a batch of cells.
-    fn mesh_at(&self, cells: [usize; WIDTH], frozen: &Frozen, scratch: &mut CellScratch) {
-        let (len, slot) = (self.mesh.cell_len(), self.mesh.slot_len());
-        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
-        let sum = |cell: usize, weights: &[f64], i: usize| -> f64 {
-            weights.iter().enumerate().map(|(b, w)| w * self.mesh.data[cell * len + b * slot + i]).sum()
-        };
-        for (lane, cell) in cells.into_iter().enumerate() {
-            for i in 0..slot {
-                scratch.position_now[i].0[lane] = sum(cell, row, i);
-                scratch.velocity_now[i].0[lane] = sum(cell, velocity, i);
-            }
-        }
-    }
-
     /// The blocks of a batch of facets in traces.
     fn facet_blocks(&self, batch: &FacetBatch, frozen: &Frozen, traces: &TraceSpace) -> Vec<FacetBlocks> {
         let sides = if batch.boundary.is_none() { 2 } else { 1 };
         let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
         self.facet_scratch.with(|scratch| {
-            self.gather_frozen(batch, frozen, scratch);
+            self.gather_sides(&[&frozen.traces], &[&self.mesh_traces], batch, scratch);
             for side in 0..sides {
                 for column in 0..traces.len() {
                     self.facet_column(batch, frozen, [side, column], traces, scratch);
@@ -246,22 +237,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The permutation that carries a trace of the batch's common lattice to the lattice of one side.
     fn own_lattice(&self, batch: &FacetBatch, lane: usize, side: usize) -> &[usize] {
         &self.facets.permutations[if side == 0 { 0 } else { batch.plus[lane].1 }].flow
-    }
-
-    fn gather_frozen(&self, batch: &FacetBatch, frozen: &Frozen, scratch: &mut FacetScratch) {
-        scratch.normal_sign = batch.normal_sign;
-        let viscous = self.problem.kernels.is_viscous();
-        let [minus, plus] = &mut scratch.sides;
-        for lane in 0..WIDTH {
-            let (here, (there, permutation)) = (batch.minus[lane], batch.plus[lane]);
-            let (same, turned) = (&self.facets.permutations[0], &self.facets.permutations[permutation]);
-            for kind in 0..(if viscous { 2 } else { 1 }) {
-                gather_trace(&[&frozen.traces], here, kind, &same.flow, lane, &mut minus.state[kind]);
-                gather_trace(&[&self.mesh_traces], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
-                gather_trace(&[&frozen.traces], there, kind, &turned.flow, lane, &mut plus.state[kind]);
-                gather_trace(&[&self.mesh_traces], there, kind, &turned.mesh, lane, &mut plus.mesh[kind]);
-            }
-        }
     }
 
     /// Runs the facet kernel along one unit direction: trace `column[1]` of side `column[0]`.

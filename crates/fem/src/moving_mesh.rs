@@ -5,6 +5,7 @@
 //! ```
 
 use mesh::{Mesh, NodeNumbering};
+use tensor::Pack;
 
 /// Bottom position and velocities per cell, `[cell][slot][component][node]`, slot 0 the position x0 + d_n, slots 1.. the V_b.
 #[derive(Clone, Debug)]
@@ -95,6 +96,14 @@ impl MovingMesh {
             for (x, value) in out.iter_mut().zip(slot) {
                 *x += weight * value;
             }
+        }
+    }
+
+    /// One lane of the sum over slots of `weights[slot]` times the coefficients of `cell`, `[component][node]`.
+    pub(crate) fn gather_sum(&self, cell: usize, weights: &[f64], lane: usize, packs: &mut [Pack]) {
+        let (slot, data) = (self.slot_len(), &self.data[cell * self.cell_len()..(cell + 1) * self.cell_len()]);
+        for (i, pack) in packs.iter_mut().enumerate() {
+            pack.0[lane] = weights.iter().enumerate().map(|(b, weight)| weight * data[b * slot + i]).sum();
         }
     }
 }

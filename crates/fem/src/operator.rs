@@ -1,14 +1,16 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
-use crate::batches::{FacetBatch, Facets, Permutation, cells_of};
-use crate::cell::{CellContext, CellScratch, gather};
-use crate::facet::{Across, DataAt, FacetContext, FacetScratch};
+use crate::batches::{FacetBatch, Facets, cells_of};
+use crate::cell::CellContext;
+use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
+use crate::gather::{gather, scatter};
 use crate::kernels::{Along, Kernels, Times};
 use crate::layout::Layout;
 use crate::moving_mesh::MovingMesh;
 use crate::pool::Pool;
 use crate::prescribed;
+use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
@@ -66,7 +68,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     bottom_values: Vec<f64>,
     bottom_moments: Vec<f64>,
     state: Vec<f64>,
-    state_traces: Traces,
+    pub(crate) state_traces: Traces,
     direction_traces: Traces,
     pub(crate) mesh_traces: Traces,
     mesh_direction: MovingMesh,
@@ -173,27 +175,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// What has left the domain through `boundary` during the slab, int_I int (F - u v) . n, in the state of the last residual: the
-    /// scheme's own fluxes in the scheme's own quadrature. Valid until the next Jacobian product.
-    pub fn through_boundary(&self, boundary: usize) -> [f64; M] {
-        let layout = self.state_traces.layout;
-        let mut total = [0.0; M];
-        for (number, batch) in
-            self.facets.batches.iter().enumerate().filter(|(_, batch)| batch.boundary == Some(boundary))
-        {
-            for lane in 0..batch.count {
-                let start = 2 * (number * WIDTH + lane) * layout.face_len();
-                // Test functions of values sum to one, in space and time.
-                for (tensor, values) in
-                    self.terms[start..start + layout.kind_len()].chunks_exact(layout.face_nodes).enumerate()
-                {
-                    total[tensor % M] += values.iter().sum::<f64>();
-                }
-            }
-        }
-        total
-    }
-
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
@@ -217,7 +198,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                 let cells = cells_of(batch, layout.cells);
                 gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_now[..layout.cell_len()]);
                 for (lane, cell) in cells.into_iter().enumerate() {
-                    self.position_lane(cell, lane, row, &mut scratch.position_now[..slot]);
+                    self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_now[..slot]);
                 }
                 self.problem.kernels.moments(&self.tables, scratch);
                 scatter(&scratch.moments_now, layout.cell_len(), out);
@@ -241,14 +222,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    fn position_lane(&self, cell: usize, lane: usize, row: &Matrix, packs: &mut [tensor::Pack]) {
-        let (len, slot) = (self.mesh.cell_len(), self.mesh.slot_len());
-        let data = &self.mesh.data[cell * len..(cell + 1) * len];
-        for (i, pack) in packs.iter_mut().enumerate() {
-            pack.0[lane] = (0..self.mesh.slots()).map(|b| row.row(0)[b] * data[b * slot + i]).sum();
-        }
-    }
-
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells.
     fn run(&mut self, along: Along, direction: Option<&[f64]>, out: &mut [f64]) {
         let mut terms = std::mem::take(&mut self.terms);
@@ -266,7 +239,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
     fn facet_batch(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
         let viscous = self.problem.kernels.is_viscous();
-        self.gather_facets(along, batch, scratch);
+        let state = &[&self.state_traces, &self.direction_traces][..along.state_blocks()];
+        let mesh = &[&self.mesh_traces, &self.mesh_direction_traces][..along.geometry_blocks()];
+        self.gather_sides(state, mesh, batch, scratch);
         let number = self.tables.instants.len();
         let rows = &self.position_rows[..number];
         let times = Times { instants: &self.tables.instants, position_rows: rows, weight: self.dt };
@@ -276,6 +251,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Runs the facet kernel on a batch that has been gathered.
     pub(crate) fn facet_kernel(&self, along: Along, batch: &FacetBatch, times: &Times, scratch: &mut FacetScratch) {
+        self.across(along, batch, |context, across| {
+            self.problem.kernels.facets(along, context, times, across, scratch);
+        });
+    }
+
+    /// Hands what lies across the facets of a batch to `kernel`.
+    pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
@@ -284,69 +266,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let data = field.is_some().then_some(&fill as DataAt);
         let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
-        let context = FacetContext { tables: &self.tables, dt: self.dt, start: self.start };
-        self.problem.kernels.facets(along, &context, times, &across, scratch);
-    }
-
-    fn gather_facets(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch) {
-        scratch.normal_sign = batch.normal_sign;
-        let state = [&self.state_traces, &self.direction_traces];
-        let mesh = [&self.mesh_traces, &self.mesh_direction_traces];
-        let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
-        let [minus, plus] = &mut scratch.sides;
-        let same = &self.facets.permutations[0];
-        for lane in 0..WIDTH {
-            let (side, permutation) = batch.plus[lane];
-            let permutation = &self.facets.permutations[permutation];
-            for kind in 0..kinds {
-                let here = batch.minus[lane];
-                gather_trace(&state[..along.state_blocks()], here, kind, &same.flow, lane, &mut minus.state[kind]);
-                gather_trace(&mesh[..along.geometry_blocks()], here, kind, &same.mesh, lane, &mut minus.mesh[kind]);
-                if batch.boundary.is_none() {
-                    gather_trace(
-                        &state[..along.state_blocks()],
-                        side,
-                        kind,
-                        &permutation.flow,
-                        lane,
-                        &mut plus.state[kind],
-                    );
-                    gather_trace(
-                        &mesh[..along.geometry_blocks()],
-                        side,
-                        kind,
-                        &permutation.mesh,
-                        lane,
-                        &mut plus.mesh[kind],
-                    );
-                }
-            }
-        }
-    }
-
-    fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, viscous: bool, terms: &mut [f64]) {
-        let layout = self.state_traces.layout;
-        let sides = if batch.boundary.is_none() { 2 } else { 1 };
-        for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
-            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
-                let permutation = if side == 0 { 0 } else { batch.plus[lane].1 };
-                let Permutation { flow, .. } = &self.facets.permutations[permutation];
-                for (kind, terms) in
-                    terms.chunks_exact_mut(layout.kind_len()).take(if viscous { 2 } else { 1 }).enumerate()
-                {
-                    let packs = scratch.sides[side].terms[kind].chunks_exact(layout.face_nodes);
-                    for (tensor, packs) in terms.chunks_exact_mut(layout.face_nodes).zip(packs) {
-                        for (pack, &i) in packs.iter().zip(flow) {
-                            tensor[i] = pack.0[lane];
-                        }
-                    }
-                }
-            }
-        }
-        if scratch.violated != tensor::Pack::ZERO {
-            // A number that no admissible residual has: the cells that read it see the violation.
-            terms.fill(f64::NAN);
-        }
+        kernel(&FacetContext { tables: &self.tables, dt: self.dt, start: self.start }, &across);
     }
 
     /// Volume terms and facet terms of one batch of cells.
@@ -430,34 +350,4 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
 fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -> TraceLayout {
     TraceLayout { faces: 2 * D, slots, components, nodes: order.pow(D as u32), face_nodes: order.pow(D as u32 - 1) }
-}
-
-/// Reads one kind of one side's traces into a lane, nodes reordered by `permutation`; one block per entry of `traces`.
-pub(crate) fn gather_trace(
-    traces: &[&Traces],
-    side: mesh::Side,
-    kind: usize,
-    permutation: &[usize],
-    lane: usize,
-    packs: &mut [tensor::Pack],
-) {
-    let len = traces[0].layout.kind_len();
-    for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
-        let nodes = traces.layout.face_nodes;
-        let tensors = traces.of(side.cell, side.face, kind).chunks_exact(nodes);
-        for (tensor, packs) in tensors.zip(packs.chunks_exact_mut(nodes)) {
-            for (pack, &i) in packs.iter_mut().zip(permutation) {
-                pack.0[lane] = tensor[i];
-            }
-        }
-    }
-}
-
-/// Writes the packs of a batch to its cells.
-fn scatter(packs: &[tensor::Pack], cell_len: usize, out: &mut [f64]) {
-    for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
-        for (value, pack) in out.iter_mut().zip(packs) {
-            *value = pack.0[lane];
-        }
-    }
 }

@@ -189,6 +189,14 @@ pub enum MeshError {
         /// The distance accepted.
         tolerance: f64,
     },
+    /// The normals of the facets that meet in a node of a boundary cancel.
+    #[error("boundary \"{name}\" has no normal at {position:?}: its facets are back to back there, as at a cusp")]
+    NoNormal {
+        /// The boundary.
+        name: String,
+        /// The node.
+        position: Vec<f64>,
+    },
     /// Two neighbours do not have the same nodes on the face between them.
     #[error(
         "cells {minus} and {plus} share the corners of a face but not its curve: nodes at {position:?} are \

@@ -5,7 +5,7 @@ use crate::mesh::point;
 use crate::{Mesh, MeshError};
 use basis::{Lagrange, Matrix, gauss, gauss_lobatto};
 use std::array::from_fn;
-use tensor::{cofactor, determinant};
+use tensor::{cofactor, determinant, norm};
 
 /// The map of cells of one order to a tensor grid of points:
 ///
@@ -100,6 +100,18 @@ impl<const D: usize> Mesh<D> {
     /// The volume (area) of the domain.
     pub fn volume(&self) -> f64 {
         self.volumes_and_centroids().iter().map(|(volume, _)| volume).sum()
+    }
+
+    /// The aspect ratio of `cell`: of the D lines through its centre that join the centres of opposite faces, the longest over
+    /// the shortest, by the distances of their ends.
+    pub fn aspect_ratio(&self, cell: usize) -> f64 {
+        let centre = |axis: usize, side: f64| self.position(cell, &from_fn(|a| if a == axis { side } else { 0.0 }));
+        let length = |axis: usize| {
+            let (low, high) = (centre(axis, -1.0), centre(axis, 1.0));
+            norm(&from_fn::<f64, D, _>(|i| high[i] - low[i]))
+        };
+        let lengths: [f64; D] = from_fn(length);
+        lengths.iter().fold(0.0, |m: f64, l| m.max(*l)) / lengths.iter().fold(f64::INFINITY, |m, l| m.min(*l))
     }
 
     /// The box along the axes that contains the nodes of `cell`: its lower and upper corner.
@@ -197,6 +209,14 @@ mod tests {
                 assert!((curved::<3>(order, curving).volume() - 8.0).abs() < 1e-13);
             }
         }
+    }
+
+    #[test]
+    fn aspect_ratio_of_a_brick() {
+        let curving = Curving::None;
+        let brick =
+            BoxMesh { lower: [0.0; 3], upper: [2.0, 3.0, 9.0], cells: [2; 3], order: 3, curving, periodic: [false; 3] };
+        assert!((brick.build().unwrap().scrambled(1).aspect_ratio(5) - 4.5).abs() < 1e-14);
     }
 
     #[test]

@@ -14,16 +14,20 @@
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
+//! | `boundary` | normals and arc lengths at the nodes of a boundary |
+//! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
 
+mod boundary;
 mod errors;
 mod facet;
 pub mod generate;
 mod geometry;
 mod gmsh;
 mod lattice;
+mod locate;
 mod mesh;
 mod numbering;
 mod periodic;
@@ -42,4 +46,4 @@ pub use gmsh::{GmshError, Place};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
 pub use periodic::PeriodicPair;
-pub use validity::{Bound, SlabPoint, Validity, ValidityCheck};
+pub use validity::{Bound, MotionCheck, SlabPoint, Validity, ValidityCheck};

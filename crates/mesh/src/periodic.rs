@@ -72,6 +72,28 @@ pub(crate) fn match_pair<const D: usize>(
     Ok(facets)
 }
 
+impl<const D: usize> Mesh<D> {
+    /// Pairs of boundaries, by index, that are translates of each other: they could be joined. The translation is the one
+    /// between the means of their vertices.
+    pub fn translated_boundaries(&self) -> Vec<PeriodicPair<D>> {
+        let sides = |boundary: usize| {
+            let facets = self.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
+            facets.map(|facet| facet.side).collect::<Vec<_>>()
+        };
+        let boundaries: Vec<_> = self.boundary_names.iter().cloned().zip((0..).map(sides)).collect();
+        let centre = |boundary: &(String, Vec<Side>)| -> [f64; D] {
+            let vertices = vertex_positions(self, &boundary.1);
+            std::array::from_fn(|i| vertices.values().map(|x| x[i]).sum::<f64>() / vertices.len() as f64)
+        };
+        let pair = |minus: usize, plus: usize| {
+            let (from, to) = (centre(&boundaries[minus]), centre(&boundaries[plus]));
+            PeriodicPair { minus, plus, translation: std::array::from_fn(|i| to[i] - from[i]) }
+        };
+        let pairs = (0..boundaries.len()).flat_map(|plus| (0..plus).map(move |minus| pair(minus, plus)));
+        pairs.filter(|pair| match_pair(self, &boundaries, pair).is_ok()).collect()
+    }
+}
+
 /// The facet of side `plus` and the side of the other boundary that has the twins of its vertices.
 fn twin_facet<const D: usize>(
     mesh: &Mesh<D>,
@@ -147,4 +169,24 @@ pub(crate) fn check_gaps<const D: usize>(mesh: &Mesh<D>) -> Result<(), MeshError
         })?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{BoxMesh, Curving};
+
+    #[test]
+    fn opposite_sides_of_a_box_could_be_joined() {
+        let translated = |curving| {
+            let cells = [3, 2];
+            let frame = BoxMesh { lower: [0.0; 2], upper: [2.0, 1.0], cells, order: 3, curving, periodic: [false; 2] };
+            frame.build().unwrap().scrambled(2).translated_boundaries()
+        };
+        let pair = |minus, plus, translation| PeriodicPair { minus, plus, translation };
+        assert_eq!(translated(Curving::None), [pair(0, 1, [2.0, 0.0]), pair(2, 3, [0.0, 1.0])]);
+        // Inside the nodes move, on the boundary they stay.
+        assert_eq!(translated(Curving::Random { amplitude: 0.02, seed: 1 }).len(), 2);
+    }
 }

@@ -11,12 +11,14 @@
 //! * [`Conserved`], [`Primitive`]: a state in names.
 //! * [`Riemann`]: numerical fluxes on moving facets.
 //! * [`Boundary`] and its conditions.
+//! * [`WallForce`]: what the fluid does to walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
 
 mod boundary;
 mod error;
 pub mod exact;
 mod flux;
+mod forces;
 mod gas;
 mod law;
 mod manufactured;
@@ -29,6 +31,7 @@ mod tests;
 pub use boundary::{AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall};
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
+pub use forces::{Coefficients, ForceScales, WallForce};
 pub use gas::{Gas, Viscosity};
 pub use law::{Compiled, NavierStokes};
 pub use manufactured::Manufactured;

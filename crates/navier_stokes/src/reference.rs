@@ -39,6 +39,11 @@ impl Reference {
         scales
     }
 
+    /// The dynamic pressure rho U^2 / 2.
+    pub fn dynamic_pressure(&self) -> f64 {
+        0.5 * self.density * self.speed * self.speed
+    }
+
     /// The Mach number U / c.
     pub fn mach(&self) -> f64 {
         self.speed / self.sound_speed

@@ -71,6 +71,12 @@ impl RunDirectory {
         Ok(directory)
     }
 
+    /// Whether a run holds the directory at `path` now.
+    pub fn is_held(path: &Path) -> bool {
+        let lock = File::open(path.join(LOCK_FILE));
+        lock.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    }
+
     /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path

@@ -88,6 +88,18 @@ pub enum OutputError {
         /// What HDF5 said.
         source: hdf5::Error,
     },
+    /// A row of the history is none.
+    #[error("`{path}`, line {line}: {found} numbers, {expected} were expected; restore it from a copy")]
+    Row {
+        /// The file read.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// Numbers found.
+        found: usize,
+        /// Numbers expected: one per column.
+        expected: usize,
+    },
     /// The system refused to read or write a file.
     #[error("cannot access `{path}`: {source}")]
     File {

@@ -7,6 +7,7 @@ use crate::hdf::{
     write_text,
 };
 use crate::layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+use crate::rest_mesh::{self, RestMesh};
 
 /// Version of the group `/stsolve`; raised when a reader of the old one would misread the new one.
 pub const FORMAT_VERSION: i64 = 1;
@@ -34,6 +35,8 @@ pub struct Metadata {
     pub space_nodes: Vec<f64>,
     /// Positions in [0, 1] of the time nodes of a slab.
     pub time_nodes: Vec<f64>,
+    /// The mesh at rest.
+    pub mesh: RestMesh,
 }
 
 /// Creates the group without a step.
@@ -58,7 +61,8 @@ fn write_metadata(group: &Group, metadata: &Metadata) -> Result<()> {
     write_text(group, "case_fingerprint", &metadata.case_fingerprint)?;
     write_text(group, "mesh_id", &metadata.mesh_id)?;
     constant(group, "space_nodes", &metadata.space_nodes)?;
-    constant(group, "time_nodes", &metadata.time_nodes)
+    constant(group, "time_nodes", &metadata.time_nodes)?;
+    rest_mesh::write(group, &metadata.mesh)
 }
 
 /// Reads what the file says about itself.
@@ -71,6 +75,7 @@ pub(crate) fn read_metadata(group: &Group) -> Result<Metadata> {
         mesh_id: read_text(group, "mesh_id")?,
         space_nodes: group.dataset("space_nodes")?.read_raw()?,
         time_nodes: group.dataset("time_nodes")?.read_raw()?,
+        mesh: rest_mesh::read(group)?,
     })
 }
 

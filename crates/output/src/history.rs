@@ -1,6 +1,6 @@
 //! `history.csv`: a row of numbers per slab.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -61,6 +61,70 @@ impl History {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// What `history.csv` holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HistoryTable {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// All rows, one after the other.
+    pub rows: Vec<f64>,
+}
+
+impl HistoryTable {
+    /// Reads the history of the run in `directory`, of which the run may be writing more. A last row that is not whole is
+    /// left out.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if the file cannot be read, [`OutputError::Row`] if it has a row that is none.
+    pub fn read(directory: &Path) -> Result<Self, OutputError> {
+        let path = directory.join(HISTORY_FILE);
+        let text = fs::read_to_string(&path).map_err(|source| file_error(&path, source))?;
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let mut lines = whole.lines();
+        let columns = lines.next().map(names).unwrap_or_default();
+        let mut rows = Vec::new();
+        for (index, line) in lines.enumerate() {
+            let row: Vec<f64> = line.split(',').filter_map(|cell| cell.parse().ok()).collect();
+            if row.len() != columns.len() {
+                return Err(OutputError::Row { path, line: index + 2, found: row.len(), expected: columns.len() });
+            }
+            rows.extend(row);
+        }
+        Ok(Self { columns, rows })
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len().checked_div(self.columns.len()).unwrap_or(0)
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The column `name`, if there is one.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let position = self.columns.iter().position(|column| column == name)?;
+        Some(self.rows.iter().skip(position).step_by(self.columns.len()).copied().collect())
+    }
+}
+
+/// The names in a line of CSV, see [`quoted`].
+fn names(line: &str) -> Vec<String> {
+    let (mut names, mut inside, mut characters) = (vec![String::new()], false, line.chars().peekable());
+    while let Some(c) = characters.next() {
+        let name = names.last_mut().expect("there is at least one name");
+        match c {
+            '"' if inside && characters.peek() == Some(&'"') => name.extend(characters.next()),
+            '"' => inside = !inside,
+            ',' if !inside => names.push(String::new()),
+            c => name.push(c),
+        }
+    }
+    names
 }
 
 fn check_length(name: &str, found: usize, expected: usize) -> Result<(), OutputError> {
@@ -132,6 +196,25 @@ mod tests {
         (3..6).for_each(|slab| second.push(&row(slab)).unwrap());
         assert_eq!(second.rows(), history.rows());
         assert_eq!(fs::read(second.path()).unwrap(), fs::read(history.path()).unwrap());
+    }
+
+    #[test]
+    fn a_reader_finds_what_was_written_but_for_a_row_that_is_not_whole() {
+        let directory = tempfile::tempdir().unwrap();
+        let run = RunDirectory::open(directory.path()).unwrap();
+        let mut history = History::create(&run, &columns(), &[]).unwrap();
+        (0..3).for_each(|slab| history.push(&row(slab)).unwrap());
+        let table = HistoryTable::read(directory.path()).unwrap();
+        assert_eq!((&table.columns, &table.rows, table.len()), (&columns(), &history.rows().to_vec(), 3));
+        assert_eq!(table.column("newton"), Some(vec![0.0, 1.0, 2.0]));
+        assert_eq!(table.column("krylov"), None);
+
+        let text = fs::read_to_string(history.path()).unwrap();
+        fs::write(history.path(), text.clone() + "0.4,1").unwrap();
+        assert_eq!(HistoryTable::read(directory.path()).unwrap(), table);
+        fs::write(history.path(), text + "0.4,1\n").unwrap();
+        let error = HistoryTable::read(directory.path()).unwrap_err();
+        assert!(matches!(error, OutputError::Row { line: 5, found: 2, expected: 3, .. }), "{error:?}");
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //!
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;
 //! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state a restart needs;
-//! * [`History`] is `history.csv`, a row per slab;
+//! * [`ResultReader`] reads its steps back, also while the run goes on;
+//! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] is what a reader finds in it;
 //! * [`Summary`] is `summary.json`, what a script reads when the run is over;
 //! * [`inspect`] tells what a result file holds.
 //!
@@ -26,6 +27,8 @@ mod history;
 mod inspect;
 mod lagrange;
 mod layout;
+mod reader;
+mod rest_mesh;
 mod result_file;
 mod seal;
 mod state;
@@ -37,12 +40,15 @@ pub use directory::{LockOwner, RunDirectory};
 pub use error::OutputError;
 pub use files::write_atomically;
 pub use format::{FORMAT_VERSION, Metadata};
-pub use history::{HISTORY_FILE, History};
+pub use history::{HISTORY_FILE, History, HistoryTable};
 pub use inspect::{CheckpointInfo, ResultInfo, inspect};
 pub use lagrange::{vtk_node, vtk_order};
 pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+pub use reader::ResultReader;
+pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Summary, Unknowns, Wall,
+    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
+    StructureSummary, Summary, Unknowns, Wall,
 };

@@ -49,6 +49,12 @@ pub struct Summary {
     /// Distance to the exact solution at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorNorms>,
+    /// The steady flow from which the run starts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steady: Option<Steady>,
+    /// Frequencies and energy of a structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<StructureSummary>,
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
@@ -78,6 +84,9 @@ pub struct Unknowns {
     /// Of the mesh motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
+    /// Of a structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<usize>,
 }
 
 /// Newton steps.
@@ -155,17 +164,78 @@ pub struct ErrorNorms {
     pub displacement_max: Option<f64>,
 }
 
+/// Frequencies and energy of a structure.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StructureSummary {
+    /// Natural frequencies, periods per unit of time, in increasing order.
+    pub natural_frequencies: Vec<f64>,
+    /// Kinetic and strain energy at the start.
+    pub energy_at_start: f64,
+    /// Kinetic and strain energy at the end.
+    pub energy: f64,
+    /// Work of body force and tractions.
+    pub load_work: f64,
+    /// Work of boundaries whose displacement is prescribed.
+    pub support_work: f64,
+    /// Energy lost in the jumps between slabs.
+    pub dissipation: f64,
+    /// Energy that all this does not explain.
+    pub energy_error: f64,
+    /// Iterations of the linear solvers over the run.
+    pub iterations: u64,
+}
+
 /// What a wall received over the run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Time integral of the force, one entry per direction.
     pub impulse: Vec<f64>,
+    /// The part of pressure in it.
+    pub pressure_impulse: Vec<f64>,
+    /// The part of friction in it.
+    pub friction_impulse: Vec<f64>,
+    /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
+    pub moment_impulse: Vec<f64>,
     /// Time integral of the power.
     pub work: f64,
     /// Drag coefficient at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag_coefficient: Option<f64>,
+    /// Lift coefficient at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lift_coefficient: Option<f64>,
+    /// Moment coefficient at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_coefficient: Option<f64>,
+}
+
+/// The steady flow from which a run starts.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steady {
+    /// Newton steps.
+    pub newton: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// The residual, relative to that of the initial state.
+    pub residual: f64,
+    /// The coefficients of the walls, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub walls: BTreeMap<String, SteadyWall>,
+}
+
+/// The coefficients of a wall in steady flow.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyWall {
+    /// Drag coefficient.
+    pub drag_coefficient: f64,
+    /// Lift coefficient.
+    pub lift_coefficient: f64,
+    /// Moment coefficient.
+    pub moment_coefficient: f64,
 }
 
 /// What the run cost.
@@ -212,7 +282,7 @@ mod tests {
             completed: false,
             reason: Some("stopped by a signal".to_owned()),
             mesh: MeshSize { dimension: 2, cells: 16, order: 4 },
-            unknowns: Unknowns { flow: Some(2048), mesh: Some(676) },
+            unknowns: Unknowns { flow: Some(2048), mesh: Some(676), structure: Some(980) },
             slabs: 3,
             rejected_slabs: 1,
             time: 0.3,
@@ -231,9 +301,37 @@ mod tests {
                 energy_l2: Some(3e-3),
                 displacement_max: Some(1e-12),
             }),
+            steady: Some(Steady {
+                newton: 12,
+                krylov: 300,
+                residual: 1e-10,
+                walls: BTreeMap::from([(
+                    "foil".to_owned(),
+                    SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
+                )]),
+            }),
+            structure: Some(StructureSummary {
+                natural_frequencies: vec![0.5, 1.5],
+                energy_at_start: 1.0,
+                energy: 1.25,
+                load_work: 0.5,
+                support_work: -0.125,
+                dissipation: 0.125,
+                energy_error: 1e-16,
+                iterations: 99,
+            }),
             walls: BTreeMap::from([(
                 "foil".to_owned(),
-                Wall { impulse: vec![1.0, -2.0], work: 0.5, drag_coefficient: Some(0.12) },
+                Wall {
+                    impulse: vec![1.0, -2.0],
+                    pressure_impulse: vec![0.75, -2.25],
+                    friction_impulse: vec![0.25, 0.25],
+                    moment_impulse: vec![3.0],
+                    work: 0.5,
+                    drag_coefficient: Some(0.12),
+                    lift_coefficient: Some(1.5),
+                    moment_coefficient: Some(-0.5),
+                },
             )]),
             cost: Cost {
                 wall_seconds: 2.5,
@@ -251,7 +349,7 @@ mod tests {
         json!({
             "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",
             "mesh": { "dimension": 2, "cells": 16, "order": 4 },
-            "unknowns": { "flow": 2048, "mesh": 676 },
+            "unknowns": { "flow": 2048, "mesh": 676, "structure": 980 },
             "slabs": 3, "rejected_slabs": 1, "time": 0.3,
             "newton": { "total": 9, "max": 4, "per_slab": 3.0 },
             "krylov": { "total": 81, "max_per_newton": 12, "mean_per_newton": 9.0, "elasticity_total": 40 },
@@ -259,7 +357,13 @@ mod tests {
                               "first_invalid_time": 1.5 },
             "conservation": { "mass_error": 1e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
-            "walls": { "foil": { "impulse": [1.0, -2.0], "work": 0.5, "drag_coefficient": 0.12 } },
+            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
+                "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
+            "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
+                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5,
+                                 "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
+            "structure": { "natural_frequencies": [0.5, 1.5], "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
+                           "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
             "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
                       "residual_evaluations": 100, "jacobian_products": 81 }
         })

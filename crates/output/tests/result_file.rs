@@ -7,7 +7,9 @@ mod common;
 use std::fs;
 
 use common::{CASE, append, contents, layout, metadata, noise, run, seal, state};
-use output::{OutputError, RESULT_FILE, ResultFile, RunDirectory, SolverState, Step, inspect, read_checkpoint};
+use output::{
+    OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory, SolverState, Step, inspect, read_checkpoint,
+};
 
 /// NaN is not equal to itself: compare the bits.
 fn bits(state: &SolverState) -> Vec<Vec<u64>> {
@@ -39,6 +41,29 @@ fn coefficients_points_and_fields_come_back_bit_by_bit() {
     let density = noise(2 + 100, 360);
     let second: Vec<f64> = (0..360).map(|i| density[i / 9 * 9 + lexicographic[i % 9]]).collect();
     assert_eq!(found["/VTKHDF/PointData/density"].1[360..720], as_bits(second));
+}
+
+#[test]
+fn a_reader_finds_each_step_while_the_run_goes_on() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), 0, 3, 3);
+    assert!(!RunDirectory::is_held(directory.path()));
+    let held = RunDirectory::open(directory.path()).unwrap();
+    assert!(RunDirectory::is_held(directory.path()));
+    let (mut result, ..) = ResultFile::resume(&held, CASE).unwrap();
+    let reader = ResultReader::open(&directory.path().join(RESULT_FILE)).unwrap();
+    append(&mut result, 4);
+    result.checkpoint(&state(4)).unwrap();
+    assert_eq!((reader.times.as_slice(), &reader.layout.grid), (&[1.0, 2.0, 3.0][..], &layout().grid));
+    let as_bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+    for step in 0..3 {
+        let expected = noise(step + 301, 40 * 2 * 4 * 9);
+        assert_eq!(as_bits(reader.exact("flow", step as usize).unwrap().unwrap()), as_bits(expected));
+    }
+    assert!(reader.exact("position", 0).unwrap().is_none());
+    assert!(matches!(reader.exact("flow", 3), Err(OutputError::Damaged { .. })));
+    drop((result, held));
+    assert!(!RunDirectory::is_held(directory.path()));
 }
 
 #[test]

@@ -38,6 +38,11 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Write one HTML page of a run, finished or not: pictures, curves, figures. It needs no network.
+    Report {
+        /// The directory of the run.
+        directory: PathBuf,
+    },
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.
     Schema,
 }
@@ -73,6 +78,11 @@ pub struct RunArguments {
 }
 
 impl RunArguments {
+    /// What to do next to see the run in `directory`.
+    pub fn to_report(directory: &Path) -> String {
+        format!("look at it: stsolve report {}", quoted(&directory.to_string_lossy()))
+    }
+
     /// The command line that continues this run, as a shell takes it.
     pub fn to_resume(&self, command: &str, directory: &Path) -> String {
         let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
@@ -114,6 +124,7 @@ mod tests {
     fn the_command_to_resume_survives_a_shell() {
         let line = ["stsolve", "run", "my case.toml", "--set", "time.end=2", "--set", "title=it's"];
         let Command::Run(arguments) = Arguments::parse_from(line).command else { panic!("not a run") };
+        assert_eq!(RunArguments::to_report(Path::new("a b")), "look at it: stsolve report 'a b'");
         assert_eq!(
             arguments.to_resume("run", Path::new("runs/a")),
             r"stsolve run 'my case.toml' --set time.end=2 --set 'title=it'\''s' --output runs/a --resume"

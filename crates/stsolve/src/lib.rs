@@ -9,6 +9,7 @@
 //! | `expression` | formulas in a case file |
 //! | `commands` | what each command does |
 //! | `run` | from a checked case to files |
+//! | `report` | a page that shows a run |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `failure` | error messages and exit codes |
 
@@ -20,6 +21,7 @@ pub mod failure;
 pub mod logging;
 mod nearest;
 pub mod progress;
+pub mod report;
 pub mod run;
 pub mod signals;
 pub mod terminal;
@@ -36,6 +38,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Check { case, json } => commands::check(&read(case)?, *json),
         Command::Info { file, json } => commands::info(file, *json),
+        Command::Report { directory } => report::report(directory),
         Command::Schema => commands::schema(),
         Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
         Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),

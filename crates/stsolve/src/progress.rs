@@ -79,6 +79,15 @@ impl Progress {
         self.show(time, text);
     }
 
+    /// Reports a slab of a structure.
+    pub fn structure(&self, report: &coupled::StructureReport) {
+        let coupled::StructureReport { slab, interval, dynamics, kinetic_energy, strain_energy } = report;
+        let (time, end, energy, iterations) =
+            (interval.end, self.end, kinetic_energy + strain_energy, dynamics.iterations);
+        let text = format!("slab {slab}  t = {time:.6} of {end}  energy {energy:.6e}  iterations {iterations}");
+        self.show(time, text);
+    }
+
     /// Says something above the bar, unless asked to be quiet.
     pub fn say(&self, line: &str) {
         if !matches!(self.display, Display::Nothing) {

@@ -49,15 +49,25 @@ impl Running {
 
 #[test]
 fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
+    stop_and_resume(&["time.end=4", "output.checkpoint_every=7"]);
+}
+
+/// Where slabs are adapted, the length of the next one belongs to the state.
+#[test]
+fn a_run_with_adapted_slabs_that_is_stopped_and_resumed_has_the_same_bits() {
+    stop_and_resume(&["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4"]);
+}
+
+fn stop_and_resume(set: &[&str]) {
     let directory = TempDir::new().unwrap();
-    let set = ["time.end=4", "output.checkpoint_every=7"];
-    let mut running = Running::start(directory.path(), &set);
+    let mut running = Running::start(directory.path(), set);
     running.wait_for("slab 3 ");
     running.terminate();
     let message = running.wait_for("stopped at t = ");
     assert_eq!(running.process.wait().unwrap().code(), Some(0));
     let resume = message.split("continue with: stsolve ").nth(1).unwrap().trim();
-    assert!(resume.ends_with("--set time.end=4 --set output.checkpoint_every=7 --output run --resume"), "{resume}");
+    let changes: Vec<String> = set.iter().map(|change| format!("--set {change}")).collect();
+    assert!(resume.ends_with(&format!("{} --output run --resume", changes.join(" "))), "{resume}");
 
     let stopped = summary(&directory.path().join("run"));
     assert_eq!(stopped["completed"], false);
@@ -65,8 +75,8 @@ fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
     let slabs = stopped["slabs"].as_u64().unwrap();
     assert!((3..40).contains(&slabs), "{slabs}");
 
-    on_case(directory.path(), "run", "vortex", &set, "run", &["--resume"]).expect(0, &[]);
-    on_case(directory.path(), "run", "vortex", &set, "through", &[]).expect(0, &[]);
+    on_case(directory.path(), "run", "vortex", set, "run", &["--resume"]).expect(0, &[]);
+    on_case(directory.path(), "run", "vortex", set, "through", &[]).expect(0, &[]);
     assert_same_bits(&directory.path().join("run"), &directory.path().join("through"), "stopped by a signal");
     assert_eq!(summary(&directory.path().join("run"))["completed"], true);
 }

@@ -98,3 +98,17 @@ fn a_run_continues_within_a_slab() {
     assert_eq!(ends, [0.4, 0.8, 1.0, 1.2, 1.6, 2.0]);
     assert_eq!(summary(&run)["completed"], true);
 }
+
+/// Slabs of adapted length, from a first one far too short; the interruption is a stop by a signal, wherever it meets the run.
+#[test]
+fn a_run_with_adapted_slabs_has_the_same_bits_for_any_number_of_threads() {
+    let directory = TempDir::new().unwrap();
+    let changes = ["time.step=0.01", "time.adaptive.tolerance=5e-3"];
+    for threads in ["1", "2"] {
+        run(directory.path(), &changes, "2", threads, &["--threads", threads]);
+    }
+    let [one, two] = ["1", "2"].map(|output| directory.path().join(output));
+    assert_same_bits(&one, &two, "two threads");
+    let lengths = column(&one, "dt");
+    assert!(lengths.iter().fold(0.0, |most: f64, dt| most.max(*dt)) > 10.0 * lengths[0], "{lengths:?}");
+}

@@ -3,5 +3,6 @@
 
 mod large_rotation;
 mod slab_operator;
+mod valid_steps;
 mod viscous;
 mod vortex;

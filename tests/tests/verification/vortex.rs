@@ -1,6 +1,6 @@
 //! The coupled vortex: orders, conservation, the mesh, the solver.
 
-use coupled::{MeshMarch, Predictor};
+use coupled::{MeshMarch, Predictor, Schedule, StepControl};
 use verification::orders::table;
 use verification::vortex::{Setting, VortexRun};
 
@@ -12,7 +12,7 @@ fn finish(run: &mut VortexRun) -> f64 {
     let (before, mut out, mut worst) = (run.march.totals()[0], 0.0, 0.0_f64);
     while !run.march.is_done() {
         let report = run.march.advance().unwrap();
-        out += report.through.iter().map(|through| through[0]).sum::<f64>();
+        out += fem::left_during_slab(&report.fluxes)[0];
         worst = worst.max((report.totals[0] - before + out).abs() / before);
     }
     worst
@@ -72,7 +72,7 @@ fn mass_is_kept_and_the_mesh_follows_the_affine_map() {
         let (before, mut out) = (run.march.totals()[0], 0.0);
         while !run.march.is_done() {
             let report = run.march.advance().unwrap();
-            out += report.through.iter().map(|through| through[0]).sum::<f64>();
+            out += fem::left_during_slab(&report.fluxes)[0];
             let mass = (report.totals[0] - before + out).abs() / before;
             assert!(mass <= 1e-12, "{predictor:?}: mass error {mass:.1e} at t = {}", run.march.state.time);
             worst = worst.max(run.displacement_error());
@@ -112,6 +112,39 @@ fn krylov_iterations_do_not_grow_when_the_slab_is_halved() {
             fewest = fewest.min(krylov);
         }
     }
+}
+
+/// The jump at the bottom of a slab, the estimate of the step control, is of order N_t.
+#[test]
+fn the_jump_has_the_order_in_time() {
+    for time_order in 1..=3 {
+        let jump = |end: f64| {
+            let mut run = VortexRun::new(Setting { slabs: 3, end, time_order, ..SETTING });
+            (0..3).map(|_| run.march.advance().unwrap().jump).last().unwrap()
+        };
+        let (coarse, fine) = (jump(0.6), jump(0.3));
+        let order = (coarse / fine).log2();
+        println!("N_t = {time_order}: jump {coarse:.2e}, {fine:.2e}, order {order:.2}");
+        assert!((order - time_order as f64).abs() < 0.35, "{order}");
+    }
+}
+
+/// Slabs that start a hundred times too short grow until the jump is as asked, and no slab has twice of it.
+#[test]
+fn slabs_adapt_to_the_jump() {
+    let mut run = VortexRun::new(Setting { slabs: 400, end: 2.0, ..SETTING });
+    let control = StepControl { tolerance: 2e-3, smallest: 1e-3, largest: 1.0 };
+    run.march.adapt(control);
+    let mut reports = Vec::new();
+    while !run.march.is_done() {
+        reports.push(run.march.advance().unwrap());
+    }
+    let lengths: Vec<f64> = reports.iter().map(|r| r.interval.end - r.interval.start).collect();
+    let jumps: Vec<f64> = reports.iter().map(|r| r.jump).collect();
+    println!("{lengths:.3?}\n{jumps:.5?}");
+    assert!(reports.len() < 25 && run.march.state.time == 2.0);
+    assert!(jumps.iter().all(|&jump| jump <= 2.0 * control.tolerance));
+    assert!(jumps[reports.len() - 2] > 0.3 * control.tolerance);
 }
 
 #[test]
@@ -156,9 +189,8 @@ fn coupling_costs_no_more_than_its_parts() {
         );
         totals.push((products + residuals) as f64);
     }
-    let step = setting.end / setting.slabs as f64;
     let mover = VortexRun::new(setting).march.problem.mover;
-    let mut mesh = MeshMarch::new(mover, 0.0, setting.end, step, setting.slabs);
+    let mut mesh = MeshMarch::new(mover, Schedule::uniform(setting.end, setting.slabs));
     let start = std::time::Instant::now();
     while !mesh.is_done() {
         mesh.advance().unwrap();

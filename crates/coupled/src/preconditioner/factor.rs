@@ -10,7 +10,7 @@
 use super::blocks::{Link, coupling_block, diagonal_block, traces_of};
 use super::ordering::Ordering;
 use super::panel::padded;
-use super::temporal::is_real;
+use basis::is_real;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef, c64};
 use fem::SpaceJacobian;

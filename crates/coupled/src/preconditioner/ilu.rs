@@ -4,7 +4,7 @@ use super::blocks::{Link, links};
 use super::factor::{factorise, stored_len};
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::{Multiply, MultiplyComplex, padded};
-use super::temporal::{TemporalModes, is_real};
+use basis::{TemporalModes, is_real};
 use fem::{Layout, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::pulp::Arch;

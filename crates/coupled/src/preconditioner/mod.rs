@@ -13,8 +13,6 @@ mod factor;
 mod ilu;
 mod ordering;
 mod panel;
-mod temporal;
 
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;
-pub use temporal::TemporalModes;

@@ -42,6 +42,14 @@ pub(super) struct Direction {
     curvature: Matrix,
 }
 
+/// Values to coefficients of two kinds, see [`Direction::mixed`].
+#[derive(Clone, Debug)]
+pub(super) struct Mixed {
+    pub(super) matrix: Matrix,
+    /// The largest sum of moduli that go into a coefficient, for values of size 1.
+    pub(super) norm: f64,
+}
+
 /// Relative error of a sum of products of one axis after the other, in units of the sum of the moduli.
 const SUM_ERROR: f64 = 64.0 * f64::EPSILON;
 
@@ -72,8 +80,28 @@ impl Direction {
         }
     }
 
+    /// q + 1, the number of Bernstein coefficients.
+    pub(super) fn kept(&self) -> usize {
+        self.to_bernstein.rows()
+    }
+
+    /// The polynomial with given values, on the whole of the axis or, with `side` 0 or 1, on its lower or upper half: its
+    /// Bernstein coefficients and, behind them, its Chebyshev coefficients beyond degree q.
+    pub(super) fn mixed(&self, side: Option<usize>) -> Mixed {
+        let n = self.points.len();
+        let halved = side.map_or(Matrix::identity(n), |side| self.halves[side].clone());
+        let kept = |i: usize, k: usize| if k == i { 1.0 } else { 0.0 };
+        let form = |i, k| if i < self.kept() { self.to_bernstein[(i, k)] } else { kept(i, k) };
+        let steps = [&self.to_chebyshev, &halved, &Matrix::from_fn(n, n, form)];
+        let product = |steps: [&Matrix; 3]| steps[2].product(steps[1]).product(steps[0]);
+        let moduli = steps.map(|m| Matrix::from_fn(n, n, |i, j| m[(i, j)].abs()));
+        let sums = product(moduli.each_ref());
+        let norm = (0..n).map(|i| sums.row(i).iter().sum::<f64>()).fold(0.0, f64::max);
+        Mixed { matrix: product(steps), norm }
+    }
+
     /// A bound of the Lebesgue constant of the points, max_x sum_j |l_j(x)|.
-    fn lebesgue_constant(&self) -> f64 {
+    pub(super) fn lebesgue_constant(&self) -> f64 {
         1.0 + 2.0 / PI * (self.points.len() as f64).ln()
     }
 }
@@ -134,6 +162,11 @@ impl Polynomial {
         let coefficients = values.apply_each(|axis| &directions[axis].to_chebyshev);
         let lebesgue: f64 = directions.iter().map(Direction::lebesgue_constant).product();
         Polynomial { coefficients, error: error * lebesgue }
+    }
+
+    /// The bound of |computed f - exact f|.
+    pub(super) fn error(&self) -> f64 {
+        self.error
     }
 
     /// The polynomial on the lower (`side` 0) or upper half of the box along `axis`.

@@ -14,7 +14,9 @@
 //! coefficients c_i > 0, then f >= min_i (b_i / c_i) g.
 
 mod bernstein;
+mod motion;
 mod search;
+mod sweep;
 #[cfg(test)]
 mod tests;
 
@@ -23,9 +25,13 @@ use crate::lattice::Lattice;
 use crate::{CellMap, Mesh, MeshError};
 use basis::{Lagrange, Matrix};
 use bernstein::{Direction, Polynomial};
+pub use motion::MotionCheck;
 use rayon::prelude::*;
 use search::Search;
 use tensor::{cofactor, determinant, norm};
+
+/// A proved bound is sharp enough when it reaches this fraction of the smallest value seen.
+const SHARPNESS: f64 = 0.5;
 
 /// A point of a cell and a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +56,14 @@ pub struct Bound<const D: usize> {
 }
 
 impl<const D: usize> Bound<D> {
+    /// Nothing is known.
+    const UNKNOWN: Bound<D> = Bound {
+        lower: f64::NEG_INFINITY,
+        sampled_min: f64::INFINITY,
+        sampled_max: f64::NEG_INFINITY,
+        at: SlabPoint { xi: [0.0; D], s: 0.0 },
+    };
+
     /// The scaled Jacobian, min / max over the cell and the slab, as sampled: 1 for a parallelepiped at rest, negative
     /// if inverted.
     pub fn scaled_jacobian(&self) -> f64 {
@@ -125,39 +139,20 @@ impl<const D: usize> ValidityCheck<D> {
 
     /// Bisects until the sign of det J is settled, and until the bound is at least half of the smallest value seen.
     pub fn decide(&self, positions: &[f64]) -> Validity<D> {
-        self.search(positions, None).decide(&self.directions)
+        self.search(positions, None).decide(&self.directions, f64::INFINITY)
     }
 
     /// The same for det J / det J_0, where `reference` holds the positions `[node][D]` of the cell with det J_0 > 0.
     pub fn decide_relative(&self, positions: &[f64], reference: &[f64]) -> Validity<D> {
-        self.search(positions, Some(reference)).decide(&self.directions)
+        self.search(positions, Some(reference)).decide(&self.directions, f64::INFINITY)
     }
 
     /// [`Self::decide`] for cells 0..n_cells on all threads; `positions(cell, x)` fills the array x, `[time][node][D]`.
     pub fn decide_cells(&self, n_cells: usize, positions: impl Fn(usize, &mut [f64]) + Sync) -> Vec<Validity<D>> {
-        self.for_cells(n_cells, positions, |_, x| self.decide(x))
-    }
-
-    /// [`Self::decide_relative`] for all cells of `reference`, a mesh of the same order.
-    pub fn decide_cells_relative(
-        &self,
-        reference: &Mesh<D>,
-        positions: impl Fn(usize, &mut [f64]) + Sync,
-    ) -> Vec<Validity<D>> {
-        let decide = |cell, x: &[f64]| self.decide_relative(x, reference.cell_coordinates(cell));
-        self.for_cells(reference.n_cells(), positions, decide)
-    }
-
-    fn for_cells(
-        &self,
-        n_cells: usize,
-        positions: impl Fn(usize, &mut [f64]) + Sync,
-        decide: impl Fn(usize, &[f64]) -> Validity<D> + Sync,
-    ) -> Vec<Validity<D>> {
         let buffer = || vec![0.0; self.positions_length()];
         let answer = |x: &mut Vec<f64>, cell| {
             positions(cell, x);
-            decide(cell, x)
+            self.decide(x)
         };
         (0..n_cells).into_par_iter().map_init(buffer, answer).collect()
     }
@@ -175,8 +170,7 @@ impl<const D: usize> ValidityCheck<D> {
         let (centred, size) = centred::<D>(positions);
         let shape: Vec<usize> = std::iter::once(D).chain([self.order; D]).chain([time_values.cols()]).collect();
         let jacobians = self.map.lattice_jacobians(Lattice::new(shape, centred).apply(D + 1, time_values));
-        // |p'| <= (N-1)^2 max |p| (Markov), and each of the D sums has N terms.
-        let entry_error = f64::EPSILON * (D * self.order * (self.order - 1).pow(2)) as f64 * size;
+        let entry_error = entry_error::<D>(self.order) * size;
         let error = jacobians.iter().map(|m| determinant_error(m, entry_error)).fold(0.0, f64::max);
         let grid = self.directions.iter().map(|direction| direction.points.len()).collect();
         let values = Lattice::new(grid, jacobians.iter().map(|m| determinant(m, &cofactor(m))).collect());
@@ -190,6 +184,12 @@ fn centred<const D: usize>(positions: &[f64]) -> (Vec<f64>, f64) {
     let relative: Vec<f64> = positions.iter().enumerate().map(|(i, x)| x - positions[i % D]).collect();
     let size = relative.iter().map(|x| x.abs()).fold(0.0, f64::max);
     (relative, size)
+}
+
+/// A bound of the error of an entry of J for positions of size 1: |p'| <= (N-1)^2 max |p| (Markov), and each of the D sums has N
+/// terms. Callers double it, for the rounding of the positions when they are centred.
+fn entry_error<const D: usize>(order: usize) -> f64 {
+    f64::EPSILON * (D * order * (order - 1).pow(2)) as f64
 }
 
 /// A bound of the error of det m whose columns m_a are wrong by `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|, and

@@ -1,16 +1,13 @@
 //! Bisection of a box in space and time, the box with the lowest bound first.
 
 use super::bernstein::{Direction, Enclosure, Polynomial};
-use super::{Bound, SlabPoint, Validity};
+use super::{Bound, SHARPNESS, SlabPoint, Validity};
 use crate::lattice::Lattice;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Bisections before a cell counts as undecided.
 const BISECTIONS: usize = 400;
-
-/// A proved bound is sharp enough when it reaches this fraction of the smallest value seen.
-const SHARPNESS: f64 = 0.5;
 
 /// The search for the minimum of f, or of f / g with g > 0.
 pub(super) struct Search<const D: usize> {
@@ -58,9 +55,10 @@ impl<const D: usize> Search<D> {
         Bound { lower, sampled_min: self.sampled_min, sampled_max: self.sampled_max, at }
     }
 
-    pub(super) fn decide(mut self, directions: &[Direction]) -> Validity<D> {
+    /// Bisects until the sign is settled and the bound is sharp; `elsewhere` is the smallest value seen in other cells.
+    pub(super) fn decide(mut self, directions: &[Direction], elsewhere: f64) -> Validity<D> {
         for _ in 0..BISECTIONS {
-            match self.answer(SHARPNESS) {
+            match self.answer(SHARPNESS * self.sampled_min.min(elsewhere)) {
                 Validity::Undecided(_) => self.bisect_lowest(directions),
                 settled => return settled,
             }
@@ -68,12 +66,12 @@ impl<const D: usize> Search<D> {
         self.answer(0.0)
     }
 
-    /// What follows from the bounds so far, if the lower one has to reach `sharpness` times the smallest value seen.
-    fn answer(&self, sharpness: f64) -> Validity<D> {
+    /// What follows from the bounds so far, if the lower one has to reach `target`.
+    fn answer(&self, target: f64) -> Validity<D> {
         let bound = self.bound();
         if bound.sampled_min.is_nan() || bound.sampled_min <= 0.0 {
             Validity::Invalid(bound)
-        } else if bound.lower > 0.0 && bound.lower >= sharpness * bound.sampled_min {
+        } else if bound.lower > 0.0 && bound.lower >= target {
             Validity::Valid(bound)
         } else {
             Validity::Undecided(bound)

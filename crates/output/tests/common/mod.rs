@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step};
+use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
 
 pub const CASE: &str = "0123456789abcdef";
 
@@ -26,6 +26,11 @@ pub fn metadata() -> Metadata {
         mesh_id: "fedcba9876543210".to_owned(),
         space_nodes: vec![-1.0, 0.0, 1.0],
         time_nodes: vec![1.0 / 3.0, 1.0],
+        mesh: RestMesh {
+            position: vec![0.0, 0.5, -1e-300],
+            boundary_names: vec!["wall".to_owned(), "sortie d'été".to_owned()],
+            boundary_facets: vec![[0, 1, 0], [39, 2, 1]],
+        },
     }
 }
 

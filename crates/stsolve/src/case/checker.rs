@@ -3,12 +3,13 @@
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
-use super::raw::Formula;
+use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program};
 use navier_stokes::InvalidParameter;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// The result of a check.
 pub(super) type Checked<T> = Result<T, Box<CaseError>>;
@@ -42,6 +43,11 @@ impl<'a> Checker<'a> {
         Ok(checker)
     }
 
+    /// `path` as seen from the directory of the case file.
+    pub(super) fn beside_case(&self, path: &Path) -> PathBuf {
+        self.document.path().parent().unwrap_or(Path::new("")).join(path)
+    }
+
     /// Takes note of a default that follows from other keys, with what was taken.
     pub(super) fn note_default(&self, key: &Key, taken: &str) {
         self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
@@ -69,6 +75,24 @@ impl<'a> Checker<'a> {
     pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
         self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
         Ok(value)
+    }
+
+    /// Poisson's ratio, where the elastic energy is definite.
+    pub(super) fn poisson_ratio(&self, key: &Key, nu: f64) -> Checked<f64> {
+        let accepted = "a number above -1 and below 0.5 (0.5 would be incompressible)";
+        self.require(key, "Poisson's ratio", nu > -1.0 && nu < 0.5, accepted)?;
+        Ok(nu)
+    }
+
+    /// Which of the axes of the mesh are listed.
+    pub(super) fn axes<const D: usize>(&self, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
+        let mut listed = [false; D];
+        for (index, axis) in axes.iter().enumerate() {
+            let place = *axis as usize;
+            self.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
+            listed[place] = true;
+        }
+        Ok(listed)
     }
 
     /// `value`, if it is 1 or more.
@@ -129,9 +153,18 @@ impl<'a> Checker<'a> {
 
     /// A formula in position and time for each axis.
     pub(super) fn formulas<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        self.programs(key, formulas, &self.names.with_coordinates(D).with_time())
+    }
+
+    /// A formula in time for each axis.
+    pub(super) fn formulas_of_time<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        self.programs(key, formulas, &self.names.with_time())
+    }
+
+    fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
         let formulas: [Formula; D] = self.vector(key, formulas)?;
-        let programs: Checked<Vec<Program>> =
-            formulas.iter().enumerate().map(|(axis, formula)| self.formula::<D>(&key.entry(axis), formula)).collect();
+        let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);
+        let programs: Checked<Vec<Program>> = formulas.iter().enumerate().map(program).collect();
         Ok(Vector::new(self.vector(key, &programs?)?))
     }
 
@@ -152,16 +185,42 @@ impl<'a> Checker<'a> {
         given: &'b BTreeMap<String, T>,
         boundaries: &[String],
     ) -> Checked<Vec<(Key, &'b T)>> {
-        if let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) {
-            let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
-            let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted };
-            return Err(self.error(&key.child(name), unknown));
-        }
+        self.known_boundaries(key, given, boundaries)?;
         let entry = |boundary: &String| {
-            let name = if given.contains_key(boundary) { boundary } else { OTHERS };
             let missing = || self.error(key, Cause::NoCondition { name: boundary.clone(), kind });
-            given.get(name).map(|value| (key.child(name), value)).ok_or_else(missing)
+            given
+                .get(name_of(given, boundary))
+                .map(|value| (key.child(name_of(given, boundary)), value))
+                .ok_or_else(missing)
         };
         boundaries.iter().map(entry).collect()
     }
+
+    /// The same where boundaries need no entry.
+    pub(super) fn by_boundary_or_default<T: Clone + Default>(
+        &self,
+        key: &Key,
+        given: &BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Checked<Vec<(Key, T)>> {
+        self.known_boundaries(key, given, boundaries)?;
+        let entry = |boundary: &String| {
+            let name = name_of(given, boundary);
+            (key.child(name), given.get(name).cloned().unwrap_or_default())
+        };
+        Ok(boundaries.iter().map(entry).collect())
+    }
+
+    /// The table `given` names boundaries of the mesh only.
+    fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
+        let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) else { return Ok(()) };
+        let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
+        let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted };
+        Err(self.error(&key.child(name), unknown))
+    }
+}
+
+/// The name under which `boundary` is found in the table `given`: its own, or that of all others.
+fn name_of<'b, T>(given: &BTreeMap<String, T>, boundary: &'b str) -> &'b str {
+    if given.contains_key(boundary) { boundary } else { OTHERS }
 }

@@ -120,6 +120,32 @@ pub enum Cause {
     /// A mesh that cannot be.
     #[error("{0}")]
     Mesh(#[source] mesh::MeshError),
+    /// A file that the case names cannot be read.
+    #[error("cannot read {}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: std::io::Error,
+    },
+    /// A file of the case that holds no mesh.
+    #[error("{}: {error}", path.display())]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and in which line or byte.
+        error: mesh::GmshError,
+    },
+    /// A line of a file of coordinates that is not a point.
+    #[error("{}:{line}: `{found}` is not a point", path.display())]
+    Coordinates {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What it holds.
+        found: String,
+    },
 }
 
 impl CaseError {
@@ -168,8 +194,9 @@ impl Cause {
                 Some(format!("a key `{name}` in this table, or `others` for all boundaries that are not named"))
             }
             Cause::Mesh(mesh::MeshError::Inverted { .. }) => {
-                Some("a smaller amplitude, or a higher order of the mesh".to_owned())
+                Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }
+            Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
             Cause::MovedAtStart { .. } => Some("a displacement that is zero everywhere at the start".to_owned()),
             _ => None,
         }

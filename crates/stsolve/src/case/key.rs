@@ -31,6 +31,14 @@ impl Key {
         self.step(Step::Entry(index))
     }
 
+    /// The key at `path` from this one, such as `cells.side`, or `cells.0` for an entry of an array.
+    pub(super) fn descendant(&self, path: &str) -> Self {
+        path.split('.').fold(self.clone(), |key, name| match name.parse() {
+            Ok(index) => key.entry(index),
+            Err(_) => key.child(name),
+        })
+    }
+
     fn step(&self, step: Step) -> Self {
         Key(self.0.iter().cloned().chain([step]).collect())
     }

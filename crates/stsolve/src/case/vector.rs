@@ -16,6 +16,11 @@ impl<const D: usize> Vector<D> {
         Vector { components }
     }
 
+    /// The zero vector.
+    pub fn zero() -> Self {
+        Vector { components: std::array::from_fn(|_| Program::constant(0.0)) }
+    }
+
     /// The vector at `x` and `t`.
     pub fn evaluate<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
         std::array::from_fn(|axis| self.components[axis].evaluate(x, t))

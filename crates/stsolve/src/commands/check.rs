@@ -2,7 +2,7 @@
 
 use super::print;
 use super::table::Table;
-use crate::case::{About, AnyCase, Case, Flow, Motion};
+use crate::case::{About, AnyCase, Case, Flow, Motion, Structure, Support};
 use crate::failure::Failure;
 use elasticity::Law;
 use serde_json::{Map, Value};
@@ -27,6 +27,7 @@ fn tables<const D: usize>(case: &Case<D>) -> Vec<Table> {
     let size = smallest_size(case);
     let mut tables = vec![about(&case.about), mesh_table(case, size), time_table(case)];
     tables.extend(case.motion.as_ref().map(motion_table));
+    tables.extend(case.structure.as_ref().map(|structure| structure_table(case, structure)));
     tables.extend(case.flow.as_ref().map(|flow| flow_table(case, flow, size)));
     tables.push(cost_table(case));
     tables.push(defaults(&case.about));
@@ -67,9 +68,12 @@ fn time_table<const D: usize>(case: &Case<D>) -> Table {
     table
         .row("start", time.start, "")
         .row("end", time.end, "")
-        .row("slabs", time.slabs, "")
-        .row("length of a slab", time.step, "")
+        .row("slabs", time.slabs, if time.control.is_some() { "if all were as long as the first" } else { "" })
+        .row("length of a slab", time.step, if time.control.is_some() { "at first" } else { "" })
         .row("order", time.order, "nodes per slab");
+    if let Some(coupled::StepControl { tolerance, smallest, largest }) = time.control {
+        table.row("jump aimed at", tolerance, "").row("shortest slab", smallest, "").row("longest slab", largest, "");
+    }
     table
 }
 
@@ -82,6 +86,23 @@ fn motion_table<const D: usize>(motion: &Motion<D>) -> Table {
             .row("Poisson's ratio", *poisson_ratio, "")
             .row("moving boundaries", boundary.iter().flatten().count(), ""),
     };
+    table
+}
+
+fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> Table {
+    let shear_modulus = 0.5 * structure.young_modulus / (1.0 + structure.poisson_ratio);
+    let shear_speed = (shear_modulus / structure.density).sqrt();
+    let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
+    let mut table = Table::new("structure");
+    table
+        .row("Young's modulus", structure.young_modulus, "")
+        .row("Poisson's ratio", structure.poisson_ratio, "")
+        .row("density", structure.density, "")
+        .row("mass", structure.density * case.mesh.volume(), "")
+        .row("speed of shear waves", shear_speed, "")
+        .row("supported boundaries", count(|support| support.fixes() != [false; D]), "")
+        .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
+        .row("natural modes", structure.natural_modes, "");
     table
 }
 

@@ -21,7 +21,7 @@ pub fn schema() -> Result<(), Failure> {
 }
 
 /// Writes to stdout. A reader that has seen enough, as `head` does, is no failure.
-fn print(text: &str) -> Result<(), Failure> {
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::solve(error)),
         _ => Ok(()),

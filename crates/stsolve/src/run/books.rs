@@ -68,6 +68,13 @@ impl Books {
         }
     }
 
+    /// Says that the run has reached its end at `time`.
+    pub fn say_done(&self, time: f64, session: &Session) {
+        let (time, seconds, directory) = (rounded(time), self.seconds(), session.directory.path());
+        let next = RunArguments::to_report(directory);
+        self.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
+    }
+
     /// Ends a run that was stopped at `time`; `again` is the command that continues it.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
 //! From a checked case to the problem of the numerics.
 
-use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness};
-use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem};
-use elasticity::{Accuracy, ElasticMesh, ElasticityError, Material};
+use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness, Structure, Support, Vector};
+use coupled::{BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem, StructureMarch};
+use elasticity::{Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction};
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::NodeNumbering;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -48,7 +48,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
 fn constraints<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
-    boundary: &[Option<crate::case::Vector<D>>],
+    boundary: &[Option<Vector<D>>],
 ) -> (Vec<bool>, BoundaryMotion<D>) {
     let mut constrained = vec![false; numbering.count];
     let mut field_of_node = vec![None; numbering.count];
@@ -84,6 +84,73 @@ where
     Ok(March::new(SlabProblem::new(operator, mover), u, settings(case)))
 }
 
+/// The problem of the steady flow of a case, on the mesh at rest.
+pub fn steady<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> SlabProblem<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: 1 };
+    let operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
+    SlabProblem::new(operator, MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1))
+}
+
+/// The march of a structure, at its start.
+///
+/// # Errors
+/// As [`Body::new`] and [`Dynamics::new`].
+pub fn structure_march<const D: usize>(
+    case: &Case<D>,
+    structure: &Structure<D>,
+) -> Result<StructureMarch<D>, ElasticityError> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let (fixed, supports) = supports(case, &numbering, &structure.boundary);
+    let material = Material::new(structure.young_modulus, structure.poisson_ratio)?;
+    let body = Body::new(case.mesh.clone(), numbering, material, structure.density, fixed)?;
+    let start = |field: &Option<Vector<D>>| -> Vec<f64> {
+        let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
+        body.coordinates().iter().flat_map(value).collect()
+    };
+    let (d, v) = (start(&structure.displacement), start(&structure.velocity));
+    let dynamics = Dynamics::new(body, loads(structure), case.time.order, case.time.step)?;
+    Ok(StructureMarch::new(dynamics, supports, d, v, case.time.schedule()))
+}
+
+/// Which components of which nodes are prescribed, and how they move. A node on several boundaries moves with the first of them that
+/// moves.
+fn supports<const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Support<D>],
+) -> (Vec<[bool; D]>, BoundaryMotion<D>) {
+    let mut fixed = vec![[false; D]; numbering.count];
+    let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
+    let (_, motion) = constraints(case, numbering, &boundary.iter().map(moved).collect::<Vec<_>>());
+    for (index, support) in boundary.iter().enumerate() {
+        for node in numbering.on_boundary(&case.mesh, index) {
+            (0..D).for_each(|i| fixed[node][i] |= support.fixes()[i]);
+        }
+    }
+    (fixed, motion)
+}
+
+fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
+    let body_force = structure.body_force.clone().map(|b| Box::new(move |x: &[f64; D], t: f64| b.evaluate(x, t)) as _);
+    let traction = |(index, support): (usize, &Support<D>)| -> Option<(usize, Traction<D>)> {
+        match support.clone() {
+            Support::Traction(q) => Some((index, Box::new(move |point, t| q.evaluate(&point.position, t)))),
+            Support::Pressure(p) => {
+                // A pressure pushes against the outward normal.
+                Some((index, Box::new(move |point, t| point.normal.map(|n| -p.evaluate(&point.position, t) * n))))
+            }
+            _ => None,
+        }
+    };
+    Loads { body_force, tractions: structure.boundary.iter().enumerate().filter_map(traction).collect() }
+}
+
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -101,10 +168,7 @@ where
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
     let (time, solver) = (&case.time, &case.solver);
     coupled::Settings {
-        start: time.start,
-        end: time.end,
-        step: time.step,
-        slabs: time.slabs,
+        schedule: time.schedule(),
         newton: solver.newton(),
         predictor: match solver.predictor {
             Predictor::Elastic => coupled::Predictor::Elastic,

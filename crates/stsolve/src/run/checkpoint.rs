@@ -25,6 +25,7 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
     put("flow", state.u.clone());
     put("displacement", state.d.clone());
     put("pending", pending);
+    put("step", vec![state.step]);
     if let Some(past) = &state.past {
         put("past.interval", numbers(&past.interval).to_vec());
         put("past.displacement", past.bottom.clone());
@@ -56,6 +57,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>,
         d: array("displacement")?,
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
+        step: *array("step")?.first()?,
         base_iterations: integer("base_iterations")?,
     };
     reopen_short_slab(&mut state, time);
@@ -69,8 +71,12 @@ pub fn incomplete() -> Failure {
     ))
 }
 
-/// The last slab of a run ends with it, be it shorter than the others. In a run that goes on, its rest is still to be done.
+/// The last slab of a run ends with it, be it shorter than the others. In a run that goes on, its rest is still to be done,
+/// unless slabs are adapted: these are not counted.
 fn reopen_short_slab(state: &mut State, time: &Time) {
+    if time.control.is_some() {
+        return;
+    }
     let full_end = time.start + time.step * state.nominal as f64;
     if state.pending.is_empty() && state.nominal > 0 && full_end - state.time > 1e-9 * time.step {
         state.nominal -= 1;

@@ -1,22 +1,23 @@
-//! Mesh and flow, slab by slab.
+//! A run, slab by slab: the same for flow, mesh and structure.
 
 use super::books::{Books, Stop};
+use super::checkpoint;
+use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
-use super::record::{MeshMoverView, Recorder, Snapshot};
+use super::record::{MeshView, Recorder, Snapshot};
+use super::structure_run::run_structure;
 use super::tally::Tally;
-use super::{build, checkpoint, history, summary};
-use crate::case::{AnyCase, Case, Flow, State};
+use crate::case::{AnyCase, Case, State};
 use crate::cli::RunArguments;
 use crate::commands::Session;
 use crate::failure::Failure;
-use crate::progress::{SlabDone, rounded};
-use coupled::{March, SlabReport};
+use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::SolverState;
+use output::{SolverState, Summary};
 use std::time::Instant;
 
-/// `stsolve run`: mesh and flow, or the mesh alone where there is no flow.
+/// `stsolve run`: mesh and flow, or the mesh or a structure alone where there is no flow.
 ///
 /// # Errors
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
@@ -46,123 +47,148 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    match &case.flow {
-        Some(flow) => solve::<D, M>(case, flow, arguments),
-        None => move_mesh::<D, M>(case, arguments, "run"),
+    match (&case.flow, &case.structure) {
+        (Some(flow), _) => run_flow::<D, M>(case, flow, arguments),
+        (None, Some(structure)) => run_structure::<D, M>(case, structure, arguments),
+        (None, None) => move_mesh::<D, M>(case, arguments, "run"),
     }
 }
 
-fn solve<const D: usize, const M: usize>(
+/// A march from slab to slab, and what a run writes of it.
+pub(super) trait Run {
+    /// What a slab has done.
+    type Report;
+    /// Where the march stands.
+    fn state(&self) -> &coupled::State;
+    /// Whether the end is reached.
+    fn is_done(&self) -> bool;
+    /// Advances one slab.
+    fn advance(&mut self) -> anyhow::Result<Self::Report>;
+    /// Velocities and flow at the start, at every time node, laid out as those of a slab.
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
+    /// Prepares and enters the start of the run; returns its row of history.csv, if it has one.
+    fn open(&mut self, _books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
+    /// Enters a slab and tells of it; returns its row of history.csv.
+    fn enter(&self, report: &Self::Report, books: &mut Books) -> Vec<f64>;
+    /// All that the next slab depends on.
+    fn store(&self) -> SolverState;
+    /// Puts the march where a checkpoint left it; `None` if something is missing there.
+    fn restore(&mut self, stored: &SolverState) -> Option<()>;
+    /// summary.json
+    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
+    /// Says how a run that has reached its end has ended.
+    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
+}
+
+/// How a run was called.
+#[derive(Clone, Copy)]
+pub(super) struct Call<'a> {
+    /// The arguments.
+    pub arguments: &'a RunArguments,
+    /// The command.
+    pub command: &'a str,
+    /// When.
+    pub begun: Instant,
+}
+
+/// Drives `run` from its start or its checkpoint to its end.
+pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
-    flow: &Flow<D>,
-    arguments: &RunArguments,
-) -> Result<(), Failure>
-where
-    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
-    State<D>: ExactState<D, M>,
-    Exact<State<D>>: StateField<D, M>,
-    Manufactured<State<D>, D>: StateField<D, M>,
-{
-    let begun = Instant::now();
-    let mut march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
-    let view = MeshMoverView::new(&march.problem.mover);
+    mut run: R,
+    mesh: &MeshView<D>,
+    call: Call<'_>,
+) -> Result<(), Failure> {
+    let Call { arguments, command, begun } = call;
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
-    let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, &view, arguments.resume)?;
-    let tally = resume(&mut march, stored.as_ref(), case)?;
-    let mut books = Books::new(&case.time, march.state.time, arguments, &session, begun, tally);
-    if stored.is_none() {
-        books.tally.totals_at_start = march.totals();
-        let (velocities, flow) = (vec![0.0; march.state.d.len() * case.time.order], flow_at_start(&march));
-        let (time, displacement) = (march.state.time, &march.state.d[..]);
-        recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
-    }
-    let stop = solve_slabs(case, &mut march, &mut recorder, &mut books, &session)?;
-    recorder.checkpoint(solver_state(&march), &books.tally)?;
+    let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume)?;
+    let tally = resume(&mut run, stored.as_ref(), case)?;
+    let mut books = Books::new(&case.time, run.state().time, arguments, &session, begun, tally);
+    let stop = match stored {
+        None => begin(&mut run, &mut recorder, &mut books)?,
+        Some(_) => None,
+    };
+    let stop = match stop {
+        None => run_slabs(case, &mut run, &mut recorder, &mut books, &session)?,
+        stop => stop,
+    };
+    recorder.checkpoint(run.store(), &books.tally)?;
     books.progress.finish();
-    summary::of_flow(case, flow, &march, &books, stop.as_ref()).write(&session.directory)?;
-    let (time, directory) = (march.state.time, session.directory.path());
-    if let Some(stop) = stop {
-        return books.conclude(stop, time, &session, &arguments.to_resume("run", directory));
+    run.summary(&books, stop.as_ref()).write(&session.directory)?;
+    match stop {
+        Some(stop) => {
+            let again = arguments.to_resume(command, session.directory.path());
+            books.conclude(stop, run.state().time, &session, &again)
+        }
+        None => run.judge(&books, &session),
     }
-    let (time, seconds) = (rounded(time), books.seconds());
-    books.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}", directory.display()));
-    Ok(())
 }
 
-/// Puts the march where the checkpoint left it.
-fn resume<const D: usize, const M: usize>(
-    march: &mut March<D, M>,
-    stored: Option<&SolverState>,
-    case: &Case<D>,
-) -> Result<Tally, Failure> {
+/// Begins a new run. Returns why that could not be done, if it could not.
+fn begin<const D: usize, const M: usize>(
+    run: &mut impl Run,
+    recorder: &mut Recorder<D, M>,
+    books: &mut Books,
+) -> Result<Option<Stop>, Failure> {
+    let row = match run.open(books) {
+        Ok(row) => row,
+        Err(error) => return Ok(Some(Stop::Failed(error))),
+    };
+    let (velocities, flow) = run.slab_at_start();
+    let (time, displacement) = (run.state().time, &run.state().d[..]);
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
+    if let Some(row) = row {
+        recorder.history.push(&row)?;
+        recorder.checkpoint(run.store(), &books.tally)?;
+    }
+    Ok(None)
+}
+
+/// Puts the run where its checkpoint left it.
+fn resume<const D: usize>(run: &mut impl Run, stored: Option<&SolverState>, case: &Case<D>) -> Result<Tally, Failure> {
     let Some(stored) = stored else { return Ok(Tally::default()) };
-    let (state, frozen, stale) = checkpoint::load(stored, &case.time).ok_or_else(checkpoint::incomplete)?;
-    if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() {
-        return Err(checkpoint::incomplete());
-    }
-    march.state = state;
-    if let Some(frozen) = frozen {
-        march.problem.thaw(frozen);
-    }
-    march.problem.stale = stale;
-    Tally::from_arrays(&stored.arrays, case.mesh.boundary_names().len()).ok_or_else(checkpoint::incomplete)
+    run.restore(stored).ok_or_else(checkpoint::incomplete)?;
+    Tally::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))
+        .ok_or_else(checkpoint::incomplete)
 }
 
-fn solver_state<const D: usize, const M: usize>(march: &March<D, M>) -> SolverState {
-    checkpoint::store(&march.state, march.problem.frozen(), march.problem.stale)
-}
-
-/// The flow at the start, at every time node.
-fn flow_at_start<const D: usize, const M: usize>(march: &March<D, M>) -> Vec<f64> {
-    let (layout, one) = (march.problem.flow.layout, march.problem.flow.layout.at_one_time());
-    let cell = |cell| (0..layout.time_order).flat_map(move |_| march.state.u[one.cell(cell)].iter().copied());
-    (0..layout.cells).flat_map(cell).collect()
-}
-
-/// Solves what is left of the run; returns why it stopped before its end, if it did.
-fn solve_slabs<const D: usize, const M: usize>(
+/// Runs what is left; returns why it stopped before its end, if it did.
+fn run_slabs<const D: usize, const M: usize>(
     case: &Case<D>,
-    march: &mut March<D, M>,
+    run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
     session: &Session,
 ) -> Result<Option<Stop>, Failure> {
-    while !march.is_done() {
+    while !run.is_done() {
         if session.stop.is_set() {
             return Ok(Some(Stop::Asked));
         }
-        match march.advance() {
-            Ok(report) => finish_slab(case, march, &report, recorder, books)?,
-            Err(error) => return Ok(Some(Stop::Failed(error.into()))),
+        match run.advance() {
+            Ok(report) => finish_slab(case, run, &report, recorder, books)?,
+            Err(error) => return Ok(Some(Stop::Failed(error))),
         }
     }
     Ok(None)
 }
 
-fn finish_slab<const D: usize, const M: usize>(
+fn finish_slab<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
-    march: &March<D, M>,
-    report: &SlabReport,
+    run: &R,
+    report: &R::Report,
     recorder: &mut Recorder<D, M>,
     books: &mut Books,
 ) -> Result<(), Failure> {
-    books.tally.add(report);
-    recorder.history.push(&history::row(case, report, &books.tally))?;
-    if let Some(past) = &march.state.past
-        && (report.slab.is_multiple_of(case.output.every) || march.is_done())
+    recorder.history.push(&run.enter(report, books))?;
+    let coupled::State { slab, time, d: displacement, past, .. } = run.state();
+    if let Some(Past { v: velocities, u: flow, .. }) = past
+        && (slab.is_multiple_of(case.output.every) || run.is_done())
     {
-        let (displacement, velocities) = (&march.state.d[..], &past.v[..]);
-        recorder.step(&Snapshot { time: march.state.time, displacement, velocities, flow: &past.u })?;
+        recorder.step(&Snapshot { time: *time, displacement, velocities, flow })?;
     }
     if recorder.is_checkpoint_due() {
-        recorder.checkpoint(solver_state(march), &books.tally)?;
+        recorder.checkpoint(run.store(), &books.tally)?;
     }
-    books.progress.slab(&SlabDone {
-        number: report.slab,
-        time: march.state.time,
-        newton: report.newton.steps.len(),
-        krylov: report.newton.krylov_iterations,
-        residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
-    });
     Ok(())
 }

@@ -1,35 +1,95 @@
 //! The columns of history.csv, and its rows.
 
-use super::tally::Tally;
-use crate::case::Case;
-use coupled::{Interval, MeshQuality, SlabReport};
+use super::tally::{EnergyBalance, Tally};
+use super::walls::Felt;
+use crate::case::{Case, Flow, Structure, Wall};
+use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
+use navier_stokes::{Coefficients, WallForce};
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
     ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
 
 /// Columns of a run with a flow.
-const OF_FLOW: [&str; 8] =
-    ["newton", "krylov", "residual_initial", "residual", "preconditioner_builds", "rejected", "mass", "mass_error"];
+const OF_FLOW: [&str; 9] = [
+    "jump",
+    "newton",
+    "krylov",
+    "residual_initial",
+    "residual",
+    "preconditioner_builds",
+    "rejected",
+    "mass",
+    "mass_error",
+];
 
-/// Columns of history.csv: those of every run, and for each wall its mean force over the slab and its power.
+/// Columns of a run of a structure; work and dissipation since the start.
+const OF_STRUCTURE: [&str; 10] = [
+    "t",
+    "dt",
+    "elasticity_iterations",
+    "kinetic_energy",
+    "strain_energy",
+    "energy",
+    "load_work",
+    "support_work",
+    "dissipation",
+    "energy_error",
+];
+
+/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab. A structure has
+/// its own.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
-    let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
-    if case.flow.is_some() {
-        columns.extend(OF_FLOW.map(String::from));
+    if let Some(structure) = &case.structure {
+        return columns_of_structure(structure);
     }
-    for wall in walls(case) {
-        let name = &case.mesh.boundary_names()[wall];
-        columns.extend(["force_x", "force_y", "force_z"][..D].iter().map(|force| format!("{name}_{force}")));
-        columns.push(format!("{name}_power"));
+    let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
+    let Some(flow) = &case.flow else { return columns };
+    columns.extend(OF_FLOW.map(String::from));
+    for wall in &flow.walls {
+        columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
     columns
 }
 
-/// The boundaries that are walls.
-pub fn walls<const D: usize>(case: &Case<D>) -> Vec<usize> {
-    let conditions = case.flow.iter().flat_map(|flow| flow.boundary.iter().enumerate());
-    conditions.filter(|(_, boundary)| boundary.condition.is_wall()).map(|(number, _)| number).collect()
+/// Columns of a wall, in the order of [`row_of_wall`].
+fn of_wall<const D: usize>() -> Vec<String> {
+    let axes = &["x", "y", "z"][..D];
+    let vector = |name: &'static str| axes.iter().map(move |axis| format!("{name}_{axis}"));
+    let moment = |name: &'static str| match D {
+        2 => vec![name.to_string()],
+        _ => vector(name).collect(),
+    };
+    let mut columns: Vec<String> = ["force", "pressure_force", "friction_force"].into_iter().flat_map(vector).collect();
+    columns.extend(moment("moment"));
+    columns.extend(["power", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
+    columns.extend(vector("impulse"));
+    columns.extend(moment("moment_impulse"));
+    columns.push("work".to_string());
+    columns
+}
+
+fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
+    // In the plane the moment has one component, the last.
+    let moment = |force: &WallForce<D>| if D == 2 { force.moment[2..].to_vec() } else { force.moment.to_vec() };
+    let (now, during) = (&felt.at_top, &felt.during);
+    let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
+    let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
+    row.extend(moment(now));
+    row.extend([now.power, drag, lift, turning]);
+    row.extend(during.force());
+    row.extend(moment(during));
+    row.push(during.power);
+    row
+}
+
+/// With the displacement of every point and the coordinate of every natural mode.
+fn columns_of_structure<const D: usize>(structure: &Structure<D>) -> Vec<String> {
+    let of_point =
+        |(name, _): &(String, [f64; D])| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect();
+    let points = structure.points.iter().flat_map(of_point as fn(&_) -> Vec<String>);
+    let modes = (1..=structure.natural_modes).map(|mode| format!("mode_{mode}"));
+    OF_STRUCTURE.map(String::from).into_iter().chain(points).chain(modes).collect()
 }
 
 /// A row of the mesh alone.
@@ -38,16 +98,32 @@ pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality)
     vec![interval.end, interval.end - interval.start, iterations as f64, lower_bound, sampled_min, scaled_jacobian]
 }
 
-/// A row of mesh and flow; `tally` includes the slab.
-pub fn row<const D: usize>(case: &Case<D>, report: &SlabReport, tally: &Tally) -> Vec<f64> {
+/// A row of a structure, up to its points; `balance` includes the slab.
+pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Vec<f64> {
+    let StructureReport { interval, dynamics, kinetic_energy, strain_energy, .. } = report;
+    let energy = kinetic_energy + strain_energy;
+    let time = [interval.end, interval.end - interval.start, dynamics.iterations as f64];
+    let work = [balance.load_work, balance.support_work, balance.dissipation, balance.error(energy)];
+    [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
+}
+
+/// A row of mesh and flow, with what the walls felt; `tally` includes the slab.
+pub fn row<const D: usize, const M: usize>(
+    flow: &Flow<D>,
+    report: &SlabReport<M>,
+    felt: &[Felt<D>],
+    tally: &Tally,
+) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
-    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
+    row.extend([
+        report.jump,
+        newton.steps.len() as f64,
+        newton.krylov_iterations as f64,
+        newton.initial_norm,
+        newton.final_norm(),
+    ]);
     row.extend([counts.rebuilds as f64, report.rejected as f64, totals[0], tally.mass_balance(totals)]);
-    let dt = interval.end - interval.start;
-    for wall in walls(case) {
-        // What momentum leaves through a wall is the force of the fluid on it; what energy leaves is the work on it.
-        row.extend(report.through[wall][1..].iter().map(|through| through / dt));
-    }
+    row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row
 }

@@ -1,8 +1,9 @@
-//! The mesh alone, slab by slab.
+//! The mesh alone.
 
 use super::books::{Books, Stop};
-use super::record::{MeshMoverView, Recorder, Snapshot};
-use super::tally::{FirstInvalid, Tally};
+use super::drive::{Call, Run, drive};
+use super::record::MeshView;
+use super::tally::FirstInvalid;
 use super::{build, checkpoint, history, summary};
 use crate::case::Case;
 use crate::cli::RunArguments;
@@ -10,7 +11,7 @@ use crate::commands::Session;
 use crate::failure::Failure;
 use crate::progress::rounded;
 use coupled::{MeshMarch, MeshQuality, MeshReport};
-use output::SolverState;
+use output::{SolverState, Summary};
 use std::time::Instant;
 
 /// Moves the mesh over the whole run, even where cells are inverted; `command` is what the user has called.
@@ -22,99 +23,68 @@ pub fn move_mesh<const D: usize, const M: usize>(
     arguments: &RunArguments,
     command: &str,
 ) -> Result<(), Failure> {
-    let begun = Instant::now();
+    let call = Call { arguments, command, begun: Instant::now() };
+    if case.structure.is_some() {
+        let problem = "the case is a structure: there is no mesh motion to look at; use `stsolve run`";
+        return Err(Failure::bad_input(anyhow::anyhow!(problem)));
+    }
     let mover = build::mover(case).map_err(Failure::bad_input)?;
-    let view = MeshMoverView::new(&mover);
-    let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
+    let mesh = MeshView::new(&mover.reference, &mover.numbering);
     let case = &Case { flow: None, ..case.clone() };
-    let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, &view, arguments.resume)?;
-    let time = &case.time;
-    let mut march = MeshMarch::new(mover, time.start, time.end, time.step, time.slabs);
-    let tally = resume(&mut march, stored.as_ref(), case)?;
-    let mut books = Books::new(time, march.state.time, arguments, &session, begun, tally);
-    if stored.is_none() {
-        let velocities = vec![0.0; march.state.d.len() * time.order];
-        recorder.step(&snapshot(&march, &velocities))?;
-    }
-    let stop = move_slabs(case, &mut march, &mut recorder, &mut books, &session)?;
-    recorder.checkpoint(solver_state(&march), &books.tally)?;
-    books.progress.finish();
-    summary::of_mesh(case, &march.mover, &march.state, &books, stop.as_ref()).write(&session.directory)?;
-    match stop {
-        Some(stop) => {
-            let again = arguments.to_resume(command, session.directory.path());
-            books.conclude(stop, march.state.time, &session, &again)
-        }
-        None => judge(&books, &session, march.state.time),
-    }
+    let march = MeshMarch::new(mover, case.time.schedule());
+    drive::<D, M, _>(case, MeshRun { case, march }, &mesh, call)
 }
 
-/// Puts the march where the checkpoint left it.
-fn resume<const D: usize>(
-    march: &mut MeshMarch<D>,
-    stored: Option<&SolverState>,
-    case: &Case<D>,
-) -> Result<Tally, Failure> {
-    let Some(stored) = stored else { return Ok(Tally::default()) };
-    let (state, ..) = checkpoint::load(stored, &case.time).ok_or_else(checkpoint::incomplete)?;
-    if state.d.len() != march.state.d.len() {
-        return Err(checkpoint::incomplete());
-    }
-    march.state = state;
-    Tally::from_arrays(&stored.arrays, 0).ok_or_else(checkpoint::incomplete)
+struct MeshRun<'a, const D: usize> {
+    case: &'a Case<D>,
+    march: MeshMarch<D>,
 }
 
-fn move_slabs<const D: usize, const M: usize>(
-    case: &Case<D>,
-    march: &mut MeshMarch<D>,
-    recorder: &mut Recorder<D, M>,
-    books: &mut Books,
-    session: &Session,
-) -> Result<Option<Stop>, Failure> {
-    while !march.is_done() {
-        if session.stop.is_set() {
-            return Ok(Some(Stop::Asked));
-        }
-        match march.advance() {
-            Ok(report) => finish_slab(case, march, &report, recorder, books)?,
-            Err(error) => return Ok(Some(Stop::Failed(error.into()))),
-        }
-    }
-    Ok(None)
-}
+impl<const D: usize> Run for MeshRun<'_, D> {
+    type Report = MeshReport;
 
-fn finish_slab<const D: usize, const M: usize>(
-    case: &Case<D>,
-    march: &MeshMarch<D>,
-    report: &MeshReport,
-    recorder: &mut Recorder<D, M>,
-    books: &mut Books,
-) -> Result<(), Failure> {
-    let MeshReport { slab, interval, work, quality, first_invalid } = report;
-    let tally = &mut books.tally;
-    tally.elasticity += work.iterations as u64;
-    tally.add_quality(*quality);
-    let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
-    tally.first_invalid = tally.first_invalid.or(first_invalid);
-    recorder.history.push(&history::row_of_mesh(*interval, work.iterations, quality))?;
-    if let Some(past) = &march.state.past
-        && (slab % case.output.every == 0 || march.is_done())
-    {
-        recorder.step(&snapshot(march, &past.v))?;
+    fn state(&self) -> &coupled::State {
+        &self.march.state
     }
-    if recorder.is_checkpoint_due() {
-        recorder.checkpoint(solver_state(march), &books.tally)?;
+    fn is_done(&self) -> bool {
+        self.march.is_done()
     }
-    books.progress.mesh(*slab, march.state.time, quality);
-    Ok(())
-}
+    fn advance(&mut self) -> anyhow::Result<MeshReport> {
+        Ok(self.march.advance()?)
+    }
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
+        (vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new())
+    }
 
-fn snapshot<'a, const D: usize>(march: &'a MeshMarch<D>, velocities: &'a [f64]) -> Snapshot<'a> {
-    Snapshot { time: march.state.time, displacement: &march.state.d, velocities, flow: &[] }
-}
+    fn enter(&self, report: &MeshReport, books: &mut Books) -> Vec<f64> {
+        let MeshReport { slab, interval, work, quality, first_invalid } = report;
+        let tally = &mut books.tally;
+        tally.elasticity += work.iterations as u64;
+        tally.add_quality(*quality);
+        let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
+        tally.first_invalid = tally.first_invalid.or(first_invalid);
+        books.progress.mesh(*slab, self.march.state.time, quality);
+        history::row_of_mesh(*interval, work.iterations, quality)
+    }
 
-fn solver_state<const D: usize>(march: &MeshMarch<D>) -> SolverState {
-    checkpoint::store(&march.state, None, false)
+    fn store(&self) -> SolverState {
+        checkpoint::store(&self.march.state, None, false)
+    }
+
+    fn restore(&mut self, stored: &SolverState) -> Option<()> {
+        let (state, ..) = checkpoint::load(stored, &self.case.time)?;
+        let fits = state.d.len() == self.march.state.d.len();
+        self.march.state = state;
+        fits.then_some(())
+    }
+
+    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
+        summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
+    }
+
+    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
+        judge(books, session, self.march.state.time)
+    }
 }
 
 /// Says what was proved.
@@ -133,9 +103,10 @@ fn judge(books: &Books, session: &Session, time: f64) -> Result<(), Failure> {
     }
     books.progress.say(&format!(
         "valid until t = {}: det J / det J_0 >= {lower_bound:.6} proved, smallest in cell {cell} near t = {at}; {:.1} s; results \
-         in {directory}",
+         in {directory}; {}",
         rounded(time),
         books.seconds(),
+        RunArguments::to_report(session.directory.path()),
     ));
     Ok(())
 }

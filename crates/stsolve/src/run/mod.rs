@@ -3,8 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `build` | from a case to the problem of the numerics |
-//! | `drive` | mesh and flow, slab by slab |
-//! | `mesh_run` | the mesh alone, slab by slab |
+//! | `drive` | a run, slab by slab, whatever it solves |
+//! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
 //! | `books` | what a run keeps beside its march, and how it ends |
 //! | `record` | what every slab leaves on disk |
 //! | `history` | columns and rows of history.csv |
@@ -12,16 +12,20 @@
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `tally` | sums over the run |
+//! | `walls` | what walls feel |
 
 mod books;
 mod build;
 mod checkpoint;
 mod drive;
-mod fields;
+pub(crate) mod fields;
+mod flow_run;
 mod history;
 mod mesh_run;
 mod record;
+mod structure_run;
 mod summary;
 mod tally;
+mod walls;
 
 pub use drive::{motion, run};

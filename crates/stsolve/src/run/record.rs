@@ -6,10 +6,10 @@ use super::tally::Tally;
 use crate::case::Case;
 use crate::commands::Session;
 use crate::failure::Failure;
-use coupled::MeshMover;
 use fem::{Layout as FlowLayout, Sampler};
+use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Gas;
-use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, ResultFile, SolverState, Step};
+use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, RestMesh, ResultFile, SolverState, Step};
 
 /// What a run has at the end of a slab, and in it.
 pub struct Snapshot<'a> {
@@ -26,7 +26,7 @@ pub struct Snapshot<'a> {
 /// The files of a run.
 pub struct Recorder<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
-    mover: &'a MeshMoverView<D>,
+    mesh: &'a MeshView<D>,
     result: ResultFile,
     /// `history.csv`.
     pub history: History,
@@ -36,21 +36,21 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
 }
 
 /// What the recorder knows of the mesh: C0 nodes per cell and reference positions `[cell][component][node]`.
-pub struct MeshMoverView<const D: usize> {
+pub struct MeshView<const D: usize> {
     cells: Vec<Vec<usize>>,
     positions: Vec<Vec<f64>>,
 }
 
-impl<const D: usize> MeshMoverView<D> {
-    /// The view of `mover`.
-    pub fn new(mover: &MeshMover<D>) -> Self {
-        let cells = 0..mover.reference.n_cells();
+impl<const D: usize> MeshView<D> {
+    /// The view of `mesh` and its nodes.
+    pub fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
+        let cells = 0..mesh.n_cells();
         let transposed = |cell| {
-            let nodes = mover.reference.cell_coordinates(cell);
+            let nodes = mesh.cell_coordinates(cell);
             (0..D).flat_map(|d| nodes.iter().skip(d).step_by(D).copied()).collect()
         };
-        MeshMoverView {
-            cells: cells.clone().map(|cell| mover.numbering.cell(cell).to_vec()).collect(),
+        MeshView {
+            cells: cells.clone().map(|cell| numbering.cell(cell).to_vec()).collect(),
             positions: cells.map(transposed).collect(),
         }
     }
@@ -75,7 +75,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn start(
         session: &Session,
         case: &'a Case<D>,
-        mover: &'a MeshMoverView<D>,
+        mesh: &'a MeshView<D>,
         resume: bool,
     ) -> Result<(Self, Option<SolverState>), Failure> {
         let fingerprint = fingerprint(case);
@@ -83,15 +83,15 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             let (result, stored, _) = ResultFile::resume(&session.directory, &fingerprint)?;
             (result, Some(stored))
         } else {
-            let metadata = metadata(case, fingerprint);
+            let metadata = metadata(case, mesh, fingerprint);
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
         let rows = stored.as_ref().and_then(|stored| stored.arrays.get("history")).map_or(&[][..], Vec::as_slice);
         let history = History::create(&session.directory, &columns(case), rows)?;
         let (sampler, _) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
-        let reference_determinants = mover.positions.iter().map(|nodes| sampler.determinants(nodes)).collect();
+        let reference_determinants = mesh.positions.iter().map(|nodes| sampler.determinants(nodes)).collect();
         let recorder =
-            Recorder { case, mover, result, history, sampler, reference_determinants, slabs_since_checkpoint: 0 };
+            Recorder { case, mesh, result, history, sampler, reference_determinants, slabs_since_checkpoint: 0 };
         Ok((recorder, stored))
     }
 
@@ -140,8 +140,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let (mut points, mut drawn) = (Vec::new(), vec![Vec::new(); wanted.len()]);
         let n = self.sampler.points();
         let last = &snapshot.velocities[snapshot.velocities.len() - snapshot.displacement.len()..];
-        for cell in 0..self.mover.cells.len() {
-            let nodal = self.mover.displaced(cell, snapshot.displacement);
+        for cell in 0..self.mesh.cells.len() {
+            let nodal = self.mesh.displaced(cell, snapshot.displacement);
             let x = self.sampler.positions(&nodal);
             points.extend(
                 (0..n).flat_map(|p| (0..3).map(|d| if d < D { x[d * n + p] } else { 0.0 }).collect::<Vec<_>>()),
@@ -158,7 +158,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             let sample = CellSample {
                 points: n,
                 state: &self.sampler.state(coefficients),
-                mesh_velocity: &self.sampler.positions(&self.mover.on_cell(cell, last)),
+                mesh_velocity: &self.sampler.positions(&self.mesh.on_cell(cell, last)),
                 jacobian: &jacobian,
                 gradients: &gradients,
             };
@@ -180,11 +180,11 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// Positions `[cell][component][node]` and velocities `[cell][time node][component][node]`.
     fn exact_mesh(&self, snapshot: &Snapshot) -> (Vec<f64>, Vec<f64>) {
-        let cells = 0..self.mover.cells.len();
+        let cells = 0..self.mesh.cells.len();
         let fields = || snapshot.velocities.chunks_exact(snapshot.displacement.len());
-        let positions = cells.clone().flat_map(|cell| self.mover.displaced(cell, snapshot.displacement)).collect();
+        let positions = cells.clone().flat_map(|cell| self.mesh.displaced(cell, snapshot.displacement)).collect();
         let velocities =
-            cells.flat_map(|cell| fields().flat_map(move |field| self.mover.on_cell(cell, field))).collect();
+            cells.flat_map(|cell| fields().flat_map(move |field| self.mesh.on_cell(cell, field))).collect();
         (positions, velocities)
     }
 }
@@ -225,11 +225,15 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
 
 /// Of what a run must have in common with the one that it continues: the numbers of the case, and what is solved.
 fn fingerprint<const D: usize>(case: &Case<D>) -> String {
-    let solved = if case.flow.is_some() { "mesh and flow" } else { "mesh" };
+    let solved = match (&case.flow, &case.structure) {
+        (Some(_), _) => "mesh and flow",
+        (None, Some(_)) => "structure",
+        (None, None) => "mesh",
+    };
     Checksum::default().text(&case.about.numerics).text(solved).to_string()
 }
 
-fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadata {
+fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>, case_fingerprint: String) -> Metadata {
     Metadata {
         creator: format!("stsolve {}", env!("CARGO_PKG_VERSION")),
         case_name: case.about.name.clone(),
@@ -238,5 +242,15 @@ fn metadata<const D: usize>(case: &Case<D>, case_fingerprint: String) -> Metadat
         mesh_id: Checksum::default().numbers(case.mesh.coordinates()).to_string(),
         space_nodes: basis::gauss_lobatto(flow_order(case)).points,
         time_nodes: basis::RadauTime::new(case.time.order).nodes().to_vec(),
+        mesh: rest_mesh(case, mesh),
+    }
+}
+
+fn rest_mesh<const D: usize>(case: &Case<D>, mesh: &MeshView<D>) -> RestMesh {
+    let facet = |facet: &mesh::BoundaryFacet| [facet.side.cell, facet.side.face, facet.boundary].map(|i| i as i64);
+    RestMesh {
+        position: mesh.positions.concat(),
+        boundary_names: case.mesh.boundary_names().to_vec(),
+        boundary_facets: case.mesh.boundary_facets().iter().map(facet).collect(),
     }
 }

@@ -1,12 +1,17 @@
 //! summary.json
 
 use super::books::{Books, Stop};
-use super::history::walls;
-use crate::case::{Case, Flow, Motion, State, Stiffness, Vector};
-use coupled::{March, MeshMover};
+use super::tally;
+use super::walls::from_numbers;
+use crate::case::{self, Case, Flow, Motion, State, Stiffness, Vector};
+use coupled::{March, MeshMover, StructureMarch};
+use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
-use navier_stokes::Exact;
-use output::{Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Summary, Unknowns, Wall};
+use navier_stokes::{Coefficients, Exact};
+use output::{
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Steady, SteadyWall, StructureSummary, Summary,
+    Unknowns, Wall,
+};
 
 /// Of a run of mesh and flow.
 pub fn of_flow<const D: usize, const M: usize>(
@@ -42,12 +47,43 @@ where
         },
     };
     summary.conservation = (conservation != Conservation::default()).then_some(conservation);
-    for wall in walls(case) {
-        let Some(through) = tally.through.get(wall) else { continue };
-        let wall_summary = Wall { impulse: through[1..=D].to_vec(), work: through[M - 1], drag_coefficient: None };
-        summary.walls.insert(case.mesh.boundary_names()[wall].clone(), wall_summary);
+    let impulse = |wall: usize| tally.impulses.get(wall).map_or(&[][..], Vec::as_slice);
+    let force = |wall: usize| tally.forces.get(wall).map_or(&[][..], Vec::as_slice);
+    for (number, wall) in flow.walls.iter().enumerate() {
+        summary.walls.insert(wall.name.clone(), of_wall(wall, impulse(number), force(number)));
     }
+    summary.steady = tally.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
+}
+
+/// Of a wall, from its impulses over the run and its forces at the end.
+fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64]) -> Wall {
+    let impulses = from_numbers::<D>(impulses);
+    let coefficients = wall.scales.coefficients(&from_numbers(forces));
+    Wall {
+        impulse: impulses.force().to_vec(),
+        pressure_impulse: impulses.pressure.to_vec(),
+        friction_impulse: impulses.friction.to_vec(),
+        moment_impulse: impulses.moment[if D == 2 { 2 } else { 0 }..].to_vec(),
+        work: impulses.power,
+        drag_coefficient: Some(coefficients.drag),
+        lift_coefficient: Some(coefficients.lift),
+        moment_coefficient: Some(coefficients.moment),
+    }
+}
+
+/// Of the steady flow at the start.
+fn of_steady<const D: usize>(flow: &Flow<D>, steady: &tally::Steady) -> Steady {
+    let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
+        let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
+        (wall.name.clone(), SteadyWall { drag_coefficient: drag, lift_coefficient: lift, moment_coefficient: moment })
+    };
+    Steady {
+        newton: steady.newton,
+        krylov: steady.krylov,
+        residual: steady.residual,
+        walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
+    }
 }
 
 /// Of a run of the mesh alone.
@@ -61,14 +97,7 @@ pub fn of_mesh<const D: usize>(
     let tally = &books.tally;
     let displacement_max = displacement_error(case, mover, state);
     Summary {
-        case: case.about.name.clone(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        completed: stop.is_none(),
-        reason: stop.map(Stop::reason),
-        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
-        unknowns: Unknowns { flow: None, mesh: case.mesh_unknowns() },
-        slabs: state.slab as u64,
-        time: state.time,
+        unknowns: Unknowns { mesh: case.mesh_unknowns(), ..Default::default() },
         mesh_quality: tally.quality.map(|quality| MeshQuality {
             det_j_lower_bound: Some(quality.lower_bound),
             det_j_sampled_min: Some(quality.sampled_min),
@@ -76,6 +105,46 @@ pub fn of_mesh<const D: usize>(
             first_invalid_time: tally.first_invalid.map(|first| first.time),
         }),
         error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
+        ..common(case, state, books, stop)
+    }
+}
+
+/// Of a run of a structure that has the given `energy` now.
+pub fn of_structure<const D: usize>(
+    case: &Case<D>,
+    march: &StructureMarch<D>,
+    energy: f64,
+    modes: &[NaturalMode],
+    books: &Books,
+    stop: Option<&Stop>,
+) -> Summary {
+    let balance = books.tally.structure;
+    let free = march.dynamics.structure().fixed().iter().filter(|fixed| !**fixed).count();
+    let mut summary = common(case, &march.state, books, stop);
+    summary.unknowns.structure = Some(free * case.time.order);
+    summary.structure = Some(StructureSummary {
+        natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
+        energy_at_start: balance.energy_at_start,
+        energy,
+        load_work: balance.load_work,
+        support_work: balance.support_work,
+        dissipation: balance.dissipation,
+        energy_error: balance.error(energy),
+        iterations: books.tally.elasticity,
+    });
+    summary
+}
+
+/// What the summary of every run has.
+fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books, stop: Option<&Stop>) -> Summary {
+    Summary {
+        case: case.about.name.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        completed: stop.is_none(),
+        reason: stop.map(Stop::reason),
+        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
+        slabs: state.slab as u64,
+        time: state.time,
         cost: books.cost(),
         ..Default::default()
     }

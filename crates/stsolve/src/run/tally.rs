@@ -1,6 +1,7 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
-use coupled::{MeshQuality, SlabReport};
+use super::walls::{Felt, to_numbers};
+use coupled::{MeshQuality, SlabReport, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
@@ -28,10 +29,51 @@ pub struct Tally {
     pub first_invalid: Option<FirstInvalid>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
-    /// What has left through each boundary, `[boundary][component]`.
-    pub through: Vec<Vec<f64>>,
+    /// The mass that has left through all boundaries.
+    pub mass_left: f64,
+    /// Impulses and work of every wall, as numbers.
+    pub impulses: Vec<Vec<f64>>,
+    /// What every wall feels at the time reached, as numbers.
+    pub forces: Vec<Vec<f64>>,
+    /// How the steady flow was found, where the run starts from one.
+    pub steady: Option<Steady>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
+    /// The energy of a structure.
+    pub structure: EnergyBalance,
+}
+
+/// Where the energy of a structure came from and went to, since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// The energy at the start.
+    pub energy_at_start: f64,
+    /// The work of the loads.
+    pub load_work: f64,
+    /// The work of the supports.
+    pub support_work: f64,
+    /// What the jumps between slabs have taken.
+    pub dissipation: f64,
+}
+
+impl EnergyBalance {
+    /// By how much `energy` is more than it should be: round-off.
+    pub fn error(&self, energy: f64) -> f64 {
+        energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
+    }
+}
+
+/// The steady flow at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// Newton steps.
+    pub newton: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// The residual, relative to that of the initial state.
+    pub residual: f64,
+    /// What every wall feels, as numbers.
+    pub forces: Vec<Vec<f64>>,
 }
 
 /// Where a mesh became invalid.
@@ -43,9 +85,15 @@ pub struct FirstInvalid {
     pub cell: usize,
 }
 
+impl Steady {
+    fn to_numbers(&self) -> Vec<f64> {
+        [vec![self.newton as f64, self.krylov as f64, self.residual], self.forces.concat()].concat()
+    }
+}
+
 impl Tally {
-    /// Adds a slab.
-    pub fn add(&mut self, report: &SlabReport) {
+    /// Adds a slab, with what the walls felt.
+    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
         self.rejected += report.rejected as u64;
         let steps = report.newton.steps.len() as u64;
         self.newton += steps;
@@ -57,11 +105,32 @@ impl Tally {
         self.residuals += report.counts.residuals as u64;
         self.products += (report.counts.products + report.counts.mesh_products) as u64;
         self.add_quality(report.quality);
-        self.through.resize(report.through.len(), vec![0.0; report.totals.len()]);
-        for (sum, through) in self.through.iter_mut().zip(&report.through) {
-            sum.iter_mut().zip(through).for_each(|(sum, through)| *sum += through);
+        self.mass_left += fem::left_during_slab(&report.fluxes)[0];
+        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.impulses.resize(felt.len(), vec![0.0; 2 * D + 4]);
+        for (sums, felt) in self.impulses.iter_mut().zip(felt) {
+            sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
         }
         self.mass_error = self.mass_error.max(self.mass_balance(&report.totals).abs());
+    }
+
+    /// Notes how the steady flow was found from which the run starts.
+    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
+        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.steady = Some(Steady {
+            newton: report.newton.steps.len() as u64,
+            krylov: report.newton.krylov_iterations as u64,
+            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+            forces: self.forces.clone(),
+        });
+    }
+
+    /// Adds a slab of a structure.
+    pub fn add_structure(&mut self, report: &StructureReport) {
+        self.elasticity += report.dynamics.iterations as u64;
+        self.structure.load_work += report.dynamics.load_work;
+        self.structure.support_work += report.dynamics.support_work;
+        self.structure.dissipation += report.dynamics.dissipation;
     }
 
     /// Adds the quality of the mesh in a slab.
@@ -71,9 +140,8 @@ impl Tally {
 
     /// (mass now + mass that has left - mass at the start) / mass at the start
     pub fn mass_balance(&self, totals: &[f64]) -> f64 {
-        let left: f64 = self.through.iter().map(|through| through[0]).sum();
         let start = self.totals_at_start.first().copied().unwrap_or(f64::NAN);
-        (totals[0] + left - start) / start
+        (totals[0] + self.mass_left - start) / start
     }
 
     /// As named numbers.
@@ -99,13 +167,20 @@ impl Tally {
                 self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
             ),
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
-            ("tally.through".into(), self.through.concat()),
+            ("tally.mass_left".into(), vec![self.mass_left]),
+            ("tally.impulses".into(), self.impulses.concat()),
+            ("tally.forces".into(), self.forces.concat()),
+            ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
             ("tally.mass_error".into(), vec![self.mass_error]),
+            ("tally.structure".into(), {
+                let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
+                vec![energy_at_start, load_work, support_work, dissipation]
+            }),
         ])
     }
 
-    /// Back from named numbers; `None` if some are missing.
-    pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, boundaries: usize) -> Option<Self> {
+    /// Back from named numbers, of a run with a number of `walls`; `None` if some are missing.
+    pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
         let get = |name: &str| arrays.get(&format!("tally.{name}"));
         let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
         else {
@@ -117,8 +192,11 @@ impl Tally {
             }
             _ => None,
         };
-        let through = get("through")?;
-        let components = through.len().checked_div(boundaries).unwrap_or(0).max(1);
+        let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
+        let by_wall = |numbers: &[f64]| -> Vec<Vec<f64>> {
+            let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
+            numbers.chunks(each).map(<[f64]>::to_vec).collect()
+        };
         Some(Tally {
             rejected: rejected as u64,
             newton: newton as u64,
@@ -134,8 +212,20 @@ impl Tally {
                 _ => None,
             },
             totals_at_start: get("totals_at_start")?.clone(),
-            through: through.chunks(components).map(<[f64]>::to_vec).collect(),
+            mass_left: *get("mass_left")?.first()?,
+            impulses: by_wall(get("impulses")?),
+            forces: by_wall(get("forces")?),
+            steady: match &get("steady")?[..] {
+                [newton, krylov, residual, forces @ ..] => Some(Steady {
+                    newton: *newton as u64,
+                    krylov: *krylov as u64,
+                    residual: *residual,
+                    forces: by_wall(forces),
+                }),
+                _ => None,
+            },
             mass_error: *get("mass_error")?.first()?,
+            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
         })
     }
 }

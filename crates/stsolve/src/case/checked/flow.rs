@@ -1,5 +1,6 @@
 //! The flow.
 
+use super::forces::{self, Wall};
 use super::mesh_crate::Mesh;
 use super::states::{self, Typical};
 use crate::case::checker::{Checked, Checker};
@@ -32,6 +33,8 @@ pub struct Flow<const D: usize> {
     pub manufactured: bool,
     /// The condition on each boundary, in the order of `Mesh::boundary_names`.
     pub boundary: Vec<BoundaryData<D>>,
+    /// The boundaries that are walls.
+    pub walls: Vec<Wall<D>>,
 }
 
 /// The condition on a boundary, and the state that it takes.
@@ -76,10 +79,23 @@ pub(super) fn check<const D: usize>(
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
     }
     let boundary = boundary(checker, &key.child("boundary"), raw, mesh, exact.as_ref(), gas)?;
+    let walls =
+        forces::check(checker, &key.child("forces"), &raw.forces, mesh, &boundary, reference, reference_length)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
     let manufactured = raw.source.is_some();
-    Ok(Flow { order, law, reference_speed, reference_length, quadrature, initial, exact, manufactured, boundary })
+    Ok(Flow {
+        order,
+        law,
+        reference_speed,
+        reference_length,
+        quadrature,
+        initial,
+        exact,
+        manufactured,
+        boundary,
+        walls,
+    })
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {

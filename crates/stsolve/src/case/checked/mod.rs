@@ -1,15 +1,19 @@
 //! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
 
 mod flow;
+mod forces;
 mod mesh;
 mod motion;
 mod solver;
 mod states;
+mod structure;
 mod time;
 
-pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver};
+pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver, Steady};
 pub use flow::{BoundaryData, Flow};
+pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
+pub use structure::{Structure, Support};
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker};
@@ -19,6 +23,7 @@ use super::key::Key;
 use super::raw;
 // The crate, beside a module of the same name.
 use ::mesh as mesh_crate;
+use mesh::AnyMesh;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -42,6 +47,8 @@ pub struct Case<const D: usize> {
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
     pub flow: Option<Flow<D>>,
+    /// The structure that fills the mesh; then there is neither motion nor flow.
+    pub structure: Option<Structure<D>>,
     /// The time to cover.
     pub time: Time,
     /// How the equations of a slab are solved.
@@ -81,9 +88,9 @@ impl AnyCase {
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
         let checker = Checker::new(document, &raw.constants)?;
-        match mesh::dimension(&checker, &raw.mesh)? {
-            2 => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw)?))),
-            _ => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw)?))),
+        match mesh::build(&checker, &raw.mesh)? {
+            AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
+            AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
         }
     }
 
@@ -105,26 +112,24 @@ impl AnyCase {
 }
 
 impl<const D: usize> Case<D> {
-    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Checked<Self> {
-        let mesh = mesh::build(checker, &raw.mesh)?;
+    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time)?;
         let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, time.start)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
-        if motion.is_none() && flow.is_none() {
-            let accepted = "a section [motion], a section [flow], or both";
-            return Err(checker.combination(
-                &Key::default(),
-                "there is nothing to solve: neither motion nor flow",
-                accepted,
-            ));
-        }
+        let structure = raw
+            .structure
+            .as_ref()
+            .map(|structure| structure::check(checker, structure, &mesh, time.start))
+            .transpose()?;
+        check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
         solver::check(checker, &raw.solver)?;
-        let output = time::check_output(checker, &raw.output, document.path())?;
+        let output = time::check_output(checker, &raw.output)?;
         Ok(Case {
             about: About::new(checker, document, raw, &time),
             mesh,
             motion,
             flow,
+            structure,
             time,
             solver: raw.solver.clone(),
             output,
@@ -141,6 +146,23 @@ impl<const D: usize> Case<D> {
         let given: BTreeSet<usize> =
             boundaries.flat_map(|boundary| numbering.on_boundary(&self.mesh, boundary)).collect();
         Some((numbering.count - given.len()) * D * self.time.order)
+    }
+}
+
+/// Whether the sections that are there, [motion], [flow] and [structure], go together.
+fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
+    match sections {
+        [false, false, false] => {
+            let problem = "there is nothing to solve: neither motion nor flow nor structure";
+            let accepted = "a section [motion], a section [flow], or both; or a section [structure]";
+            Err(checker.combination(&Key::default(), problem, accepted))
+        }
+        [_, _, false] | [false, false, true] => Ok(()),
+        [_, _, true] => {
+            let problem = "a structure moves by itself and has no flow";
+            let accepted = "this section, or [motion] and [flow]: remove the one or the others";
+            Err(checker.combination(&Key::new("structure"), problem, accepted))
+        }
     }
 }
 

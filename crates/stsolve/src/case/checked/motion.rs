@@ -79,10 +79,8 @@ fn elastic<const D: usize>(
     start: f64,
 ) -> Checked<Motion<D>> {
     let elasticity = raw.elasticity.clone().unwrap_or_default();
-    let nu = elasticity.poisson_ratio;
     let key_elasticity = key.child("elasticity");
-    let accepted = "a number above -1 and below 0.5 (0.5 would be incompressible)";
-    checker.require(&key_elasticity.child("poisson_ratio"), "Poisson's ratio", nu > -1.0 && nu < 0.5, accepted)?;
+    let nu = checker.poisson_ratio(&key_elasticity.child("poisson_ratio"), elasticity.poisson_ratio)?;
     let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
     let law = law(checker, &key_elasticity, &elasticity)?;
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
@@ -176,7 +174,7 @@ fn check_start<const D: usize>(
 }
 
 /// The nodes on a boundary, cell by cell.
-fn boundary_points<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> impl Iterator<Item = [f64; D]> {
+pub(super) fn boundary_points<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> impl Iterator<Item = [f64; D]> {
     let facets = mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
     facets.flat_map(|facet| {
         let nodes = mesh.cell_coordinates(facet.side.cell);

@@ -2,7 +2,7 @@
 
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::raw::{PseudoTime, Solver};
+use crate::case::raw::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
 /// Checks `[solver]`.
@@ -24,6 +24,9 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
     ] {
         checker.at_least_one(&key.child(name), "the number", value)?;
     }
+    if let Some(steady) = &raw.steady {
+        check_steady(checker, &key.child("steady"), steady)?;
+    }
     let key = key.child("pseudo_time");
     let pseudo_time = &raw.pseudo_time;
     for (name, value) in [
@@ -34,6 +37,52 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
         checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more")?;
     }
     Ok(())
+}
+
+fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {
+    for (name, value) in [("tolerance", raw.tolerance), ("krylov_tolerance", raw.krylov_tolerance)] {
+        checker.require(
+            &key.child(name),
+            "the tolerance",
+            value > 0.0 && value < 1.0,
+            "a number above 0 and below 1",
+        )?;
+    }
+    checker.positive(&key.child("first_step"), "the first step", raw.first_step)?;
+    checker.require(&key.child("power"), "the power", raw.power >= 0.0 && raw.power.is_finite(), "0 or more")?;
+    let grows = raw.growth > 1.0 && raw.growth.is_finite();
+    checker.require(&key.child("growth"), "the factor", grows, "a number above 1")?;
+    for (name, value) in [("steps", raw.steps), ("krylov_iterations", raw.krylov_iterations)] {
+        checker.at_least_one(&key.child(name), "the number", value)?;
+    }
+    Ok(())
+}
+
+impl Steady {
+    /// The settings of the Newton driver that finds the steady flow.
+    pub fn newton(&self) -> newton::Settings {
+        let defaults = newton::Settings::default();
+        let (maximum, iterations) = (self.krylov_tolerance, self.krylov_iterations);
+        newton::Settings {
+            relative_tolerance: self.tolerance,
+            max_steps: self.steps,
+            forcing: forcing::Settings {
+                initial: maximum,
+                minimum: defaults.forcing.minimum.min(maximum),
+                maximum,
+                ..defaults.forcing
+            },
+            krylov: fgmres::Settings { restart: iterations, max_iterations: iterations, ..defaults.krylov },
+            pseudo_time: pseudo_time::Settings {
+                initial_inverse: 1.0 / self.first_step,
+                restart_inverse: 1.0 / self.first_step,
+                power: self.power,
+                growth: self.growth,
+                ..defaults.pseudo_time
+            },
+            ..defaults
+        }
+    }
 }
 
 impl Solver {

@@ -3,7 +3,8 @@
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{self, Field};
-use std::path::{Path, PathBuf};
+use coupled::{Schedule, StepControl};
+use std::path::PathBuf;
 
 /// The time to cover, slab by slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,16 @@ pub struct Time {
     pub step: f64,
     /// How many slabs that makes.
     pub slabs: usize,
+    /// What adapts the length of the slabs.
+    pub control: Option<StepControl>,
+}
+
+impl Time {
+    /// The slabs.
+    pub fn schedule(&self) -> Schedule {
+        let Time { start, end, step, slabs, control, .. } = *self;
+        Schedule { start, end, step, slabs, control }
+    }
 }
 
 /// What is written, and where.
@@ -56,7 +67,31 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
         }
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
-    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs })
+    let control = raw.adaptive.as_ref().map(|adaptive| control(checker, raw, adaptive, step, duration)).transpose()?;
+    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
+}
+
+/// Checks `[time.adaptive]` of a run of length `duration` with the first slab of length `step`.
+fn control(
+    checker: &Checker<'_>,
+    raw: &raw::Time,
+    adaptive: &raw::Adaptive,
+    step: f64,
+    duration: f64,
+) -> Checked<StepControl> {
+    let key = Key::new("time.adaptive");
+    if raw.slabs.is_some() {
+        let problem = "`time.slabs` makes all slabs of the same length, `time.adaptive` does not";
+        return Err(checker.combination(&Key::new("time.slabs"), problem, "`time.step`, the length of the first slab"));
+    }
+    let tolerance = checker.positive(&key.child("tolerance"), "the tolerance", adaptive.tolerance)?;
+    let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
+    let accepted = format!("a positive number, at most the step, {step}");
+    checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
+    let largest = adaptive.largest.unwrap_or(duration);
+    let accepted = format!("at least the step, {step}");
+    checker.require(&key.child("largest"), "the longest slab", largest >= step && largest.is_finite(), &accepted)?;
+    Ok(StepControl { tolerance, smallest, largest })
 }
 
 /// An end that is a multiple of the step up to round-off is that multiple, the very number that a longer run passes.
@@ -70,11 +105,11 @@ fn slabs_to_cover(duration: f64, step: f64) -> usize {
     ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
 }
 
-/// Checks `[output]` of the case file `case`.
-pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path) -> Checked<Output> {
+/// Checks `[output]`.
+pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<Output> {
     let key = Key::new("output");
     Ok(Output {
-        directory: raw.directory.as_ref().map(|directory| beside(case, directory)),
+        directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: checker.at_least_one(
             &key.child("checkpoint_every"),
             "the number of slabs",
@@ -83,9 +118,4 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output, case: &Path
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         fields: raw.fields.clone(),
     })
-}
-
-/// `path` as seen from the directory of `case`.
-fn beside(case: &Path, path: &Path) -> PathBuf {
-    case.parent().unwrap_or(Path::new("")).join(path)
 }

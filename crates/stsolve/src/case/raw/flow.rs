@@ -30,6 +30,9 @@ pub struct Flow {
     /// The condition on each boundary, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, Condition>,
+    /// What the forces on walls refer to, by the name of the wall; `others` stands for all that are not named.
+    #[serde(default)]
+    pub forces: BTreeMap<String, Forces>,
     /// Typical sizes, by which residuals are weighted and dimensionless numbers are formed. Default: the free stream (or mean
     /// state) of the exact or the initial state.
     pub reference: Option<Reference>,
@@ -304,4 +307,20 @@ pub struct Reference {
 
 fn length() -> f64 {
     1.0
+}
+
+/// What the force on a wall refers to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Forces {
+    /// The point about which moments are taken: a formula per axis in the time t, which gives it the motion of the body.
+    /// Default: the origin.
+    pub point: Option<Vec<Formula>>,
+    /// The area of the coefficients; in two dimensions per unit span, such as a chord. Default: the reference length, in three
+    /// dimensions its square.
+    pub area: Option<f64>,
+    /// The length of the moment coefficient. Default: the reference length.
+    pub length: Option<f64>,
+    /// The direction of drag, of any length; lift is to its left in the x-y plane. Default: along x.
+    pub drag_direction: Option<Vec<f64>>,
 }

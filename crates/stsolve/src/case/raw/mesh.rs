@@ -1,83 +1,44 @@
 //! `[mesh]`
 
+use super::generate::Generate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
-/// The mesh at rest.
+/// The mesh at rest: give `generate` or `file`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mesh {
-    /// N, the nodes per direction of the geometry and of the displacement of the mesh, 2 to 16: degree N - 1.
-    pub order: usize,
+    /// N, the nodes per direction of the geometry and of the displacement of the mesh, 2 to 16: degree N - 1. A generated mesh
+    /// needs it. A file has an order of its own, which is the default and the least: a higher one keeps the shape of the cells
+    /// and gives their displacement more freedom.
+    pub order: Option<usize>,
     /// How the mesh is made.
-    pub generate: Generate,
-}
-
-/// A generated mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum Generate {
-    /// A box of quadrilaterals or hexahedra. Its boundaries are left, right (x), bottom, top (y), front, back (z).
-    Box(BoxGenerator),
-}
-
-/// A box along the axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct BoxGenerator {
-    /// The corner with the smallest coordinates: two or three, which makes the case two- or three-dimensional.
-    pub lower: Vec<f64>,
-    /// The corner with the largest coordinates.
-    pub upper: Vec<f64>,
-    /// The number of cells along each axis.
-    pub cells: Vec<usize>,
-    /// Along each axis, the size of the last cell over that of the first; sizes in between form a geometric sequence. Without
-    /// it all cells have the same size.
-    pub size_ratio: Option<Vec<f64>>,
-    /// How the cells are curved.
-    #[serde(default)]
-    pub curving: Curving,
-    /// Axes along which the box is periodic; their boundaries vanish.
-    #[serde(default)]
-    pub periodic: Vec<Axis>,
+    pub generate: Option<Generate>,
+    /// A Gmsh file, relative to the case file: MSH 4.1 or 2.2, quadrilaterals or hexahedra. Its physical groups of curves (in
+    /// three dimensions surfaces) are the boundaries.
+    pub file: Option<PathBuf>,
+    /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and have no name any more.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub periodic: Vec<[String; 2]>,
+    /// Makes a plane mesh the cross-section of one in space.
+    pub extrude: Option<Extrude>,
     /// Turns the axes of every cell at random, by this seed. A test of the program: results must not change.
     pub scramble: Option<u64>,
 }
 
-/// An axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Axis {
-    /// The first axis.
-    X,
-    /// The second axis.
-    Y,
-    /// The third axis.
-    Z,
-}
-
-/// A smooth deformation of the box. Amplitudes are fractions of its extent; above 0.05 cells may be inverted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum Curving {
-    /// Straight cells.
-    #[default]
-    None,
-    /// Each axis displaced by amplitude * product of sin(2 pi r) over the axes, r in [0, 1]: the boundary stays.
-    Smooth {
-        /// The largest displacement.
-        amplitude: f64,
-    },
-    /// Each axis i displaced by amplitude * sin(2 pi (sum of r) + i): the boundary is curved too, and stays periodic.
-    Wavy {
-        /// The largest displacement.
-        amplitude: f64,
-    },
-    /// A few random waves; the boundary stays, unless it is periodic.
-    Random {
-        /// A bound of the displacement.
-        amplitude: f64,
-        /// Chooses the waves.
-        seed: u64,
-    },
+/// The mesh in space whose cross-section is a plane mesh. Its ends are the boundaries front (z low) and back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Extrude {
+    /// z of the front.
+    #[serde(default)]
+    pub lower: f64,
+    /// The extent along z.
+    pub depth: f64,
+    /// The number of layers of cells, all of the same height.
+    pub layers: usize,
+    /// Whether front and back are joined.
+    #[serde(default)]
+    pub periodic: bool,
 }

@@ -4,23 +4,27 @@
 
 mod flow;
 mod formula;
+mod generate;
 mod mesh;
 mod motion;
 mod run;
 mod solver;
+mod structure;
 
 pub use flow::*;
 pub use formula::Formula;
+pub use generate::*;
 pub use mesh::*;
 pub use motion::*;
 pub use run::*;
 pub use solver::*;
+pub use structure::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A case of stsolve: a mesh, how it moves, the flow on it, and the time to cover.
+/// A case of stsolve: a mesh, how it moves, the flow on it, and the time to cover; or a mesh, the structure that it is, and the time.
 ///
 /// Units are any consistent system. Vectors have one entry per axis, two or three; the number of axes is that of the mesh.
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)" in x, y, z, t, pi and the constants of the case, with
@@ -40,6 +44,8 @@ pub struct Case {
     pub motion: Option<Motion>,
     /// The flow. Without it only the mesh moves.
     pub flow: Option<Flow>,
+    /// An elastic structure that fills the mesh and moves by itself. It excludes `motion` and `flow`.
+    pub structure: Option<Structure>,
     /// The time to cover.
     pub time: Time,
     /// How the equations of a slab are solved.

@@ -15,10 +15,25 @@ pub struct Time {
     pub start: f64,
     /// The end.
     pub end: f64,
-    /// The length of a slab. The last one may be shorter.
+    /// The length of a slab. The last one may be shorter. With `adaptive`, the length of the first.
     pub step: Option<f64>,
     /// Instead of the step: the number of slabs, all of the same length.
     pub slabs: Option<usize>,
+    /// Adapts the length of the slabs of a flow to what happens in it. Default: all are of the same length.
+    pub adaptive: Option<Adaptive>,
+}
+
+/// Slabs as long as the jump of the flow from slab to slab allows. The jump is of order N_t, an error inside of the slab; at its end
+/// the error is much smaller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Adaptive {
+    /// The jump to aim at: its L2 norm over the domain, every component in units of `flow.reference`.
+    pub tolerance: f64,
+    /// The shortest slab, which is taken whatever its jump. Default: a thousandth of the step.
+    pub smallest: Option<f64>,
+    /// The longest slab. Default: as long as the run.
+    pub largest: Option<f64>,
 }
 
 /// What is written, and where.

@@ -28,6 +28,9 @@ pub struct Solver {
     pub pseudo_time: PseudoTime,
     /// How often the length of a slab may be halved before the run gives up.
     pub slab_halvings: usize,
+    /// Start from the steady flow, found from the initial state by pseudo-time on the mesh at rest. Without this section the run
+    /// starts from the initial state itself.
+    pub steady: Option<Steady>,
 }
 
 impl Default for Solver {
@@ -44,6 +47,7 @@ impl Default for Solver {
             predictor: Predictor::Elastic,
             pseudo_time: PseudoTime::default(),
             slab_halvings: 6,
+            steady: None,
         }
     }
 }
@@ -86,5 +90,39 @@ impl Default for PseudoTime {
     fn default() -> Self {
         let pseudo_time::Settings { initial_inverse, restart_inverse, power, .. } = pseudo_time::Settings::default();
         PseudoTime { initial_inverse, restart_inverse, power }
+    }
+}
+
+/// How the steady flow is found: by implicit steps in pseudo-time, which grow as the residual falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Steady {
+    /// The flow is steady when the residual has fallen by this factor below that of the initial state.
+    pub tolerance: f64,
+    /// The first step in pseudo-time.
+    pub first_step: f64,
+    /// The power of the ratio of residuals by which the step grows.
+    pub power: f64,
+    /// A step is at most this factor longer than the one before.
+    pub growth: f64,
+    /// Steps at most.
+    pub steps: usize,
+    /// How far a linear solve reduces its residual.
+    pub krylov_tolerance: f64,
+    /// Krylov iterations per step at most; each keeps two vectors.
+    pub krylov_iterations: usize,
+}
+
+impl Default for Steady {
+    fn default() -> Self {
+        Steady {
+            tolerance: 1e-9,
+            first_step: 0.1,
+            power: 1.0,
+            growth: 4.0,
+            steps: 100,
+            krylov_tolerance: 0.1,
+            krylov_iterations: 200,
+        }
     }
 }

@@ -148,6 +148,18 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ("step = 0.3", "step = 0", &["`time.step = 0`", "a positive number"]),
     ("step = 0.3", "step = -0.1", &["`time.step = -0.1`", "a positive number"]),
     ("step = 0.3", "", &["`time`", "missing", "`step` or `slabs`"]),
+    ("step = 0.3", "slabs = 3\nadaptive = { tolerance = 1e-3 }", &["`time.slabs = 3`", "same length", "`time.step`"]),
+    ("step = 0.3", "step = 0.3\nadaptive = { tolerance = 0 }", &["`time.adaptive.tolerance = 0`", "positive"]),
+    (
+        "step = 0.3",
+        "step = 0.3\nadaptive = { tolerance = 1e-3, smallest = 1 }",
+        &["`time.adaptive.smallest = 1`", "at most the step, 0.3"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\nadaptive = { tolerance = 1e-3, largest = 0.1 }",
+        &["`time.adaptive.largest = 0.1`", "at least the step, 0.3"],
+    ),
     ("step = 0.3", "step = 0.3\nslabs = 3", &["`time`", "twice", "`step` or `slabs`"]),
     ("step = 0.3", "step = 0.3\n[solver]\nnewton_tolerance = 1", &["`solver.newton_tolerance = 1`", "below 1"]),
     ("step = 0.3", "step = 0.3\n[output]\nfields = [\"mass\"]", &["`output.fields[0] = \"mass\"`", "`mach`"]),

@@ -7,6 +7,7 @@ use navier_stokes::{Boundary, ExactState, Riemann};
 use std::path::{Path, PathBuf};
 
 mod bad_input;
+mod meshes;
 
 /// The smallest case with everything that errors are about.
 const BASE: &str = r#"

@@ -1,0 +1,197 @@
+//! How the slabs of a run follow each other in time.
+//!
+//! The flow jumps from the top of a slab to the bottom of the next one, by what the polynomials in time cannot follow. The size of
+//! that jump is of order dt^{N_t}, so that
+//!
+//! ```text
+//! dt' = dt clamp( 0.9 (tolerance / jump)^{1/N_t}, 1/4, 2 )                                                    (step control)
+//! ```
+//!
+//! keeps it at a tolerance. The jump is an error inside of the slab; at its top the error is of order dt^{2 N_t - 1}, much smaller.
+
+use crate::state::{Interval, State};
+
+/// A slab is repeated when its jump is larger than the tolerance by this factor.
+const TOO_LARGE: f64 = 2.0;
+
+/// A slab that would leave less than this part of itself before the end is extended to the end.
+const SLIVER: f64 = 0.01;
+
+/// The slabs of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// The time at the start.
+    pub start: f64,
+    /// The time at the end.
+    pub end: f64,
+    /// The length of a slab; the last may be shorter. With a control, the length of the first.
+    pub step: f64,
+    /// The slabs that the run has, unless some are halved; with a control an estimate.
+    pub slabs: usize,
+    /// What adapts the length of slabs, if it is not fixed.
+    pub control: Option<StepControl>,
+}
+
+/// Slabs as long as the jump at their bottom allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepControl {
+    /// The jump that is aimed at: an L2 norm over the domain, every component in units of its scale.
+    pub tolerance: f64,
+    /// The shortest slab: it is taken whatever its jump is.
+    pub smallest: f64,
+    /// The longest slab.
+    pub largest: f64,
+}
+
+impl StepControl {
+    /// The length of the next slab by (step control), after one of length `dt` and order `time_order` with this `jump`.
+    pub fn next(&self, dt: f64, jump: f64, time_order: usize) -> f64 {
+        // Without a jump 0/0 must not arise: the clamp takes care of infinity.
+        let ratio = 0.9 * (self.tolerance / jump.max(f64::MIN_POSITIVE)).powf(1.0 / time_order as f64);
+        (dt * ratio.clamp(0.25, 2.0)).clamp(self.smallest, self.largest)
+    }
+
+    /// Whether a slab of length `dt` with this `jump` has to be repeated with a shorter one.
+    pub fn rejects(&self, dt: f64, jump: f64) -> bool {
+        jump > TOO_LARGE * self.tolerance && dt > self.smallest
+    }
+}
+
+impl Schedule {
+    /// `slabs` slabs of the same length, from time 0 to `end`.
+    pub fn uniform(end: f64, slabs: usize) -> Self {
+        Schedule { start: 0.0, end, step: end / slabs as f64, slabs, control: None }
+    }
+
+    /// Whether a run in this state is at its end.
+    pub fn is_done(&self, state: &State) -> bool {
+        match self.control {
+            None => state.nominal >= self.slabs && state.pending.is_empty(),
+            Some(_) => state.time >= self.end,
+        }
+    }
+
+    /// The slab after the time reached.
+    pub fn next(&self, state: &State) -> Interval {
+        let end = match self.control {
+            None if state.nominal + 1 == self.slabs => self.end,
+            None => self.start + self.step * (state.nominal + 1) as f64,
+            Some(_) if self.end - state.time <= (1.0 + SLIVER) * state.step => self.end,
+            Some(_) => state.time + state.step,
+        };
+        Interval { start: state.time, end, halvings: 0 }
+    }
+
+    /// Makes the next slab shorter, after `interval` could not be solved. False if it may not be shortened any more: `max_halvings`
+    /// times, or below the smallest step of the control.
+    pub fn shorten(&self, state: &mut State, interval: Interval, max_halvings: u32) -> bool {
+        match self.control {
+            None if interval.halvings >= max_halvings => return false,
+            None => state.halve(),
+            Some(control) => {
+                let half = 0.5 * (interval.end - interval.start);
+                if half < control.smallest {
+                    return false;
+                }
+                state.set_step(half);
+            }
+        }
+        true
+    }
+
+    /// Whether `interval`, solved with this `jump`, has to be repeated with a shorter slab, which is then the next one.
+    pub fn repeats(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) -> bool {
+        let dt = interval.end - interval.start;
+        let Some(control) = self.control.filter(|control| control.rejects(dt, jump)) else { return false };
+        state.set_step(control.next(dt, jump, time_order));
+        true
+    }
+
+    /// The length of the slab after `interval`, which was solved with this `jump`. A slab that the end has cut short says little.
+    pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
+        let Some(control) = self.control else { return };
+        let next = control.next(interval.end - interval.start, jump, time_order);
+        state.step = if interval.end < self.end { next } else { next.max(state.step) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTROL: StepControl = StepControl { tolerance: 1e-3, smallest: 1e-3, largest: 1.0 };
+
+    fn state(time: f64, step: f64) -> State {
+        State { step, ..State::new(time, Vec::new(), Vec::new()) }
+    }
+
+    fn schedule(control: Option<StepControl>) -> Schedule {
+        Schedule { start: 0.0, end: 1.0, step: 0.3, slabs: 4, control }
+    }
+
+    #[test]
+    fn a_jump_of_order_n_t_reaches_the_tolerance_in_one_step() {
+        for n_t in 1..=4 {
+            let jump = |dt: f64| 1e-3 * (dt / 0.2).powi(n_t);
+            for dt in [0.12, 0.2, 0.35] {
+                let next = CONTROL.next(dt, jump(dt), n_t as usize);
+                assert!((next - 0.9 * 0.2).abs() < 1e-12, "N_t = {n_t}, dt = {dt}: {next}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_stay_in_their_bounds() {
+        assert_eq!(CONTROL.next(0.1, 0.0, 2), 0.2);
+        assert_eq!(CONTROL.next(0.1, f64::INFINITY, 2), 0.025);
+        assert_eq!(CONTROL.next(0.9, 0.0, 2), 1.0);
+        assert_eq!(CONTROL.next(0.002, 1.0, 2), 1e-3);
+        assert!(CONTROL.rejects(0.1, 3e-3) && !CONTROL.rejects(0.1, 1e-3) && !CONTROL.rejects(1e-3, 1.0));
+    }
+
+    #[test]
+    fn fixed_slabs_end_at_the_end() {
+        let mut state = state(0.0, 0.0);
+        let mut ends = Vec::new();
+        while !schedule(None).is_done(&state) {
+            let interval = schedule(None).next(&state);
+            state.pending.push(interval);
+            state.finish(interval);
+            ends.push(interval.end);
+        }
+        assert_eq!(ends, [0.3, 0.6, 0.3 * 3.0, 1.0]);
+    }
+
+    #[test]
+    fn adapted_slabs_end_at_the_end_without_a_sliver() {
+        let adapted = schedule(Some(CONTROL));
+        assert_eq!(adapted.next(&state(0.5, 0.2)).end, 0.7);
+        assert_eq!(adapted.next(&state(0.5, 0.496)).end, 1.0);
+        assert_eq!(adapted.next(&state(0.5, 3.0)).end, 1.0);
+        assert!(adapted.is_done(&state(1.0, 0.1)) && !adapted.is_done(&state(0.99, 0.1)));
+    }
+
+    /// The slab that the end has cut short says how short the next attempt is, but not how long a later one may be.
+    #[test]
+    fn a_slab_cut_short_by_the_end() {
+        let (adapted, mut state) = (schedule(Some(CONTROL)), state(0.9, 0.5));
+        let last = adapted.next(&state);
+        assert!(adapted.repeats(&mut state, last, 1.0, 2));
+        assert!((state.step - 0.025).abs() < 1e-15);
+        state.step = 0.5;
+        adapted.adapt(&mut state, last, 1e-3, 2);
+        assert_eq!(state.step, 0.5);
+    }
+
+    #[test]
+    fn a_slab_that_fails_is_halved_until_the_smallest() {
+        let (adapted, mut state) = (schedule(Some(CONTROL)), state(0.0, 0.004));
+        let mut steps = vec![];
+        let mut next = adapted.next(&state);
+        while adapted.shorten(&mut state, next, 0) {
+            steps.push(state.step);
+            next = adapted.next(&state);
+        }
+        assert_eq!(steps, [0.002, 0.001]);
+    }
+}

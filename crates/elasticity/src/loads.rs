@@ -1,0 +1,139 @@
+//! The forces on a structure: body force in the cells, traction on boundaries, as functions of position and time.
+//!
+//! ```text
+//! f_k(t) = int phi_k b(x, t) dx + sum over loaded boundaries of  int phi_k q(x, n, t) ds                       (load)
+//! ```
+//!
+//! Positions x and outward normals n are those at rest: displacements are small. ds = |cof J e_a| dxi on a face normal to axis a, and n
+//! is that vector, outwards, over its length.
+
+use crate::batches::Batches;
+use crate::mass::Mass;
+use basis::{Lagrange, Matrix, Rule, gauss};
+use mesh::{BoundaryFacet, CellMap, Mesh, NodeNumbering, axis_and_side, outward_sign};
+use tensor::{cofactor, norm};
+
+/// b(x, t): force per volume.
+pub type BodyForce<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
+
+/// q(x, n, t): force per area; a pressure p is q = -p n.
+pub type Traction<const D: usize> = Box<dyn Fn(&SurfacePoint<D>, f64) -> [f64; D] + Send + Sync>;
+
+/// A point of the boundary at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint<const D: usize> {
+    /// x
+    pub position: [f64; D],
+    /// n, outwards, of length 1.
+    pub normal: [f64; D],
+}
+
+/// All forces on a structure.
+#[derive(Default)]
+pub struct Loads<const D: usize> {
+    /// b, if there is one.
+    pub body_force: Option<BodyForce<D>>,
+    /// Tractions, by the index of their boundary in `Mesh::boundary_names`. Boundaries that are not listed are free.
+    pub tractions: Vec<(usize, Traction<D>)>,
+}
+
+/// The points of all boundary facets and the functions there.
+pub(crate) struct Surface<const D: usize> {
+    facets: Vec<Facet<D>>,
+    /// phi_k at the points of a face, `[point][node]`, in the order of the face's lattice.
+    functions: Matrix,
+}
+
+/// One boundary facet.
+struct Facet<const D: usize> {
+    boundary: usize,
+    /// Its C0 nodes.
+    nodes: Vec<usize>,
+    /// Its points, each with w ds.
+    points: Vec<(SurfacePoint<D>, f64)>,
+}
+
+/// Gauss points per direction of a facet: exact for a constant pressure, resultant and moment, whose integrand phi_k n ds has the degree
+/// (N - 1) + (D - 1) (G - 1) - 1 for a geometry of order G; two more for what is no polynomial.
+fn quadrature_points(dimension: usize, order: usize, geometry: usize) -> usize {
+    ((order - 1) + (dimension - 1) * (geometry - 1)).div_ceil(2).max(order) + 2
+}
+
+impl<const D: usize> Surface<D> {
+    /// The boundary of `mesh` with the nodes of `numbering`.
+    pub(crate) fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
+        let rule = gauss(quadrature_points(D, numbering.order(), mesh.order()));
+        let maps: Vec<CellMap<D>> = (0..2 * D).map(|face| face_map(mesh.order(), face, &rule)).collect();
+        let facet = |facet: &BoundaryFacet| Facet {
+            boundary: facet.boundary,
+            nodes: numbering.face::<D>(facet.side),
+            points: face_points(&maps[facet.side.face], facet.side.face, mesh.cell_coordinates(facet.side.cell), &rule),
+        };
+        let values = Lagrange::gauss_lobatto(numbering.order()).value_matrix(&rule.points);
+        Surface { facets: mesh.boundary_facets().iter().map(facet).collect(), functions: tensor_power(&values, D - 1) }
+    }
+
+    /// out += int phi_k q on one boundary, for every node k.
+    fn add(&self, boundary: usize, q: impl Fn(&SurfacePoint<D>) -> [f64; D], out: &mut [f64]) {
+        for facet in self.facets.iter().filter(|facet| facet.boundary == boundary) {
+            for (row, (point, area)) in facet.points.iter().enumerate() {
+                let traction = q(point);
+                for (phi, node) in self.functions.row(row).iter().zip(&facet.nodes) {
+                    (0..D).for_each(|i| out[node * D + i] += area * phi * traction[i]);
+                }
+            }
+        }
+    }
+}
+
+impl<const D: usize> Loads<D> {
+    /// out = f(t) by (load), `[C0 node][component]`.
+    pub(crate) fn assemble(&self, mass: &Mass<D>, batches: &Batches<D>, surface: &Surface<D>, t: f64, out: &mut [f64]) {
+        match &self.body_force {
+            Some(b) => mass.load(batches, |x| b(x, t), out),
+            None => out.fill(0.0),
+        }
+        for (boundary, q) in &self.tractions {
+            surface.add(*boundary, |point| q(point, t), out);
+        }
+    }
+}
+
+/// The map to the points of `rule` on a face.
+fn face_map<const D: usize>(order: usize, face: usize, rule: &Rule) -> CellMap<D> {
+    let (axis, _) = axis_and_side(face);
+    let end = [outward_sign(face)];
+    CellMap::new(order, std::array::from_fn(|a| if a == axis { &end[..] } else { &rule.points[..] }))
+}
+
+/// The points of a face of the cell with the nodes `nodes`, axis 0 fastest, each with w ds.
+fn face_points<const D: usize>(
+    map: &CellMap<D>,
+    face: usize,
+    nodes: &[f64],
+    rule: &Rule,
+) -> Vec<(SurfacePoint<D>, f64)> {
+    let (axis, _) = axis_and_side(face);
+    let weights = tensor_power(&Matrix::new(1, rule.weights.len(), rule.weights.clone()), D - 1);
+    let points = map.positions(nodes).into_iter().zip(map.jacobians(nodes)).zip(weights.values());
+    let point = |((position, jacobian), weight): (([f64; D], [[f64; D]; D]), &f64)| {
+        let cofactor = cofactor(&jacobian);
+        let area_vector: [f64; D] = std::array::from_fn(|i| outward_sign(face) * cofactor[i][axis]);
+        let area = norm(&area_vector);
+        (SurfacePoint { position, normal: area_vector.map(|n| n / area) }, weight * area)
+    };
+    points.map(point).collect()
+}
+
+/// The tensor product of `count` copies of a matrix, first axis fastest.
+fn tensor_power(matrix: &Matrix, count: usize) -> Matrix {
+    (0..count).fold(Matrix::identity(1), |product, _| {
+        let (rows, cols) = (product.rows(), product.cols());
+        Matrix::from_fn(rows * matrix.rows(), cols * matrix.cols(), |i, j| {
+            product[(i % rows, j % cols)] * matrix[(i / rows, j / cols)]
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests;

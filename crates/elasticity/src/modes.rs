@@ -1,0 +1,166 @@
+//! Natural frequencies and shapes of a structure.
+//!
+//! ```text
+//! K phi = omega^2 M phi,     phi_i . M phi_j = delta_ij,     phi = 0 at fixed entries                          (modes)
+//! ```
+//!
+//! By inverse iteration of a block of vectors with Rayleigh and Ritz: X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for
+//! X.MX = I, whose eigenvectors turn X. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 + s) per iteration, p the first one outside the
+//! block; the shift s > 0, small beside omega_p^2, lets bodies float. A block, not one vector, so that modes of equal frequency are found.
+
+use crate::shifted::Shifted;
+use crate::{ElasticityError, Structure};
+use faer::{Mat, Side};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use rayon::prelude::*;
+
+/// Vectors of the block beyond the modes that are wanted.
+const GUARD: usize = 8;
+/// omega^2 + s is settled when it changes by less than this, relatively.
+const TOLERANCE: f64 = 1e-10;
+/// Relative tolerance of a solve with K + s M.
+const SOLVE_TOLERANCE: f64 = 1e-10;
+/// Iterations after which the search is given up: five times what a slender beam takes.
+const MAX_ITERATIONS: usize = 60;
+
+/// A natural mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NaturalMode {
+    /// omega: radians per unit of time.
+    pub angular_frequency: f64,
+    /// phi, `[C0 node][component]`, of modal mass 1.
+    pub shape: Vec<f64>,
+}
+
+impl NaturalMode {
+    /// omega / 2 pi
+    pub fn frequency(&self) -> f64 {
+        self.angular_frequency / std::f64::consts::TAU
+    }
+}
+
+/// The `count` modes of lowest frequency, in increasing order. Rigid motions that nothing
+/// prevents have frequency 0, up to round-off.
+///
+/// # Errors
+/// [`ElasticityError::TooManyModes`], [`ElasticityError::Modes`] without convergence, or that of a solve with K + s M.
+pub fn natural_modes<const D: usize>(
+    structure: &Structure<D>,
+    count: usize,
+) -> Result<Vec<NaturalMode>, ElasticityError> {
+    let free = structure.fixed().iter().filter(|fixed| !**fixed).count();
+    if count > free {
+        return Err(ElasticityError::TooManyModes { wanted: count, free });
+    }
+    let size = (count + GUARD).min(free);
+    let s = structure.typical_shift();
+    let shifted = structure.shifted(s)?;
+    let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
+    for _ in 0..MAX_ITERATIONS {
+        let old = std::mem::take(&mut block.omega_squared);
+        block = block.iterate(structure, &shifted)?;
+        let settled = |k: usize| (block.omega_squared[k] - old[k]).abs() <= TOLERANCE * (block.omega_squared[k] + s);
+        if (0..count).all(settled) {
+            return Ok(block.into_modes(count));
+        }
+    }
+    Err(ElasticityError::Modes { wanted: count, iterations: MAX_ITERATIONS })
+}
+
+/// Approximate modes.
+struct Block {
+    x: Vec<Vec<f64>>,
+    omega_squared: Vec<f64>,
+}
+
+impl Block {
+    /// One inverse iteration with Rayleigh and Ritz.
+    fn iterate<const D: usize>(self, structure: &Structure<D>, shifted: &Shifted<D>) -> Result<Self, ElasticityError> {
+        let solve = |x: &Vec<f64>| {
+            let (mut inertia, mut y) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            structure.apply_mass(x, &mut inertia);
+            structure.at_fixed(&mut inertia, |_| 0.0);
+            shifted.solve(structure, &inertia, &mut y, SOLVE_TOLERANCE).map(|_| y)
+        };
+        let solved: Vec<Result<Vec<f64>, _>> = self.x.par_iter().map(solve).collect();
+        let x = solved.into_iter().collect::<Result<Vec<_>, _>>()?;
+        Self::ritz(structure, x)
+    }
+
+    /// The best approximations in the span of `x`: the eigenvectors of X.KX for a basis X with X.MX = I.
+    fn ritz<const D: usize>(structure: &Structure<D>, mut x: Vec<Vec<f64>>) -> Result<Self, ElasticityError> {
+        orthonormalise(structure, &mut x);
+        let stiffness = stiffness_products(structure, &x);
+        let eigen = stiffness.self_adjoint_eigen(Side::Lower).map_err(|cause| ElasticityError::NotDefinite {
+            // The only failure: entries that are not numbers.
+            cause: format!("{cause:?}"),
+        })?;
+        let turned = |j: usize| {
+            let mut y = vec![0.0; x[0].len()];
+            x.iter().enumerate().for_each(|(k, x)| add_scaled(eigen.U()[(k, j)], x, &mut y));
+            y
+        };
+        let omega_squared = (0..x.len()).map(|j| eigen.S().column_vector()[j]).collect();
+        Ok(Block { x: (0..x.len()).map(turned).collect(), omega_squared })
+    }
+
+    fn into_modes(self, count: usize) -> Vec<NaturalMode> {
+        let mode = |(mut shape, omega_squared): (Vec<f64>, f64)| {
+            // Of the two shapes of a mode the one whose largest entry is positive.
+            let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+            shape.iter_mut().for_each(|x| *x *= largest.signum());
+            // Rigid motions: round-off may lie below zero.
+            NaturalMode { angular_frequency: omega_squared.max(0.0).sqrt(), shape }
+        };
+        self.x.into_iter().zip(self.omega_squared).take(count).map(mode).collect()
+    }
+}
+
+/// Makes x_i . M x_j = delta_ij, by Gram and Schmidt; twice, because the vectors become nearly parallel.
+fn orthonormalise<const D: usize>(structure: &Structure<D>, x: &mut [Vec<f64>]) {
+    let mut inertia = vec![0.0; x[0].len()];
+    for j in 0..x.len() {
+        let (before, rest) = x.split_at_mut(j);
+        let x_j = &mut rest[0];
+        for _ in 0..2 {
+            structure.apply_mass(x_j, &mut inertia);
+            let products: Vec<f64> = before.iter().map(|x_i| Euclidean.dot(x_i, &inertia)).collect();
+            before.iter().zip(products).for_each(|(x_i, product)| add_scaled(-product, x_i, x_j));
+            structure.apply_mass(x_j, &mut inertia);
+            let norm = Euclidean.dot(x_j, &inertia).sqrt();
+            x_j.iter_mut().for_each(|x| *x /= norm);
+        }
+    }
+}
+
+/// x_i . K x_j
+fn stiffness_products<const D: usize>(structure: &Structure<D>, x: &[Vec<f64>]) -> Mat<f64> {
+    let mut forces = vec![0.0; x[0].len()];
+    let mut products = Mat::zeros(x.len(), x.len());
+    for j in 0..x.len() {
+        structure.apply_stiffness(&x[j], &mut forces);
+        (0..x.len()).for_each(|i| products[(i, j)] = Euclidean.dot(&x[i], &forces));
+    }
+    products
+}
+
+/// y := y + c x
+fn add_scaled(c: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += c * x);
+}
+
+/// Independent vectors that contain every mode: waves of growing number along every axis, out of step with any symmetry.
+fn start<const D: usize>(structure: &Structure<D>, size: usize) -> Vec<Vec<f64>> {
+    let diameter = structure.mesh().diameter();
+    let vector = |number: usize| -> Vec<f64> {
+        let wave = |x: &[f64; D], i: usize| {
+            let phase: f64 = (0..D).map(|a| x[a] * (1.0 + (0.7 * (number + 2 * a + i) as f64).fract())).sum();
+            ((number / D + 1) as f64 * phase / diameter + (number * (i + 1)) as f64).sin()
+        };
+        let mut vector: Vec<f64> =
+            structure.coordinates().iter().flat_map(|x| std::array::from_fn::<f64, D, _>(|i| wave(x, i))).collect();
+        structure.at_fixed(&mut vector, |_| 0.0);
+        vector
+    };
+    (0..size).map(vector).collect()
+}

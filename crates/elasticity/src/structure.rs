@@ -1,0 +1,165 @@
+//! An elastic body with mass.
+
+use crate::batches::Batches;
+use crate::geometry::{Sampler, nodal_coordinates};
+use crate::loads::{Loads, Surface};
+use crate::low_order::LowOrder;
+use crate::mass::Mass;
+use crate::operator::Operator;
+use crate::shifted::Shifted;
+use crate::{ElasticityError, Law, Material, Stiffness};
+use basis::gauss_lobatto;
+use mesh::{Mesh, NodeNumbering};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
+
+/// The equations of motion of a linear elastic body at rest in the position of its mesh,
+///
+/// ```text
+/// rho d_tt - div sigma(d) = b,    sigma n = q on loaded boundaries,    d = g on supports                       (elastodynamics)
+/// M d_tt + K d = f(t)             at free entries                                                              (motion of nodes)
+/// ```
+///
+/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`, and an entry is either free or fixed: its
+/// motion then is prescribed. All methods take `&self`.
+pub struct Structure<const D: usize> {
+    operator: Operator<D>,
+    mass: Mass<D>,
+    surface: Surface<D>,
+    fixed: Vec<[bool; D]>,
+    coordinates: Vec<[f64; D]>,
+    mesh: Mesh<D>,
+    numbering: NodeNumbering,
+    material: Material,
+}
+
+impl<const D: usize> Structure<D> {
+    /// A body of `material` and `density` that fills `mesh`, with displacements of the order of `numbering`. `fixed[node][component]`
+    /// says where the motion is prescribed; it may be so nowhere.
+    ///
+    /// # Errors
+    /// A density that is not positive, or a `fixed` of the wrong length.
+    pub fn new(
+        mesh: Mesh<D>,
+        numbering: NodeNumbering,
+        material: Material,
+        density: f64,
+        fixed: Vec<[bool; D]>,
+    ) -> Result<Self, ElasticityError> {
+        if fixed.len() != numbering.count {
+            let (found, expected) = (fixed.len(), numbering.count);
+            return Err(ElasticityError::Length { array: "the list of fixed nodes", found, expected });
+        }
+        if !(density > 0.0 && density.is_finite()) {
+            let (constant, accepted) = ("the density", "a positive number");
+            return Err(ElasticityError::Material { constant, value: density, accepted });
+        }
+        let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
+        let mass = Mass::new(&mesh, &batches, order, density);
+        let rule = Law::Linear.rule(D, order);
+        let at_points = Sampler::new(&mesh, Stiffness::Constant, &rule.points);
+        let operator = Operator::new(Law::Linear, material.lame(), order, batches, &rule, &at_points)?;
+        let surface = Surface::new(&mesh, &numbering);
+        let coordinates = nodal_coordinates(&mesh, &numbering);
+        Ok(Structure { operator, mass, surface, fixed, coordinates, mesh, numbering, material })
+    }
+
+    /// The length of a vector: D times the number of C0 nodes.
+    pub fn length(&self) -> usize {
+        self.fixed.len() * D
+    }
+    /// The position at rest of every C0 node.
+    pub fn coordinates(&self) -> &[[f64; D]] {
+        &self.coordinates
+    }
+    /// For every entry of a vector, whether its motion is prescribed.
+    pub fn fixed(&self) -> &[bool] {
+        self.fixed.as_flattened()
+    }
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+    /// Its C0 nodes.
+    pub fn numbering(&self) -> &NodeNumbering {
+        &self.numbering
+    }
+
+    /// out = K d on all entries, fixed or not.
+    pub fn apply_stiffness(&self, d: &[f64], out: &mut [f64]) {
+        // A linear K is the same everywhere.
+        self.operator.product(d, d, out);
+    }
+
+    /// out = M v on all entries, fixed or not.
+    pub fn apply_mass(&self, v: &[f64], out: &mut [f64]) {
+        self.mass.apply(self.operator.batches(), v, out);
+    }
+
+    /// out = f(t), on all entries.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Load`] if a load is not a finite number.
+    pub fn load(&self, loads: &Loads<D>, t: f64, out: &mut [f64]) -> Result<(), ElasticityError> {
+        loads.assemble(&self.mass, self.operator.batches(), &self.surface, t, out);
+        match out.iter().position(|f| !f.is_finite()) {
+            Some(entry) => {
+                let position = self.coordinates[entry / D].to_vec();
+                Err(ElasticityError::Load { time: t, position, value: out[entry] })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// v . M v / 2
+    pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        let mut momentum = vec![0.0; v.len()];
+        self.apply_mass(v, &mut momentum);
+        0.5 * Euclidean.dot(v, &momentum)
+    }
+
+    /// d . K d / 2
+    pub fn strain_energy(&self, d: &[f64]) -> f64 {
+        let mut forces = vec![0.0; d.len()];
+        self.apply_stiffness(d, &mut forces);
+        0.5 * Euclidean.dot(d, &forces)
+    }
+
+    /// The equilibrium K d = f at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
+    /// Returns the CG iterations.
+    ///
+    /// # Errors
+    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
+    pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
+        let mut residual = vec![0.0; d.len()];
+        self.apply_stiffness(d, &mut residual);
+        residual.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
+        self.at_fixed(&mut residual, |_| 0.0);
+        let mut increment = vec![0.0; d.len()];
+        let iterations = self.shifted(0.0)?.solve(self, &residual, &mut increment, 1e-13)?;
+        d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
+        Ok(iterations)
+    }
+
+    /// The preconditioner of K + m M at free entries.
+    pub(crate) fn shifted(&self, m: f64) -> Result<Shifted<D>, ElasticityError> {
+        let (lame, cells) = (self.material.lame(), self.mesh.n_cells());
+        let nodes = gauss_lobatto(self.numbering.order()).points;
+        let at_nodes = Sampler::new(&self.mesh, Stiffness::Constant, &nodes);
+        let mass = m * self.mass.density();
+        let low_order =
+            LowOrder::with_mass(lame, mass, cells, &self.numbering, |cell| at_nodes.cell(cell), &self.fixed)?;
+        Ok(Shifted { m, low_order })
+    }
+
+    /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
+    pub(crate) fn typical_shift(&self) -> f64 {
+        self.material.lame().mu / self.mass.density() / self.mesh.diameter().powi(2)
+    }
+
+    /// Sets the fixed entries.
+    pub(crate) fn at_fixed(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
+        for (i, _) in self.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
+            vector[i] = value(i);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Structures that the tests share.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use elasticity::{Dynamics, DynamicsReport, Loads, Material, SlabBottom, Structure};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+
+/// A box with a corner at the origin, curved inside.
+pub fn box_mesh<const D: usize>(upper: [f64; D], cells: [usize; D], order: usize, amplitude: f64) -> Mesh<D> {
+    let curving = Curving::Smooth { amplitude };
+    BoxMesh { lower: [0.0; D], upper, cells, order, curving, periodic: [false; D] }.build().unwrap()
+}
+
+/// The body with the components `fixed(boundary)` of every boundary held.
+pub fn structure<const D: usize>(
+    mesh: Mesh<D>,
+    material: Material,
+    density: f64,
+    fixed: impl Fn(&str) -> [bool; D],
+) -> Structure<D> {
+    let numbering = NodeNumbering::new(&mesh, mesh.order());
+    let mut entries = vec![[false; D]; numbering.count];
+    for (index, name) in mesh.boundary_names().iter().enumerate() {
+        for node in numbering.on_boundary(&mesh, index) {
+            (0..D).for_each(|i| entries[node][i] |= fixed(name)[i]);
+        }
+    }
+    Structure::new(mesh, numbering, material, density, entries).unwrap()
+}
+
+/// A run of slabs of one length from rest or from a given state.
+pub struct Run<const D: usize> {
+    /// The equations.
+    pub dynamics: Dynamics<D>,
+    /// Where it stands, `[C0 node][component]`.
+    pub displacement: Vec<f64>,
+    /// How fast it moves.
+    pub velocity: Vec<f64>,
+    time: f64,
+}
+
+impl<const D: usize> Run<D> {
+    /// At rest.
+    pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize, step: f64) -> Self {
+        let (displacement, velocity) = (vec![0.0; structure.length()], vec![0.0; structure.length()]);
+        let dynamics = Dynamics::new(structure, loads, time_order, step).unwrap();
+        Run { dynamics, displacement, velocity, time: 0.0 }
+    }
+
+    /// One slab; supports move with `support(x, t)`.
+    pub fn advance(&mut self, dt: f64, support: impl Fn(&[f64; D], f64) -> [f64; D]) -> DynamicsReport {
+        let length = self.displacement.len();
+        let nodes = self.dynamics.motion().time().nodes().to_vec();
+        let fixed = self.dynamics.structure().fixed().to_vec();
+        let mut v = self.velocity.repeat(nodes.len());
+        for (s, v) in nodes.iter().zip(v.chunks_exact_mut(length)) {
+            for (node, x) in self.dynamics.structure().coordinates().iter().enumerate() {
+                let g = support(x, self.time + s * dt);
+                (0..D).filter(|i| fixed[node * D + i]).for_each(|i| v[node * D + i] = g[i]);
+            }
+        }
+        let bottom = SlabBottom { time: self.time, displacement: &self.displacement, velocity: &self.velocity };
+        let report = self.dynamics.solve(bottom, dt, &mut v).unwrap();
+        let mut top = vec![0.0; length];
+        self.dynamics.motion().displacement(dt, &self.displacement, &v, 1.0, &mut top);
+        self.displacement = top;
+        self.velocity = v[v.len() - length..].to_vec();
+        self.time += dt;
+        report
+    }
+
+    /// Kinetic and strain energy.
+    pub fn energy(&self) -> f64 {
+        let structure = self.dynamics.structure();
+        structure.kinetic_energy(&self.velocity) + structure.strain_energy(&self.displacement)
+    }
+
+    /// From the displacement d(x) and the velocity v(x).
+    pub fn start(mut self, d: impl Fn(&[f64; D]) -> [f64; D], v: impl Fn(&[f64; D]) -> [f64; D]) -> Self {
+        self.displacement = self.dynamics.structure().coordinates().iter().flat_map(d).collect();
+        self.velocity = self.dynamics.structure().coordinates().iter().flat_map(v).collect();
+        self
+    }
+}

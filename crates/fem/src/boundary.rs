@@ -1,0 +1,187 @@
+//! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
+
+use crate::conservation_law::ConservationLaw;
+use crate::facet::{
+    DataAt, FacetContext, FacetPoint, facet_point, mesh_velocity, penalty, symmetric_term, times_normal, to_points,
+};
+use crate::mode::{Mode, Values};
+use crate::point::{Place, flag, load, physical_gradient};
+use crate::scratch::{FacetScratch, through_len};
+use crate::tables::{Instant, Tables};
+use crate::tensor_product::{Parts, evaluate};
+use basis::Matrix;
+use tensor::pulp::{Simd, WithSimd};
+use tensor::{LaneNumber, Lanes, Over, Pack, Real};
+
+/// Positions at the points, and there the states that are prescribed.
+#[inline(always)]
+pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    context: &FacetContext<D>,
+    instant: &Instant,
+    data: Option<DataAt>,
+    scratch: &mut FacetScratch,
+) {
+    let Some(data) = data else { return };
+    positions::<D, K, S>(simd, context.tables, scratch);
+    data(context.start + context.dt * instant.s, &scratch.x, &mut scratch.data);
+}
+
+#[inline(always)]
+fn positions<const D: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut FacetScratch) {
+    let FacetScratch { sides, x, scratch: room, .. } = scratch;
+    let components = K::GEOMETRY_BLOCKS * D;
+    evaluate(simd, &tables.mesh, D - 1, components, Parts::Values, &sides[0].position_now[0], x, &mut [], room);
+}
+
+/// The numerical flux out of the domain at a point, in its two parts, per area.
+struct PointFlux<T, const D: usize, const M: usize> {
+    /// Fhat_c
+    inviscid: [T; M],
+    /// - Fhat_v
+    viscous: [T; M],
+    /// F_v(u_b, (u- - u_b) n), for the symmetric term
+    jump_flux: [[T; M]; D],
+}
+
+/// The numerical flux of `condition` at a point: (facet) and the second line of (sip).
+#[inline(always)]
+fn point_flux<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
+    simd: S,
+    law: &L,
+    condition: L::Boundary,
+    tables: &Tables<D>,
+    here: &FacetPoint<K::Geometry<S>, D>,
+    minus: &[K::State<S>; M],
+    scratch: &FacetScratch,
+    at: Place,
+) -> PointFlux<K::State<S>, D, M> {
+    let FacetPoint { n, v, .. } = here;
+    let data = load::<M, K::Geometry<S>, S>(simd, &scratch.data, at);
+    let inviscid = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, minus, n, v, &data);
+    let mut viscous = [minus[0].zero(); M];
+    let mut jump_flux = [viscous; D];
+    if law.is_viscous() {
+        let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, minus, n, v, &data);
+        let gradients = &scratch.sides[0].gradient;
+        let gradient = physical_gradient::<D, M, K, S>(simd, gradients, at, &here.cof, here.det);
+        let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, &state, n);
+        let through = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
+        let penalised = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
+        let sigma = here.area * here.det.abs().recip() * penalty(tables);
+        for m in 0..M {
+            viscous[m] = penalised[m].scale(sigma) - through[m];
+        }
+        jump_flux = law.viscous_flux(&state, &jump);
+    }
+    PointFlux { inviscid, viscous, jump_flux }
+}
+
+/// Step 3 of the facet terms on a boundary.
+#[inline(always)]
+pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
+    simd: S,
+    law: &L,
+    condition: L::Boundary,
+    tables: &Tables<D>,
+    weight: f64,
+    scratch: &mut FacetScratch,
+) {
+    let points = tables.facet_points();
+    let one = Lanes::<S>::splat(simd, 1.0);
+    for p in 0..points {
+        for part in 0..Lanes::<S>::PARTS {
+            let (at, weight) = (Place { points, p, part }, weight * tables.facet_weights[p]);
+            let here = facet_point::<D, K, S>(simd, scratch, at);
+            let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
+            let PointFlux { inviscid, viscous, jump_flux } =
+                point_flux::<D, M, L, K, S>(simd, law, condition, tables, &here, &minus, scratch, at);
+            if law.is_viscous() {
+                // Minus: uhat - u- = -(u- - u_b).
+                let scale = here.area * -weight * here.det.recip();
+                symmetric_term::<D, M, K, S>(&jump_flux, &here.cof, scale, at, &mut scratch.sides[0].tested_gradient);
+            }
+            for m in 0..M {
+                let term = ((inviscid[m] + viscous[m]).scale(here.area) * weight).result();
+                term.write(&mut scratch.sides[0].tested[at.index(m)], part);
+            }
+            flag::<K::State<S>, S>(simd, law.margin(&minus), one, &mut scratch.violated, part);
+        }
+    }
+}
+
+/// What leaves through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
+///
+/// ```text
+/// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
+/// ```
+///
+/// the second about the origin; in 2-D only its last component, about the axis normal to the plane, is not zero.
+pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
+    /// The conservation law.
+    pub law: &'c L,
+    /// The condition on the boundary.
+    pub condition: L::Boundary,
+    /// Shared data.
+    pub context: &'c FacetContext<'a, D>,
+    /// The time.
+    pub instant: &'c Instant,
+    /// The row of positions then.
+    pub position_row: &'c Matrix,
+    /// Prescribed states, where the condition takes any.
+    pub data: Option<DataAt<'a>>,
+    /// This thread's packs: reads the traces of the minus side, overwrites `through`.
+    pub scratch: &'c mut FacetScratch,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for FacetFlux<'_, '_, D, M, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let FacetFlux { law, condition, context, instant, position_row, data, scratch } = self;
+        let tables = context.tables;
+        let points = tables.facet_points();
+        let FacetScratch { sides, scratch: room, .. } = scratch;
+        to_points::<D, M, Values, S>(simd, tables, instant, position_row, law.is_viscous(), &mut sides[0], room);
+        mesh_velocity::<D, M, Values, S>(simd, tables, instant, scratch);
+        positions::<D, Values, S>(simd, tables, scratch);
+        boundary_data::<D, M, Values, S>(simd, context, instant, data, scratch);
+        scratch.through.fill(Pack::ZERO);
+        for p in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let at = Place { points, p, part };
+                let here = facet_point::<D, Values, S>(simd, scratch, at);
+                let minus = load::<M, Lanes<S>, S>(simd, &scratch.sides[0].u, at);
+                let flux = point_flux::<D, M, L, Values, S>(simd, law, condition, tables, &here, &minus, scratch, at);
+                let area = here.area * tables.facet_weights[p];
+                let x = load::<D, Lanes<S>, S>(simd, &scratch.x, at);
+                let (inviscid, viscous) = scratch.through.split_at_mut(through_len(M));
+                add_through::<D, M, S>(simd, &flux.inviscid, area, &x, inviscid, part);
+                add_through::<D, M, S>(simd, &flux.viscous, area, &x, viscous, part);
+            }
+        }
+    }
+}
+
+/// sums += area (f, x x f_m), the momentum f_m being components 1 to D of f.
+#[inline(always)]
+fn add_through<const D: usize, const M: usize, S: Simd>(
+    simd: S,
+    f: &[Lanes<S>; M],
+    area: Lanes<S>,
+    x: &[Lanes<S>; D],
+    sums: &mut [Pack],
+    part: usize,
+) {
+    for m in 0..M {
+        (Lanes::read(simd, &sums[m], part) + f[m] * area).write(&mut sums[m], part);
+    }
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        if j < D && k < D {
+            let turning = x[j] * f[1 + k] - x[k] * f[1 + j];
+            (Lanes::read(simd, &sums[M + i], part) + turning * area).write(&mut sums[M + i], part);
+        }
+    }
+}

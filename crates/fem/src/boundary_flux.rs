@@ -1,0 +1,124 @@
+//! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
+
+use crate::kernels::Along;
+use crate::operator::SlabOperator;
+use crate::scratch::{FacetScratch, through_len};
+use std::ops::AddAssign;
+
+/// What leaves through a boundary at one time, or during some time: of the inviscid and of the viscous flux relative to
+/// the moving boundary, (through).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryFlux<const M: usize> {
+    /// Mass, momentum and energy, of the inviscid flux.
+    pub inviscid: [f64; M],
+    /// Angular momentum about the origin, of the inviscid flux. In 2-D only the last component is not zero.
+    pub inviscid_moment: [f64; 3],
+    /// Mass, momentum and energy, of the viscous flux.
+    pub viscous: [f64; M],
+    /// Angular momentum about the origin, of the viscous flux.
+    pub viscous_moment: [f64; 3],
+}
+
+/// The fluxes through every boundary at one time of a slab.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FluxesAt<const M: usize> {
+    /// The time.
+    pub time: f64,
+    /// Its weight in an integral over the slab; zero at the top, which is no quadrature point.
+    pub weight: f64,
+    /// In the order of the boundaries.
+    pub boundaries: Vec<BoundaryFlux<M>>,
+}
+
+impl<const M: usize> Default for BoundaryFlux<M> {
+    fn default() -> Self {
+        BoundaryFlux { inviscid: [0.0; M], inviscid_moment: [0.0; 3], viscous: [0.0; M], viscous_moment: [0.0; 3] }
+    }
+}
+
+impl<const M: usize> BoundaryFlux<M> {
+    /// Mass, momentum and energy, of both fluxes.
+    pub fn total(&self) -> [f64; M] {
+        std::array::from_fn(|m| self.inviscid[m] + self.viscous[m])
+    }
+
+    /// The fluxes of a facet, one lane of what the kernel leaves.
+    fn of_lane(scratch: &FacetScratch, lane: usize) -> Self {
+        let at = |i: usize| scratch.through[i].0[lane];
+        let second = through_len(M);
+        BoundaryFlux {
+            inviscid: std::array::from_fn(at),
+            inviscid_moment: std::array::from_fn(|i| at(M + i)),
+            viscous: std::array::from_fn(|m| at(second + m)),
+            viscous_moment: std::array::from_fn(|i| at(second + M + i)),
+        }
+    }
+
+    /// The fluxes times `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        BoundaryFlux {
+            inviscid: self.inviscid.map(|f| factor * f),
+            inviscid_moment: self.inviscid_moment.map(|f| factor * f),
+            viscous: self.viscous.map(|f| factor * f),
+            viscous_moment: self.viscous_moment.map(|f| factor * f),
+        }
+    }
+}
+
+impl<const M: usize> AddAssign for BoundaryFlux<M> {
+    fn add_assign(&mut self, other: Self) {
+        for (sums, terms) in [
+            (&mut self.inviscid[..], &other.inviscid[..]),
+            (&mut self.inviscid_moment[..], &other.inviscid_moment[..]),
+            (&mut self.viscous[..], &other.viscous[..]),
+            (&mut self.viscous_moment[..], &other.viscous_moment[..]),
+        ] {
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        }
+    }
+}
+
+/// What leaves the domain during a slab through all boundaries: the integral of `fluxes`.
+pub fn left_during_slab<const M: usize>(fluxes: &[FluxesAt<M>]) -> [f64; M] {
+    let mut sum = BoundaryFlux::default();
+    for at in fluxes {
+        at.boundaries.iter().for_each(|flux| sum += flux.scaled(at.weight));
+    }
+    sum.total()
+}
+
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
+    /// What leaves through the boundaries at the Gauss points of the slab in time, and last at its top, in the state and on the
+    /// mesh last set.
+    ///
+    /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
+    /// the cells.
+    pub fn boundary_fluxes(&self) -> Vec<FluxesAt<M>> {
+        let (start, dt) = self.interval();
+        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        let mut fluxes: Vec<FluxesAt<M>> = instants
+            .clone()
+            .map(|(instant, _)| FluxesAt {
+                time: start + dt * instant.s,
+                weight: dt * instant.weight,
+                boundaries: vec![BoundaryFlux::default(); self.problem.kernels.boundaries()],
+            })
+            .collect();
+        if let Some(top) = fluxes.last_mut() {
+            top.weight = 0.0;
+        }
+        let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
+        for (boundary, batch) in all {
+            self.facet_scratch.with(|scratch| {
+                self.gather_sides(&[&self.state_traces], &[&self.mesh_traces], batch, scratch);
+                for ((instant, row), at) in instants.clone().zip(&mut fluxes) {
+                    self.across(Along::Nothing, batch, |context, across| {
+                        self.problem.kernels.boundary_flux(context, instant, row, across, scratch);
+                    });
+                    (0..batch.count).for_each(|lane| at.boundaries[boundary] += BoundaryFlux::of_lane(scratch, lane));
+                }
+            });
+        }
+        fluxes
+    }
+}

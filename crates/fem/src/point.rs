@@ -1,0 +1,101 @@
+//! What the kernels of cells and facets do at one point.
+
+use crate::mode::Mode;
+use tensor::pulp::Simd;
+use tensor::{LaneNumber, Lanes, Over, Pack, Real, cofactor, determinant};
+
+/// Where a point function reads and writes: point `p` of `points`, and the part of its packs.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) points: usize,
+    pub(crate) p: usize,
+    pub(crate) part: usize,
+}
+
+impl Place {
+    /// Component `c` at this point, in an array `[c][p]`.
+    #[inline(always)]
+    pub(crate) fn index(&self, c: usize) -> usize {
+        c * self.points + self.p
+    }
+}
+
+/// Cofactors and determinant of dx/dxi; `jacobian[direction][b][d][p]`.
+#[inline(always)]
+pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
+    simd: S,
+    jacobian: &[Pack],
+    at: Place,
+) -> ([[G; D]; D], G) {
+    let size = G::BLOCKS * D * at.points;
+    let first = G::load(simd, jacobian, D * at.points, at.p, at.part);
+    let mut dx = [[first; D]; D];
+    for j in 0..D {
+        for i in 0..D {
+            dx[i][j] = G::load(simd, &jacobian[j * size..(j + 1) * size], D * at.points, at.index(i), at.part);
+        }
+    }
+    let cof = cofactor(&dx);
+    (cof, determinant(&dx, &cof))
+}
+
+/// The C components of a state, a velocity, ... ; `u[b][c][p]`.
+#[inline(always)]
+pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack], at: Place) -> [T; C] {
+    let mut vector = [T::load(simd, u, C * at.points, at.p, at.part); C];
+    for c in 1..C {
+        vector[c] = T::load(simd, u, C * at.points, at.index(c), at.part);
+    }
+    vector
+}
+
+/// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[direction][b][m][p]`.
+#[inline(always)]
+pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    gradient: &[Pack],
+    at: Place,
+    cof: &[[K::Geometry<S>; D]; D],
+    det: K::Geometry<S>,
+) -> [[K::State<S>; M]; D] {
+    let size = K::STATE_BLOCKS * M * at.points;
+    let inverse = det.recip();
+    let first = load::<M, K::State<S>, S>(simd, gradient, at);
+    let mut reference = [first; D];
+    for j in 1..D {
+        reference[j] = load::<M, K::State<S>, S>(simd, &gradient[j * size..], at);
+    }
+    let mut physical = reference;
+    for k in 0..D {
+        for m in 0..M {
+            let mut sum = reference[0][m].scale(cof[k][0]);
+            for j in 1..D {
+                sum = reference[j][m].scale_add(cof[k][j], sum);
+            }
+            physical[k][m] = sum.scale(inverse);
+        }
+    }
+    physical
+}
+
+/// The flux f in reference direction j, component m, as grad_x w . f J tests with it: sum_k cof_kj f_k.
+#[inline(always)]
+pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Real>(
+    f: &[[T; M]; D],
+    cof: &[[G; D]; D],
+    j: usize,
+    m: usize,
+) -> T {
+    let mut sum = f[0][m].scale(cof[0][j]);
+    for k in 1..D {
+        sum = f[k][m].scale_add(cof[k][j], sum);
+    }
+    sum
+}
+
+/// Marks the lanes where `margin` is not positive. Written so that a NaN is marked too.
+#[inline(always)]
+pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(simd: S, margin: T, one: Lanes<S>, violated: &mut Pack, part: usize) {
+    let so_far = Lanes::read(simd, violated, part);
+    margin.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
+}

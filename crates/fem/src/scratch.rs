@@ -1,0 +1,156 @@
+//! Packs that a thread keeps from one batch of cells or facets to the next.
+
+use crate::tables::Tables;
+use crate::tensor_product::Scratch;
+use tensor::{Pack, zeroed};
+
+/// Packs of one batch of cells, for any mode.
+///
+/// `b` counts blocks (values, derivatives), `p` points, `i` space nodes, `a` time nodes, `m` components of the state.
+pub struct CellScratch {
+    /// State in the slab, `[b][a][m][i]`.
+    pub state: Vec<Pack>,
+    /// Bottom position and velocities of the mesh, `[b][slot][d][i]`.
+    pub mesh: Vec<Pack>,
+    /// Residual, `[a][m][i]`.
+    pub residual: Vec<Pack>,
+    /// State at one time, `[b][m][i]`.
+    pub state_now: Vec<Pack>,
+    /// Position at one time, `[b][d][i]`.
+    pub position_now: Vec<Pack>,
+    /// Velocity at one time, `[b][d][i]`.
+    pub velocity_now: Vec<Pack>,
+    /// Flux terms at one time, `[m][i]`.
+    pub flux_now: Vec<Pack>,
+    /// Moments of the state at one time, int w u J, `[m][i]`.
+    pub moments_now: Vec<Pack>,
+    /// Positions at points, `[b][d][p]`: read by sources.
+    pub x: Vec<Pack>,
+    /// Source at points, `[b][m][p]`.
+    pub source: Vec<Pack>,
+    /// One where a state or a Jacobian determinant of the lane was inadmissible.
+    pub violated: Pack,
+    pub(crate) u: Vec<Pack>,
+    pub(crate) gradient: Vec<Pack>,
+    pub(crate) jacobian: Vec<Pack>,
+    pub(crate) v: Vec<Pack>,
+    pub(crate) flux: Vec<Pack>,
+    pub(crate) moments: Vec<Pack>,
+    pub(crate) scratch: Scratch,
+}
+
+impl CellScratch {
+    /// Room for any mode.
+    pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
+        let (n_t, points) = (tables.orders.time, tables.volume_points());
+        let nodes = tables.orders.flow.pow(D as u32);
+        let mesh_nodes = tables.orders.mesh.pow(D as u32);
+        let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
+        CellScratch {
+            state: zeroed(2 * n_t * M * nodes),
+            mesh: zeroed(2 * (n_t + 1) * D * mesh_nodes),
+            residual: zeroed(n_t * M * nodes),
+            state_now: zeroed(2 * M * nodes),
+            position_now: zeroed(2 * D * mesh_nodes),
+            velocity_now: zeroed(2 * D * mesh_nodes),
+            flux_now: zeroed(M * nodes),
+            moments_now: zeroed(M * nodes),
+            x: zeroed(2 * D * points),
+            source: zeroed(2 * M * points),
+            violated: Pack::ZERO,
+            u: zeroed(2 * M * points),
+            gradient: zeroed(D * 2 * M * points),
+            jacobian: zeroed(D * 2 * D * points),
+            v: zeroed(2 * D * points),
+            flux: zeroed(D * M * points),
+            moments: zeroed(M * points),
+            scratch: Scratch::new(D, 2 * M, widest),
+        }
+    }
+}
+
+/// Packs of one side of a batch of facets, in the lattice of the minus face.
+///
+/// Traces have two kinds: 0 the values, 1 the derivative along the reference axis that leaves the facet. Gradients are
+/// ordered tangential directions first, the leaving axis last.
+pub struct SideScratch {
+    /// State traces, `[kind][b][a][m][i]`.
+    pub state: [Vec<Pack>; 2],
+    /// Mesh traces, `[kind][b][slot][d][i]`.
+    pub mesh: [Vec<Pack>; 2],
+    /// Terms to test with, `[kind][a][m][i]`.
+    pub terms: [Vec<Pack>; 2],
+    pub(crate) state_now: [Vec<Pack>; 2],
+    pub(crate) position_now: [Vec<Pack>; 2],
+    pub(crate) terms_now: [Vec<Pack>; 2],
+    pub(crate) u: Vec<Pack>,
+    pub(crate) gradient: Vec<Pack>,
+    pub(crate) jacobian: Vec<Pack>,
+    pub(crate) tested: Vec<Pack>,
+    pub(crate) tested_gradient: Vec<Pack>,
+}
+
+/// Packs of a batch of facets, kept by a thread from one batch to the next.
+pub struct FacetScratch {
+    /// Minus and plus side; the plus side is unused on boundaries.
+    pub sides: [SideScratch; 2],
+    /// +1 or -1 per lane: the sign that turns the minus face's tangential cross product into the outward normal.
+    pub normal_sign: Pack,
+    /// Positions at points, `[b][d][p]`.
+    pub x: Vec<Pack>,
+    /// Prescribed states at points, `[b][m][p]`.
+    pub data: Vec<Pack>,
+    /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
+    pub through: Vec<Pack>,
+    /// One where a trace of the lane was inadmissible.
+    pub violated: Pack,
+    pub(crate) velocity_now: Vec<Pack>,
+    pub(crate) v: Vec<Pack>,
+    pub(crate) scratch: Scratch,
+}
+
+impl SideScratch {
+    pub(crate) fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
+        let (n_t, points) = (tables.orders.time, tables.facet_points());
+        let nodes = tables.orders.flow.pow(D as u32 - 1);
+        let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
+        let pair = |len: usize| [zeroed(len), zeroed(len)];
+        SideScratch {
+            state: pair(2 * n_t * M * nodes),
+            mesh: pair(2 * (n_t + 1) * D * mesh_nodes),
+            terms: pair(n_t * M * nodes),
+            state_now: pair(2 * M * nodes),
+            position_now: pair(2 * D * mesh_nodes),
+            terms_now: pair(M * nodes),
+            u: zeroed(2 * M * points),
+            gradient: zeroed(D * 2 * M * points),
+            jacobian: zeroed(D * 2 * D * points),
+            tested: zeroed(M * points),
+            tested_gradient: zeroed(D * M * points),
+        }
+    }
+}
+
+impl FacetScratch {
+    /// Room for any mode.
+    pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
+        let points = tables.facet_points();
+        let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
+        FacetScratch {
+            sides: [SideScratch::new::<D, M>(tables), SideScratch::new::<D, M>(tables)],
+            normal_sign: Pack::ZERO,
+            x: zeroed(2 * D * points),
+            data: zeroed(2 * M * points),
+            through: zeroed(2 * through_len(M)),
+            violated: Pack::ZERO,
+            velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
+            v: zeroed(2 * D * points),
+            scratch: Scratch::new(D - 1, 2 * M.max(D), widest),
+        }
+    }
+}
+
+/// Numbers of one part of a flux through a boundary: M fluxes and the flux of angular momentum.
+pub(crate) const fn through_len(components: usize) -> usize {
+    components + 3
+}

@@ -1,0 +1,257 @@
+//! The geometry of a boundary at its C0 nodes: normals, and the place along a closed curve.
+
+use crate::facet::{axis_and_side, face_nodes, outward_sign, tangent_sign};
+use crate::{BoundaryFacet, CellMap, Mesh, MeshError, NodeNumbering, Side};
+use basis::{Lagrange, gauss, gauss_lobatto};
+use std::array::from_fn;
+use std::collections::BTreeMap;
+use tensor::{cofactor, norm};
+
+/// A mean of unit normals shorter than this has no direction.
+const NO_DIRECTION: f64 = 1e-8;
+
+impl<const D: usize> Mesh<D> {
+    /// The unit normal, out of the domain, at every C0 node of `boundary`:
+    ///
+    /// ```text
+    /// n = sum_f n_f / |sum_f n_f|,    n_f = +-cof(J) e_a / |cof(J) e_a|                                       (normal)
+    /// ```
+    ///
+    /// over the facets f of this boundary that meet in the node, face 2 a + side of their cells. Each facet counts once. On
+    /// a smooth boundary all n_f agree up to the accuracy of the geometry; at an edge or a corner n is between them. Facets
+    /// of other boundaries do not count.
+    ///
+    /// # Errors
+    /// [`MeshError::NoNormal`] where facets are back to back, as at a cusp.
+    pub fn boundary_normals(
+        &self,
+        numbering: &NodeNumbering,
+        boundary: usize,
+    ) -> Result<BTreeMap<usize, [f64; D]>, MeshError> {
+        let map = CellMap::on_grid(self.order, &gauss_lobatto(numbering.order()).points);
+        let mut sums: BTreeMap<usize, ([f64; D], [f64; D])> = BTreeMap::new();
+        for side in self.sides_of(boundary) {
+            let nodes = self.cell_coordinates(side.cell);
+            let (positions, jacobians) = (map.positions(nodes), map.jacobians(nodes));
+            for k in face_nodes(D, numbering.order(), side.face) {
+                let normal = unit_normal(&jacobians[k], side.face);
+                let (sum, _) = sums.entry(numbering.cell(side.cell)[k]).or_insert(([0.0; D], positions[k]));
+                (0..D).for_each(|i| sum[i] += normal[i]);
+            }
+        }
+        let normalised = |(node, (sum, position)): (usize, ([f64; D], [f64; D]))| {
+            let length = norm(&sum);
+            if length < NO_DIRECTION {
+                let name = self.boundary_names[boundary].clone();
+                return Err(MeshError::NoNormal { name, position: position.to_vec() });
+            }
+            Ok((node, sum.map(|x| x / length)))
+        };
+        sums.into_iter().map(normalised).collect()
+    }
+
+    /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to there
+    /// over its whole length, in [0, 1). The curve begins at the end of a facet with the largest x, of several the one
+    /// with the smallest y, and leaves the domain on its right: it runs counter-clockwise around a body. `None` if the
+    /// boundary is anything else.
+    pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
+        let (mut arcs, mut first) = (BTreeMap::new(), None::<([f64; D], usize)>);
+        for side in self.sides_of(boundary).filter(|_| D == 2) {
+            let arc = self.arc(numbering, side);
+            let before = |x: &[f64; D], y: &[f64; D]| (-x[0], x[1]) < (-y[0], y[1]);
+            if first.as_ref().is_none_or(|(position, _)| before(&arc.start, position)) {
+                first = Some((arc.start, arc.nodes[0]));
+            }
+            // Two facets that begin in one node: no curve.
+            if arcs.insert(arc.nodes[0], arc).is_some() {
+                return None;
+            }
+        }
+        follow(arcs, first?.1)
+    }
+
+    fn sides_of(&self, boundary: usize) -> impl Iterator<Item = Side> {
+        self.boundary_facets
+            .iter()
+            .filter(move |facet| facet.boundary == boundary)
+            .map(|&BoundaryFacet { side, .. }| side)
+    }
+
+    /// The face `side` as a piece of a curve with the domain on its right.
+    fn arc(&self, numbering: &NodeNumbering, side: Side) -> Arc<D> {
+        let positions = self.face_positions(side);
+        let mut nodes = numbering.face::<D>(side);
+        let mut lengths = lengths(&positions, numbering.order());
+        let mut start = positions[0];
+        // (t_x, t_y) has its right at (t_y, -t_x): with the sign + that is out of the domain.
+        if tangent_sign(side.face) > 0.0 {
+            let whole = lengths[lengths.len() - 1];
+            nodes.reverse();
+            lengths.reverse();
+            lengths.iter_mut().for_each(|length| *length = whole - *length);
+            start = positions[positions.len() - 1];
+        }
+        Arc { nodes, lengths, start }
+    }
+}
+
+/// A face in two dimensions: its C0 nodes, the length of the curve up to each of them, and where it starts.
+struct Arc<const D: usize> {
+    nodes: Vec<usize>,
+    lengths: Vec<f64>,
+    start: [f64; D],
+}
+
+/// The arcs, by their first nodes, one after the other from node `first` until it is met again; as fractions of the whole.
+fn follow<const D: usize>(mut arcs: BTreeMap<usize, Arc<D>>, first: usize) -> Option<BTreeMap<usize, f64>> {
+    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first);
+    loop {
+        let Arc { nodes, lengths, .. } = arcs.remove(&node)?;
+        let last = nodes.len() - 1;
+        fractions.extend((0..last).map(|k| (nodes[k], length + lengths[k])));
+        (length, node) = (length + lengths[last], nodes[last]);
+        if node == first {
+            break;
+        }
+    }
+    fractions.values_mut().for_each(|fraction| *fraction /= length);
+    arcs.is_empty().then_some(fractions)
+}
+
+/// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.
+fn lengths<const D: usize>(positions: &[[f64; D]], n: usize) -> Vec<f64> {
+    let (lagrange, rule) = (Lagrange::gauss_lobatto(positions.len()), gauss(2 * positions.len()));
+    let up_to = |xi: f64| {
+        let half = 0.5 * (xi + 1.0);
+        let points: Vec<f64> = rule.points.iter().map(|point| half * (point + 1.0) - 1.0).collect();
+        let derivatives = lagrange.derivative_matrix(&points);
+        let speed = |q: usize| {
+            norm(&from_fn::<f64, D, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
+        };
+        (0..points.len()).map(|q| half * rule.weights[q] * speed(q)).sum()
+    };
+    gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
+}
+
+fn unit_normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
+    let (axis, _) = axis_and_side(face);
+    let cofactor = cofactor(jacobian);
+    let normal: [f64; D] = from_fn(|i| outward_sign(face) * cofactor[i][axis]);
+    let length = norm(&normal);
+    normal.map(|x| x / length)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::generate::{AirfoilMesh, AnnulusMesh, Extrusion, RotatingBoxMesh};
+    use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+    fn named<const D: usize>(mesh: &Mesh<D>, name: &str) -> usize {
+        mesh.boundary_names().iter().position(|known| known == name).unwrap()
+    }
+
+    /// Positions of the C0 nodes.
+    fn places<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> BTreeMap<usize, [f64; D]> {
+        let fine = mesh.with_order(numbering.order());
+        let nodes = |cell| numbering.cell(cell).iter().copied().zip(fine.cell_coordinates(cell).chunks_exact(D));
+        let place = |(node, x): (usize, &[f64])| (node, from_fn(|i| x[i]));
+        (0..mesh.n_cells()).flat_map(nodes).map(place).collect()
+    }
+
+    fn annulus() -> Mesh<2> {
+        AnnulusMesh { inner_radius: 1.0, outer_radius: 3.0, first_cell: 0.5, cells: [12, 2], order: 8 }.build().unwrap()
+    }
+
+    #[test]
+    fn normals_of_a_circle_point_to_its_centre_and_its_arcs_are_its_angles() {
+        let mesh = annulus().scrambled(3);
+        let numbering = NodeNumbering::new(&mesh, 6);
+        let (places, wall) = (places(&mesh, &numbering), named(&mesh, "wall"));
+        let normals = mesh.boundary_normals(&numbering, wall).unwrap();
+        assert_eq!(normals.keys().copied().collect::<Vec<_>>(), numbering.on_boundary(&mesh, wall));
+        for (node, normal) in &normals {
+            // Out of the domain is into the body.
+            assert!((0..2).all(|i| (normal[i] + places[node][i]).abs() < 1e-7), "{normal:?} at {:?}", places[node]);
+        }
+        let fractions = mesh.arc_fractions(&numbering, wall).unwrap();
+        assert_eq!(fractions.len(), normals.len());
+        // Around the far field the domain is inside: clockwise.
+        let far = mesh.arc_fractions(&numbering, named(&mesh, "far")).unwrap();
+        for (fractions, sense) in [(fractions, 1.0), (far, -1.0)] {
+            for (node, s) in fractions {
+                let [x, y] = places[&node];
+                let apart = s - sense * y.atan2(x) / TAU;
+                assert!((apart - apart.round()).abs() < 1e-9 && (0.0..1.0).contains(&s), "{s} at {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_has_the_normal_between_its_sides() {
+        let mesh = RotatingBoxMesh::unit(5, 3).build().unwrap();
+        let numbering = NodeNumbering::new(&mesh, 3);
+        let places = places(&mesh, &numbering);
+        for (node, normal) in mesh.boundary_normals(&numbering, named(&mesh, "inner")).unwrap() {
+            let x = places[&node];
+            let corner = x[0].abs() == x[1].abs();
+            let expected = if corner { FRAC_1_SQRT_2 } else { 1.0 };
+            assert!((normal[0].abs().max(normal[1].abs()) - expected).abs() < 1e-14, "{normal:?} at {x:?}");
+            assert!(normal[0] * x[0] + normal[1] * x[1] < 0.0);
+        }
+        // From the lower right corner upwards.
+        let fractions = mesh.arc_fractions(&numbering, named(&mesh, "inner")).unwrap();
+        let at = |x: f64, y: f64| {
+            let node = places.iter().find(|(_, p)| (p[0] - x).abs() < 1e-12 && (p[1] - y).abs() < 1e-12).unwrap().0;
+            fractions[node]
+        };
+        let found = [at(0.1, -0.1), at(0.1, 0.0), at(0.1, 0.1), at(-0.1, 0.1), at(-0.1, -0.1)];
+        assert!(found.iter().zip([0.0, 0.125, 0.25, 0.5, 0.75]).all(|(s, t)| (s - t).abs() < 1e-14), "{found:?}");
+    }
+
+    #[test]
+    fn normals_of_an_extruded_mesh_are_those_of_its_cross_section() {
+        let extrusion = Extrusion { lower: 0.0, depth: 1.0, layers: 2, periodic: true };
+        let mesh = annulus().extruded(&extrusion).unwrap().scrambled(1);
+        let numbering = NodeNumbering::new(&mesh, 4);
+        let (places, wall) = (places(&mesh, &numbering), named(&mesh, "wall"));
+        for (node, normal) in mesh.boundary_normals(&numbering, wall).unwrap() {
+            let x = places[&node];
+            assert!((0..2).all(|i| (normal[i] + x[i]).abs() < 1e-7) && normal[2].abs() < 1e-14);
+        }
+        assert_eq!(mesh.arc_fractions(&numbering, wall), None, "in space");
+    }
+
+    #[test]
+    fn an_airfoil_begins_at_its_trailing_edge_and_a_far_field_of_two_pieces_is_one_curve() {
+        let mesh = AirfoilMesh::naca0012(4).build().unwrap();
+        let numbering = NodeNumbering::new(&mesh, 4);
+        let (places, airfoil) = (places(&mesh, &numbering), named(&mesh, "airfoil"));
+        let fractions = mesh.arc_fractions(&numbering, airfoil).unwrap();
+        let (first, _) = fractions.iter().find(|(_, s)| **s == 0.0).unwrap();
+        assert!((places[first][0] - 1.0).abs() < 1e-12);
+        // Symmetric: the nose is half-way, the upper side comes first.
+        for (node, s) in &fractions {
+            assert!((places[node][1] >= -1e-12) == (*s <= 0.5 + 1e-12), "{s} at {:?}", places[node]);
+        }
+        let normal = mesh.boundary_normals(&numbering, airfoil).unwrap()[first];
+        assert!((normal[0] + 1.0).abs() < 1e-9, "{normal:?} at the trailing edge");
+        assert!(mesh.arc_fractions(&numbering, named(&mesh, "far")).is_some());
+    }
+
+    #[test]
+    fn walls_of_a_channel_are_not_closed() {
+        let mesh = crate::BoxMesh {
+            lower: [0.0; 2],
+            upper: [1.0; 2],
+            cells: [2, 2],
+            order: 2,
+            curving: crate::Curving::None,
+            periodic: [false; 2],
+        }
+        .build()
+        .unwrap();
+        assert_eq!(mesh.arc_fractions(&NodeNumbering::new(&mesh, 2), 0), None);
+    }
+}

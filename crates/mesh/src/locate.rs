@@ -1,0 +1,99 @@
+//! The cell that contains a point.
+
+use crate::Mesh;
+use crate::geometry::CellMap;
+use tensor::{cofactor, determinant, dot, norm};
+
+/// Newton steps from the centre of a cell: a point in a cell that is fit for use takes less than ten.
+const MAX_STEPS: usize = 30;
+/// Positions agree when they differ by less than this part of the extent of the cell, reference coordinates by less than this.
+const TOLERANCE: f64 = 1e-10;
+
+impl<const D: usize> Mesh<D> {
+    /// The first cell that contains `x`, its boundary included, and the reference point xi there; `None` if no cell does.
+    pub fn locate(&self, x: &[f64; D]) -> Option<(usize, [f64; D])> {
+        (0..self.n_cells()).filter(|&cell| self.is_near(cell, x)).find_map(|cell| Some((cell, self.invert(cell, x)?)))
+    }
+
+    /// Whether `x` lies in the box of the nodes of `cell`, enlarged by half its extent, because curved sides may bulge.
+    fn is_near(&self, cell: usize, x: &[f64; D]) -> bool {
+        let (lower, upper) = self.cell_box(cell);
+        (0..D).all(|i| {
+            let margin = 0.5 * (upper[i] - lower[i]);
+            (lower[i] - margin..=upper[i] + margin).contains(&x[i])
+        })
+    }
+
+    /// Solves x(xi) = `x` in `cell` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
+    fn invert(&self, cell: usize, x: &[f64; D]) -> Option<[f64; D]> {
+        let (lower, upper) = self.cell_box(cell);
+        let extent = norm(&std::array::from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
+        let mut xi = [0.0; D];
+        for _ in 0..MAX_STEPS {
+            let map = CellMap::at(self.order(), &xi);
+            let (position, jacobian) =
+                (map.positions(self.cell_coordinates(cell))[0], map.jacobians(self.cell_coordinates(cell))[0]);
+            let difference: [f64; D] = std::array::from_fn(|i| position[i] - x[i]);
+            if norm(&difference) <= TOLERANCE * extent && xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE) {
+                return Some(xi.map(|xi| xi.clamp(-1.0, 1.0)));
+            }
+            let cofactor = cofactor(&jacobian);
+            let determinant = determinant(&jacobian, &cofactor);
+            // cofactor / det is J^{-T}. Far outside a cell its map is of no use.
+            xi = std::array::from_fn(|a| {
+                let column = std::array::from_fn(|i| cofactor[i][a]);
+                (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
+            });
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::random::SplitMix64;
+    use crate::{BoxMesh, Curving};
+
+    fn curved<const D: usize>() -> Mesh<D> {
+        let curving = Curving::Wavy { amplitude: 0.03 };
+        let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [3; D], order: 4, curving, periodic: [false; D] };
+        mesh.build().unwrap().scrambled(4)
+    }
+
+    fn finds_what_it_maps<const D: usize>() {
+        let (mesh, mut random) = (curved::<D>(), SplitMix64::new(7));
+        for cell in 0..mesh.n_cells() {
+            for _ in 0..5 {
+                let xi: [f64; D] = std::array::from_fn(|_| 0.999 * random.symmetric());
+                let (found, back) = mesh.locate(&mesh.position(cell, &xi)).unwrap();
+                assert_eq!(found, cell);
+                assert!((0..D).all(|a| (back[a] - xi[a]).abs() < 1e-8), "{xi:?}, {back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_inside_are_found() {
+        finds_what_it_maps::<2>();
+        finds_what_it_maps::<3>();
+    }
+
+    #[test]
+    fn corners_belong_to_the_first_cell_and_points_outside_to_none() {
+        let mesh = curved::<2>();
+        for cell in 0..mesh.n_cells() {
+            for corner in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]] {
+                let x = mesh.position(cell, &corner);
+                let (found, xi) = mesh.locate(&x).unwrap();
+                assert!(
+                    found <= cell
+                        && norm(&std::array::from_fn::<f64, 2, _>(|i| mesh.position(found, &xi)[i] - x[i])) < 1e-9
+                );
+            }
+        }
+        assert_eq!(mesh.locate(&[1.2, 0.5]), None);
+        assert_eq!(mesh.locate(&[-3.0, f64::NAN]), None);
+    }
+}

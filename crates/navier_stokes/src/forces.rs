@@ -1,0 +1,162 @@
+//! Forces on walls.
+//!
+//! **The sign** of all of them: what the fluid does to the wall. Momentum and energy that leave the domain through a wall are
+//! taken up by it, so that
+//!
+//! ```text
+//! F = int (p n - tau n) ds,   M = int (x - x_p) x (p n - tau n) ds,   P = int (p n - tau n) . w_b ds          (force)
+//! ```
+//!
+//! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F and M are what the
+//! scheme takes from the momentum of the gas, and P what it takes from its energy; where the wall is isothermal, P includes
+//! the heat that it takes up. The impulse and the work of a time are the integrals in the quadrature of the scheme.
+
+use fem::{BoundaryFlux, FluxesAt};
+use std::ops::AddAssign;
+
+/// What a wall feels at one time; or the integral over some time, an impulse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallForce<const D: usize> {
+    /// The part of F that pressure exerts.
+    pub pressure: [f64; D],
+    /// The part of F that friction exerts.
+    pub friction: [f64; D],
+    /// M. In 2-D only the last component is not zero; positive is counter-clockwise.
+    pub moment: [f64; 3],
+    /// P.
+    pub power: f64,
+}
+
+impl<const D: usize> Default for WallForce<D> {
+    fn default() -> Self {
+        WallForce { pressure: [0.0; D], friction: [0.0; D], moment: [0.0; 3], power: 0.0 }
+    }
+}
+
+impl<const D: usize> WallForce<D> {
+    /// The force of what leaves through the wall, with the moment about `point`.
+    pub fn new<const M: usize>(flux: &BoundaryFlux<M>, point: &[f64; D]) -> Self {
+        let momentum = |flux: &[f64; M]| std::array::from_fn(|i| flux[1 + i]);
+        let (pressure, friction) = (momentum(&flux.inviscid), momentum(&flux.viscous));
+        let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.total()[M - 1] };
+        let lever = cross(point, &wall.force());
+        wall.moment = std::array::from_fn(|i| flux.inviscid_moment[i] + flux.viscous_moment[i] - lever[i]);
+        wall
+    }
+
+    /// Impulse, angular impulse and work over a slab on boundary number `boundary`, about a point that moves.
+    pub fn during_slab<const M: usize>(
+        fluxes: &[FluxesAt<M>],
+        boundary: usize,
+        point: impl Fn(f64) -> [f64; D],
+    ) -> Self {
+        let mut sum = WallForce::default();
+        for at in fluxes {
+            sum += WallForce::new(&at.boundaries[boundary].scaled(at.weight), &point(at.time));
+        }
+        sum
+    }
+
+    /// F.
+    pub fn force(&self) -> [f64; D] {
+        std::array::from_fn(|i| self.pressure[i] + self.friction[i])
+    }
+}
+
+impl<const D: usize> AddAssign for WallForce<D> {
+    fn add_assign(&mut self, other: Self) {
+        for i in 0..D {
+            self.pressure[i] += other.pressure[i];
+            self.friction[i] += other.friction[i];
+        }
+        for i in 0..3 {
+            self.moment[i] += other.moment[i];
+        }
+        self.power += other.power;
+    }
+}
+
+/// a x b; of vectors in the plane only the last component is not zero.
+fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
+    let at = |v: &[f64; D], i: usize| v.get(i % 3).copied().unwrap_or(0.0);
+    std::array::from_fn(|i| at(a, i + 1) * at(b, i + 2) - at(a, i + 2) * at(b, i + 1))
+}
+
+/// What makes forces dimensionless:
+///
+/// ```text
+/// C_D = F . e_D / (q A),   C_L = F . (e_z x e_D) / (q A),   C_M = M_z / (q A L),   q = rho U^2 / 2              (coefficients)
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceScales<const D: usize> {
+    /// q.
+    pub dynamic_pressure: f64,
+    /// A; in 2-D per unit span, hence a length.
+    pub area: f64,
+    /// L.
+    pub length: f64,
+    /// e_D, of unit length.
+    pub drag_direction: [f64; D],
+}
+
+/// (coefficients)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficients {
+    /// C_D.
+    pub drag: f64,
+    /// C_L.
+    pub lift: f64,
+    /// C_M.
+    pub moment: f64,
+}
+
+impl<const D: usize> ForceScales<D> {
+    /// The coefficients of `wall`.
+    pub fn coefficients(&self, wall: &WallForce<D>) -> Coefficients {
+        let (force, along) = (wall.force(), &self.drag_direction);
+        let scale = self.dynamic_pressure * self.area;
+        Coefficients {
+            drag: tensor::dot(&force, along) / scale,
+            lift: cross(along, &force)[2] / scale,
+            moment: wall.moment[2] / (scale * self.length),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flux(momentum: [f64; 2], at: [f64; 2]) -> BoundaryFlux<4> {
+        let mut flux = BoundaryFlux::<4>::default();
+        flux.inviscid = [0.0, momentum[0], momentum[1], 3.0];
+        flux.inviscid_moment[2] = at[0] * momentum[1] - at[1] * momentum[0];
+        flux
+    }
+
+    #[test]
+    fn the_moment_follows_the_point() {
+        // A force (2, 5) that acts at (4, 1), about (3, -1): 1 * 5 - 2 * 2.
+        let wall = WallForce::new(&flux([2.0, 5.0], [4.0, 1.0]), &[3.0, -1.0]);
+        assert_eq!((wall.force(), wall.moment, wall.power), ([2.0, 5.0], [0.0, 0.0, 1.0], 3.0));
+    }
+
+    #[test]
+    fn impulses_follow_the_moving_point_in_the_quadrature_of_the_slab() {
+        let at = |time: f64, weight| FluxesAt { time, weight, boundaries: vec![flux([0.0, 2.0], [time, 0.0])] };
+        // The top has no weight.
+        let fluxes = [at(1.0, 0.25), at(2.0, 0.75), at(3.0, 0.0)];
+        let impulse = WallForce::<2>::during_slab(&fluxes, 0, |t| [0.5 * t, 7.0]);
+        assert_eq!(impulse.force(), [0.0, 2.0]);
+        assert_eq!(impulse.moment[2], 2.0 * (0.25 * 0.5 + 0.75));
+        assert_eq!(impulse.power, 3.0);
+    }
+
+    #[test]
+    fn drag_is_along_the_stream_and_lift_to_its_left() {
+        let scales = ForceScales { dynamic_pressure: 0.5, area: 2.0, length: 4.0, drag_direction: [0.6, 0.8] };
+        let wall = WallForce { pressure: [0.6, 0.8], friction: [-0.8, 0.6], moment: [0.0, 0.0, 2.0], power: 0.0 };
+        let Coefficients { drag, lift, moment } = scales.coefficients(&wall);
+        assert!((drag - 1.0).abs() < 1e-15 && (lift - 1.0).abs() < 1e-15 && moment == 0.5);
+    }
+}

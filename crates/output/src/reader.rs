@@ -1,0 +1,57 @@
+//! Reading the steps of a result file.
+
+use std::path::{Path, PathBuf};
+
+use hdf5::{File, Hyperslab, SliceOrIndex};
+
+use crate::error::OutputError;
+use crate::format::{self, Metadata};
+use crate::layout::Layout;
+use crate::result_file::{damaged, open};
+use crate::vtkhdf;
+
+/// A published result file, open for reading. It stays whole when a running program publishes a newer one meanwhile.
+#[derive(Debug)]
+pub struct ResultReader {
+    path: PathBuf,
+    file: File,
+    /// What the file says about itself.
+    pub metadata: Metadata,
+    /// What it holds at each step.
+    pub layout: Layout,
+    /// Time of each step.
+    pub times: Vec<f64>,
+}
+
+impl ResultReader {
+    /// Opens the result file at `path`.
+    ///
+    /// # Errors
+    /// As [`crate::read_checkpoint`].
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let file = open(path)?;
+        let read = || {
+            let (group, root) = (file.group(format::GROUP)?, file.group("VTKHDF")?);
+            Ok((format::read_metadata(&group)?, format::read_layout(&group, &root)?, vtkhdf::times(&root)?))
+        };
+        let (metadata, layout, times) = read().map_err(|error: hdf5::Error| damaged(path, &error))?;
+        Ok(Self { path: path.to_owned(), file, metadata, layout, times })
+    }
+
+    /// The coefficients `name` of a step, last axis fastest; none if the file has no array of this name.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if they cannot be read, or if there is no such step.
+    pub fn exact(&self, name: &str, step: usize) -> Result<Option<Vec<f64>>, OutputError> {
+        let Some(array) = self.layout.exact.iter().find(|array| array.name == name) else { return Ok(None) };
+        let read = || {
+            let dataset = self.file.dataset(&format!("{}/exact/{name}", format::GROUP))?;
+            let whole = array.axes.iter().map(|_| SliceOrIndex::from(..));
+            let step = std::iter::once(SliceOrIndex::from(step..step + 1));
+            let values =
+                dataset.read_slice::<f64, _, ndarray::IxDyn>(Hyperslab::from(step.chain(whole).collect::<Vec<_>>()))?;
+            Ok(values.into_raw_vec_and_offset().0)
+        };
+        read().map(Some).map_err(|error: hdf5::Error| damaged(&self.path, &error))
+    }
+}

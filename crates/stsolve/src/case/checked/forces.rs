@@ -1,0 +1,88 @@
+//! What forces on walls refer to.
+
+use super::flow::BoundaryData;
+use super::mesh_crate::Mesh;
+use crate::case::checker::{Checked, Checker};
+use crate::case::key::Key;
+use crate::case::raw;
+use crate::case::vector::Vector;
+use navier_stokes::{ForceScales, Reference};
+use std::collections::BTreeMap;
+
+/// A boundary that is a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall<const D: usize> {
+    /// Its number in `Mesh::boundary_names`.
+    pub boundary: usize,
+    /// Its name.
+    pub name: String,
+    /// The point about which moments are taken.
+    point: Vector<D>,
+    /// What makes forces dimensionless.
+    pub scales: ForceScales<D>,
+}
+
+impl<const D: usize> Wall<D> {
+    /// The point about which moments are taken at time `t`.
+    pub fn point(&self, t: f64) -> [f64; D] {
+        self.point.evaluate(&[0.0; D], t)
+    }
+}
+
+/// Checks `[flow.forces]`: the walls among the boundaries, with what is given or by default.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &BTreeMap<String, raw::Forces>,
+    mesh: &Mesh<D>,
+    boundaries: &[BoundaryData<D>],
+    reference: Reference,
+    length: f64,
+) -> Checked<Vec<Wall<D>>> {
+    let names = mesh.boundary_names();
+    let is_wall = |number: usize| boundaries[number].condition.is_wall();
+    if let Some(number) = (0..names.len()).find(|&number| raw.contains_key(&names[number]) && !is_wall(number)) {
+        let problem = format!("there is no force on `{}`: it is not a wall", names[number]);
+        let accepted = "boundaries whose condition is a wall";
+        return Err(checker.combination(&key.child(&names[number]), &problem, accepted));
+    }
+    let given = checker.by_boundary_or_default(key, raw, names)?;
+    let walls = given.iter().enumerate().filter(|(number, _)| is_wall(*number));
+    let wall = |(boundary, (key, forces)): (usize, &(Key, raw::Forces))| {
+        let scales = scales(checker, key, forces, reference, length)?;
+        let point = match &forces.point {
+            Some(formulas) => checker.formulas_of_time(&key.child("point"), formulas)?,
+            None => Vector::zero(),
+        };
+        Ok(Wall { boundary, name: names[boundary].clone(), point, scales })
+    };
+    walls.map(wall).collect()
+}
+
+fn scales<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Forces,
+    reference: Reference,
+    length: f64,
+) -> Checked<ForceScales<D>> {
+    let positive = |name: &str, given: Option<f64>, default: f64| match given {
+        Some(value) => checker.positive(&key.child(name), &format!("the {name}"), value),
+        None => Ok(default),
+    };
+    let mut drag_direction = [0.0; D];
+    drag_direction[0] = 1.0;
+    if let Some(direction) = &raw.drag_direction {
+        let key = key.child("drag_direction");
+        let direction: [f64; D] = checker.finite_vector(&key, "the direction", direction)?;
+        let norm = tensor::norm(&direction);
+        checker.require(&key, "the direction", norm > 0.0, "a vector that is not zero")?;
+        drag_direction = direction.map(|component| component / norm);
+    }
+    Ok(ForceScales {
+        dynamic_pressure: reference.dynamic_pressure(),
+        area: positive("area", raw.area, length.powi(D as i32 - 1))?,
+        length: positive("length", raw.length, length)?,
+        drag_direction,
+    })
+}

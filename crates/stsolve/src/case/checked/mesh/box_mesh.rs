@@ -1,0 +1,68 @@
+//! `[mesh.generate.box]`
+
+use super::AnyMesh;
+use super::family::Family;
+use crate::case::checker::{Checked, Checker};
+use crate::case::key::Key;
+use crate::case::raw::{BoxGenerator, Curving};
+use ::mesh::{BoxMesh, Mesh};
+
+pub(super) fn build(checker: &Checker<'_>, raw: &BoxGenerator, order: usize) -> Checked<AnyMesh> {
+    let family = Family { checker, key: Key::new("mesh.generate.box"), parameters: &[] };
+    match family.dimension("lower", raw.lower.len())? {
+        2 => Ok(AnyMesh::Plane(box_mesh(&family, raw, order)?)),
+        _ => Ok(AnyMesh::Space(box_mesh(&family, raw, order)?)),
+    }
+}
+
+fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usize) -> Checked<Mesh<D>> {
+    let (checker, key) = (family.checker, &family.key);
+    let (lower, upper) =
+        (checker.vector(&key.child("lower"), &raw.lower)?, checker.vector(&key.child("upper"), &raw.upper)?);
+    let cells = checker.vector(&key.child("cells"), &raw.cells)?;
+    let extents = std::array::from_fn(|axis| upper[axis] - lower[axis]);
+    check_axes(family, &extents, &cells)?;
+    family.check_size::<D>("cells", &cells, order)?;
+    let ratios = match &raw.size_ratio {
+        Some(ratios) => checker.vector(&key.child("size_ratio"), ratios)?,
+        None => [1.0; D],
+    };
+    for axis in 0..D {
+        checker.positive(&key.child("size_ratio").entry(axis), "the ratio of sizes", ratios[axis])?;
+    }
+    let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
+    let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
+    // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
+    let key = curving_key(&key.child("curving"), raw.curving);
+    generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error))
+}
+
+fn check_axes<const D: usize>(family: &Family<'_>, extents: &[f64; D], cells: &[usize; D]) -> Checked<()> {
+    for axis in 0..D {
+        let at = |name: &str| family.key.child(name).entry(axis);
+        let positive = extents[axis] > 0.0 && extents[axis].is_finite();
+        family.checker.require(&at("upper"), "the corner", positive, "more than the same entry of `lower`")?;
+        family.checker.at_least_one(&at("cells"), "the number of cells", cells[axis])?;
+    }
+    Ok(())
+}
+
+/// The key of the amplitude.
+fn curving_key(key: &Key, raw: Curving) -> Key {
+    let name = match raw {
+        Curving::None => return key.clone(),
+        Curving::Smooth { .. } => "smooth",
+        Curving::Wavy { .. } => "wavy",
+        Curving::Random { .. } => "random",
+    };
+    key.child(name).child("amplitude")
+}
+
+fn curving(raw: Curving) -> ::mesh::Curving {
+    match raw {
+        Curving::None => ::mesh::Curving::None,
+        Curving::Smooth { amplitude } => ::mesh::Curving::Smooth { amplitude },
+        Curving::Wavy { amplitude } => ::mesh::Curving::Wavy { amplitude },
+        Curving::Random { amplitude, seed } => ::mesh::Curving::Random { amplitude, seed },
+    }
+}

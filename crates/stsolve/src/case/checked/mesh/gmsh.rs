@@ -1,0 +1,29 @@
+//! `mesh.file`
+
+use super::AnyMesh;
+use crate::case::checker::{Checked, Checker};
+use crate::case::error::Cause;
+use crate::case::key::Key;
+use crate::case::raw;
+use ::mesh::{GmshError, Mesh};
+use std::path::Path;
+
+/// The mesh of a Gmsh file, in the order of the file.
+pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Checked<AnyMesh> {
+    let (key, path) = (Key::new("mesh.file"), checker.beside_case(file));
+    let bytes = std::fs::read(&path).map_err(|error| checker.error(&key, Cause::File { path: path.clone(), error }))?;
+    let pairs: Vec<(String, String)> = raw.periodic.iter().map(|[one, other]| (one.clone(), other.clone())).collect();
+    let refused = |error: GmshError| match &error {
+        GmshError::NoBoundary { name, known } => {
+            let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.clone() };
+            checker.error(&Key::new("mesh.periodic"), unknown)
+        }
+        _ => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
+    };
+    match Mesh::<3>::from_gmsh(&bytes, &pairs) {
+        Err(GmshError::Dimension { hexahedra: 0, .. }) => {
+            Mesh::<2>::from_gmsh(&bytes, &pairs).map(AnyMesh::Plane).map_err(refused)
+        }
+        read => read.map(AnyMesh::Space).map_err(refused),
+    }
+}

@@ -1,0 +1,149 @@
+//! A structure.
+
+use super::mesh_crate::Mesh;
+use super::motion::boundary_points;
+use crate::case::checker::{Checked, Checker};
+use crate::case::key::Key;
+use crate::case::raw::{self, StructureBoundary};
+use crate::case::vector::Vector;
+use crate::expression::Program;
+
+/// An elastic body with mass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure<const D: usize> {
+    /// E
+    pub young_modulus: f64,
+    /// nu
+    pub poisson_ratio: f64,
+    /// Mass per volume.
+    pub density: f64,
+    /// Force per volume, in the position at rest and time.
+    pub body_force: Option<Vector<D>>,
+    /// Each boundary, in the order of `Mesh::boundary_names`.
+    pub boundary: Vec<Support<D>>,
+    /// The displacement at the start; None: zero.
+    pub displacement: Option<Vector<D>>,
+    /// The velocity at the start; None: zero.
+    pub velocity: Option<Vector<D>>,
+    /// How many natural modes are wanted.
+    pub natural_modes: usize,
+    /// Points that are observed, with their names.
+    pub points: Vec<(String, [f64; D])>,
+}
+
+/// How a boundary is supported or loaded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Support<const D: usize> {
+    /// Nothing acts on it.
+    Free,
+    /// These components of the displacement are zero.
+    Held([bool; D]),
+    /// Its displacement.
+    Moved(Vector<D>),
+    /// The force per area.
+    Traction(Vector<D>),
+    /// The force per area against the outward normal.
+    Pressure(Program),
+}
+
+impl<const D: usize> Support<D> {
+    /// Which components of the displacement it prescribes.
+    pub fn fixes(&self) -> [bool; D] {
+        match self {
+            Support::Held(components) => *components,
+            Support::Moved(_) => [true; D],
+            Support::Free | Support::Traction(_) | Support::Pressure(_) => [false; D],
+        }
+    }
+}
+
+/// Checks `[structure]` of a run that starts at time `start`.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Structure,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<Structure<D>> {
+    let key = Key::new("structure");
+    let vector = |name: &str, formulas: &Option<Vec<_>>| {
+        formulas.as_ref().map(|formulas| checker.formulas(&child(&key, name), formulas)).transpose()
+    };
+    let boundary = checker
+        .by_boundary(&key.child("boundary"), "support or load", &raw.boundary, mesh.boundary_names())?
+        .into_iter()
+        .map(|(key, boundary)| support(checker, &key, boundary))
+        .collect::<Checked<Vec<_>>>()?;
+    let displacement = vector("initial.displacement", &raw.initial.displacement)?;
+    check_start(checker, &boundary, displacement.as_ref(), mesh, start)?;
+    Ok(Structure {
+        young_modulus: checker.positive(&key.child("young_modulus"), "Young's modulus", raw.young_modulus)?,
+        poisson_ratio: checker.poisson_ratio(&key.child("poisson_ratio"), raw.poisson_ratio)?,
+        density: checker.positive(&key.child("density"), "the density", raw.density)?,
+        body_force: vector("body_force", &raw.body_force)?,
+        boundary,
+        displacement,
+        velocity: vector("initial.velocity", &raw.initial.velocity)?,
+        natural_modes: raw.natural_modes,
+        points: points(checker, &key.child("points"), raw, mesh)?,
+    })
+}
+
+/// The key `a.b` below `key`.
+fn child(key: &Key, path: &str) -> Key {
+    path.split('.').fold(key.clone(), |key, name| key.child(name))
+}
+
+fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoundary) -> Checked<Support<D>> {
+    Ok(match raw {
+        StructureBoundary::Free => Support::Free,
+        StructureBoundary::Fixed => Support::Held([true; D]),
+        StructureBoundary::Held(axes) => Support::Held(checker.axes(&key.child("held"), axes)?),
+        StructureBoundary::Displacement(formulas) => {
+            Support::Moved(checker.formulas(&key.child("displacement"), formulas)?)
+        }
+        StructureBoundary::Traction(formulas) => Support::Traction(checker.formulas(&key.child("traction"), formulas)?),
+        StructureBoundary::Pressure(formula) => {
+            Support::Pressure(checker.formula::<D>(&key.child("pressure"), formula)?)
+        }
+    })
+}
+
+/// At the start the body is where its supports are, up to round-off of the size of the mesh.
+fn check_start<const D: usize>(
+    checker: &Checker<'_>,
+    boundary: &[Support<D>],
+    displacement: Option<&Vector<D>>,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<()> {
+    for (index, support) in boundary.iter().enumerate() {
+        for x in boundary_points(mesh, index) {
+            let d = displacement.map_or([0.0; D], |displacement| displacement.evaluate(&x, start));
+            let g = if let Support::Moved(g) = support { g.evaluate(&x, start) } else { [0.0; D] };
+            let apart = |i: &usize| support.fixes()[*i] && (d[*i] - g[*i]).abs() > 1e-12 * mesh.diameter();
+            if let Some(i) = (0..D).find(apart) {
+                let (name, d, g) = (&mesh.boundary_names()[index], d[i], g[i]);
+                let problem =
+                    format!("the displacement at the start, {d:e} at {x:?}, is not that of boundary `{name}`, {g:e}");
+                let accepted = "an initial displacement that is that of the supports";
+                return Err(checker.combination(&Key::new("structure.initial.displacement"), &problem, accepted));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn points<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Structure,
+    mesh: &Mesh<D>,
+) -> Checked<Vec<(String, [f64; D])>> {
+    let point = |(name, x): (&String, &Vec<f64>)| {
+        let key = key.child(name);
+        let x = checker.finite_vector(&key, "the coordinate", x)?;
+        checker.require(&key, "the point", mesh.locate(&x).is_some(), "a point inside the mesh, or on its boundary")?;
+        Ok((name.clone(), x))
+    };
+    raw.points.iter().map(point).collect()
+}

@@ -1,0 +1,63 @@
+//! `[structure]`
+
+use super::Axis;
+use super::formula::Formula;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A linear elastic body with mass that fills the mesh; in two dimensions its strain is plane. Its displacement has the order of the
+/// mesh, and is small: loads act where the body is at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Structure {
+    /// Young's modulus E.
+    pub young_modulus: f64,
+    /// Poisson's ratio nu, -1 < nu < 0.5.
+    pub poisson_ratio: f64,
+    /// The density: mass per volume.
+    pub density: f64,
+    /// The force per volume, a formula per axis in the position x, y, z at rest and the time t. Without it there is none.
+    pub body_force: Option<Vec<Formula>>,
+    /// How each boundary is supported or loaded, by name; `others` stands for all that are not named.
+    #[serde(default)]
+    pub boundary: BTreeMap<String, StructureBoundary>,
+    /// The motion at the start. Without it the body is at rest.
+    #[serde(default)]
+    pub initial: InitialMotion,
+    /// How many natural modes to find, those of lowest frequency: their frequencies go to summary.json, and the coordinate of the motion
+    /// in each of them to history.csv, as mode_1, mode_2, ...
+    #[serde(default)]
+    pub natural_modes: usize,
+    /// Points at rest whose displacement goes to history.csv, by name.
+    #[serde(default)]
+    pub points: BTreeMap<String, Vec<f64>>,
+}
+
+/// How a boundary of a structure is supported or loaded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum StructureBoundary {
+    /// Nothing acts on it.
+    Free,
+    /// It is clamped.
+    Fixed,
+    /// It is held along these axes and free along the others: a plane of symmetry, a wall without friction.
+    Held(Vec<Axis>),
+    /// Its displacement, a formula per axis in the position x, y, z at rest and the time t.
+    Displacement(Vec<Formula>),
+    /// The force per area, a formula per axis in the position x, y, z at rest and the time t.
+    Traction(Vec<Formula>),
+    /// The force per area against the outward normal at rest, a formula.
+    Pressure(Formula),
+}
+
+/// The motion of a structure at the start, a formula per axis in the position x, y, z at rest. Supports have their own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialMotion {
+    /// The displacement.
+    pub displacement: Option<Vec<Formula>>,
+    /// The velocity.
+    pub velocity: Option<Vec<Formula>>,
+}

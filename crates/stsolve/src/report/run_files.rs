@@ -1,0 +1,111 @@
+//! What a run has left in its directory so far.
+
+use crate::failure::Failure;
+use output::{HISTORY_FILE, HistoryTable, OutputError, RESULT_FILE, ResultReader, RunDirectory, SUMMARY_FILE};
+use serde_json::Value;
+use std::path::Path;
+
+/// How far a run has come.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// A program works on it.
+    Running,
+    /// The end time is reached.
+    Done,
+    /// It has ended before, and says why.
+    Stopped(String),
+    /// It was ended from outside.
+    Interrupted,
+}
+
+/// The files of a run, as far as they are there and belong to it.
+pub struct RunFiles {
+    /// The name of the directory.
+    pub directory: String,
+    /// How far the run has come.
+    pub status: Status,
+    /// history.csv
+    pub history: HistoryTable,
+    /// summary.json
+    pub summary: Option<Value>,
+    /// result.vtkhdf, or why it is not there.
+    pub result: Result<ResultReader, String>,
+}
+
+impl RunFiles {
+    /// Reads the files in `directory`, to which a run may be writing.
+    ///
+    /// # Errors
+    /// A directory that is none of a run, a history that cannot be read.
+    pub fn read(directory: &Path) -> Result<Self, Failure> {
+        if !directory.join(HISTORY_FILE).exists() {
+            return Err(Failure::bad_input(anyhow::anyhow!(
+                "`{}` is not the directory of a run: it has no {HISTORY_FILE}; give the directory that `stsolve run` or `stsolve \
+                 motion` has named",
+                directory.display()
+            )));
+        }
+        let running = RunDirectory::is_held(directory);
+        let history = HistoryTable::read(directory)?;
+        let summary = if running { None } else { summary(directory, history.len()) };
+        let status = match &summary {
+            _ if running => Status::Running,
+            None => Status::Interrupted,
+            Some(summary) if summary["completed"] == true => Status::Done,
+            Some(summary) => Status::Stopped(summary["reason"].as_str().unwrap_or("no reason is given").to_owned()),
+        };
+        let result = result(directory, &history);
+        Ok(RunFiles { directory: name(directory), status, history, summary, result })
+    }
+
+    /// The name of the case.
+    pub fn case_name(&self) -> &str {
+        let of_result = || self.result.as_ref().ok().map(|reader| reader.metadata.case_name.as_str());
+        let of_summary = || self.summary.as_ref().and_then(|summary| summary["case"].as_str());
+        of_result().or_else(of_summary).unwrap_or(&self.directory)
+    }
+
+    /// The case in full, if the result is there.
+    pub fn case_text(&self) -> Option<&str> {
+        self.result.as_ref().ok().map(|reader| reader.metadata.case_text.as_str())
+    }
+
+    /// The title of the case, empty if it has none.
+    pub fn title(&self) -> String {
+        let case = self.case_text().and_then(|text| text.parse::<toml::Table>().ok());
+        let title = case.as_ref().and_then(|case| case.get("title")).and_then(toml::Value::as_str);
+        title.unwrap_or_default().to_owned()
+    }
+
+    /// The names of the boundaries.
+    pub fn boundaries(&self) -> &[String] {
+        self.result.as_ref().map_or(&[], |reader| &reader.metadata.mesh.boundary_names)
+    }
+}
+
+fn name(directory: &Path) -> String {
+    let absolute = directory.canonicalize();
+    let name = absolute.as_deref().unwrap_or(directory).file_name();
+    name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// summary.json, unless it is that of an earlier run: it has as many slabs as the history has rows.
+fn summary(directory: &Path, slabs: usize) -> Option<Value> {
+    let text = std::fs::read_to_string(directory.join(SUMMARY_FILE)).ok()?;
+    let summary: Value = serde_json::from_str(&text).ok()?;
+    (summary["slabs"].as_u64() == Some(slabs as u64)).then_some(summary)
+}
+
+/// The result, unless it is that of an earlier run: no step is later than the last slab of the history.
+fn result(directory: &Path, history: &HistoryTable) -> Result<ResultReader, String> {
+    let reader = ResultReader::open(&directory.join(RESULT_FILE)).map_err(|error| match error {
+        OutputError::NoCheckpoint { .. } => format!("{RESULT_FILE} is not there: it appears with the first checkpoint"),
+        error => error.to_string(),
+    })?;
+    let reached = history.column("t").and_then(|t| t.last().copied());
+    match (reader.times.as_slice(), reached) {
+        ([_, .., last], Some(reached)) if *last <= reached => Ok(reader),
+        ([] | [_], _) => Ok(reader),
+        _ => Err(format!("{RESULT_FILE} is that of an earlier run; the first checkpoint replaces it")),
+    }
+}

@@ -1,0 +1,141 @@
+//! Mesh and flow.
+
+use super::books::{Books, Stop};
+use super::drive::{Call, Run, drive};
+use super::record::MeshView;
+use super::walls::felt;
+use super::{build, checkpoint, history, summary};
+use crate::case::{Case, Flow, State};
+use crate::cli::RunArguments;
+use crate::commands::Session;
+use crate::failure::Failure;
+use crate::progress::SlabDone;
+use anyhow::Context;
+use coupled::{March, SlabReport};
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use newton_krylov::newton::Settings;
+use output::{SolverState, Summary};
+use std::time::Instant;
+
+/// Runs mesh and flow.
+///
+/// # Errors
+/// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
+pub fn run_flow<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    arguments: &RunArguments,
+) -> Result<(), Failure>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let call = Call { arguments, command: "run", begun: Instant::now() };
+    let march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let mesh = MeshView::new(&march.problem.mover.reference, &march.problem.mover.numbering);
+    drive::<D, M, _>(case, FlowRun { case, flow, march }, &mesh, call)
+}
+
+struct FlowRun<'a, const D: usize, const M: usize> {
+    case: &'a Case<D>,
+    flow: &'a Flow<D>,
+    march: March<D, M>,
+}
+
+impl<const D: usize, const M: usize> FlowRun<'_, D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    /// Replaces the initial state by the steady flow; returns its row of history.csv.
+    fn start_from_steady_flow(&mut self, settings: &Settings, books: &mut Books) -> anyhow::Result<Vec<f64>> {
+        let mut problem = build::steady::<D, M>(self.case, self.flow);
+        let report = coupled::solve_steady(&mut problem, &mut self.march.state.u, self.case.time.start, settings)
+            .context("there is no steady flow")?;
+        let felt = felt(self.flow, &report);
+        books.tally.start_from_steady(&report, &felt);
+        books.tally.totals_at_start = report.totals.clone();
+        let (steps, iterations) = (report.newton.steps.len(), report.newton.krylov_iterations);
+        books.progress.say(&format!("steady flow: newton {steps}  krylov {iterations}  {:.1} s", books.seconds()));
+        Ok(history::row(self.flow, &report, &felt, &books.tally))
+    }
+}
+
+impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    type Report = SlabReport<M>;
+
+    fn state(&self) -> &coupled::State {
+        &self.march.state
+    }
+    fn is_done(&self) -> bool {
+        self.march.is_done()
+    }
+    fn advance(&mut self) -> anyhow::Result<SlabReport<M>> {
+        Ok(self.march.advance()?)
+    }
+
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
+        let (layout, state) = (self.march.problem.flow.layout, &self.march.state);
+        let one = layout.at_one_time();
+        let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
+        (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
+    }
+
+    fn open(&mut self, books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
+        let row = match &self.case.solver.steady {
+            Some(steady) => Some(self.start_from_steady_flow(&steady.newton(), books)?),
+            None => None,
+        };
+        books.tally.totals_at_start = self.march.totals();
+        Ok(row)
+    }
+
+    fn enter(&self, report: &SlabReport<M>, books: &mut Books) -> Vec<f64> {
+        let felt = felt(self.flow, report);
+        books.tally.add(report, &felt);
+        books.progress.slab(&SlabDone {
+            number: report.slab,
+            time: self.march.state.time,
+            newton: report.newton.steps.len(),
+            krylov: report.newton.krylov_iterations,
+            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+        });
+        history::row(self.flow, report, &felt, &books.tally)
+    }
+
+    fn store(&self) -> SolverState {
+        checkpoint::store(&self.march.state, self.march.problem.frozen(), self.march.problem.stale)
+    }
+
+    fn restore(&mut self, stored: &SolverState) -> Option<()> {
+        let march = &mut self.march;
+        let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
+        if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() {
+            return None;
+        }
+        march.state = state;
+        if let Some(frozen) = frozen {
+            march.problem.thaw(frozen);
+        }
+        march.problem.stale = stale;
+        Some(())
+    }
+
+    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
+        summary::of_flow(self.case, self.flow, &self.march, books, stop)
+    }
+
+    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
+        books.say_done(self.march.state.time, session);
+        Ok(())
+    }
+}

@@ -1,0 +1,112 @@
+//! A structure as a case: frequencies, energy, loads, files, resumption.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, finished, number, on_case, shipped, stsolve, summary};
+use tempfile::TempDir;
+
+/// Frequency of samples q_k of a vibration, `step` apart: the best fit of q_{k-1} + q_{k+1} = 2 cos(2 pi f dt) q_k.
+fn fitted_frequency(q: &[f64], step: f64) -> f64 {
+    let (mut above, mut below) = (0.0, 0.0);
+    for q in q.windows(3) {
+        above += q[1] * (q[0] + q[2]);
+        below += 2.0 * q[1] * q[1];
+    }
+    (above / below).acos() / step / std::f64::consts::TAU
+}
+
+/// Every coordinate of history.csv swings at the frequency of its mode, and all energy is accounted for.
+#[test]
+fn modes_swing_at_their_frequencies() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "cantilever", &["time.end=0.012"]);
+    let run = directory.path().join("cantilever");
+    for mode in 1..=3 {
+        let exact = summary["structure"]["natural_frequencies"][mode - 1].as_f64().unwrap();
+        let found = fitted_frequency(&column(&run, &format!("mode_{mode}")), 2e-4);
+        assert!((found / exact - 1.0).abs() < 1e-4, "mode {mode}: {found} against {exact}");
+    }
+    // Of a blow without loads and moving supports.
+    let energy = |key: &str| number(&summary, &format!("structure.{key}"));
+    assert_eq!((energy("load_work"), energy("support_work")), (0.0, 0.0));
+    assert!(energy("energy_error").abs() < 1e-9 * energy("energy_at_start"));
+    assert!(energy("dissipation") > 0.0 && energy("energy") < energy("energy_at_start"));
+    assert_eq!(column(&run, "tip_y").len(), 60);
+}
+
+/// A weight that is put on slowly ends in the deflection q L^4 / (8 E' I) of beam theory, and its work is the energy.
+#[test]
+fn a_slow_load_does_the_work_of_the_deflection() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "structure.initial={}",
+        "structure.body_force=[0, \"-1e4*t\"]",
+        "structure.boundary.top={traction=[0, \"-500*t\"]}",
+        "structure.natural_modes=0",
+        "time={order=2,end=1,step=0.1}",
+    ];
+    let summary = finished(directory.path(), "cantilever", &set);
+    let run = directory.path().join("cantilever");
+    let tip = *column(&run, "tip_y").last().unwrap();
+    // q = 1e4 * 0.05 + 500, I = h^3 / 12, E' = E / (1 - nu^2).
+    let beam_theory = -1000.0 * (1.0 - 0.33 * 0.33) / (8.0 * 70e9 * 0.05_f64.powi(3) / 12.0);
+    assert!((tip / beam_theory - 1.0).abs() < 0.01, "{tip} against {beam_theory}");
+    let (work, strain) = (number(&summary, "structure.load_work"), *column(&run, "strain_energy").last().unwrap());
+    assert!((strain / work - 1.0).abs() < 0.02, "{strain} of {work}");
+    assert!(number(&summary, "structure.energy_error").abs() < 1e-9 * work);
+}
+
+/// A shaken clamp in three dimensions, a pressure, a plane of symmetry.
+#[test]
+fn supports_move_in_three_dimensions() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh={order=3,generate={box={lower=[0,0,0],upper=[1,0.2,0.1],cells=[3,1,1]}}}",
+        "structure.initial={}",
+        "structure.points={tip=[1,0.1,0.1]}",
+        "structure.boundary={left={displacement=[0,0,\"1e-3*(1-cos(300*t))\"]},bottom={held=[\"y\"]},back={pressure=1e3},others=\"free\"}",
+        "time={order=3,end=0.01,step=0.001}",
+    ];
+    let summary = finished(directory.path(), "cantilever", &set);
+    let run = directory.path().join("cantilever");
+    assert!(column(&run, "tip_z").iter().any(|z| z.abs() > 1e-3));
+    let (loads, supports) = (number(&summary, "structure.load_work"), number(&summary, "structure.support_work"));
+    let size = loads.abs() + supports.abs();
+    assert!(supports.abs() > 0.0 && loads.abs() > 0.0);
+    assert!(number(&summary, "structure.energy_error").abs() < 1e-8 * size, "{summary}");
+}
+
+#[test]
+fn a_structure_resumes_with_the_same_bits() {
+    let directory = TempDir::new().unwrap();
+    let go = |end: &str, output: &str, extra: &[&str]| {
+        let set = ["mesh.generate.box.cells=[4,1]", "mesh.order=4", "output.every=3", end];
+        on_case(directory.path(), "run", "cantilever", &set, output, extra).expect(0, &[]);
+    };
+    go("time.end=0.004", "through", &["--threads", "1"]);
+    go("time.end=0.0024", "resumed", &["--threads", "2"]);
+    go("time.end=0.004", "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "structure");
+    assert_eq!(summary(&directory.path().join("resumed"))["slabs"], 20);
+}
+
+#[test]
+fn what_does_not_go_with_a_structure_is_refused() {
+    let directory = TempDir::new().unwrap();
+    for (set, parts) in [
+        ("motion.displacement=[0,0]", &["a structure moves by itself"][..]),
+        ("structure.density=-1", &["`structure.density", "a positive number"]),
+        ("structure.poisson_ratio=0.5", &["`structure.poisson_ratio", "below 0.5"]),
+        ("structure.points.tip=[2,0]", &["`structure.points.tip", "a point inside the mesh"]),
+        ("structure.boundary.left={held=[\"z\"]}", &["`structure.boundary.left.held[0]", "two-dimensional"]),
+        ("structure.initial.displacement=[0,1e-3]", &["not that of boundary `left`"]),
+    ] {
+        on_case(directory.path(), "run", "cantilever", &[set], "run", &[]).expect(2, parts);
+    }
+    let bad_load = ["structure.body_force=[0,\"1/(t-t)\"]"];
+    on_case(directory.path(), "run", "cantilever", &bad_load, "run", &[])
+        .expect(1, &["the force on the structure at t ="]);
+    stsolve(directory.path(), &["motion", &shipped("cantilever.toml")]).expect(2, &["use `stsolve run`"]);
+}

@@ -1,0 +1,80 @@
+//! Newton's steps never turn a cell inside out.
+
+use coupled::{MeshMotion, Predictor};
+use fem::VectorField;
+use newton_krylov::problem::NonlinearProblem;
+use std::sync::Arc;
+use verification::vortex::{Setting, VortexRun};
+
+/// x - 5 shrinks to a fifth, by the factor c = 0.2 + 0.8 exp(-10 t). The parabola through c(0), c(1/3) and c(1) is negative in
+/// between: a slab of length 1 turns the mesh inside out, shorter ones do not.
+struct Squeezing;
+
+impl VectorField<2> for Squeezing {
+    fn value(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
+        [0.8 * ((-10.0 * t).exp() - 1.0) * (x[0] - 5.0), 0.0]
+    }
+    fn rate(&self, x: &[f64; 2], t: f64) -> [f64; 2] {
+        [-8.0 * (-10.0 * t).exp() * (x[0] - 5.0), 0.0]
+    }
+}
+
+fn squeezed(predictor: Predictor) -> VortexRun {
+    let mut run =
+        VortexRun::new(Setting { order: 3, time_order: 2, cells: 4, slabs: 1, end: 1.0, tolerance: 1e-8, predictor });
+    let MeshMotion::Elastic { boundary, .. } = &mut run.march.problem.mover.motion else { unreachable!() };
+    boundary.fields = vec![Arc::new(Squeezing)];
+    run
+}
+
+/// The state and the mesh at the bottom, at every time node.
+fn constant_guess(run: &VortexRun) -> Vec<f64> {
+    let layout = run.march.problem.flow.layout;
+    let mut z = vec![0.0; run.march.problem.len()];
+    let u = &mut z[run.march.problem.flow_range()];
+    for (cell, a) in (0..layout.cells).flat_map(|cell| (0..layout.time_order).map(move |a| (cell, a))) {
+        u[layout.cell_at(cell, a)].copy_from_slice(&run.march.state.u[layout.at_one_time().cell(cell)]);
+    }
+    z
+}
+
+#[test]
+fn a_step_that_would_invert_cells_is_shortened() {
+    let mut run = squeezed(Predictor::Constant);
+    let z = constant_guess(&run);
+    let (state, problem) = (&run.march.state, &mut run.march.problem);
+    problem.begin(0.0, 1.0, &state.u, &state.d).unwrap();
+    let (mut r, mut dz) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+    problem.residual(&z, &mut r).unwrap();
+    problem.linearise(&z, &[0.0, 0.0]).unwrap();
+    r.iter_mut().for_each(|r| *r = -*r);
+    problem.guess_increment(&r, &mut dz);
+    let step = problem.largest_step(&z, &dz);
+    let mut residual_at = |a: f64| {
+        let trial: Vec<f64> = z.iter().zip(&dz).map(|(z, dz)| z + a * dz).collect();
+        problem.residual(&trial, &mut r)
+    };
+    assert_eq!(step, 0.5);
+    assert!(residual_at(step).is_ok());
+    let inverted = residual_at(1.0).unwrap_err();
+    assert!(inverted.quantity == "det J / det J_0" && inverted.value < 0.0, "{inverted:?}");
+    // An increment of the flow alone is not held back.
+    dz[..run.march.problem.mesh_len()].fill(0.0);
+    assert_eq!(run.march.problem.largest_step(&z, &dz), 1.0);
+}
+
+#[test]
+fn the_slab_is_halved_until_the_mesh_is_proved_to_be_valid() {
+    for predictor in [Predictor::Constant, Predictor::Extrapolated] {
+        let mut run = squeezed(predictor);
+        assert!(run.march.advance().is_err(), "the mesh of the whole slab is inverted");
+        run.march.settings_mut().max_halvings = 3;
+        let mut rejected = 0;
+        while !run.march.is_done() {
+            let report = run.march.advance().unwrap();
+            assert!(report.quality.is_valid());
+            rejected += report.rejected;
+        }
+        assert!(rejected > 0, "{predictor:?}");
+    }
+}
