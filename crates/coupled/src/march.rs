@@ -232,11 +232,22 @@ impl<const D: usize, const M: usize> March<D, M> {
                 newton::solve(&mut problem, &mut z, Some(&references), settings, &mut self.workspace)
             }
         };
-        let report =
-            solved.map_err(|source| SlabError::Newton { cell: self.problem.worst_cell(&z), source: source.into() })?;
+        let report = solved.map_err(|source| self.cause(&z, interval, source))?;
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         let jump = self.jump(&z);
         Ok(Solved { newton: report, quality, jump, z })
+    }
+
+    /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
+    fn cause(&mut self, z: &[f64], interval: Interval, source: newton::Error) -> SlabError {
+        let mut v = z[..self.problem.mesh_len()].to_vec();
+        if !v.is_empty() {
+            let moved = self.problem.move_mesh(&mut v).map_err(SlabError::from);
+            if let Err(cause) = moved.and_then(|()| self.check_mesh(&v, interval)) {
+                return cause;
+            }
+        }
+        SlabError::Newton { cell: self.problem.worst_cell(z), source: source.into() }
     }
 
     /// The quality of the mesh, if it is proved to be valid.

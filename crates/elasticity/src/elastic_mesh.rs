@@ -31,7 +31,7 @@ pub struct ElasticMesh<const D: usize> {
     law: Law,
     operator: Operator<D>,
     /// Where K is taken.
-    position: Position,
+    position: Position<D>,
     inverse: Inverse<D>,
     /// The relative error that one pass of a direct solver leaves.
     pass_error: f64,
@@ -78,7 +78,7 @@ impl<const D: usize> ElasticMesh<D> {
         let rule = law.rule(D, order);
         let at_points = Sampler::new(mesh, stiffness, &rule.points);
         let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
-        let position = Position::new(law, &operator, stiffness, numbering.count * D);
+        let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
         let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
             (_, Some(elimination)) => {
@@ -89,7 +89,9 @@ impl<const D: usize> ElasticMesh<D> {
             (plan, None) => {
                 let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, &at_nodes, constrained, multigrid)?;
+                let samples = |cell| at_nodes.cell(cell);
+                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, samples, constrained, multigrid)?;
+                position.keep_nodes(law, mesh.n_cells(), numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };

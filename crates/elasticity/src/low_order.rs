@@ -7,7 +7,7 @@
 
 use crate::ElasticityError;
 use crate::cholesky::{BlockMatrix, Cholesky};
-use crate::geometry::{Sample, Sampler, determinant_and_inverse};
+use crate::geometry::{Sample, determinant_and_inverse};
 use crate::material::Lame;
 use crate::multigrid::{self, Cycle};
 use crate::pool::Pool;
@@ -29,17 +29,17 @@ enum Inverse {
 
 impl<const D: usize> LowOrder<D> {
     /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
-    /// positions of all C0 nodes; `sampler` samples the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
+    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
     pub(crate) fn new(
         lame: Lame,
         cells: usize,
         numbering: &NodeNumbering,
-        sampler: &Sampler<'_, D>,
+        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         constrained: &[bool],
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, cells, numbering, sampler, &fixed, multigrid)
+        Self::with_mass(lame, 0.0, cells, numbering, samples, &fixed, multigrid)
     }
 
     /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
@@ -48,7 +48,7 @@ impl<const D: usize> LowOrder<D> {
         m: f64,
         cells: usize,
         numbering: &NodeNumbering,
-        sampler: &Sampler<'_, D>,
+        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         fixed: &[[bool; D]],
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
@@ -56,7 +56,7 @@ impl<const D: usize> LowOrder<D> {
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, sampler, &unknowns)?;
+        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?;
         let inverse = match multigrid {
             None => Inverse::Factor(Box::new(matrix.factor()?)),
             Some(coordinates) => {
@@ -84,6 +84,11 @@ impl<const D: usize> LowOrder<D> {
         self.buffers.give(x);
     }
 
+    /// Whether it is a hierarchy.
+    pub(crate) fn is_multigrid(&self) -> bool {
+        matches!(self.inverse, Inverse::Multigrid(_))
+    }
+
     /// Memory of what is prepared.
     pub(crate) fn bytes(&self) -> usize {
         match &self.inverse {
@@ -108,7 +113,7 @@ fn matrix<const D: usize>(
     terms: Terms<'_, D>,
     cells: usize,
     numbering: &NodeNumbering,
-    sampler: &Sampler<'_, D>,
+    samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
 ) -> Result<BlockMatrix<D>, ElasticityError> {
     let sub_cells = SubCells::<D>::new(numbering.order());
@@ -117,7 +122,7 @@ fn matrix<const D: usize>(
     (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(neighbours);
     for cell in 0..cells {
-        sub_cells.add_cell(terms, cell, &sampler.cell(cell)?, &of_cell(cell), &mut matrix)?;
+        sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
 }
@@ -263,7 +268,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::Stiffness;
-    use crate::geometry::nodal_coordinates;
+    use crate::geometry::{Sampler, nodal_coordinates};
     use crate::testing::{material, unit_box};
     use basis::gauss_lobatto;
     use mesh::Mesh;
@@ -279,7 +284,7 @@ mod tests {
         let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
         let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
-        let matrix = matrix(terms, mesh.n_cells(), &numbering, &sampler, &unknowns).unwrap();
+        let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }

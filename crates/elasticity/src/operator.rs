@@ -119,6 +119,10 @@ impl<const D: usize> Operator<D> {
         Arch::new().dispatch(CellMatrices { operator: self, law, mode, batch, point, columns });
     }
 
+    /// The constants of the law.
+    pub(crate) fn lame(&self) -> Lame {
+        self.lame
+    }
     /// The cells, in packs.
     pub(crate) fn batches(&self) -> &Batches<D> {
         &self.batches

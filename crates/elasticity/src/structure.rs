@@ -146,7 +146,8 @@ impl<const D: usize> Structure<D> {
         let nodes = gauss_lobatto(self.numbering.order()).points;
         let at_nodes = Sampler::new(&self.mesh, Stiffness::Constant, &nodes);
         let mass = m * self.mass.density();
-        let low_order = LowOrder::with_mass(lame, mass, cells, &self.numbering, &at_nodes, &self.fixed, None)?;
+        let samples = |cell| at_nodes.cell(cell);
+        let low_order = LowOrder::with_mass(lame, mass, cells, &self.numbering, samples, &self.fixed, None)?;
         Ok(Shifted { m, low_order })
     }
 

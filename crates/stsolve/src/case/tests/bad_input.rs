@@ -50,6 +50,22 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "elasticity = { stiffness = { expression = \"x-1\" } }",
         &["stiffness.expression = \"x-1\"`", "positive everywhere"],
     ),
+    (
+        "elasticity =",
+        "elasticity = { law = \"neo_hokean\" }",
+        &["`motion.elasticity.law = \"neo_hokean\"`", "unknown choice `neo_hokean`", "`linear`"],
+    ),
+    (
+        "elasticity =",
+        "elasticity = { law = \"neo_hookean\", reference = \"updated\" }",
+        &["`motion.elasticity.reference = \"updated\"`", "no effect with the neo-Hookean law", "initial"],
+    ),
+    ("elasticity =", "elasticity = { tolerance = 1e-3 }", &["elasticity.tolerance`", "no effect with the linear law"]),
+    (
+        "elasticity =",
+        "elasticity = { law = \"neo_hookean\", tolerance = 0 }",
+        &["`motion.elasticity.tolerance = 0`", "a positive number"],
+    ),
     ("elasticity =", "elasticity = { stiffness = { expression = \"t\" } }", &["unknown name `t`"]),
     ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown variant `lu`", "`direct`", "`multigrid`"]),
     ("elasticity =", "displacement = [0, 0]", &["`motion.boundary`", "has no effect", "remove the other"]),

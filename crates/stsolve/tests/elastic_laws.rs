@@ -1,0 +1,66 @@
+//! The laws of the elastic mesh, through the case file.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, number, on_case, shipped, stsolve, summary};
+use tempfile::TempDir;
+
+/// The vortex in a square whose sides bend, so that laws differ.
+const BENT: [&str; 4] = [
+    "mesh.generate.box.cells=[3,3]",
+    "time.step=0.2",
+    "motion.elasticity.stiffness=\"constant\"",
+    "motion.boundary={others={displacement=[\"0.2*t*sin(0.3*y)\",\"0.3*t*sin(0.4*x)\"]}}",
+];
+
+const NEO_HOOKEAN: &str = "motion.elasticity.law=\"neo_hookean\"";
+const UPDATED: &str = "motion.elasticity.reference=\"updated\"";
+
+#[test]
+fn a_flow_is_solved_on_a_mesh_of_every_law() {
+    let directory = TempDir::new().unwrap();
+    let joint = "solver.predictor=\"extrapolate\"";
+    let mut displacements = Vec::new();
+    for (name, set) in [("neo", &[NEO_HOOKEAN][..]), ("joint", &[NEO_HOOKEAN, joint]), ("updated", &[UPDATED])] {
+        let set = [&BENT[..], set, &["time.end=1"]].concat();
+        on_case(directory.path(), "run", "vortex", &set, name, &[]).expect(0, &[]);
+        let summary = summary(&directory.path().join(name));
+        assert_eq!(summary["completed"], true);
+        assert!(number(&summary, "conservation.mass_error") < 1e-12, "{name}: {summary}");
+        displacements.push(number(&summary, "mesh_quality.det_j_sampled_min"));
+    }
+    // Mesh ahead of the flow or together with it: the same equilibrium.
+    assert!((displacements[0] - displacements[1]).abs() < 1e-6, "{displacements:?}");
+    assert!((displacements[0] - displacements[2]).abs() > 1e-4, "{displacements:?}");
+}
+
+#[test]
+fn meshes_that_are_not_linear_resume() {
+    let directory = TempDir::new().unwrap();
+    for (command, law) in [("motion", NEO_HOOKEAN), ("motion", UPDATED), ("run", NEO_HOOKEAN), ("run", UPDATED)] {
+        let go = |end: &str, output: &str, extra: &[&str]| {
+            let set = [&BENT[..], &[law, end]].concat();
+            on_case(directory.path(), command, "vortex", &set, output, extra).expect(0, &[]);
+        };
+        let [through, resumed] = ["through", "resumed"].map(|part| format!("{command}_{part}_{}", law.len()));
+        go("time.end=0.8", &through, &["--threads", "1"]);
+        go("time.end=0.4", &resumed, &["--threads", "2"]);
+        go("time.end=0.8", &resumed, &["--threads", "2", "--resume"]);
+        assert_same_bits(&directory.path().join(through), &directory.path().join(resumed), law);
+    }
+}
+
+#[test]
+fn check_names_the_law() {
+    let directory = TempDir::new().unwrap();
+    for (set, name) in [
+        (NEO_HOOKEAN, "neo-Hookean elasticity about the initial mesh"),
+        (UPDATED, "linear elasticity about the mesh at the start of each slab"),
+    ] {
+        let outcome = stsolve(directory.path(), &["check", &shipped("vortex.toml"), "--set", set]);
+        outcome.expect(0, &[]);
+        assert!(outcome.stdout.contains(name), "{}", outcome.stdout);
+    }
+}
