@@ -128,10 +128,12 @@ mod tests {
     use super::*;
 
     fn flux(momentum: [f64; 2], at: [f64; 2]) -> BoundaryFlux<4> {
-        let mut flux = BoundaryFlux::<4>::default();
-        flux.inviscid = [0.0, momentum[0], momentum[1], 3.0];
-        flux.inviscid_moment[2] = at[0] * momentum[1] - at[1] * momentum[0];
-        flux
+        let moment = at[0] * momentum[1] - at[1] * momentum[0];
+        BoundaryFlux {
+            inviscid: [0.0, momentum[0], momentum[1], 3.0],
+            inviscid_moment: [0.0, 0.0, moment],
+            ..BoundaryFlux::default()
+        }
     }
 
     #[test]

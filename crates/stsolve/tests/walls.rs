@@ -33,9 +33,10 @@ fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
 }
 
 /// A coarse mesh around the airfoil of case C1.
-const COARSE: [&str; 5] = [
+const COARSE: [&str; 6] = [
     "mesh.order=3",
     "flow.order=3",
+    "mesh.generate.airfoil.far_field=20",
     "mesh.generate.airfoil.surface_cells=8",
     "mesh.generate.airfoil.wake_cells=6",
     "mesh.generate.airfoil.normal_cells=10",
@@ -47,13 +48,13 @@ fn the_steady_flow_around_an_airfoil_has_the_published_drag() {
     let set = [&COARSE[..], &["time.end=0.1"]].concat();
     let summary = finished(directory.path(), "naca0012_heave", &set);
     let drag = number(&summary, "steady.walls.airfoil.drag_coefficient");
-    assert!((drag / 0.120_01 - 1.0).abs() < 0.02, "{drag}");
+    assert!((drag / 0.120_01 - 1.0).abs() < 0.01, "{drag}");
     // The flow is symmetric, and steady: so is the first row, which is before any slab.
     assert!(number(&summary, "steady.walls.airfoil.lift_coefficient").abs() < 1e-6, "{summary}");
     let run = directory.path().join("naca0012_heave");
     assert_eq!((column(&run, "t")[0], column(&run, "airfoil_work")[0]), (0.0, 0.0));
     assert!((column(&run, "airfoil_drag_coefficient")[0] - drag).abs() < 1e-15);
-    assert!(number(&summary, "steady.newton") <= 12.0 && number(&summary, "steady.krylov") <= 250.0, "{summary}");
+    assert!(number(&summary, "steady.newton") <= 12.0 && number(&summary, "steady.krylov") <= 150.0, "{summary}");
 }
 
 /// An airfoil that does not move stays in the steady flow.
