@@ -18,6 +18,7 @@
 //! removes. A program that already reads the old file keeps reading the old file.
 
 mod checksum;
+mod cost;
 mod directory;
 mod error;
 mod files;
@@ -36,6 +37,7 @@ mod summary;
 mod vtkhdf;
 
 pub use checksum::Checksum;
+pub use cost::{Cost, Machine};
 pub use directory::{LockOwner, RunDirectory};
 pub use error::OutputError;
 pub use files::write_atomically;
@@ -49,6 +51,6 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, Cost, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
     StructureSummary, Summary, Unknowns, Wall,
 };

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::cost::{Cost, Machine};
 use crate::directory::RunDirectory;
 use crate::error::OutputError;
 use crate::files::{file_error, write_atomically};
@@ -58,6 +59,9 @@ pub struct Summary {
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
+    /// The machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub machine: Option<Machine>,
     /// What the run cost.
     pub cost: Cost,
 }
@@ -244,25 +248,6 @@ pub struct SteadyWall {
     pub moment_coefficient: f64,
 }
 
-/// What the run cost.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Cost {
-    /// Seconds from start to end.
-    pub wall_seconds: f64,
-    /// Seconds of these before the first slab.
-    pub setup_seconds: f64,
-    /// Largest memory of the process.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub peak_memory_bytes: Option<u64>,
-    /// Threads used.
-    pub threads: usize,
-    /// Residual evaluations.
-    pub residual_evaluations: u64,
-    /// Jacobian-vector products.
-    pub jacobian_products: u64,
-}
-
 impl Summary {
     /// Writes `summary.json`, replacing an older one whole.
     ///
@@ -344,6 +329,11 @@ mod tests {
                     moment_coefficient: Some(-0.5),
                 },
             )]),
+            machine: Some(Machine {
+                processor: Some("Fast 3000".to_owned()),
+                processors: 2,
+                system: "linux x86_64".to_owned(),
+            }),
             cost: Cost {
                 wall_seconds: 2.5,
                 setup_seconds: 0.5,
@@ -375,6 +365,7 @@ mod tests {
                                  "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
             "structure": { "natural_frequencies": [0.5, 1.5], "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
                            "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
+            "machine": { "processor": "Fast 3000", "processors": 2, "system": "linux x86_64" },
             "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
                       "residual_evaluations": 100, "jacobian_products": 81 }
         })

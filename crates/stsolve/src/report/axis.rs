@@ -1,5 +1,7 @@
 //! Axes of a chart: from values to places, and the values named beside them.
 
+use super::html::short;
+
 /// An axis. Values between `lower` and `upper` lie on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -45,6 +47,11 @@ impl Axis {
         let power = |exponent: i32| format!("1e{exponent}").parse().unwrap_or(f64::NAN);
         let ticks = (lowest..=highest).step_by(stride).map(power).collect();
         Some(Axis { lower: power(lowest), upper: power(highest), ticks, first, second, logarithmic: true })
+    }
+
+    /// What a tick is called.
+    pub fn name(&self, tick: f64) -> String {
+        if self.logarithmic && tick != 1.0 { format!("{tick:e}").replace('-', "\u{2212}") } else { short(tick) }
     }
 
     /// Where a value lies.
@@ -98,6 +105,7 @@ mod tests {
         let axis = Axis::logarithmic([1e-9, 3e-2, 0.0, -1.0].into_iter(), 0.0, 8.0).unwrap();
         assert_eq!((axis.lower, axis.upper), (1e-9, 0.1));
         assert_eq!(axis.ticks, [1e-9, 1e-7, 1e-5, 1e-3, 1e-1]);
+        assert_eq!([1e-9, 1.0, 1e3].map(|tick| axis.name(tick)), ["1e\u{2212}9", "1", "1e3"]);
         assert!((axis.place(1e-6) - 3.0).abs() < 1e-12 && axis.place(0.0).is_infinite());
     }
 

@@ -102,7 +102,7 @@ fn vertical(axis: &Axis) -> String {
              y=\"{:.1}\">{}</text>\n",
             LEFT - 6.0,
             y + 3.8,
-            short(value)
+            axis.name(value)
         )
     };
     axis.ticks.iter().map(tick).collect()

@@ -50,11 +50,17 @@ const KNOWN: [Known; 8] = [
     ),
 ];
 
-/// Words that say of what kind a quantity is: quantities of one kind and wall are drawn together.
-const KINDS: [&str; 5] = ["force", "coefficient", "power", "energy", "displacement"];
+/// Words that say of what kind a quantity is, and what several are called: quantities of one kind and wall are drawn together.
+const KINDS: [(&str, &str); 5] = [
+    ("force", "forces"),
+    ("coefficient", "coefficients"),
+    ("power", "power"),
+    ("energy", "energies"),
+    ("displacement", "displacement"),
+];
 
-/// All charts of a history: forces first, then mesh, solver and whatever else there is. `boundaries` are the names with
-/// which columns may begin.
+/// All charts of a history: first forces and whatever else this table does not know, then solver and mesh. `boundaries` are the
+/// names with which columns may begin.
 pub fn groups(columns: &[String], boundaries: &[String]) -> Vec<Group> {
     let known = |column: &str| KNOWN.iter().any(|(_, _, series)| series.iter().any(|(name, _)| *name == column));
     let mut groups: Vec<Group> = Vec::new();
@@ -77,14 +83,15 @@ fn known_group((title, scale, series): &Known, columns: &[String]) -> Option<Gro
 }
 
 /// The chart to which a column belongs, and what it is called there: `foil_pressure_force_x` is `pressure force x` in
-/// `foil: force`.
+/// `foil: forces`.
 fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
     let begins = |name: &&String| column.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('_'));
     let wall = boundaries.iter().filter(begins).max_by_key(|name| name.len());
     let quantity = wall.map_or(column, |wall| &column[wall.len() + 1..]);
     let stem =
         quantity.strip_suffix("_x").or(quantity.strip_suffix("_y")).or(quantity.strip_suffix("_z")).unwrap_or(quantity);
-    let kind = KINDS.iter().find(|kind| stem == **kind || stem.ends_with(&format!("_{kind}"))).unwrap_or(&stem);
+    let of_kind = |(kind, _): &&(&str, &str)| stem == *kind || stem.ends_with(&format!("_{kind}"));
+    let kind = KINDS.iter().find(of_kind).map_or(stem, |(_, several)| several);
     let words = |name: &str| name.replace('_', " ");
     let title = match wall {
         Some(wall) => format!("{wall}: {}", words(kind)),
@@ -134,7 +141,7 @@ mod tests {
         let titles: Vec<&str> = groups.iter().map(|group| group.title.as_str()).collect();
         assert_eq!(
             titles[..6],
-            ["foil: force", "foil: power", "foil_tail: force", "Energy", "foil: coefficient", "Something new"]
+            ["foil: forces", "foil: power", "foil_tail: forces", "Energies", "foil: coefficients", "Something new"]
         );
         assert_eq!(groups[0].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
     }

@@ -47,7 +47,8 @@ impl RunFiles {
         }
         let running = RunDirectory::is_held(directory);
         let history = HistoryTable::read(directory)?;
-        let summary = if running { None } else { summary(directory, history.len()) };
+        let summary =
+            if running { None } else { summary(directory, history.column("t").and_then(|t| t.last().copied())) };
         let status = match &summary {
             _ if running => Status::Running,
             None => Status::Interrupted,
@@ -89,11 +90,12 @@ fn name(directory: &Path) -> String {
     name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// summary.json, unless it is that of an earlier run: it has as many slabs as the history has rows.
-fn summary(directory: &Path, slabs: usize) -> Option<Value> {
+/// summary.json, unless it is that of an earlier run: its time is that of the last row of the history.
+fn summary(directory: &Path, reached: Option<f64>) -> Option<Value> {
     let text = std::fs::read_to_string(directory.join(SUMMARY_FILE)).ok()?;
     let summary: Value = serde_json::from_str(&text).ok()?;
-    (summary["slabs"].as_u64() == Some(slabs as u64)).then_some(summary)
+    let same = reached.map_or(summary["slabs"] == 0, |reached| summary["time"].as_f64() == Some(reached));
+    same.then_some(summary)
 }
 
 /// The result, unless it is that of an earlier run: no step is later than the last slab of the history.

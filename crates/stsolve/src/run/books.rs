@@ -6,7 +6,7 @@ use crate::cli::RunArguments;
 use crate::commands::Session;
 use crate::failure::Failure;
 use crate::progress::{Progress, rounded};
-use output::Cost;
+use output::{Cost, Machine};
 use std::time::Instant;
 
 /// What a run keeps beside its march.
@@ -92,6 +92,17 @@ impl Books {
                 Err(Failure::solve(error.context(context)))
             }
         }
+    }
+}
+
+/// The machine, as far as the system tells.
+pub fn machine() -> Machine {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    Machine {
+        processor: model.map(|(_, name)| name.trim().to_owned()),
+        processors: std::thread::available_parallelism().map_or(1, usize::from),
+        system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
     }
 }
 

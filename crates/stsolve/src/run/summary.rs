@@ -1,6 +1,6 @@
 //! summary.json
 
-use super::books::{Books, Stop};
+use super::books::{self, Books, Stop};
 use super::tally;
 use super::walls::from_numbers;
 use crate::case::{self, Case, DisplacementOf, Flow, Motion, State, Stiffness};
@@ -147,6 +147,7 @@ fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books,
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
         slabs: state.slab as u64,
         time: state.time,
+        machine: Some(books::machine()),
         cost: books.cost(),
         ..Default::default()
     }

@@ -115,7 +115,7 @@ impl<const D: usize> View<D> {
             // A curved cell may bulge beyond the box of its nodes.
             let bulge = 0.1 * (0..D).map(|d| upper[d] - lower[d]).fold(0.0, f64::max);
             let in_plane = |z: f64| lower[D - 1] - bulge <= z && z <= upper[D - 1] + bulge;
-            let inside = !cell_box.grown(bulge).intersection(window.extent).is_empty();
+            let inside = !cell_box.grown([bulge; 2]).intersection(window.extent).is_empty();
             (inside && self.height.is_none_or(in_plane))
                 .then(|| (cell, Snapshot::<D>::fineness(cell_box.length() * window.scale())))
         };

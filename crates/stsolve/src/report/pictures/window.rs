@@ -47,9 +47,10 @@ impl Extent {
         self.size()[0].max(self.size()[1])
     }
 
-    /// The box with `margin` added on every side.
-    pub fn grown(self, margin: f64) -> Self {
-        Extent { lower: self.lower.map(|x| x - margin), upper: self.upper.map(|x| x + margin) }
+    /// The box with a margin added on every side, one per axis.
+    pub fn grown(self, [x, y]: [f64; 2]) -> Self {
+        let Extent { lower, upper } = self;
+        Extent { lower: [lower[0] - x, lower[1] - y], upper: [upper[0] + x, upper[1] + y] }
     }
 
     /// What both have in common.
@@ -114,8 +115,8 @@ const PIXELS: [f64; 3] = [420e3, 160e3, 420e3];
 /// A boundary shorter than this part of the domain is a body in it.
 const BODY: f64 = 0.5;
 
-/// Around the bodies this part of their length is shown.
-const MARGIN: f64 = 0.75;
+/// Around the bodies these parts of their length are shown: more to the sides, as screens are wide.
+const MARGIN: [f64; 2] = [0.9, 0.45];
 
 /// The windows on a domain of which `boundaries` are the boxes of its boundaries: close to the bodies, if there are some,
 /// and the whole.
@@ -125,7 +126,7 @@ pub fn windows(domain: Extent, boundaries: &[Extent]) -> Vec<Window> {
     if bodies.is_empty() || bodies.length() > BODY * domain.length() {
         return vec![Window::new("whole domain", domain, PIXELS[2])];
     }
-    let near = bodies.grown(MARGIN * bodies.length()).intersection(domain);
+    let near = bodies.grown(MARGIN.map(|part| part * bodies.length())).intersection(domain);
     vec![Window::new("near the walls", near, PIXELS[0]), Window::new("whole domain", domain, PIXELS[1])]
 }
 

@@ -1,0 +1,165 @@
+//! `stsolve report`: the page of a run that is over, that goes on, and of the mesh alone.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Outcome, column, finished, number, on_case, stsolve, summary};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const SMALL: [&str; 3] = ["mesh.generate.box.cells=[3,3]", "time.step=0.1", "time.end=0.3"];
+
+/// The page of the run in the folder `run`.
+fn page(directory: &Path) -> String {
+    let outcome = stsolve(directory, &["report", "run"]);
+    outcome.expect(0, &[]);
+    assert!(outcome.stdout.starts_with("run/report.html: "), "{}", outcome.stdout);
+    fs::read_to_string(directory.join("run/report.html")).unwrap()
+}
+
+/// What the script in the page draws from.
+fn data(page: &str) -> Value {
+    let data = page.split(r#"<script type="application/json" id="data">"#).nth(1).unwrap();
+    serde_json::from_str(data.split("</script>").next().unwrap()).unwrap()
+}
+
+/// The pairs of dotted keys and values in nested tables.
+fn flat(value: &Value, key: &str, out: &mut Vec<(String, Value)>) {
+    match value.as_object() {
+        Some(entries) => entries.iter().for_each(|(name, entry)| {
+            flat(entry, format!("{key}.{name}").trim_start_matches('.'), out);
+        }),
+        None => out.push((key.to_owned(), value.clone())),
+    }
+}
+
+/// What the tables say about a key: the text, and the title with all digits.
+fn figure(page: &str, key: &str) -> (String, String) {
+    let cell = page.split(&format!("<td data-key=\"{key}\" title=\"")).nth(1).unwrap_or_else(|| panic!("no `{key}`"));
+    let (title, rest) = cell.split_once("\">").unwrap();
+    (rest.split("</td>").next().unwrap().replace('\u{2212}', "-"), title.replace("&quot;", "\""))
+}
+
+fn run(directory: &TempDir, command: &str, case: &str, set: &[&str]) -> Outcome {
+    on_case(directory.path(), command, case, set, "run", &[])
+}
+
+#[test]
+fn every_number_is_that_of_the_summary_and_the_history() {
+    let directory = TempDir::new().unwrap();
+    run(&directory, "run", "vortex", &SMALL).expect(0, &[]);
+    let (page, run) = (page(directory.path()), directory.path().join("run"));
+    let mut figures = Vec::new();
+    flat(&summary(&run), "", &mut figures);
+    assert!(figures.len() > 25, "{figures:?}");
+    for (key, value) in figures {
+        let (text, title) = figure(&page, &key);
+        assert_eq!(serde_json::from_str::<Value>(&title).unwrap(), value, "{key}");
+        if let Some(value) = value.as_f64() {
+            let shown: f64 = text.parse().unwrap();
+            assert!((shown - value).abs() <= 1e-5 * value.abs(), "{key}: {text}, {value}");
+        }
+    }
+    let history = &data(&page)["history"];
+    for (name, values) in history.as_object().unwrap() {
+        let values: Vec<f64> = values.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+        assert_eq!(values, column(&run, name), "{name}");
+    }
+    assert_eq!(history.as_object().unwrap().len(), 14);
+}
+
+#[test]
+fn pictures_show_every_field_at_every_step() {
+    let directory = TempDir::new().unwrap();
+    run(&directory, "run", "vortex", &SMALL).expect(0, &[]);
+    let page = page(directory.path());
+    let pictures = &data(&page)["pictures"];
+    assert_eq!(pictures["steps"], serde_json::json!([0, 1, 2, 3]));
+    let times: Vec<f64> = pictures["times"].as_array().unwrap().iter().map(|time| time.as_f64().unwrap()).collect();
+    assert_eq!(times[1..], column(&directory.path().join("run"), "t"));
+    let labels: Vec<&str> =
+        pictures["quantities"].as_array().unwrap().iter().map(|q| q["label"].as_str().unwrap()).collect();
+    let expected =
+        ["Mach number", "Vorticity", "Pressure", "Density", "Mesh: det J / det J\u{2080}", "Mesh: scaled Jacobian"];
+    assert_eq!(labels, expected);
+    let window = &pictures["windows"][0];
+    for quantity in window["pictures"].as_array().unwrap() {
+        assert_eq!(quantity.as_array().unwrap().len(), 4);
+        assert!(quantity[0][0].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
+    }
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page loads something");
+    // The same bits again, by one thread.
+    let again = assert_cmd::Command::cargo_bin("stsolve")
+        .unwrap()
+        .env("RAYON_NUM_THREADS", "1")
+        .current_dir(&directory)
+        .args(["report", "run"])
+        .output()
+        .unwrap();
+    assert!(again.status.success());
+    assert!(fs::read_to_string(directory.path().join("run/report.html")).unwrap() == page);
+}
+
+#[test]
+fn the_page_of_a_run_that_goes_on_shows_what_is_there() {
+    let directory = TempDir::new().unwrap();
+    run(&directory, "run", "vortex", &SMALL).expect(0, &[]);
+    let folder = directory.path().join("run");
+    let held = output::RunDirectory::open(&folder).unwrap();
+    let going_on = page(directory.path());
+    assert!(going_on.contains("busy\">running</span> t = 0.3, 3 slabs"));
+    // The summary may be that of an earlier run: sums come from the history.
+    let newton: f64 = column(&folder, "newton").iter().sum();
+    assert_eq!(figure(&going_on, "newton.total").1, newton.to_string());
+    assert!(!going_on.contains("cost.wall_seconds"));
+    assert_eq!(data(&going_on)["pictures"]["steps"].as_array().unwrap().len(), 4);
+
+    // A new run has begun: the result is still that of the old one.
+    let history = fs::read_to_string(folder.join("history.csv")).unwrap();
+    let begun: String = history.lines().take(2).flat_map(|line| [line, "\n"]).collect();
+    fs::write(folder.join("history.csv"), begun + "0.2,0.1").unwrap();
+    let begun = page(directory.path());
+    assert!(begun.contains("t = 0.1, 1 slabs") && begun.contains("is that of an earlier run"));
+    fs::remove_file(folder.join("result.vtkhdf")).unwrap();
+    assert!(page(directory.path()).contains("it appears with the first checkpoint"));
+    drop(held);
+    assert!(page(directory.path()).contains("bad\">interrupted</span>"));
+}
+
+#[test]
+fn the_page_of_the_mesh_alone_has_no_flow() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[3,3]", "constants.stretch=1.5", "time.step=0.5"];
+    run(&directory, "motion", "vortex", &set).expect(1, &["the mesh is not valid"]);
+    let page = page(directory.path());
+    assert_eq!(data(&page)["pictures"]["quantities"].as_array().unwrap().len(), 2);
+    assert!(page.contains("Quality of the mesh") && !page.contains("Residual of a slab"));
+    let first = number(&summary(&directory.path().join("run")), "mesh_quality.first_invalid_time");
+    assert_eq!(figure(&page, "mesh_quality.first_invalid_time").1, first.to_string());
+}
+
+#[test]
+fn in_space_a_cut_is_shown_and_named() {
+    let directory = TempDir::new().unwrap();
+    finished(directory.path(), "free_stream_3d", &["time.end=0.1", "time.step=0.1"]);
+    fs::rename(directory.path().join("free_stream_3d"), directory.path().join("run")).unwrap();
+    let page = page(directory.path());
+    assert!(page.contains("with the plane z = "));
+    let pictures = &data(&page)["pictures"];
+    assert_eq!(pictures["quantities"][1]["label"], "Vorticity, z");
+    // A free stream has one density everywhere.
+    let density = &pictures["windows"][0]["pictures"][3][1][1];
+    assert_eq!(density[0], density[1], "{density}");
+}
+
+#[test]
+fn what_is_no_run_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let outcome = stsolve(directory.path(), &["report", "."]);
+    outcome.expect(2, &["`.` is not the directory of a run: it has no history.csv"]);
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+    stsolve(directory.path(), &["report", "nowhere"]).expect(2, &["`nowhere` is not the directory of a run"]);
+}
