@@ -37,6 +37,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json } => commands::check(&read(case)?, *json),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Schema => commands::schema(),
+        Command::Completions { shell } => commands::completions(*shell),
         Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
         Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),
     }
