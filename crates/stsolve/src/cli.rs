@@ -45,6 +45,11 @@ pub enum Command {
     },
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.
     Schema,
+    /// Print the script that completes the commands of stsolve in a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
 }
 
 /// A case, with changes.

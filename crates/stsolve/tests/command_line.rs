@@ -55,6 +55,18 @@ fn the_schema_is_valid_json_and_lists_the_sections() {
 }
 
 #[test]
+fn completions_know_every_command_and_option() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let (code, stdout, stderr) = outcome(Path::new("."), &["completions", shell]);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{shell}");
+        for word in ["run", "motion", "check", "info", "schema", "completions", "output", "threads", "resume"] {
+            assert!(stdout.contains(word), "{shell}: no {word}");
+        }
+    }
+    assert_eq!(outcome(Path::new("."), &["completions", "csh"]).0, 2);
+}
+
+#[test]
 fn bad_input_ends_with_code_2_names_the_place_and_writes_nothing() {
     let directory = TempDir::new().unwrap();
     let case = shipped("vortex.toml");

@@ -9,7 +9,10 @@ pub use check::check;
 pub use info::info;
 pub use session::{Session, set_threads};
 
+use crate::cli::Arguments;
 use crate::failure::Failure;
+use clap::CommandFactory;
+use clap_complete::Shell;
 use std::io::Write;
 
 /// `stsolve schema`
@@ -18,6 +21,16 @@ use std::io::Write;
 /// If stdout cannot be written.
 pub fn schema() -> Result<(), Failure> {
     print(&serde_json::to_string_pretty(&crate::case::schema()).map_err(Failure::bad_input)?)
+}
+
+/// `stsolve completions`
+///
+/// # Errors
+/// If stdout cannot be written.
+pub fn completions(shell: Shell) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "stsolve", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }
 
 /// Writes to stdout. A reader that has seen enough, as `head` does, is no failure.
