@@ -1,5 +1,6 @@
 //! The motion of the mesh.
 
+use super::Time;
 use super::boundary_motion::Boundaries;
 use super::mesh_crate::Mesh;
 use crate::case::boundary_motion::BoundaryMotion;
@@ -51,16 +52,16 @@ pub enum Stiffness {
     },
 }
 
-/// Checks `[motion]` of a run that starts at time `start`.
+/// Checks `[motion]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
-        return elastic(checker, &key, raw, mesh, start);
+        return elastic(checker, &key, raw, mesh, time);
     };
     for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
         if given {
@@ -71,7 +72,7 @@ pub(super) fn check<const D: usize>(
     }
     let key = key.child("displacement");
     let displacement = checker.formulas(&key, formulas)?;
-    let size = mesh.diameter();
+    let (size, start) = (mesh.diameter(), time.start);
     mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
         check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
     })?;
@@ -83,7 +84,7 @@ fn elastic<const D: usize>(
     key: &Key,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Motion<D>> {
     let elasticity = raw.elasticity.clone().unwrap_or_default();
     let nu = elasticity.poisson_ratio;
@@ -92,7 +93,7 @@ fn elastic<const D: usize>(
     checker.require(&key_elasticity.child("poisson_ratio"), "Poisson's ratio", nu > -1.0 && nu < 0.5, accepted)?;
     let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
-    let boundaries = Boundaries::new(checker, mesh, start);
+    let boundaries = Boundaries::new(checker, mesh, time);
     let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
     let boundary = named.iter().enumerate().map(motion).collect::<Checked<_>>()?;
     Ok(Motion::Elastic { poisson_ratio: nu, stiffness, boundary })
