@@ -1,5 +1,6 @@
 //! How the boundaries move.
 
+use super::Time;
 use super::mesh_crate::{Mesh, NodeNumbering, face_nodes};
 use super::motion::check_start;
 use crate::case::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
@@ -11,6 +12,7 @@ use crate::case::vector::Vector;
 use crate::expression::{Program, Variable};
 use coupled::BoundaryField;
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What the checks of all boundaries share.
@@ -19,13 +21,13 @@ pub(super) struct Boundaries<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     /// The C0 nodes, once they are needed.
     numbering: OnceCell<NodeNumbering>,
-    start: f64,
+    time: Time,
 }
 
 impl<'a, const D: usize> Boundaries<'a, D> {
-    /// Those of `mesh`, in a run that starts at time `start`.
-    pub(super) fn new(checker: &'a Checker<'a>, mesh: &'a Mesh<D>, start: f64) -> Self {
-        Boundaries { checker, mesh, numbering: OnceCell::new(), start }
+    /// Those of `mesh`, in a run that covers `time`.
+    pub(super) fn new(checker: &'a Checker<'a>, mesh: &'a Mesh<D>, time: &Time) -> Self {
+        Boundaries { checker, mesh, numbering: OnceCell::new(), time: *time }
     }
 
     /// The motion of boundary number `boundary`, given at `key`; None: it rests.
@@ -55,6 +57,7 @@ impl<'a, const D: usize> Boundaries<'a, D> {
             }
         };
         self.check_start(boundary, &key, &motion)?;
+        self.check_periodic(boundary, &key, &motion)?;
         Ok(Some(motion))
     }
 
@@ -98,9 +101,26 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         };
         let size = self.mesh.diameter();
         self.nodes_on(boundary).try_for_each(|(node, x)| {
-            let d = motion.displacement(node, &x, self.start);
-            check_start(self.checker, key_of, &x, &d, self.start, size)
+            let d = motion.displacement(node, &x, self.time.start);
+            check_start(self.checker, key_of, &x, &d, self.time.start, size)
         })
+    }
+
+    /// Periodicity makes places one node, which moves in one way only. Looked at once, somewhere between start and end.
+    fn check_periodic(&self, boundary: usize, key: &Key, motion: &BoundaryMotion<D>) -> Checked<()> {
+        let (tolerance, t) = (1e-9 * self.mesh.diameter(), 0.38 * self.time.start + 0.62 * self.time.end);
+        let mut first = BTreeMap::new();
+        for (node, x) in self.nodes_on(boundary) {
+            let d = motion.displacement(node, &x, t);
+            let (first_x, first_d) = *first.entry(node).or_insert((x, d));
+            if (0..D).any(|i| (d[i] - first_d[i]).abs() > tolerance) {
+                let problem = format!(
+                    "the displacement is not periodic: {first_x:?} and {x:?} are one node of the mesh, but move apart until t = {t}"
+                );
+                return Err(self.checker.combination(key, &problem, "a displacement with the period of the mesh"));
+            }
+        }
+        Ok(())
     }
 }
 

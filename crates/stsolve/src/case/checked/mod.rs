@@ -115,7 +115,7 @@ impl AnyCase {
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time)?;
-        let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, time.start)).transpose()?;
+        let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
         let structure = raw
             .structure

@@ -1,5 +1,6 @@
 //! The motion of the mesh.
 
+use super::Time;
 use super::boundary_motion::Boundaries;
 use super::mesh_crate::Mesh;
 use crate::case::boundary_motion::BoundaryMotion;
@@ -61,16 +62,16 @@ pub enum Stiffness {
     },
 }
 
-/// Checks `[motion]` of a run that starts at time `start`.
+/// Checks `[motion]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
-        return elastic(checker, &key, raw, mesh, start);
+        return elastic(checker, &key, raw, mesh, time);
     };
     for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
         if given {
@@ -81,7 +82,7 @@ pub(super) fn check<const D: usize>(
     }
     let key = key.child("displacement");
     let displacement = checker.formulas(&key, formulas)?;
-    let size = mesh.diameter();
+    let (size, start) = (mesh.diameter(), time.start);
     mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
         check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
     })?;
@@ -93,7 +94,7 @@ fn elastic<const D: usize>(
     key: &Key,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Motion<D>> {
     let elasticity = raw.elasticity.clone().unwrap_or_default();
     let key_elasticity = key.child("elasticity");
@@ -101,7 +102,7 @@ fn elastic<const D: usize>(
     let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
     let law = law(checker, &key_elasticity, &elasticity)?;
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
-    let boundaries = Boundaries::new(checker, mesh, start);
+    let boundaries = Boundaries::new(checker, mesh, time);
     let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
     let boundary = named.iter().enumerate().map(motion).collect::<Checked<_>>()?;
     Ok(Motion::Elastic {

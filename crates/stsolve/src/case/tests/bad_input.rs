@@ -208,7 +208,9 @@ fn errors_of_options_name_the_option() {
 fn damaged_cases_are_refused_with_a_place_or_are_cases() {
     let mut refused = 0;
     for file in case_files() {
-        let text = std::fs::read_to_string(&file).unwrap();
+        // The lowest order, for meshes that are made quickly.
+        let text =
+            std::fs::read_to_string(&file).unwrap().replace("order = 4", "order = 2").replace("order = 8", "order = 2");
         let lines: Vec<&str> = text.lines().collect();
         for (number, line) in lines.iter().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
             let middle = line.char_indices().nth(line.chars().count() / 2).unwrap().0;

@@ -105,6 +105,10 @@ fn what_is_wrong_with_a_motion_is_named_by_its_key() {
     let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0, 0], upper = [1, 1], cells = [1, 1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n[motion]\n";
     let message = check_text(&format!("{text}{open}"), &[]).unwrap_err().to_string();
     assert!(message.contains("others.normal = \"s*t\"`") && message.contains("along a closed curve"), "{message}");
+    let periodic = text.replace("[1, 1] }", "[1, 1], periodic = [\"x\"] }");
+    let message =
+        check_text(&format!("{periodic}boundary.others.normal = \"t*sin(pi*x/2)\""), &[]).unwrap_err().to_string();
+    assert!(message.contains("others.normal = ") && message.contains("is not periodic"), "{message}");
 }
 
 #[test]
