@@ -38,16 +38,17 @@ fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std
     let preconditioner = best_time(|| elastic.precondition(&d, &mut out));
     let (unknowns, threads) = (elastic.length() as f64, rayon::current_num_threads() as f64);
     println!(
-        "{D}  {order:2}  {unknowns:8}  {:9.1}  {:12.2}  {:9.2} ms  {set_up:6.2} s",
+        "{D}  {order:2}  {unknowns:8}  {:9.1}  {:12.2}  {:6.1}  {:9.2} ms  {set_up:6.2} s",
         unknowns / operator / threads / 1e6,
         operator * threads / unknowns / order as f64 * 1e9,
+        2.0 * elastic.multiplications() as f64 / operator / threads / 1e9,
         preconditioner * 1e3,
     );
     Ok(())
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("D   N  unknowns  million/s  ns/(unkn. N)  precondit.      set-up");
+    println!("D   N  unknowns  million/s  ns/(unkn. N)  Gflop/s  precondit.      set-up");
     for order in 2..=16 {
         measure::<2>(order, 240)?;
     }

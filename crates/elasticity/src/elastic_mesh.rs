@@ -129,6 +129,10 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
     }
+    /// Multiplications of one application of K, but for the law at points.
+    pub fn multiplications(&self) -> usize {
+        self.operator.multiplications()
+    }
     /// Memory of the factor or the hierarchy that the solver has prepared.
     pub fn solver_bytes(&self) -> usize {
         match &self.inverse {

@@ -15,6 +15,7 @@ mod kernel;
 #[cfg(test)]
 mod tests;
 mod updated;
+mod work;
 
 use crate::batches::Batches;
 use crate::geometry::Sampler;

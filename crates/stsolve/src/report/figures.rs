@@ -8,13 +8,15 @@ use std::fmt::Write;
 
 /// What the sections of the summary are called, in their order on the page. Sections not listed come behind these; keys that
 /// are no section are `run`.
-const SECTIONS: [(&str, &str); 11] = [
+const SECTIONS: [(&str, &str); 13] = [
     ("run", "Run"),
     ("mesh", "Mesh"),
     ("unknowns", "Unknowns of a slab"),
     ("newton", "Newton steps"),
     ("krylov", "Krylov iterations"),
     ("mesh_quality", "Quality of the mesh, worst over the run"),
+    ("steady", "Steady flow at the start"),
+    ("structure", "Structure"),
     ("conservation", "Conservation"),
     ("error", "Distance to the exact solution"),
     ("walls", "Walls"),

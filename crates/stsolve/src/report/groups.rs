@@ -23,7 +23,7 @@ pub struct Group {
 /// A chart of known columns: title, scale, columns and what they are called.
 type Known = (&'static str, Scale, &'static [(&'static str, &'static str)]);
 
-const KNOWN: [Known; 8] = [
+const KNOWN: [Known; 10] = [
     (
         "Residual of a slab",
         Scale::Logarithmic,
@@ -42,6 +42,8 @@ const KNOWN: [Known; 8] = [
     ),
     ("Mass", Scale::Linear, &[("mass", "in the domain")]),
     ("Mass error, magnitude", Scale::Logarithmic, &[("mass_error", "relative to the start")]),
+    ("Energy error, magnitude", Scale::Logarithmic, &[("energy_error", "of the balance")]),
+    ("Jump of the flow between slabs", Scale::Logarithmic, &[("jump", "L\u{b2} norm, scaled")]),
     ("Length of a slab", Scale::Linear, &[("dt", "\u{394}t")]),
     (
         "Repairs per slab",
@@ -88,8 +90,7 @@ fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
     let begins = |name: &&String| column.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('_'));
     let wall = boundaries.iter().filter(begins).max_by_key(|name| name.len());
     let quantity = wall.map_or(column, |wall| &column[wall.len() + 1..]);
-    let stem =
-        quantity.strip_suffix("_x").or(quantity.strip_suffix("_y")).or(quantity.strip_suffix("_z")).unwrap_or(quantity);
+    let stem = without_axis(quantity);
     let of_kind = |(kind, _): &&(&str, &str)| stem == *kind || stem.ends_with(&format!("_{kind}"));
     let kind = KINDS.iter().find(of_kind).map_or(stem, |(_, several)| several);
     let words = |name: &str| name.replace('_', " ");
@@ -98,6 +99,14 @@ fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
         None => capitalised(&words(kind)),
     };
     (title, words(quantity))
+}
+
+/// A name without the axis, or the number, at its end.
+fn without_axis(name: &str) -> &str {
+    match name.rsplit_once('_') {
+        Some((stem, end)) if ["x", "y", "z"].contains(&end) || end.parse::<usize>().is_ok() => stem,
+        _ => name,
+    }
 }
 
 fn capitalised(text: &str) -> String {
@@ -126,6 +135,8 @@ mod tests {
             "foil_tail_force_x",
             "kinetic_energy",
             "strain_energy",
+            "mode_1",
+            "mode_2",
             "foil_drag_coefficient",
             "something_new",
         ]
@@ -140,8 +151,8 @@ mod tests {
         assert_eq!(drawn, all);
         let titles: Vec<&str> = groups.iter().map(|group| group.title.as_str()).collect();
         assert_eq!(
-            titles[..6],
-            ["foil: forces", "foil: power", "foil_tail: forces", "Energies", "foil: coefficients", "Something new"]
+            titles[..7],
+            ["foil: forces", "foil: power", "foil_tail: forces", "Energies", "Mode", "foil: coefficients", "Something new"]
         );
         assert_eq!(groups[0].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
     }

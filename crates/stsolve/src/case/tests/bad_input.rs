@@ -67,7 +67,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
         &["`motion.elasticity.tolerance = 0`", "a positive number"],
     ),
     ("elasticity =", "elasticity = { stiffness = { expression = \"t\" } }", &["unknown name `t`"]),
-    ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown variant `lu`", "`direct`", "`multigrid`"]),
+    ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown choice `lu`", "`direct`", "`multigrid`"]),
     ("elasticity =", "displacement = [0, 0]", &["`motion.boundary`", "has no effect", "remove the other"]),
     (
         "left = { displacement",

@@ -124,6 +124,8 @@ fn options_write_over_the_file() {
     assert_eq!((case.flow.unwrap().law.riemann, case.time.slabs, case.mesh.order()), (Riemann::Hllc, 5, 4));
     let Some(Motion::Elastic { boundary, .. }) = case.motion else { panic!("elastic") };
     assert_eq!(boundary[0].as_ref().unwrap().displacement(0, &[0.0; 2], 1.0), [0.5, 0.0]);
+    let cg = plane(BASE, &["motion.elasticity.solver=cg"]).motion;
+    assert!(matches!(cg, Some(Motion::Elastic { solver: elasticity::Solver::ConjugateGradients, .. })));
     let replaced = plane(BASE, &[r#"flow.boundary={others="symmetry"}"#]).flow.unwrap();
     assert!(replaced.boundary.iter().all(|data| matches!(data.condition, Boundary::Symmetry(_))));
 }
