@@ -401,7 +401,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         self.flow_work = rest;
     }
 
-    /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part [`KEPT`] of the bound of det J / det J_0
+    /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part `KEPT` of the bound of det J / det J_0
     /// that it has at V.
     fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64 {
         let (v, w) = (&z[..self.mesh_len()], &increment[..self.mesh_len()]);

@@ -355,7 +355,7 @@ mod tests {
             "newton": { "total": 9, "max": 4, "per_slab": 3.0 },
             "krylov": { "total": 81, "max_per_newton": 12, "mean_per_newton": 9.0, "elasticity_total": 40 },
             "mesh_quality": { "det_j_lower_bound": 0.5, "det_j_sampled_min": 0.6, "scaled_jacobian_min": 0.7,
-                              "first_invalid_time": 1.5 },
+                              "first_invalid_time": 1.5, "first_invalid_time_sampled": 1.75 },
             "conservation": { "mass_error": 1e-15, "energy_error": 3e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
             "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {

@@ -68,7 +68,7 @@ fn every_number_is_that_of_the_summary_and_the_history() {
         let values: Vec<f64> = values.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
         assert_eq!(values, column(&run, name), "{name}");
     }
-    assert_eq!(history.as_object().unwrap().len(), 14);
+    assert_eq!(history.as_object().unwrap().len(), 17);
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn the_page_of_the_mesh_alone_has_no_flow() {
 #[test]
 fn in_space_a_cut_is_shown_and_named() {
     let directory = TempDir::new().unwrap();
-    finished(directory.path(), "free_stream_3d", &["time.end=0.1", "time.step=0.1"]);
+    finished(directory.path(), "free_stream_3d", &["time.end=0.1", "time.slabs=1"]);
     fs::rename(directory.path().join("free_stream_3d"), directory.path().join("run")).unwrap();
     let page = page(directory.path());
     assert!(page.contains("with the plane z = "));

@@ -152,7 +152,15 @@ mod tests {
         let titles: Vec<&str> = groups.iter().map(|group| group.title.as_str()).collect();
         assert_eq!(
             titles[..7],
-            ["foil: forces", "foil: power", "foil_tail: forces", "Energies", "Mode", "foil: coefficients", "Something new"]
+            [
+                "foil: forces",
+                "foil: power",
+                "foil_tail: forces",
+                "Energies",
+                "Mode",
+                "foil: coefficients",
+                "Something new"
+            ]
         );
         assert_eq!(groups[0].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
     }

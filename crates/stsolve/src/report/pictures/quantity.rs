@@ -112,6 +112,7 @@ mod tests {
     fn round_off_is_not_drawn_as_a_field() {
         let Range { lower, upper } = Quantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6]);
         assert!(upper - lower > 3.9e-5, "{lower} {upper}");
-        assert_eq!(Quantity::Flow(Field::Mach).range(vec![]), Range { lower: -1e-10, upper: 1e-10 });
+        let Range { lower, upper } = Quantity::Flow(Field::Mach).range(vec![]);
+        assert!((lower + 1e-10).abs() < 1e-20 && (upper - 1e-10).abs() < 1e-20, "{lower} {upper}");
     }
 }
