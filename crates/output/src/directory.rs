@@ -4,7 +4,7 @@ use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
@@ -105,13 +105,24 @@ impl RunDirectory {
     }
 
     fn busy(&self, lock: &Path) -> OutputError {
-        let owner = fs::read(lock).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-        OutputError::Busy { path: self.path.clone(), owner }
+        OutputError::Busy { path: self.path.clone(), owner: owner_of(lock) }
     }
 
     fn error(&self, source: io::Error) -> OutputError {
         OutputError::Directory { path: self.path.clone(), source }
     }
+}
+
+/// The owner that a lock file names. It is locked before it is written: the owner is given a moment to do so.
+fn owner_of(lock: &Path) -> Option<LockOwner> {
+    for _ in 0..100 {
+        match fs::read(lock).map(|bytes| serde_json::from_slice(&bytes)) {
+            Ok(Ok(owner)) => return Some(owner),
+            Ok(Err(_)) => std::thread::sleep(Duration::from_millis(2)),
+            Err(_) => return None,
+        }
+    }
+    None
 }
 
 impl Drop for RunDirectory {

@@ -45,7 +45,7 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
 }
 
 /// Reads back what [`store`] has written: the state, what the preconditioner is made of, whether it is stale. `None` if
-/// something is missing. `time` is what the resumed run covers.
+/// something is missing or parts do not fit each other. `time` is what the resumed run covers.
 pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>, bool)> {
     let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
     let array = |name: &str| stored.arrays.get(name).cloned();
@@ -61,7 +61,13 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>,
         base_iterations: integer("base_iterations")?,
     };
     reopen_short_slab(&mut state, time);
-    Some((state, frozen(&stored.arrays), integer("stale")? != 0))
+    let frozen = frozen(&stored.arrays);
+    // Displacement, velocities and flow of a slab.
+    let past = state.past.as_ref().map(|past| [past.bottom.len(), past.v.len(), past.u.len()]);
+    let made_of = frozen.as_ref().map(|frozen| [frozen.bottom.len(), frozen.velocities.len(), frozen.state.len()]);
+    let lengths = [state.d.len(), time.order * state.d.len(), time.order * state.u.len()];
+    let fits = [past, made_of].into_iter().flatten().all(|found| found == lengths);
+    fits.then_some((state, frozen, integer("stale")? != 0))
 }
 
 /// The checkpoint lacks something.
@@ -102,15 +108,84 @@ fn frozen(arrays: &Arrays) -> Option<Frozen> {
     let get = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
     let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
     let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
-    let cells = indices("cells")?;
-    let mut positions = vec![0; cells.len()];
-    cells.iter().enumerate().for_each(|(position, &cell)| positions[cell] = position);
     Some(Frozen {
         interval: (start, dt),
         bottom: get("displacement")?,
         velocities: get("mesh_velocity")?,
         state: get("flow")?,
         built_for: (built_dt, damping),
-        ordering: Ordering { cells, positions, level_ends: indices("level_ends")? },
+        ordering: ordering(indices("cells")?, indices("level_ends")?)?,
     })
+}
+
+/// `None` unless every cell has one position, and the levels end one after the other, the last one with the cells.
+fn ordering(cells: Vec<usize>, level_ends: Vec<usize>) -> Option<Ordering> {
+    let mut positions = vec![usize::MAX; cells.len()];
+    for (position, &cell) in cells.iter().enumerate() {
+        *positions.get_mut(cell)? = position;
+    }
+    let whole = !positions.contains(&usize::MAX) && level_ends.is_sorted() && level_ends.last() == Some(&cells.len());
+    whole.then_some(Ordering { cells, positions, level_ends })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const TIME: Time = Time { order: 2, start: 0.0, end: 1.0, step: 0.1, slabs: 10, control: None };
+
+    fn stored() -> SolverState {
+        let past = Past {
+            interval: Interval { start: 0.1, end: 0.2, halvings: 0 },
+            dt: 0.1,
+            bottom: vec![1.0; 3],
+            u: vec![2.0; 8],
+            v: vec![3.0; 6],
+        };
+        let state = State { slab: 2, nominal: 2, past: Some(past), ..State::new(0.2, vec![4.0; 4], vec![5.0; 3]) };
+        let frozen = Frozen {
+            interval: (0.1, 0.1),
+            bottom: vec![6.0; 3],
+            velocities: vec![7.0; 6],
+            state: vec![8.0; 8],
+            built_for: (0.1, 0.0),
+            ordering: ordering(vec![1, 0, 2], vec![2, 3]).unwrap(),
+        };
+        store(&state, Some(&frozen), true)
+    }
+
+    #[test]
+    fn what_is_stored_is_read_back() {
+        let (state, frozen, stale) = load(&stored(), &TIME).unwrap();
+        assert_eq!((state.slab, state.time, state.past.as_ref().unwrap().u.len(), stale), (2, 0.2, 8, true));
+        let again = store(&state, frozen.as_ref(), stale);
+        assert_eq!(again.arrays.keys().collect::<Vec<_>>(), stored().arrays.keys().collect::<Vec<_>>());
+        assert_eq!(frozen.unwrap().ordering.positions, [1, 0, 2]);
+    }
+
+    /// Whatever is stored under a name, there is a state that fits together, or none.
+    #[test]
+    fn parts_that_do_not_fit_are_refused() {
+        for name in stored().arrays.keys() {
+            for change in 0..4 {
+                let mut damaged = stored();
+                let values = damaged.arrays.get_mut(name).unwrap();
+                match change {
+                    0 => drop(damaged.arrays.remove(name)),
+                    1 => values.push(9.0),
+                    2 => drop(values.pop()),
+                    _ => values.iter_mut().for_each(|value| *value = -1e300),
+                }
+                let Some((state, frozen, _)) = load(&damaged, &TIME) else { continue };
+                assert!(state.past.is_none_or(|past| past.u.len() == 2 * state.u.len()), "{name} {change}");
+                assert!(frozen.is_none_or(|frozen| frozen.state.len() == 2 * state.u.len()), "{name} {change}");
+            }
+        }
+        for (cells, level_ends) in
+            [(vec![0, 0], vec![2]), (vec![0, 2], vec![2]), (vec![0, 1], vec![1]), (vec![0], vec![])]
+        {
+            assert_eq!(ordering(cells, level_ends), None);
+        }
+    }
 }
