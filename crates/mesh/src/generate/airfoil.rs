@@ -12,7 +12,7 @@
 //! analytic in every cell, and on the wall z = z_wall(s) to the bit.
 
 use super::assembly::Assembly;
-use super::growth::{Check, Growth};
+use super::growth::{Check, Growth, PiecewiseGrowth};
 use crate::{Mesh, MeshError};
 use std::f64::consts::PI;
 
@@ -31,12 +31,24 @@ pub struct AirfoilMesh {
     pub trailing_edge_cell: f64,
     /// Cells along one side of the airfoil.
     pub surface_cells: usize,
-    /// Cells along the wake.
+    /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
+    /// Where most of them are, if they do not grow by one factor all the way.
+    pub near_wake: Option<NearWake>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
     /// N, nodes per direction of the geometry.
     pub order: usize,
+}
+
+/// The part of the wake that is to be resolved. Within it cells grow by one constant factor, from there to the far field by
+/// another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearWake {
+    /// Its length behind the trailing edge, in chords.
+    pub length: f64,
+    /// Its cells, fewer than those of the wake.
+    pub cells: usize,
 }
 
 impl AirfoilMesh {
@@ -50,6 +62,7 @@ impl AirfoilMesh {
             trailing_edge_cell: 0.02,
             surface_cells: 12,
             wake_cells: 10,
+            near_wake: None,
             normal_cells: 12,
             order,
         }
@@ -90,7 +103,8 @@ impl AirfoilMesh {
         let clustering = self.clustering()?;
         let last_s = surface_parameter(1.0 - 1.0 / self.surface_cells as f64, clustering);
         let last_cell = trailing_edge - unrolled(self.profile(last_s), focus)[0];
-        let wake = Growth::new(self.wake_cells, last_cell, self.far_field.sqrt() - trailing_edge);
+        let near = self.near_wake.map(|near| (near.cells, (1.0 + near.length - focus).sqrt() - trailing_edge));
+        let wake = PiecewiseGrowth::new(near, self.wake_cells, last_cell, self.far_field.sqrt() - trailing_edge);
         Ok(Lines { mesh: self, focus, trailing_edge, clustering, wake })
     }
 
@@ -109,8 +123,27 @@ impl AirfoilMesh {
         check.count("the number of cells along a side", self.surface_cells)?;
         check.count("the number of cells along the wake", self.wake_cells)?;
         check.count("the number of cells outwards", self.normal_cells)?;
+        self.check_near_wake(check)?;
         let h = self.first_cell;
         check.that((1e-8..=0.2).contains(&h), "the height of the first cell", h, "1e-8 to 0.2 chords")
+    }
+
+    fn check_near_wake(&self, check: Check) -> Result<(), MeshError> {
+        let Some(NearWake { length, cells }) = self.near_wake else { return Ok(()) };
+        let inside = length > 0.0 && length <= 0.5 * self.far_field;
+        check.that(
+            inside,
+            "the length of the near wake",
+            length,
+            "more than 0, at most half the distance of the far field",
+        )?;
+        let fewer = (1..self.wake_cells).contains(&cells);
+        check.that(
+            fewer,
+            "the number of cells of the near wake",
+            cells as f64,
+            "1 or more, fewer than those of the wake",
+        )
     }
 
     /// c of (surface) so that the last cell is as long as asked for.
@@ -158,7 +191,7 @@ struct Lines<'a> {
     /// c of (surface).
     clustering: f64,
     /// Cells along the wake, in w.
-    wake: Growth,
+    wake: PiecewiseGrowth,
 }
 
 impl Lines<'_> {
@@ -263,6 +296,22 @@ mod tests {
         assert!((1.0 - end[0] - 0.02).abs() < 1e-14);
     }
 
+    /// The cell that ends `length` behind the trailing edge, and one factor on either side of it.
+    #[test]
+    fn the_near_wake_has_its_length_and_its_cells() {
+        let near_wake = Some(NearWake { length: 2.5, cells: 7 });
+        let airfoil = AirfoilMesh { near_wake, ..AirfoilMesh::naca0012(4) };
+        let mesh = airfoil.build().unwrap();
+        // Cells of the lower wake come first, each row from the far field to the trailing edge.
+        let start = |cell: usize| mesh.position(cell, &[-1.0, -1.0])[0];
+        assert!((start(3) - 3.5).abs() < 1e-12 && (start(0) - 100.0).abs() < 1.0, "{} {}", start(3), start(0));
+        let size = |cell: usize| start(cell).sqrt() - mesh.position(cell, &[1.0, -1.0])[0].sqrt();
+        let factors: Vec<_> = (1..7).map(|cell| size(cell - 1) / size(cell)).collect();
+        let equal = |a: f64, b: f64| (a / b - 1.0).abs() < 0.02;
+        assert!(factors[2..].windows(2).all(|pair| equal(pair[0], pair[1])), "{factors:?}");
+        assert!(equal(factors[0], factors[1]) && !equal(factors[1], factors[2]), "{factors:?}");
+    }
+
     #[test]
     fn thin_cells_of_every_order_are_valid_and_hardly_deformed() {
         for order in 2..=8 {
@@ -297,6 +346,11 @@ mod tests {
         assert!(refused(AirfoilMesh { first_cell: 0.0, ..airfoil }).contains("first cell is 0"));
         assert!(refused(AirfoilMesh { surface_cells: 1, ..airfoil }).contains("along a side is 1"));
         assert!(refused(AirfoilMesh { wake_cells: 0, ..airfoil }).contains("wake is 0"));
+        let near_wake = |length, cells| AirfoilMesh { near_wake: Some(NearWake { length, cells }), ..airfoil };
+        assert!(refused(near_wake(f64::NAN, 5)).contains("length of the near wake is NaN"));
+        assert!(refused(near_wake(51.0, 5)).contains("half the distance of the far field"));
+        assert!(refused(near_wake(2.0, 10)).contains("near wake is 10"));
+        assert!(refused(near_wake(2.0, 0)).contains("near wake is 0"));
         for trailing_edge_cell in [0.0, 0.9, -1.0, f64::NAN] {
             assert!(refused(AirfoilMesh { trailing_edge_cell, ..airfoil }).contains("smooth distribution"));
         }

@@ -44,6 +44,34 @@ impl Growth {
     }
 }
 
+/// Cells that grow by one factor up to a point and by another beyond it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PiecewiseGrowth {
+    /// Cells of the first piece and their total size; 0 where all grow alike.
+    near: (usize, f64),
+    pieces: [Growth; 2],
+}
+
+impl PiecewiseGrowth {
+    /// `cells` cells, the first of size `first`, that are `total` together. With `near` = (m, size) the first m of them fill
+    /// that size, and the one after is as large as the factor there makes it.
+    pub(super) fn new(near: Option<(usize, f64)>, cells: usize, first: f64, total: f64) -> Self {
+        let Some((near_cells, size)) = near else {
+            return PiecewiseGrowth { near: (0, 0.0), pieces: [Growth::new(cells, first, total); 2] };
+        };
+        let inner = Growth::new(near_cells, first, size);
+        let next = first * inner.factor().powi(near_cells as i32);
+        let outer = Growth::new(cells - near_cells, next, total - size);
+        PiecewiseGrowth { near: (near_cells, size), pieces: [inner, outer] }
+    }
+
+    /// The size of the first t cells together.
+    pub(super) fn size(&self, t: f64) -> f64 {
+        let (cells, size) = (self.near.0 as f64, self.near.1);
+        if t <= cells { self.pieces[0].size(t) } else { size + self.pieces[1].size(t - cells) }
+    }
+}
+
 /// Refuses numbers that a generator cannot use.
 #[derive(Clone, Copy)]
 pub(super) struct Check {

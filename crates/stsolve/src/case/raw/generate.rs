@@ -156,10 +156,23 @@ pub struct AirfoilGenerator {
     pub trailing_edge_cell: f64,
     /// Cells along one side of the airfoil.
     pub surface_cells: usize,
-    /// Cells along the wake.
+    /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
+    /// The part of the wake where most of its cells are. Without it cells grow by one factor up to the far field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_wake: Option<NearWake>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
+}
+
+/// The resolved part of a wake.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NearWake {
+    /// Its length behind the trailing edge.
+    pub length: f64,
+    /// Its cells: fewer than those of the wake.
+    pub cells: usize,
 }
 
 impl Default for AirfoilGenerator {
@@ -173,6 +186,7 @@ impl Default for AirfoilGenerator {
             trailing_edge_cell,
             surface_cells,
             wake_cells,
+            near_wake: None,
             normal_cells,
         }
     }

@@ -176,6 +176,8 @@ const BAD: &[(&str, &[&str])] = &[
     ("generate.airfoil.trailing_edge_cell = 0.5", &["airfoil.trailing_edge_cell = 0.5`", "smooth distribution"]),
     ("generate.airfoil.surface_cells = 1", &["airfoil.surface_cells = 1`", "2 or more"]),
     ("generate.airfoil.wake_cells = 0", &["airfoil.wake_cells = 0`", "1 to 100000"]),
+    ("generate.airfoil.near_wake = { length = 60, cells = 4 }", &["airfoil.near_wake.length = 60`", "at most half"]),
+    ("generate.airfoil.near_wake = { length = 2, cells = 10 }", &["airfoil.near_wake.cells = 10`", "fewer than"]),
     ("generate.airfoil.normal_cells = 0", &["airfoil.normal_cells = 0`", "1 to 100000"]),
     ("generate.turbine_blade.pitch = 0", &["turbine_blade.pitch = 0`", "a positive number"]),
     ("generate.turbine_blade.inflow_angle = 90", &["turbine_blade.inflow_angle = 90`", "between -87 and 87"]),

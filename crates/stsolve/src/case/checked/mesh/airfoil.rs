@@ -3,7 +3,7 @@
 use super::family::Family;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::raw::AirfoilGenerator;
+use crate::case::raw::{AirfoilGenerator, NearWake};
 use ::mesh::Mesh;
 use ::mesh::generate::AirfoilMesh;
 
@@ -14,6 +14,8 @@ const PARAMETERS: &[(&str, &str)] = &[
     ("the length of the cell at the trailing edge", "trailing_edge_cell"),
     ("the number of cells along a side", "surface_cells"),
     ("the number of cells along the wake", "wake_cells"),
+    ("the length of the near wake", "near_wake.length"),
+    ("the number of cells of the near wake", "near_wake.cells"),
     ("the number of cells outwards", "normal_cells"),
 ];
 
@@ -30,6 +32,7 @@ pub(super) fn build(checker: &Checker<'_>, raw: &AirfoilGenerator, order: usize)
         trailing_edge_cell,
         surface_cells,
         wake_cells,
+        near_wake: raw.near_wake.map(|NearWake { length, cells }| ::mesh::generate::NearWake { length, cells }),
         normal_cells,
         order,
     };
