@@ -12,7 +12,7 @@
 //! analytic in every cell, and on the wall z = z_wall(s) to the bit.
 
 use super::assembly::Assembly;
-use super::growth::{Check, Growth, PiecewiseGrowth};
+use super::growth::{Check, PiecewiseGrowth};
 use crate::{Mesh, MeshError};
 use std::f64::consts::PI;
 
@@ -33,21 +33,23 @@ pub struct AirfoilMesh {
     pub surface_cells: usize,
     /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
-    /// Where most of them are, if they do not grow by one factor all the way.
-    pub near_wake: Option<NearWake>,
+    /// The part of the wake that is to be resolved, behind the trailing edge.
+    pub near_wake: Option<NearPart>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
+    /// The part of them that is to be resolved, from the wall on.
+    pub near_wall: Option<NearPart>,
     /// N, nodes per direction of the geometry.
     pub order: usize,
 }
 
-/// The part of the wake that is to be resolved. Within it cells grow by one constant factor, from there to the far field by
-/// another.
+/// A part of the mesh that is to be resolved. Within it cells grow by one constant factor, from there to the far field by
+/// another; without it by one factor all the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearWake {
-    /// Its length behind the trailing edge, in chords.
-    pub length: f64,
-    /// Its cells, fewer than those of the wake.
+pub struct NearPart {
+    /// How far it reaches, in chords.
+    pub extent: f64,
+    /// Its cells, fewer than those up to the far field.
     pub cells: usize,
 }
 
@@ -64,6 +66,7 @@ impl AirfoilMesh {
             wake_cells: 10,
             near_wake: None,
             normal_cells: 12,
+            near_wall: None,
             order,
         }
     }
@@ -103,7 +106,7 @@ impl AirfoilMesh {
         let clustering = self.clustering()?;
         let last_s = surface_parameter(1.0 - 1.0 / self.surface_cells as f64, clustering);
         let last_cell = trailing_edge - unrolled(self.profile(last_s), focus)[0];
-        let near = self.near_wake.map(|near| (near.cells, (1.0 + near.length - focus).sqrt() - trailing_edge));
+        let near = self.near_wake.map(|near| (near.cells, (1.0 + near.extent - focus).sqrt() - trailing_edge));
         let wake = PiecewiseGrowth::new(near, self.wake_cells, last_cell, self.far_field.sqrt() - trailing_edge);
         Ok(Lines { mesh: self, focus, trailing_edge, clustering, wake })
     }
@@ -123,27 +126,23 @@ impl AirfoilMesh {
         check.count("the number of cells along a side", self.surface_cells)?;
         check.count("the number of cells along the wake", self.wake_cells)?;
         check.count("the number of cells outwards", self.normal_cells)?;
-        self.check_near_wake(check)?;
+        self.check_near(check, self.near_wake, self.wake_cells, NEAR_WAKE)?;
+        self.check_near(check, self.near_wall, self.normal_cells, NEAR_WALL)?;
         let h = self.first_cell;
         check.that((1e-8..=0.2).contains(&h), "the height of the first cell", h, "1e-8 to 0.2 chords")
     }
 
-    fn check_near_wake(&self, check: Check) -> Result<(), MeshError> {
-        let Some(NearWake { length, cells }) = self.near_wake else { return Ok(()) };
-        let inside = length > 0.0 && length <= 0.5 * self.far_field;
-        check.that(
-            inside,
-            "the length of the near wake",
-            length,
-            "more than 0, at most half the distance of the far field",
-        )?;
-        let fewer = (1..self.wake_cells).contains(&cells);
-        check.that(
-            fewer,
-            "the number of cells of the near wake",
-            cells as f64,
-            "1 or more, fewer than those of the wake",
-        )
+    fn check_near(
+        &self,
+        check: Check,
+        near: Option<NearPart>,
+        all: usize,
+        [extent_of, cells_of]: [&'static str; 2],
+    ) -> Result<(), MeshError> {
+        let Some(NearPart { extent, cells }) = near else { return Ok(()) };
+        let inside = extent > 0.0 && extent <= 0.5 * self.far_field;
+        check.that(inside, extent_of, extent, "more than 0, at most half the distance of the far field")?;
+        check.that((1..all).contains(&cells), cells_of, cells as f64, "1 or more, fewer than those up to the far field")
     }
 
     /// c of (surface) so that the last cell is as long as asked for.
@@ -177,6 +176,10 @@ fn unrolled([x, y]: [f64; 2], focus: f64) -> [f64; 2] {
     let smaller = 0.5 * y / larger;
     if a >= 0.0 { [larger, smaller] } else { [smaller, larger] }
 }
+
+/// What errors call the extent and the cells of the near parts.
+const NEAR_WAKE: [&str; 2] = ["the extent of the near wake", "the number of cells of the near wake"];
+const NEAR_WALL: [&str; 2] = ["the extent of the cells near the wall", "the number of cells near the wall"];
 
 /// How far behind the trailing edge, in w, cells of the wake begin to open.
 const WAKE_OPENING: f64 = 0.3;
@@ -214,18 +217,19 @@ impl Lines<'_> {
         ([self.focus + w * w, 0.0], [w, 0.0])
     }
 
-    /// g along the line that leaves the wall at w, up to Im w = sqrt(far field). Its first step makes a cell of height h:
-    /// |2 i w g - g^2| = h at the nose, and close to it where |w|^2 >> h. Along the wake the step soon becomes constant, so
-    /// that cells open as the wake does.
-    fn outwards(&self, w: [f64; 2]) -> Growth {
-        let h = self.mesh.first_cell;
+    /// g along the line that leaves the wall at w, up to Im w = sqrt(far field). Along the wake the steps soon become constant,
+    /// so that cells open as the wake does.
+    fn outwards(&self, w: [f64; 2]) -> PiecewiseGrowth {
         let beyond = w[0] - self.trailing_edge;
         let size = match beyond > 0.0 {
             true => self.trailing_edge + WAKE_OPENING * (beyond / WAKE_OPENING).tanh(),
             false => w[0].hypot(w[1]),
         };
-        let first = h / ((size * size + h).sqrt() + size);
-        Growth::new(self.mesh.normal_cells, first, self.mesh.far_field.sqrt() - w[1])
+        // |2 i w g - g^2| = h at the nose, and close to it where |w|^2 >> h.
+        let step = |h: f64| h / ((size * size + h).sqrt() + size);
+        let near = self.mesh.near_wall.map(|near| (near.cells, step(near.extent)));
+        let total = self.mesh.far_field.sqrt() - w[1];
+        PiecewiseGrowth::new(near, self.mesh.normal_cells, step(self.mesh.first_cell), total)
     }
 }
 
@@ -299,7 +303,7 @@ mod tests {
     /// The cell that ends `length` behind the trailing edge, and one factor on either side of it.
     #[test]
     fn the_near_wake_has_its_length_and_its_cells() {
-        let near_wake = Some(NearWake { length: 2.5, cells: 7 });
+        let near_wake = Some(NearPart { extent: 2.5, cells: 7 });
         let airfoil = AirfoilMesh { near_wake, ..AirfoilMesh::naca0012(4) };
         let mesh = airfoil.build().unwrap();
         // Cells of the lower wake come first, each row from the far field to the trailing edge.
@@ -310,6 +314,18 @@ mod tests {
         let equal = |a: f64, b: f64| (a / b - 1.0).abs() < 0.02;
         assert!(factors[2..].windows(2).all(|pair| equal(pair[0], pair[1])), "{factors:?}");
         assert!(equal(factors[0], factors[1]) && !equal(factors[1], factors[2]), "{factors:?}");
+    }
+
+    /// Eight cells above the middle of the airfoil end at half a chord, or close to it.
+    #[test]
+    fn cells_near_the_wall_fill_their_extent() {
+        let near_wall = Some(NearPart { extent: 0.5, cells: 8 });
+        let mesh = AirfoilMesh { near_wall, ..AirfoilMesh::naca0012(5) }.build().unwrap();
+        let wall = facets(&mesh, "airfoil").nth(18).unwrap().cell;
+        // Rows of 24 cells around the airfoil.
+        let [low, high] = [mesh.position(wall, &[0.0, -1.0]), mesh.position(wall + 7 * 24, &[0.0, 1.0])];
+        let height = (high[0] - low[0]).hypot(high[1] - low[1]);
+        assert!((0.4..0.6).contains(&height), "{height}");
     }
 
     #[test]
@@ -346,11 +362,13 @@ mod tests {
         assert!(refused(AirfoilMesh { first_cell: 0.0, ..airfoil }).contains("first cell is 0"));
         assert!(refused(AirfoilMesh { surface_cells: 1, ..airfoil }).contains("along a side is 1"));
         assert!(refused(AirfoilMesh { wake_cells: 0, ..airfoil }).contains("wake is 0"));
-        let near_wake = |length, cells| AirfoilMesh { near_wake: Some(NearWake { length, cells }), ..airfoil };
-        assert!(refused(near_wake(f64::NAN, 5)).contains("length of the near wake is NaN"));
+        let near_wake = |extent, cells| AirfoilMesh { near_wake: Some(NearPart { extent, cells }), ..airfoil };
+        assert!(refused(near_wake(f64::NAN, 5)).contains("extent of the near wake is NaN"));
         assert!(refused(near_wake(51.0, 5)).contains("half the distance of the far field"));
         assert!(refused(near_wake(2.0, 10)).contains("near wake is 10"));
         assert!(refused(near_wake(2.0, 0)).contains("near wake is 0"));
+        let near_wall = Some(NearPart { extent: 0.5, cells: 12 });
+        assert!(refused(AirfoilMesh { near_wall, ..airfoil }).contains("near the wall is 12"));
         for trailing_edge_cell in [0.0, 0.9, -1.0, f64::NAN] {
             assert!(refused(AirfoilMesh { trailing_edge_cell, ..airfoil }).contains("smooth distribution"));
         }

@@ -26,7 +26,7 @@ mod profile;
 mod rotating_box;
 mod smoothing;
 
-pub use airfoil::{AirfoilMesh, NearWake};
+pub use airfoil::{AirfoilMesh, NearPart};
 pub use annulus::AnnulusMesh;
 pub use blade::{BladeCells, BladeMesh};
 pub use box_mesh::{BOX_BOUNDARIES, BoxMesh};

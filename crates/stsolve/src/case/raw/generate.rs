@@ -158,20 +158,23 @@ pub struct AirfoilGenerator {
     pub surface_cells: usize,
     /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
-    /// The part of the wake where most of its cells are. Without it cells grow by one factor up to the far field.
+    /// The part of the wake that is to be resolved, behind the trailing edge. Without it cells grow by one factor up to the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub near_wake: Option<NearWake>,
+    pub near_wake: Option<NearPart>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
+    /// The part of them that is to be resolved, from the wall on. Without it cells grow by one factor up to the far field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_wall: Option<NearPart>,
 }
 
-/// The resolved part of a wake.
+/// A part of a mesh that is to be resolved: in it cells grow by one factor, beyond it by another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct NearWake {
-    /// Its length behind the trailing edge.
-    pub length: f64,
-    /// Its cells: fewer than those of the wake.
+pub struct NearPart {
+    /// How far it reaches, in chords.
+    pub extent: f64,
+    /// Its cells: fewer than those up to the far field.
     pub cells: usize,
 }
 
@@ -188,6 +191,7 @@ impl Default for AirfoilGenerator {
             wake_cells,
             near_wake: None,
             normal_cells,
+            near_wall: None,
         }
     }
 }
