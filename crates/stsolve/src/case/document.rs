@@ -1,5 +1,6 @@
 //! The TOML document of a case, every key and value with its place.
 
+use super::brackets;
 use super::error::{CaseError, Cause, Place};
 use super::key::{Key, Step};
 use serde::de::DeserializeOwned;
@@ -98,8 +99,11 @@ impl Document {
 
     fn parse_text<'a>(&self, text: &'a str) -> Result<Spanned<Table<'a>>, Box<CaseError>> {
         Table::parse(text).map_err(|error| {
-            let place = self.place(&error.span().unwrap_or(0..0));
-            CaseError::without_key(place, Cause::Toml(error.message().to_owned()))
+            let span = error.span().unwrap_or(0..0);
+            let (at, line_of) = (span.start, |at: usize| text[..at].matches('\n').count() + 1);
+            let open = brackets::open_at(text, at).map(line_of).filter(|line| *line < line_of(at));
+            let hint = open.map_or(String::new(), |line| format!("; the bracket of line {line} is not closed"));
+            CaseError::without_key(self.place(&span), Cause::Toml(error.message().to_owned() + &hint))
         })
     }
 
