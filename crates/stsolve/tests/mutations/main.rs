@@ -25,6 +25,10 @@ use stsolve::case::{AnyCase, CaseError, Document, Place};
 /// Damaged files in all.
 const FILES: usize = 1000;
 
+/// Cases whose mesh takes long to make, and what makes it coarser without moving any line.
+const COARSER: [(&str, &str, &str); 2] =
+    [("turbine_blade_roughness", "order = 8", "order = 3"), ("turbine_blade_roughness_3d", "order = 4", "order = 3")];
+
 /// What became of a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
@@ -45,12 +49,11 @@ fn every_slip_is_refused_at_its_place_or_is_none() {
     let mut random = Random(4);
     let mut tally = BTreeMap::<_, usize>::new();
     let mut problems = Vec::new();
-    let cases = case_files();
+    let cases: Vec<_> = case_files().into_iter().map(|path| (path.clone(), original(&path))).collect();
     for number in 0..FILES {
-        let path = &cases[number % cases.len()];
-        let original = std::fs::read_to_string(path).unwrap();
-        let damaged = damage(&original, &mut random);
-        match judge(path, &original, &damaged) {
+        let (path, original) = &cases[number % cases.len()];
+        let damaged = damage(original, &mut random);
+        match judge(path, original, &damaged) {
             Ok(verdict) => *tally.entry((damaged.kind, verdict)).or_default() += 1,
             Err(problem) => {
                 let line = damaged.text.lines().nth(damaged.line - 1).unwrap_or_default();
@@ -72,6 +75,15 @@ fn case_files() -> Vec<PathBuf> {
     let mut files: Vec<_> = entries.filter(|file| file.extension().is_some_and(|e| e == "toml")).collect();
     files.sort();
     files
+}
+
+/// The text of a shipped case.
+fn original(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap();
+    let name = path.file_stem().unwrap().to_str().unwrap();
+    let Some((_, from, to)) = COARSER.iter().find(|(case, ..)| *case == name) else { return text };
+    assert!(text.contains(from), "{name}: no `{from}`");
+    text.replacen(from, to, 1)
 }
 
 #[allow(clippy::print_stdout)]
