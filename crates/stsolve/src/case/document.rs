@@ -1,5 +1,6 @@
 //! The TOML document of a case, every key and value with its place.
 
+use super::brackets;
 use super::error::{CaseError, Cause, Place};
 use super::key::{Key, Step};
 use serde::de::DeserializeOwned;
@@ -30,6 +31,15 @@ struct Found {
     value: Option<Range<usize>>,
     /// Whether the key exists.
     exists: bool,
+    /// The keys in it, of a table.
+    names: Vec<String>,
+}
+
+impl Found {
+    /// No such key in the table at `place`.
+    fn nothing_in(place: Range<usize>) -> Self {
+        Found { key: place, value: None, exists: false, names: Vec::new() }
+    }
 }
 
 impl Document {
@@ -98,13 +108,16 @@ impl Document {
 
     fn parse_text<'a>(&self, text: &'a str) -> Result<Spanned<Table<'a>>, Box<CaseError>> {
         Table::parse(text).map_err(|error| {
-            let place = self.place(&error.span().unwrap_or(0..0));
-            CaseError::without_key(place, Cause::Toml(error.message().to_owned()))
+            let span = error.span().unwrap_or(0..0);
+            let (at, line_of) = (span.start, |at: usize| text[..at].matches('\n').count() + 1);
+            let open = brackets::open_at(text, at).map(line_of).filter(|line| *line < line_of(at));
+            let hint = open.map_or(String::new(), |line| format!("; the bracket of line {line} is not closed"));
+            CaseError::without_key(self.place(&span), Cause::Toml(error.message().to_owned() + &hint))
         })
     }
 
     fn find(&self, key: &Key) -> Found {
-        let Ok(root) = self.tree() else { return Found { key: 0..0, value: None, exists: false } };
+        let Ok(root) = self.tree() else { return Found::nothing_in(0..0) };
         let (mut place, mut table) = (0..0, Some(root.get_ref()));
         let mut value: Option<&Value<'_>> = None;
         for step in &key.0 {
@@ -112,11 +125,12 @@ impl Document {
                 Step::Name(name) => table.and_then(|t| t.get_key_value(name.as_str())).map(|(k, v)| (k.span(), v)),
                 Step::Entry(index) => value.and_then(|v| v.get_ref().get(*index)).map(|v| (v.span(), v)),
             };
-            let Some((span, next)) = next else { return Found { key: place, value: None, exists: false } };
+            let Some((span, next)) = next else { return Found::nothing_in(place) };
             (place, value, table) = (span, Some(next), next.get_ref().as_table());
         }
+        let names = table.into_iter().flat_map(|table| table.keys()).map(|name| name.get_ref().to_string()).collect();
         let value = value.filter(|v| !v.get_ref().is_table()).map(Spanned::span);
-        Found { key: place, value, exists: true }
+        Found { key: place, value, exists: true, names }
     }
 
     /// An error of deserialisation, with the key that it concerns.
@@ -126,8 +140,9 @@ impl Document {
         if let Ok(root) = self.tree() {
             descend(root.get_ref(), span.start, &mut key);
         }
-        let value = self.find(&key).value.map(|span| self.excerpt(&span));
-        let cause = Cause::from_serde(error.message(), value.as_deref());
+        let Found { value, names, .. } = self.find(&key);
+        let value = value.map(|span| self.excerpt(&span));
+        let cause = Cause::from_serde(error.message(), value.as_deref(), &names);
         Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
     }
 

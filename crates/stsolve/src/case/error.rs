@@ -156,9 +156,9 @@ impl CaseError {
 }
 
 impl Cause {
-    /// The cause of a `message` of serde about `value`. Of an unknown name, the message lists what is known, all between
-    /// backticks.
-    pub(super) fn from_serde(message: &str, value: Option<&str>) -> Self {
+    /// The cause of a `message` of serde about `value`, or about a table with these `names`. Of an unknown name, the message
+    /// lists what is known, all between backticks.
+    pub(super) fn from_serde(message: &str, value: Option<&str>, names: &[String]) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
@@ -174,7 +174,9 @@ impl Cause {
             }
             Some((found, expected)) => Cause::Type { found: found.to_owned(), accepted: plain_type(expected) },
             None if message.starts_with("wanted exactly 1 element") => {
-                let problem = "one choice is needed here, and only one".to_owned();
+                let found =
+                    if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
+                let problem = format!("one choice is needed here, and only one: {found}");
                 Cause::Combination { problem, accepted: "a table with a single key, the choice".to_owned() }
             }
             None => Cause::Toml(message.replace("missing field", "missing key")),
@@ -190,9 +192,9 @@ impl Cause {
                 Some(accepted.clone())
             }
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
-            Cause::NoCondition { name, .. } => {
-                Some(format!("a key `{name}` in this table, or `others` for all boundaries that are not named"))
-            }
+            Cause::NoCondition { name, .. } => Some(format!(
+                "a key `{name}` in this table, or `others` for all boundaries that are not named; none where the mesh is `periodic`"
+            )),
             Cause::Mesh(mesh::MeshError::Inverted { .. }) => {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }

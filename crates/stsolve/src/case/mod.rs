@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `document` | the TOML document with places; `--set` |
+//! | `brackets` | brackets of it that are not closed |
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | what can be wrong, and where |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
@@ -16,6 +17,7 @@
 //! | `boundary_motion` | how a boundary moves |
 
 mod boundary_motion;
+mod brackets;
 mod checked;
 mod checker;
 mod document;
@@ -30,7 +32,7 @@ mod vector;
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
 pub use document::Document;
-pub use error::{CaseError, Cause};
+pub use error::{CaseError, Cause, Place};
 pub use raw::schema;
 pub use state::State;
 pub use vector::Vector;

@@ -26,7 +26,11 @@ impl Axis {
         // A constant is a line in the middle: its last digits are not enlarged.
         let size = lower.abs().max(upper.abs());
         let constant = upper - lower <= 1e-5 * size;
-        let margin = if constant { 0.1 * size.max(1e-9) } else { 0.06 * (upper - lower) };
+        let margin = match size {
+            0.0 => 1.0,
+            size if constant => 0.1 * size,
+            _ => 0.06 * (upper - lower),
+        };
         let (lower, upper) = (lower - margin, upper + margin);
         Some(Axis { lower, upper, ticks: linear_ticks(lower, upper), first, second, logarithmic: false })
     }
@@ -113,6 +117,8 @@ mod tests {
     fn a_constant_is_in_the_middle() {
         let axis = Axis::linear([2.0, 2.0, f64::NAN].into_iter(), 0.0, 10.0).unwrap();
         assert!((axis.place(2.0) - 5.0).abs() < 1e-6, "{axis:?}");
+        let zero = Axis::linear([0.0].into_iter(), 0.0, 10.0).unwrap();
+        assert_eq!((zero.lower, zero.upper), (-1.0, 1.0));
         assert!(Axis::linear([f64::NAN].into_iter(), 0.0, 1.0).is_none());
     }
 }

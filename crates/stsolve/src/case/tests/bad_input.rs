@@ -12,6 +12,8 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ("order = 4", "order = -4", &["`flow.order = -4`", "a whole number"]),
     ("order = 4", "", &["`flow`", "missing key `order`"]),
     ("order = 4", "order = ", &["expected"]),
+    ("left = { displacement", "left = { displacement = [0, 0 }", &["expected"]),
+    ("elasticity =", "displacement = [\n0,\n0", &["the bracket of line 9 is not closed"]),
     ("order = 4", "order = 4\norder = 5", &["duplicate key"]),
     ("order = 3", "order = 17", &["`mesh.order = 17`", "2 to 16 nodes"]),
     ("order = 2", "order = 0", &["`time.order = 0`", "1 to 16 nodes"]),
