@@ -257,7 +257,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// The state at the bottom, at every time node.
-    fn constant_guess(&self) -> Vec<f64> {
+    pub fn constant_guess(&self) -> Vec<f64> {
         let layout = self.problem.flow.layout;
         let one = layout.at_one_time();
         let mut guess = vec![0.0; layout.len()];

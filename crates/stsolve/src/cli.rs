@@ -1,6 +1,6 @@
 //! The command line.
 
-use clap::{ArgAction, Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 
 /// Coupled space-time solver: elasticity moves a curved high-order mesh, compressible flow is solved on it.
@@ -21,7 +21,8 @@ pub enum Command {
     Run(RunArguments),
     /// Move the mesh alone, over the whole run, and prove that it stays valid.
     Motion(RunArguments),
-    /// Validate a case and explain it: sizes, memory, non-dimensional numbers, defaults taken. Solves nothing.
+    /// Validate a case and explain it: sizes, memory, cost, non-dimensional numbers, the mesh over the run, defaults taken, choices
+    /// that are doubtful. Writes nothing.
     Check {
         /// The case.
         #[command(flatten)]
@@ -29,6 +30,9 @@ pub enum Command {
         /// Print JSON.
         #[arg(long)]
         json: bool,
+        /// Whether to move the mesh over the run and to time the parts of a slab.
+        #[arg(long, value_enum, default_value_t = Probe::Auto, value_name = "WHEN")]
+        probe: Probe,
     },
     /// Tell what a result file, or a mesh file of Gmsh, holds.
     Info {
@@ -50,6 +54,17 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+}
+
+/// When `check` tries what a run will do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Probe {
+    /// If that takes some seconds at most.
+    Auto,
+    /// However long it takes.
+    Always,
+    /// Not at all.
+    Never,
 }
 
 /// A case, with changes.

@@ -38,7 +38,7 @@ use failure::Failure;
 /// Bad input, or a solve that failed.
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
-        Command::Check { case, json } => commands::check(&read(case)?, *json),
+        Command::Check { case, json, probe } => commands::check(&read(case)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Report { directory } => report::report(directory),
         Command::Schema => commands::schema(),

@@ -5,7 +5,7 @@ use super::error::{CaseError, Cause};
 use super::key::Key;
 use super::raw::{Axis, Formula};
 use super::vector::Vector;
-use crate::expression::{Names, Program};
+use crate::expression::{Names, Program, Table};
 use navier_stokes::InvalidParameter;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// The result of a check.
 pub(super) type Checked<T> = Result<T, Box<CaseError>>;
 
-/// The document that errors point into, and the constants that formulas may contain.
+/// The document that errors point into, and the constants and tables that formulas may contain.
 pub(super) struct Checker<'a> {
     document: &'a Document,
     names: Names,
@@ -23,6 +23,8 @@ pub(super) struct Checker<'a> {
 
 /// The name that stands for all boundaries that are not named.
 const OTHERS: &str = "others";
+
+const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
 impl<'a> Checker<'a> {
     /// A checker of `document` that knows its `constants`.
@@ -36,11 +38,23 @@ impl<'a> Checker<'a> {
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
             checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
             if !checker.names.define(name, value) {
-                let accepted = "another name, of letters, digits and _; not x, y, z, s, t, pi or a function";
-                return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), accepted));
+                return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
             }
         }
         Ok(checker)
+    }
+
+    /// Lets formulas contain the function `name` that `table` gives.
+    pub(super) fn define_table(&mut self, key: &Key, name: &str, table: Table) -> Checked<()> {
+        if self.names.define_table(name, table) {
+            return Ok(());
+        }
+        Err(self.combination(key, &format!("a table cannot be called `{name}`"), FREE_NAME))
+    }
+
+    /// The tables that formulas may contain, by name.
+    pub(super) fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
+        self.names.tables()
     }
 
     /// `path` as seen from the directory of the case file.

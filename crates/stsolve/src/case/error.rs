@@ -1,6 +1,6 @@
 //! What can be wrong with a case, and where.
 
-use crate::expression::ExpressionError;
+use crate::expression::{ExpressionError, TableError};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -136,6 +136,21 @@ pub enum Cause {
         /// What is wrong with it, and in which line or byte.
         error: mesh::GmshError,
     },
+    /// A table that is no function.
+    #[error("{0}")]
+    Table(#[source] TableError),
+    /// A line of the file of a table that does not hold its numbers.
+    #[error("{}:{line}: no numbers in columns 1 and {column} of `{found}`", path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What it holds.
+        found: String,
+        /// The column of the values, from 1.
+        column: usize,
+    },
     /// A line of a file of coordinates that is not a point.
     #[error("{}:{line}: `{found}` is not a point", path.display())]
     Coordinates {
@@ -199,7 +214,11 @@ impl Cause {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }
             Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
-            Cause::MovedAtStart { .. } => Some("a displacement that is zero everywhere at the start".to_owned()),
+            Cause::Row { .. } => Some("the time and the values, numbers separated by commas or blanks".to_owned()),
+            Cause::MovedAtStart { .. } => Some(
+                "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"
+                    .to_owned(),
+            ),
             _ => None,
         }
     }

@@ -20,6 +20,11 @@ impl Table {
         self
     }
 
+    /// Whether there are no rows.
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// The rows as an object with the title as key.
     pub(super) fn json(&self) -> (String, Value) {
         let rows: Map<String, Value> = self.rows.iter().map(|(key, value, _)| (key.clone(), value.clone())).collect();

@@ -15,6 +15,7 @@
 //! | `names` | what a name may mean: variables, constants, functions |
 //! | `parser` | tokens to a program, by the grammar above |
 //! | `program` | the program and its evaluation |
+//! | `table` | functions given by tables: cubic splines |
 //! | `error` | what can be wrong with a formula, and where |
 
 mod error;
@@ -22,12 +23,14 @@ mod lexer;
 mod names;
 mod parser;
 mod program;
+mod table;
 #[cfg(test)]
 mod tests;
 
 pub use error::{ExpressionError, Problem};
 pub use names::{Names, Variable};
 pub use program::Program;
+pub use table::{Ends, Table, TableError};
 
 impl Program {
     /// Compiles `text`, in which the variables and constants of `names` may occur.

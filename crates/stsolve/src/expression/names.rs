@@ -1,7 +1,9 @@
 //! What a name in a formula may mean.
 
 use super::lexer;
+use super::table::Table;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A quantity that a formula depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,13 +14,14 @@ pub enum Variable {
     Time,
 }
 
-/// Variables and constants that a formula may contain.
+/// Variables, constants and tables that a formula may contain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names {
     /// The names of the entries of the position.
     position: Vec<&'static str>,
     time: bool,
     constants: BTreeMap<String, f64>,
+    tables: BTreeMap<String, Arc<Table>>,
 }
 
 /// Functions of one argument.
@@ -38,16 +41,17 @@ pub(super) enum Function {
 }
 
 /// What is called like a function.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Callable {
     Unary(Function),
     Min,
     Max,
     If,
+    Table(Arc<Table>),
 }
 
 /// The meaning of a name.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Meaning {
     Variable(Variable),
     Constant(f64),
@@ -58,7 +62,7 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 const ARC_LENGTH: &str = "s";
 
-const CALLABLES: [(&str, Callable); 14] = [
+static CALLABLES: [(&str, Callable); 14] = [
     ("if", Callable::If),
     ("min", Callable::Min),
     ("max", Callable::Max),
@@ -77,9 +81,9 @@ const CALLABLES: [(&str, Callable); 14] = [
 
 impl Callable {
     /// How many arguments it takes.
-    pub(super) fn arguments(self) -> usize {
+    pub(super) fn arguments(&self) -> usize {
         match self {
-            Callable::Unary(_) => 1,
+            Callable::Unary(_) | Callable::Table(_) => 1,
             Callable::Min | Callable::Max => 2,
             Callable::If => 3,
         }
@@ -93,6 +97,7 @@ impl Names {
             position: Vec::new(),
             time: false,
             constants: BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]),
+            tables: BTreeMap::new(),
         }
     }
 
@@ -114,13 +119,30 @@ impl Names {
 
     /// Defines a constant; false if `name` cannot be read as a name, or means something already in this or another formula.
     pub fn define(&mut self, name: &str, value: f64) -> bool {
-        let variable = name == "t" || name == ARC_LENGTH || COORDINATES.contains(&name);
-        let taken = variable || self.meaning(name).is_some();
-        if taken || !lexer::is_name(name) {
-            return false;
+        let free = self.is_free(name);
+        if free {
+            self.constants.insert(name.to_owned(), value);
         }
-        self.constants.insert(name.to_owned(), value);
-        true
+        free
+    }
+
+    /// Defines a function of one argument by its `table`; false as [`Names::define`].
+    pub fn define_table(&mut self, name: &str, table: Table) -> bool {
+        let free = self.is_free(name);
+        if free {
+            self.tables.insert(name.to_owned(), Arc::new(table));
+        }
+        free
+    }
+
+    /// The tables, by name.
+    pub fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
+        self.tables.iter().map(|(name, table)| (name.as_str(), table.as_ref()))
+    }
+
+    fn is_free(&self, name: &str) -> bool {
+        let variable = name == "t" || name == ARC_LENGTH || COORDINATES.contains(&name);
+        !variable && self.meaning(name).is_none() && lexer::is_name(name)
     }
 
     pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
@@ -133,13 +155,16 @@ impl Names {
         if let Some(value) = self.constants.get(name) {
             return Some(Meaning::Constant(*value));
         }
-        CALLABLES.iter().find(|(known, _)| *known == name).map(|(_, callable)| Meaning::Callable(*callable))
+        if let Some(table) = self.tables.get(name) {
+            return Some(Meaning::Callable(Callable::Table(table.clone())));
+        }
+        CALLABLES.iter().find(|(known, _)| *known == name).map(|(_, callable)| Meaning::Callable(callable.clone()))
     }
 
-    /// Every name, variables first.
+    /// Every name, variables first, then constants and tables.
     pub(super) fn known(&self) -> Vec<String> {
         let variables = self.position.iter().copied().chain(self.time.then_some("t"));
-        let constants = self.constants.keys().map(String::as_str);
+        let constants = self.constants.keys().chain(self.tables.keys()).map(String::as_str);
         let callables = CALLABLES.iter().map(|(name, _)| *name);
         variables.chain(constants).chain(callables).map(str::to_owned).collect()
     }

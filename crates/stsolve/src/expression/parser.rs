@@ -132,7 +132,7 @@ impl Parser<'_> {
         let called = self.tokens[self.next + 1].kind == Kind::Symbol("(");
         match meaning {
             Meaning::Callable(callable) if called => self.call(name, callable),
-            Meaning::Callable(callable) => Err(self.misused(name, callable)),
+            Meaning::Callable(callable) => Err(self.misused(name, &callable)),
             _ if called => {
                 let write = format!("`{name} * (...)`");
                 Err(self.error(Problem::Misused { name: name.to_owned(), is: "number, not a function", write }))
@@ -172,6 +172,7 @@ impl Parser<'_> {
             Callable::Min => Instruction::Min,
             Callable::Max => Instruction::Max,
             Callable::If => Instruction::Select,
+            Callable::Table(table) => Instruction::Interpolate(table),
         })
     }
 
@@ -195,7 +196,7 @@ impl Parser<'_> {
 
     /// Appends the power that suits the exponent, which has just been emitted.
     fn emit_power(&mut self) -> Parsed {
-        let Some(&Instruction::Constant(exponent)) = self.instructions.last() else {
+        let Some(Instruction::Constant(exponent)) = self.instructions.last().cloned() else {
             return self.emit(Instruction::Power);
         };
         self.instructions.pop();
@@ -245,9 +246,9 @@ impl Parser<'_> {
         self.error(Problem::UnknownName { name: name.to_owned(), nearest, known })
     }
 
-    fn misused(&self, name: &str, callable: Callable) -> ExpressionError {
+    fn misused(&self, name: &str, callable: &Callable) -> ExpressionError {
         let arguments = ["x", "a, b", "condition, a, b"][callable.arguments() - 1];
-        let write = format!("`{name}({arguments})`");
-        self.error(Problem::Misused { name: name.to_owned(), is: "function", write })
+        let (is, arguments) = if let Callable::Table(_) = callable { ("table", "t") } else { ("function", arguments) };
+        self.error(Problem::Misused { name: name.to_owned(), is, write: format!("`{name}({arguments})`") })
     }
 }

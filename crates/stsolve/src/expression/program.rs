@@ -1,6 +1,8 @@
 //! The compiled formula: instructions of a stack machine, run on any number type.
 
 use super::names::{Function, Variable};
+use super::table::Table;
+use std::sync::Arc;
 use tensor::Transcendental;
 
 /// Values on the stack at most; a formula that needs more is refused when it is compiled.
@@ -18,12 +20,14 @@ pub(super) enum Comparison {
 }
 
 /// One step of the machine: takes its arguments from the stack, puts its result there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Instruction {
     Constant(f64),
     Variable(Variable),
     Negate,
     Apply(Function),
+    /// The function that a table gives.
+    Interpolate(Arc<Table>),
     /// To an integer power, by multiplication: any base.
     IntegerPower(i32),
     /// To a constant real power: base not negative.
@@ -43,11 +47,11 @@ pub(super) enum Instruction {
 
 impl Instruction {
     /// How many values it takes from the stack; it puts one there.
-    pub(super) fn arguments(self) -> usize {
+    pub(super) fn arguments(&self) -> usize {
         use Instruction::*;
         match self {
             Constant(_) | Variable(_) => 0,
-            Negate | Apply(_) | IntegerPower(_) | RealPower(_) => 1,
+            Negate | Apply(_) | Interpolate(_) | IntegerPower(_) | RealPower(_) => 1,
             Add | Subtract | Multiply | Divide | Power | Min | Max | Compare(_) => 2,
             Select => 3,
         }
@@ -77,7 +81,7 @@ impl Program {
     pub fn evaluate<T: Transcendental>(&self, x: &[T], t: T) -> T {
         let mut stack = [T::from(0.0); STACK];
         let mut top = 0;
-        for &instruction in &self.instructions {
+        for instruction in &self.instructions {
             let base = top - instruction.arguments();
             stack[base] = step(instruction, &stack[base..top], x, t);
             top = base + 1;
@@ -87,15 +91,16 @@ impl Program {
 }
 
 /// The result of one instruction.
-fn step<T: Transcendental>(instruction: Instruction, a: &[T], x: &[T], t: T) -> T {
+fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T], t: T) -> T {
     match instruction {
-        Instruction::Constant(value) => T::from(value),
-        Instruction::Variable(Variable::Coordinate(axis)) => x.get(axis).copied().unwrap_or(T::from(0.0)),
+        Instruction::Constant(value) => T::from(*value),
+        Instruction::Variable(Variable::Coordinate(axis)) => x.get(*axis).copied().unwrap_or(T::from(0.0)),
         Instruction::Variable(Variable::Time) => t,
         Instruction::Negate => -a[0],
-        Instruction::Apply(function) => apply(function, a[0]),
-        Instruction::IntegerPower(n) => integer_power(a[0], n),
-        Instruction::RealPower(exponent) => real_power(a[0], exponent),
+        Instruction::Apply(function) => apply(*function, a[0]),
+        Instruction::Interpolate(table) => table.evaluate(a[0]),
+        Instruction::IntegerPower(n) => integer_power(a[0], *n),
+        Instruction::RealPower(exponent) => real_power(a[0], *exponent),
         Instruction::Add => a[0] + a[1],
         Instruction::Subtract => a[0] - a[1],
         Instruction::Multiply => a[0] * a[1],
@@ -104,7 +109,7 @@ fn step<T: Transcendental>(instruction: Instruction, a: &[T], x: &[T], t: T) -> 
         Instruction::Min => a[0].min(a[1]),
         Instruction::Max => a[0].max(a[1]),
         Instruction::Compare(comparison) => {
-            T::from(f64::from(u8::from(compare(comparison, a[0].value(), a[1].value()))))
+            T::from(f64::from(u8::from(compare(*comparison, a[0].value(), a[1].value()))))
         }
         Instruction::Select => {
             if a[0].value() != 0.0 {

@@ -51,6 +51,26 @@ pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Pla
     Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
+/// A C0 node that is moved as prescribed, its position at rest, and what moves it.
+pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryField<D>>);
+
+/// The C0 nodes of a case that are moved as prescribed: those of boundaries that move, or all.
+pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let motion: BoundaryMotion<D> = match &case.motion {
+        None => return Vec::new(),
+        Some(Motion::Elastic { boundary, .. }) => constraints(case, &numbering, boundary).1,
+        Some(Motion::Prescribed(displacement)) => {
+            let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
+            BoundaryMotion { fields, field_of_node: vec![Some(0); numbering.count] }
+        }
+    };
+    let positions = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1).positions().to_vec();
+    let node =
+        |(node, x): (usize, [f64; D])| motion.field_of_node[node].map(|field| (node, x, motion.fields[field].clone()));
+    positions.into_iter().enumerate().filter_map(node).collect()
+}
+
 /// Young's modulus as a function of the position at rest.
 type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
 

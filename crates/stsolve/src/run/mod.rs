@@ -11,6 +11,7 @@
 //! | `summary` | summary.json |
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
+//! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
 //! | `tally` | sums over the run |
 //! | `walls` | what walls feel |
 
@@ -22,11 +23,13 @@ pub(crate) mod fields;
 mod flow_run;
 mod history;
 mod mesh_run;
+mod probe;
 mod record;
 mod structure_run;
 mod summary;
 mod tally;
 mod walls;
 
-pub use build::{elasticity_plan, mover};
+pub use build::{elasticity_plan, mover, prescribed_nodes};
 pub use drive::{motion, run};
+pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};

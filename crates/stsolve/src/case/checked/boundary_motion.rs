@@ -1,8 +1,9 @@
 //! How the boundaries move.
 
 use super::Time;
-use super::mesh_crate::{Mesh, NodeNumbering, face_nodes};
+use super::mesh_crate::{Mesh, NodeNumbering};
 use super::motion::check_start;
+use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::case::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
 use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
@@ -12,7 +13,6 @@ use crate::case::vector::Vector;
 use crate::expression::{Program, Variable};
 use coupled::BoundaryField;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What the checks of all boundaries share.
@@ -57,23 +57,20 @@ impl<'a, const D: usize> Boundaries<'a, D> {
             }
         };
         self.check_start(boundary, &key, &motion)?;
-        self.check_periodic(boundary, &key, &motion)?;
         Ok(Some(motion))
+    }
+
+    /// Each node moves once: the `motions` of all boundaries, with their keys, agree where boundaries meet.
+    pub(super) fn check_shared(&self, keys: &[Key], motions: &[Option<BoundaryMotion<D>>]) -> Checked<()> {
+        let (checker, mesh, numbering, time) = (self.checker, self.mesh, self.numbering(), self.time);
+        SharedNodes { checker, mesh, numbering, time }.check(keys, &|boundary, node, x, t| {
+            let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
+            d.map(Some)
+        })
     }
 
     fn numbering(&self) -> &NodeNumbering {
         self.numbering.get_or_init(|| NodeNumbering::new(self.mesh, self.mesh.order()))
-    }
-
-    /// The C0 nodes on a boundary and their positions, facet by facet.
-    fn nodes_on(&self, boundary: usize) -> impl Iterator<Item = (usize, [f64; D])> {
-        let facets = self.mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
-        facets.flat_map(|facet| {
-            let (cell, face) = (facet.side.cell, facet.side.face);
-            let (numbers, positions) = (self.numbering().cell(cell), self.mesh.cell_coordinates(cell));
-            let node = |k: usize| (numbers[k], std::array::from_fn(|i| positions[k * D + i]));
-            face_nodes(D, self.mesh.order(), face).into_iter().map(node)
-        })
     }
 
     fn normal(&self, boundary: usize, key: &Key, formula: &raw::Formula) -> Checked<NormalMotion<D>> {
@@ -100,27 +97,10 @@ impl<'a, const D: usize> Boundaries<'a, D> {
             _ => key.clone(),
         };
         let size = self.mesh.diameter();
-        self.nodes_on(boundary).try_for_each(|(node, x)| {
+        nodes_on(self.mesh, self.numbering(), boundary).try_for_each(|(node, x)| {
             let d = motion.displacement(node, &x, self.time.start);
             check_start(self.checker, key_of, &x, &d, self.time.start, size)
         })
-    }
-
-    /// Periodicity makes places one node, which moves in one way only. Looked at once, somewhere between start and end.
-    fn check_periodic(&self, boundary: usize, key: &Key, motion: &BoundaryMotion<D>) -> Checked<()> {
-        let (tolerance, t) = (1e-9 * self.mesh.diameter(), 0.38 * self.time.start + 0.62 * self.time.end);
-        let mut first = BTreeMap::new();
-        for (node, x) in self.nodes_on(boundary) {
-            let d = motion.displacement(node, &x, t);
-            let (first_x, first_d) = *first.entry(node).or_insert((x, d));
-            if (0..D).any(|i| (d[i] - first_d[i]).abs() > tolerance) {
-                let problem = format!(
-                    "the displacement is not periodic: {first_x:?} and {x:?} are one node of the mesh, but move apart until t = {t}"
-                );
-                return Err(self.checker.combination(key, &problem, "a displacement with the period of the mesh"));
-            }
-        }
-        Ok(())
     }
 }
 

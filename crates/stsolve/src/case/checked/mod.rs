@@ -5,9 +5,11 @@ mod flow;
 mod forces;
 mod mesh;
 mod motion;
+mod shared_nodes;
 mod solver;
 mod states;
 mod structure;
+mod tables;
 mod time;
 
 pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver, Steady};
@@ -88,7 +90,12 @@ impl AnyCase {
     /// As [`AnyCase::read`].
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
-        let checker = Checker::new(document, &raw.constants)?;
+        let mut checker = Checker::new(document, &raw.constants)?;
+        for (name, table) in &raw.tables {
+            let key = Key::new("tables").child(name);
+            let table = tables::check(&checker, &key, table)?;
+            checker.define_table(&key, name, table)?;
+        }
         match mesh::build(&checker, &raw.mesh)? {
             AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
             AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
@@ -117,11 +124,8 @@ impl<const D: usize> Case<D> {
         let time = time::check(checker, &raw.time)?;
         let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
-        let structure = raw
-            .structure
-            .as_ref()
-            .map(|structure| structure::check(checker, structure, &mesh, time.start))
-            .transpose()?;
+        let structure =
+            raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
         solver::check(checker, &raw.solver)?;
         let output = time::check_output(checker, &raw.output)?;

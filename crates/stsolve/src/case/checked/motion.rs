@@ -104,7 +104,9 @@ fn elastic<const D: usize>(
     let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
     let boundaries = Boundaries::new(checker, mesh, time);
     let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
-    let boundary = named.iter().enumerate().map(motion).collect::<Checked<_>>()?;
+    let boundary = named.iter().enumerate().map(motion).collect::<Checked<Vec<_>>>()?;
+    let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
+    boundaries.check_shared(&keys, &boundary)?;
     Ok(Motion::Elastic {
         poisson_ratio: nu,
         stiffness,

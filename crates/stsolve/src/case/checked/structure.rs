@@ -1,6 +1,8 @@
 //! A structure.
 
-use super::mesh_crate::{Mesh, face_nodes};
+use super::Time;
+use super::mesh_crate::{Mesh, NodeNumbering};
+use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw::{self, StructureBoundary};
@@ -54,26 +56,34 @@ impl<const D: usize> Support<D> {
             Support::Free | Support::Traction(_) | Support::Pressure(_) => [false; D],
         }
     }
+
+    /// The displacement that it prescribes at `x` and `t`.
+    fn prescribed(&self, x: &[f64; D], t: f64) -> [Option<f64>; D] {
+        let g = if let Support::Moved(g) = self { g.evaluate(x, t) } else { [0.0; D] };
+        std::array::from_fn(|i| self.fixes()[i].then_some(g[i]))
+    }
 }
 
-/// Checks `[structure]` of a run that starts at time `start`.
+/// Checks `[structure]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Structure,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Structure<D>> {
     let key = Key::new("structure");
     let vector = |name: &str, formulas: &Option<Vec<_>>| {
         formulas.as_ref().map(|formulas| checker.formulas(&child(&key, name), formulas)).transpose()
     };
-    let boundary = checker
-        .by_boundary(&key.child("boundary"), "support or load", &raw.boundary, mesh.boundary_names())?
-        .into_iter()
-        .map(|(key, boundary)| support(checker, &key, boundary))
-        .collect::<Checked<Vec<_>>>()?;
+    let named = checker.by_boundary(&key.child("boundary"), "support or load", &raw.boundary, mesh.boundary_names())?;
+    let boundary: Vec<Support<D>> =
+        named.iter().map(|(key, boundary)| support(checker, key, boundary)).collect::<Checked<_>>()?;
+    let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
+    shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
     let displacement = vector("initial.displacement", &raw.initial.displacement)?;
-    check_start(checker, &boundary, displacement.as_ref(), mesh, start)?;
+    check_start(checker, &boundary, displacement.as_ref(), &shared)?;
     Ok(Structure {
         young_modulus: checker.positive(&key.child("young_modulus"), "Young's modulus", raw.young_modulus)?,
         poisson_ratio: checker.poisson_ratio(&key.child("poisson_ratio"), raw.poisson_ratio)?,
@@ -112,16 +122,15 @@ fn check_start<const D: usize>(
     checker: &Checker<'_>,
     boundary: &[Support<D>],
     displacement: Option<&Vector<D>>,
-    mesh: &Mesh<D>,
-    start: f64,
+    SharedNodes { mesh, numbering, time, .. }: &SharedNodes<'_, D>,
 ) -> Checked<()> {
     for (index, support) in boundary.iter().enumerate() {
-        for x in boundary_points(mesh, index) {
-            let d = displacement.map_or([0.0; D], |displacement| displacement.evaluate(&x, start));
-            let g = if let Support::Moved(g) = support { g.evaluate(&x, start) } else { [0.0; D] };
-            let apart = |i: &usize| support.fixes()[*i] && (d[*i] - g[*i]).abs() > 1e-12 * mesh.diameter();
+        for (_, x) in nodes_on(mesh, numbering, index) {
+            let d = displacement.map_or([0.0; D], |displacement| displacement.evaluate(&x, time.start));
+            let g = support.prescribed(&x, time.start);
+            let apart = |i: &usize| g[*i].is_some_and(|g| (d[*i] - g).abs() > 1e-12 * mesh.diameter());
             if let Some(i) = (0..D).find(apart) {
-                let (name, d, g) = (&mesh.boundary_names()[index], d[i], g[i]);
+                let (name, d, g) = (&mesh.boundary_names()[index], d[i], g[i].unwrap_or(0.0));
                 let problem =
                     format!("the displacement at the start, {d:e} at {x:?}, is not that of boundary `{name}`, {g:e}");
                 let accepted = "an initial displacement that is that of the supports";
@@ -145,15 +154,4 @@ fn points<const D: usize>(
         Ok((name.clone(), x))
     };
     raw.points.iter().map(point).collect()
-}
-
-/// The nodes on a boundary, cell by cell.
-fn boundary_points<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> impl Iterator<Item = [f64; D]> {
-    let facets = mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
-    facets.flat_map(|facet| {
-        let nodes = mesh.cell_coordinates(facet.side.cell);
-        face_nodes(D, mesh.order(), facet.side.face)
-            .into_iter()
-            .map(|k| std::array::from_fn(|axis| nodes[k * D + axis]))
-    })
 }

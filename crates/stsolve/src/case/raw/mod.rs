@@ -10,6 +10,7 @@ mod motion;
 mod run;
 mod solver;
 mod structure;
+mod table;
 
 pub use flow::*;
 pub use formula::Formula;
@@ -19,6 +20,7 @@ pub use motion::*;
 pub use run::*;
 pub use solver::*;
 pub use structure::*;
+pub use table::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,7 +29,7 @@ use std::collections::BTreeMap;
 /// A case of stsolve: a mesh, how it moves, the flow on it, and the time to cover; or a mesh, the structure that it is, and the time.
 ///
 /// Units are any consistent system. Vectors have one entry per axis, two or three; the number of axes is that of the mesh.
-/// A formula is a number or a text such as "0.1*sin(pi*t/4)" in x, y, z, t, pi and the constants of the case, with
+/// A formula is a number or a text such as "0.1*sin(pi*t/4)" in x, y, z, t, pi, the constants and the tables of the case, with
 /// + - * / ^, comparisons, if(condition, a, b), min, max, abs, sqrt, exp, log, sin, cos, tan, atan, tanh, sinh, cosh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +40,10 @@ pub struct Case {
     /// Names for numbers, to be used in formulas. A constant may be a formula of the constants above it.
     #[serde(default)]
     pub constants: BTreeMap<String, Formula>,
+    /// Functions given by tables, by name: with a table `heave`, formulas may contain "heave(t)". They are interpolated smoothly, by
+    /// cubic splines, so that velocities are continuous.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tables: BTreeMap<String, Table>,
     /// The mesh at rest.
     pub mesh: Mesh,
     /// How the mesh moves. Without it the mesh rests.

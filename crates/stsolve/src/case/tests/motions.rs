@@ -128,3 +128,38 @@ fn what_is_wrong_with_the_wall_distance_is_named_by_its_key() {
         expected.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
 }
+
+#[test]
+fn boundaries_that_share_a_node_must_agree_where_it_goes() {
+    let square = "[mesh]\norder = 3\ngenerate.box = { lower = [0, 0], upper = [1, 2], cells = [1, 1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n";
+    let mesh = |left: &str, others: &str| {
+        check_text(&format!("{square}[motion.boundary]\nleft.displacement = [{left}]\nothers = {others}\n"), &[])
+    };
+    for (left, others) in [("\"t*y\", 0", "\"fixed\""), ("\"t\", \"t\"", "{ rigid = [{ translate = [0, \"t\"] }] }")] {
+        let message = mesh(left, others).unwrap_err().to_string();
+        for part in [
+            "dir/base.toml:10:",
+            "`motion.boundary.others",
+            "boundaries `left` and `",
+            "share the node at [0.0, ",
+            "motions that agree",
+        ] {
+            assert!(message.contains(part), "no {part} in:\n{message}");
+        }
+    }
+    // They agree: zero at both corners, the same on both, or a motion that the others continue.
+    assert!(mesh("\"t*y*(2 - y)\", 0", "\"fixed\"").is_ok());
+    assert!(mesh("\"t\", 0", "{ rigid = [{ translate = [\"t\", 0] }] }").is_ok());
+    assert!(mesh("\"t\", 0", "{ displacement = [\"t*(1 - x)\", 0] }").is_ok());
+    let structure = |left: &str, top: &str| {
+        let body = "[structure]\nyoung_modulus = 1\npoisson_ratio = 0.3\ndensity = 1\n[structure.boundary]\nothers = \"free\"\n";
+        check_text(&format!("{square}{body}left = {left}\ntop = {top}\n"), &[])
+    };
+    let moves = "{ displacement = [\"t\", 0] }";
+    let message = structure(moves, "\"fixed\"").unwrap_err().to_string();
+    assert!(
+        message.contains("`structure.boundary.top = \"fixed\"`") && message.contains("share the node at [0.0, 2.0]"),
+        "{message}"
+    );
+    assert!(structure(moves, "{ held = [\"y\"] }").is_ok(), "the top is free along x");
+}

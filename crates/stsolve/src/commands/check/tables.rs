@@ -1,38 +1,24 @@
-//! `stsolve check`
+//! What is known of a case without trying.
 
-use super::print;
-use super::table::Table;
-use crate::case::{About, AnyCase, Case, Flow, Motion, Structure, Support};
-use crate::failure::Failure;
+use super::super::table::Table;
+use super::Facts;
+use crate::case::{About, Case, Flow, Motion, Structure, Support};
 use crate::run::elasticity_plan;
 use elasticity::{Law, Solver};
 use mesh::Mesh;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-/// Explains a checked case.
-///
-/// # Errors
-/// If stdout cannot be written.
-pub fn check(case: &AnyCase, json: bool) -> Result<(), Failure> {
-    let tables = match case {
-        AnyCase::Plane(case) => tables(case),
-        AnyCase::Space(case) => tables(case),
-    };
-    if json {
-        let object: Map<String, Value> = tables.iter().map(Table::json).collect();
-        return print(&Value::Object(object).to_string());
-    }
-    print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
-}
-
-fn tables<const D: usize>(case: &Case<D>) -> Vec<Table> {
-    let size = smallest_size(case);
-    let mut tables = vec![about(&case.about), mesh_table(case, size), time_table(case)];
-    tables.extend(case.motion.as_ref().map(|motion| motion_table(case, motion)));
+/// All tables but the defaults.
+pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
+    let case = facts.case;
+    let mut tables = vec![about(&case.about), mesh_table(case, facts.smallest_size), time_table(case)];
+    tables.extend(case.motion.as_ref().map(|motion| motion_table(facts, motion)));
     tables.extend(case.structure.as_ref().map(|structure| structure_table(case, structure)));
-    tables.extend(case.flow.as_ref().map(|flow| flow_table(case, flow, size)));
-    tables.push(cost_table(case));
-    tables.push(defaults(&case.about));
+    if let Some(flow) = &case.flow {
+        tables.push(flow_table(facts, flow));
+        tables.extend(wall_table(facts, flow));
+    }
+    tables.push(cost_table(facts));
     tables
 }
 
@@ -40,15 +26,6 @@ fn about(about: &About) -> Table {
     let mut table = Table::new("case");
     table.row("name", about.name.clone(), "").row("title", about.title.clone(), "");
     table
-}
-
-/// The smallest edge of the boxes, along the axes, around the cells.
-fn smallest_size<const D: usize>(case: &Case<D>) -> f64 {
-    let edges = |cell| {
-        let (lower, upper) = case.mesh.cell_box(cell);
-        (0..D).map(move |axis| upper[axis] - lower[axis])
-    };
-    (0..case.mesh.n_cells()).flat_map(edges).fold(f64::INFINITY, f64::min)
 }
 
 fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
@@ -84,7 +61,8 @@ fn time_table<const D: usize>(case: &Case<D>) -> Table {
     table
 }
 
-fn motion_table<const D: usize>(case: &Case<D>, motion: &Motion<D>) -> Table {
+fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Table {
+    let case = facts.case;
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
@@ -100,6 +78,13 @@ fn motion_table<const D: usize>(case: &Case<D>, motion: &Motion<D>) -> Table {
             Solver::ConjugateGradients | Solver::Automatic => "conjugate gradients with a low-order factor",
         };
         table.row("solver", solver, "").row("memory of the solver", plan.bytes as f64 / 1e6, "MB");
+    }
+    if let Some(scales) = facts.motion {
+        table
+            .row("amplitude A", scales.amplitude, "half of the largest path of a node")
+            .row("largest speed V", scales.speed, "of that node")
+            .row("angular frequency omega", scales.frequency(), "V / A")
+            .row("slabs per period", std::f64::consts::TAU / (scales.frequency() * case.time.step), "");
     }
     table
 }
@@ -129,12 +114,13 @@ fn law_name(law: Law) -> &'static str {
     }
 }
 
-fn flow_table<const D: usize>(case: &Case<D>, flow: &Flow<D>, size: f64) -> Table {
+fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let (gas, reference) = (&flow.law.gas, &flow.law.reference);
     let reynolds = reference.reynolds(gas, flow.reference_length);
-    let orders = orders(case, flow);
+    let orders = facts.orders(flow);
     // The fastest wave over the distance of nodes.
-    let cfl = flow.reference_speed * (1.0 + 1.0 / reference.mach()) * case.time.step * (flow.order as f64 - 1.0) / size;
+    let nodes_passed = facts.case.time.step * (flow.order as f64 - 1.0) / facts.smallest_size;
+    let cfl = flow.reference_speed * (1.0 + 1.0 / reference.mach()) * nodes_passed;
     let mut table = Table::new("flow");
     table
         .row("order", flow.order, "nodes per direction and cell")
@@ -150,18 +136,40 @@ fn flow_table<const D: usize>(case: &Case<D>, flow: &Flow<D>, size: f64) -> Tabl
         )
         .row("Prandtl number", gas.prandtl(), "")
         .row("acoustic CFL number", cfl, "");
+    if let Some(scales) = facts.motion {
+        let (length, speed, omega) = (flow.reference_length, flow.reference_speed, scales.frequency());
+        let strouhal = omega * scales.amplitude / (std::f64::consts::PI * speed);
+        table.row("Strouhal number", strouhal, "2 A f / U");
+        table.row("reduced frequency", 0.5 * omega * length / speed, "omega L / (2 U)");
+    }
     table
 }
 
-fn orders<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> fem::Orders {
-    fem::Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order }
+/// What the first cell at the walls resolves.
+fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Table> {
+    let walls = facts.walls?;
+    let mut table = Table::new("walls");
+    if walls.far_field.is_finite() {
+        table.row("distance of the far field", walls.far_field / flow.reference_length, "reference lengths");
+    }
+    if let (Some(plate), Some(height)) = (facts.plate, walls.cell_height) {
+        let relative = height / flow.reference_length;
+        let friction = if plate.is_turbulent() { "of a turbulent flat plate" } else { "of a laminar flat plate" };
+        table
+            .row("first cell", height, "height, at most")
+            .row("first cell in wall units", plate.wall_units(relative), friction)
+            .row("first node in wall units", plate.wall_units(relative) / (flow.order as f64 - 1.0), "on average")
+            .row("boundary layer", plate.thickness() * flow.reference_length, friction)
+            .row("cells across it", plate.thickness() / relative, "");
+    }
+    (!table.is_empty()).then_some(table)
 }
 
-/// Unknowns of a slab, and memory.
-fn cost_table<const D: usize>(case: &Case<D>) -> Table {
+/// Unknowns of a slab, memory, and the size of the result.
+fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
+    let case = facts.case;
     let mesh = case.mesh_unknowns().unwrap_or(0);
-    let per_cell = case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
-    let flow = case.mesh.n_cells() * per_cell * case.time.order;
+    let (per_cell, flow) = facts.flow_unknowns();
     // Krylov: two vectors for each iteration up to the restart. Preconditioner of the flow: for each node in time the block of
     // each cell, in single precision.
     let krylov = 8 * 2 * case.solver.krylov_restart * (mesh + flow);
@@ -171,11 +179,13 @@ fn cost_table<const D: usize>(case: &Case<D>) -> Table {
         .row("flow unknowns", flow, "per slab")
         .row("mesh unknowns", mesh, "per slab")
         .row("Krylov vectors", krylov as f64 / 1e6, "MB at most")
-        .row("preconditioner blocks", preconditioner as f64 / 1e6, "MB, estimated");
+        .row("preconditioner blocks", preconditioner as f64 / 1e6, "MB, estimated")
+        .row("result file", facts.result_megabytes(), "MB, before compression");
     table
 }
 
-fn defaults(about: &About) -> Table {
+/// Every default taken.
+pub(super) fn defaults(about: &About) -> Table {
     let mut table = Table::new("defaults taken");
     for (key, value) in &about.defaults {
         table.row(key, value.clone(), "");

@@ -1,0 +1,137 @@
+//! Choices of a case that are allowed, and doubtful.
+
+use super::Facts;
+use crate::case::Flow;
+use fem::Quadrature;
+
+/// Nodes in time in a period of the motion below which it is badly resolved.
+const NODES_PER_PERIOD: f64 = 12.0;
+
+/// Nodes across the boundary layer below which it is badly resolved.
+const NODES_IN_LAYER: f64 = 5.0;
+
+/// The distance of the far field, in reference lengths, below which it is felt.
+const FAR: f64 = 10.0;
+
+/// The speed of a wall at the start, relative to the flow, above which the start is a shock.
+const SUDDEN: f64 = 0.01;
+
+/// A result file above this size is worth a thought, in MB.
+const LARGE_FILE: f64 = 5000.0;
+
+/// A doubtful choice.
+pub(super) struct Doubt {
+    /// What it concerns, in a word or two.
+    pub(super) subject: &'static str,
+    /// What is doubtful, and the remedy.
+    pub(super) text: String,
+}
+
+/// All that is doubtful in a case.
+pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
+    let of_flow = facts.case.flow.as_ref().map(|flow| {
+        [quadrature(facts, flow), far_field(facts, flow), layer(facts, flow), start(facts, flow), mach(flow)]
+    });
+    let of_all = [slab_length(facts), file_size(facts)];
+    of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
+}
+
+fn doubt(subject: &'static str, text: String) -> Option<Doubt> {
+    Some(Doubt { subject, text })
+}
+
+fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let orders = facts.orders(flow);
+    let (taken, needed) = (flow.quadrature.space_points(D, orders), Quadrature::Conserving.space_points(D, orders));
+    if taken >= needed {
+        return None;
+    }
+    let text = format!(
+        "{taken} points per direction, while conservation on a curved moving mesh needs {needed}: `flow.quadrature = \"conserving\"`"
+    );
+    doubt("quadrature", text)
+}
+
+fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Doubt> {
+    let (time, scales) = (&facts.case.time, facts.motion?);
+    let period = std::f64::consts::TAU / scales.frequency();
+    let nodes = period / time.step * time.order as f64;
+    // A motion shorter than its period is not one that repeats itself.
+    if nodes >= NODES_PER_PERIOD || time.end - time.start < 0.5 * period {
+        return None;
+    }
+    let step = period * time.order as f64 / NODES_PER_PERIOD;
+    let text = format!(
+        "a period of the motion, about {period:.3}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
+         or less, or a higher `time.order`"
+    );
+    doubt("slab length", text)
+}
+
+fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let distance = facts.walls?.far_field / flow.reference_length;
+    if distance >= FAR {
+        return None;
+    }
+    let text = format!(
+        "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` of the generator), {FAR} or more, or \
+         `flow.reference.length` if that is not the size of the body"
+    );
+    doubt("far field", text)
+}
+
+fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let (plate, height) = (facts.plate?, facts.walls?.cell_height? / flow.reference_length);
+    if plate.is_turbulent() {
+        let text = "at this Reynolds number a boundary layer is turbulent, and there is no turbulence model: a lower Reynolds number, or a \
+                    mesh in space that resolves turbulence";
+        return doubt("turbulence", text.to_owned());
+    }
+    let nodes = plate.thickness() / height * (flow.order as f64 - 1.0);
+    if nodes >= NODES_IN_LAYER {
+        return None;
+    }
+    let text = format!(
+        "about {nodes:.1} nodes across the boundary layer of thickness {:.2e}, fewer than {NODES_IN_LAYER}: thinner cells at the wall (`first_cell` \
+         of the generator), or a higher `flow.order`",
+        plate.thickness() * flow.reference_length
+    );
+    doubt("first cell", text)
+}
+
+fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let speed = facts.motion?.speed_at_start / flow.reference_speed;
+    if speed <= SUDDEN || flow.walls.is_empty() {
+        return None;
+    }
+    let text = format!(
+        "walls start with {speed:.2e} of the speed of the flow, which sends a pressure wave into it: a motion that starts from rest, for instance \
+         multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
+    );
+    doubt("start of the motion", text)
+}
+
+fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+    let mach = flow.law.reference.mach();
+    match mach {
+        _ if mach > 0.8 => doubt(
+            "Mach number",
+            format!("{mach:.2}: shocks may form, and nothing captures them: a Mach number below 0.8"),
+        ),
+        _ if mach < 0.02 => {
+            let text = format!(
+                "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0"
+            );
+            doubt("Mach number", text)
+        }
+        _ => None,
+    }
+}
+
+fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Doubt> {
+    let size = facts.result_megabytes();
+    if size <= LARGE_FILE {
+        return None;
+    }
+    doubt("result file", format!("about {:.0} GB: `output.every` of more than {}", size / 1e3, facts.case.output.every))
+}

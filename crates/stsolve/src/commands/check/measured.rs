@@ -1,0 +1,73 @@
+//! What is found out by trying: seconds, and the mesh over the run.
+
+use super::super::table::Table;
+use crate::case::{Case, Motion};
+use crate::cli::Probe;
+use crate::run::{MeshOverRun, Timing};
+use elasticity::Law;
+
+/// Newton steps of a slab, and Krylov iterations of a step, of a run without surprises.
+const TYPICAL: [f64; 2] = [3.0, 8.0];
+
+/// Work up to which a probe takes some seconds: displacements times slabs, unknowns of a mesh in space, unknowns of the flow in a slab of
+/// two and of three dimensions.
+const CHEAP_MOTION: usize = 10_000_000;
+const CHEAP_MESH_IN_SPACE: usize = 60_000;
+const CHEAP_FLOW: [usize; 2] = [1_000_000, 200_000];
+
+/// Whether the mesh is moved over the run.
+pub(super) fn moves_mesh<const D: usize>(case: &Case<D>, probe: Probe) -> bool {
+    let Some(motion) = &case.motion else { return false };
+    let newton = if matches!(motion, Motion::Elastic { law: Law::NeoHookean, .. }) { 10 } else { 1 };
+    let displacements = case.mesh.coordinates().len();
+    let work = displacements * case.time.order * case.time.slabs * newton;
+    chosen(probe, work <= CHEAP_MOTION && (D == 2 || displacements <= CHEAP_MESH_IN_SPACE))
+}
+
+/// Whether a flow with so many unknowns is timed.
+pub(super) fn times_flow<const D: usize>(unknowns: usize, probe: Probe) -> bool {
+    chosen(probe, unknowns <= CHEAP_FLOW[D - 2])
+}
+
+fn chosen(probe: Probe, cheap: bool) -> bool {
+    match probe {
+        Probe::Auto => cheap,
+        Probe::Always => true,
+        Probe::Never => false,
+    }
+}
+
+/// Seconds of the parts of a run, and of the whole.
+pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> Table {
+    let [newton, krylov] = TYPICAL;
+    let slab = newton * (2.0 * timing.residual + krylov * timing.iteration) + timing.preconditioner;
+    let mut table = Table::new("seconds on this machine, measured");
+    table
+        .row("set-up", timing.setup, "")
+        .row("residual", timing.residual, "")
+        .row("Krylov iteration", timing.iteration, "product and preconditioner")
+        .row("making the preconditioner", timing.preconditioner, "")
+        .row("a slab", slab, "if it takes 3 Newton steps of 8 iterations")
+        .row("the run", timing.setup + case.time.slabs as f64 * slab, "if all slabs do")
+        .row("threads", rayon::current_num_threads(), "");
+    if case.solver.steady.is_some() {
+        table.row("steady flow", "not counted", "");
+    }
+    if let Some(bytes) = timing.memory {
+        table.row("memory so far", bytes as f64 / 1e6, "MB, without Krylov vectors");
+    }
+    table
+}
+
+/// What was proved of the mesh over the run.
+pub(super) fn mesh_table(mesh: &MeshOverRun) -> Table {
+    let quality = &mesh.quality;
+    let mut table = Table::new("mesh over the run");
+    table
+        .row("det J / det J_0", quality.lower_bound, "or more, proved")
+        .row("smallest met", quality.sampled_min, "")
+        .row("in cell", quality.cell, "")
+        .row("at time", quality.time, "")
+        .row("scaled Jacobian", quality.scaled_jacobian, "smallest: 1 is undistorted");
+    table
+}

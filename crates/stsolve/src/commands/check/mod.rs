@@ -1,0 +1,164 @@
+//! `stsolve check`
+//!
+//! | module | holds |
+//! |---|---|
+//! | `tables` | what is known of a case without trying |
+//! | `scales` | how fast and how far the mesh is moved |
+//! | `walls` | what the first cell at a wall resolves |
+//! | `measured` | what is found out by trying |
+//! | `doubts` | choices that are allowed, and doubtful |
+
+mod doubts;
+mod measured;
+mod scales;
+mod tables;
+mod walls;
+
+use super::print;
+use super::table::Table;
+use crate::case::{AnyCase, Case, Flow, State};
+use crate::cli::Probe;
+use crate::failure::Failure;
+use crate::run::{move_over_run, time_flow};
+use doubts::{Doubt, doubts};
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use scales::MotionScales;
+use serde_json::{Map, Value};
+use walls::{FlatPlate, Walls};
+
+/// Explains a checked case; `probe` says whether to try what it will do.
+///
+/// # Errors
+/// If stdout cannot be written.
+pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
+    // Inside the pool, as in a run.
+    let tables = rayon::scope(|_| match case {
+        AnyCase::Plane(case) => explain::<2, 4>(case, probe),
+        AnyCase::Space(case) => explain::<3, 5>(case, probe),
+    });
+    if json {
+        let object: Map<String, Value> = tables.iter().map(Table::json).collect();
+        return print(&Value::Object(object).to_string());
+    }
+    print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
+}
+
+/// A case, and what follows from it.
+pub(super) struct Facts<'a, const D: usize> {
+    case: &'a Case<D>,
+    /// The smallest edge of the boxes, along the axes, around the cells.
+    smallest_size: f64,
+    motion: Option<MotionScales>,
+    walls: Option<Walls>,
+    /// The boundary layer that a flow with viscosity has.
+    plate: Option<FlatPlate>,
+}
+
+impl<'a, const D: usize> Facts<'a, D> {
+    fn new(case: &'a Case<D>) -> Self {
+        let edges = |cell| {
+            let (lower, upper) = case.mesh.cell_box(cell);
+            (0..D).map(move |axis| upper[axis] - lower[axis])
+        };
+        let flow = case.flow.as_ref();
+        Facts {
+            case,
+            smallest_size: (0..case.mesh.n_cells()).flat_map(edges).fold(f64::INFINITY, f64::min),
+            motion: MotionScales::new(case),
+            walls: flow.map(|flow| Walls::new(case, flow)),
+            plate: flow
+                .and_then(|flow| FlatPlate::new(flow.law.reference.reynolds(&flow.law.gas, flow.reference_length))),
+        }
+    }
+
+    fn orders(&self, flow: &Flow<D>) -> fem::Orders {
+        fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
+    }
+
+    /// Unknowns of the flow in a cell at a time, and in a slab.
+    fn flow_unknowns(&self) -> (usize, usize) {
+        let per_cell = self.case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
+        (per_cell, self.case.mesh.n_cells() * per_cell * self.case.time.order)
+    }
+
+    /// Coefficients and fields of the slabs that are written, before compression, in MB.
+    fn result_megabytes(&self) -> f64 {
+        let coordinates = self.case.mesh.coordinates().len() / D;
+        let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
+        let coefficients = self.flow_unknowns().1 + D * coordinates * self.case.time.order;
+        8e-6 * (points + coefficients) as f64 * (slabs / self.case.output.every + 2) as f64
+    }
+}
+
+fn explain<const D: usize, const M: usize>(case: &Case<D>, probe: Probe) -> Vec<Table>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let facts = Facts::new(case);
+    let mut tables = tables::known(&facts);
+    let mut doubts = doubts(&facts);
+    tables.extend(mesh_over_run(case, probe, &mut doubts));
+    tables.extend(seconds::<D, M>(&facts, probe, &mut doubts));
+    tables.push(tables::defaults(&case.about));
+    tables.push(doubtful(&doubts));
+    tables
+}
+
+/// Moves the mesh over the run, if that is wanted, and doubts what cannot be proved.
+fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, doubts: &mut Vec<Doubt>) -> Option<Table> {
+    if !measured::moves_mesh(case, probe) {
+        return None;
+    }
+    let over_run = match move_over_run(case) {
+        Ok(over_run) => over_run?,
+        Err(error) => {
+            doubts.push(Doubt { subject: "mesh", text: error.to_string() });
+            return None;
+        }
+    };
+    if let Some(time) = over_run.first_invalid {
+        let text = format!(
+            "cell {} is inverted or nearly so from t = {time:.6} on: a smaller motion, `motion.elasticity.stiffness` by `inverse_jacobian` \
+             with a higher power, or `motion.elasticity.law = \"neo_hookean\"` for large rotations",
+            over_run.quality.cell
+        );
+        doubts.push(Doubt { subject: "mesh", text });
+    }
+    Some(measured::mesh_table(&over_run))
+}
+
+/// Times the parts of a slab, if that is wanted.
+fn seconds<const D: usize, const M: usize>(facts: &Facts<'_, D>, probe: Probe, doubts: &mut Vec<Doubt>) -> Option<Table>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let flow = facts.case.flow.as_ref()?;
+    if !measured::times_flow::<D>(facts.flow_unknowns().1, probe) {
+        return None;
+    }
+    match time_flow::<D, M>(facts.case, flow) {
+        Ok(timing) => Some(measured::timing_table(facts.case, &timing)),
+        Err(error) => {
+            doubts.push(Doubt { subject: "first slab", text: error.to_string() });
+            None
+        }
+    }
+}
+
+fn doubtful(doubts: &[Doubt]) -> Table {
+    let mut table = Table::new("doubtful choices");
+    for Doubt { subject, text } in doubts {
+        table.row(subject, text.clone(), "");
+    }
+    if doubts.is_empty() {
+        table.row("none", "", "");
+    }
+    table
+}

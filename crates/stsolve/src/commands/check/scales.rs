@@ -1,0 +1,80 @@
+//! How fast and how far a mesh is moved.
+
+use crate::case::Case;
+use crate::run::prescribed_nodes;
+
+/// Nodes that are looked at, at most.
+const NODES: usize = 200;
+
+/// Instants in a slab, and in a run at most.
+const INSTANTS: [usize; 2] = [8, 4000];
+
+/// Typical sizes of a prescribed motion, the largest over the nodes that it moves.
+///
+/// A node that oscillates harmonically with the amplitude A and the angular frequency omega has the speed V = omega A at most. So
+/// omega = V / A for the node with the largest A is the frequency of a harmonic motion, and a typical one of any other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct MotionScales {
+    /// A: half of the extent of the path, in the coordinate in which it is largest.
+    pub(super) amplitude: f64,
+    /// V, between instants.
+    pub(super) speed: f64,
+    /// The speed at the start.
+    pub(super) speed_at_start: f64,
+}
+
+impl MotionScales {
+    /// Of the motion that `case` prescribes; None if it moves nothing.
+    pub(super) fn new<const D: usize>(case: &Case<D>) -> Option<Self> {
+        let nodes = prescribed_nodes(case);
+        let stride = nodes.len().div_ceil(NODES).max(1);
+        let instants = (INSTANTS[0] * case.time.slabs).min(INSTANTS[1]);
+        let (start, dt) = (case.time.start, (case.time.end - case.time.start) / instants as f64);
+        let mut scales = MotionScales::default();
+        for (node, x, field) in nodes.iter().step_by(stride) {
+            let path: Vec<[f64; D]> =
+                (0..=instants).map(|i| field.displacement(*node, x, start + i as f64 * dt)).collect();
+            scales = scales.larger(&MotionScales::of_path(&path, dt));
+        }
+        (scales.amplitude > 0.0).then_some(scales)
+    }
+
+    fn of_path<const D: usize>(path: &[[f64; D]], dt: f64) -> Self {
+        let extent = |axis: usize| {
+            let along = path.iter().map(|d| d[axis]);
+            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+        };
+        let speed =
+            |pair: &[[f64; D]]| tensor::norm::<f64, D>(&std::array::from_fn(|i| (pair[1][i] - pair[0][i]) / dt));
+        MotionScales {
+            amplitude: 0.5 * (0..D).map(extent).fold(0.0, f64::max),
+            speed: path.windows(2).map(speed).fold(0.0, f64::max),
+            speed_at_start: path.windows(2).next().map_or(0.0, speed),
+        }
+    }
+
+    fn larger(&self, other: &Self) -> Self {
+        let faster = if other.amplitude > self.amplitude { other } else { self };
+        MotionScales { speed_at_start: self.speed_at_start.max(other.speed_at_start), ..*faster }
+    }
+
+    /// omega.
+    pub(super) fn frequency(&self) -> f64 {
+        self.speed / self.amplitude
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_frequency_of_a_harmonic_motion_is_found() {
+        let (amplitude, omega, dt) = (0.3, 2.5, 0.01);
+        let path: Vec<[f64; 2]> = (0..600).map(|i| [0.1, amplitude * (omega * f64::from(i) * dt).sin()]).collect();
+        let scales = MotionScales::of_path(&path, dt);
+        assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{scales:?}");
+        assert!((scales.frequency() / omega - 1.0).abs() < 1e-3, "{scales:?}");
+        assert!((scales.speed_at_start / (amplitude * omega) - 1.0).abs() < 1e-3, "{scales:?}");
+    }
+}
