@@ -16,6 +16,7 @@ use basis::gauss_lobatto;
 use mesh::{Mesh, NodeNumbering};
 use position::Position;
 use solve::SolveWork;
+use tensor::WIDTH;
 
 /// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
 ///
@@ -132,6 +133,10 @@ impl<const D: usize> ElasticMesh<D> {
     /// Multiplications of one application of K, but for the law at points.
     pub fn multiplications(&self) -> usize {
         self.operator.multiplications()
+    }
+    /// Numbers that one application of K reads from memory beside the vectors: geometry and stiffness at the points of all cells.
+    pub fn metric_length(&self) -> usize {
+        self.operator.metric().len() * WIDTH
     }
     /// Memory of the factor or the hierarchy that the solver has prepared.
     pub fn solver_bytes(&self) -> usize {

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::bench::Group;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -47,6 +48,8 @@ pub enum Command {
         /// The directory of the run.
         directory: PathBuf,
     },
+    /// Measure the kernels on this machine, against its own arithmetic peak and memory bandwidth.
+    Bench(BenchArguments),
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.
     Schema,
     /// Print the script that completes the commands of stsolve in a shell.
@@ -117,6 +120,46 @@ impl RunArguments {
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./=:,+".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+/// What `bench` takes.
+#[derive(Clone, Debug, Args)]
+pub struct BenchArguments {
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+    /// Which kernels to measure [default: all].
+    #[arg(long, value_name = "GROUP", value_delimiter = ',')]
+    kernel: Vec<Group>,
+    /// Which orders N, such as `4,8` [default: 2 to 16].
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(2..=16))]
+    orders: Vec<u16>,
+    /// Which dimension, 2 or 3 [default: both].
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(2..=3))]
+    dimension: Option<u16>,
+    /// About how many nodes per direction [default: 128 in 2-D, 32 in 3-D; 226 and 32 for elasticity].
+    #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u16).range(4..=1024))]
+    pub nodes: Option<u16>,
+    /// For how many seconds to repeat each kernel; the shortest time counts.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.2)]
+    pub seconds: f64,
+}
+
+impl BenchArguments {
+    /// The kernels to measure.
+    pub(crate) fn groups(&self) -> &[Group] {
+        if self.kernel.is_empty() { Group::value_variants() } else { &self.kernel }
+    }
+    /// The orders, from low to high.
+    pub(crate) fn orders(&self) -> Vec<usize> {
+        let mut orders: Vec<usize> = self.orders.iter().map(|&order| order.into()).collect();
+        orders.sort_unstable();
+        if orders.is_empty() { (2..=16).collect() } else { orders }
+    }
+    /// The dimensions.
+    pub(crate) fn dimensions(&self) -> Vec<usize> {
+        self.dimension.map_or(vec![2, 3], |dimension| vec![dimension.into()])
+    }
 }
 
 /// How much to print.

@@ -8,6 +8,7 @@
 //! | `case` | the case file: what the user writes, and what the program needs |
 //! | `expression` | formulas in a case file |
 //! | `any_mesh` | a mesh whose dimension is known only when it is read |
+//! | `bench` | the kernels against what the machine can do |
 //! | `commands` | what each command does |
 //! | `run` | from a checked case to files |
 //! | `report` | a page that shows a run |
@@ -15,6 +16,7 @@
 //! | `failure` | error messages and exit codes |
 
 mod any_mesh;
+pub mod bench;
 pub mod case;
 pub mod cli;
 pub mod commands;
@@ -41,6 +43,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json, probe } => commands::check(&read(case)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Report { directory } => report::report(directory),
+        Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema => commands::schema(),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),

@@ -87,8 +87,14 @@ impl FlowPreconditioner {
     /// Bytes held by factors and couplings.
     pub fn bytes(&self) -> usize {
         let couplings: usize = self.couplings.iter().flatten().map(Vec::len).sum();
+        self.swept_bytes() + 8 * (self.jacobian.diagonal.len() + self.jacobian.mass.len()) + 8 * couplings
+    }
+
+    /// Bytes that an application reads: factors and couplings in single precision.
+    pub fn swept_bytes(&self) -> usize {
+        let couplings: usize = self.couplings.iter().flatten().map(Vec::len).sum();
         let factors: usize = self.inverses.iter().map(Vec::len).sum();
-        4 * (couplings + factors) + 8 * (self.jacobian.diagonal.len() + self.jacobian.mass.len()) + 8 * couplings
+        4 * (couplings + factors)
     }
 
     /// z = P^{-1} r.

@@ -1,0 +1,85 @@
+//! The stiffness operator of the mesh, the set-up of its solver, and a solve to 1e-10.
+
+use super::subject::{Build, Size, Subject, Work, bytes};
+use elasticity::{ElasticMesh, ElasticityError, Material, Stiffness};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+
+/// A curved box whose boundary is held.
+pub(super) struct Elastic<const D: usize> {
+    mesh: Mesh<D>,
+    numbering: NodeNumbering,
+    material: Material,
+    constrained: Vec<bool>,
+    elastic: ElasticMesh<D>,
+    moved: Vec<f64>,
+    out: Vec<f64>,
+}
+
+impl<const D: usize> Elastic<D> {
+    fn set_up(
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        material: Material,
+        constrained: &[bool],
+    ) -> Result<ElasticMesh<D>, ElasticityError> {
+        ElasticMesh::new(mesh, numbering, material, Stiffness::InverseJacobian { power: 1.0 }, constrained)
+    }
+
+    /// A displacement of the boundary.
+    fn boundary(elastic: &ElasticMesh<D>) -> Vec<f64> {
+        let moved = |(x, held): (&[f64; D], &bool)| {
+            if *held { x.map(|x_i| (3.0 * x_i).sin() * x[0]) } else { [0.0; D] }
+        };
+        elastic.coordinates().iter().zip(elastic.constrained()).flat_map(moved).collect()
+    }
+}
+
+impl<const D: usize> Build for Elastic<D> {
+    /// About 10^5 unknowns.
+    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+        let (order, intervals) = (size.order, size.nodes(226, 33) - 1);
+        let cells = ((intervals as f64 / (order - 1) as f64).round() as usize).max(2);
+        let curving = Curving::Wavy { amplitude: 0.02 };
+        let box_mesh =
+            BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] };
+        let mesh = box_mesh.build()?;
+        let numbering = NodeNumbering::new(&mesh, order);
+        let mut constrained = vec![false; numbering.count];
+        (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+        let material = Material::new(1.0, 0.4)?;
+        let elastic = Self::set_up(&mesh, &numbering, material, &constrained)?;
+        let (moved, out) = (Self::boundary(&elastic), vec![0.0; elastic.length()]);
+        Ok(Some(Elastic { mesh, numbering, material, constrained, elastic, moved, out }))
+    }
+}
+
+impl<const D: usize> Subject for Elastic<D> {
+    fn work(&self) -> Vec<Work> {
+        let (n, solver) = (self.elastic.length(), self.elastic.solver_bytes() as f64);
+        let unknowns = n as f64;
+        let flops = 2.0 * self.elastic.multiplications() as f64;
+        let metric = bytes(self.elastic.metric_length());
+        vec![
+            Work { kernel: "elasticity operator", unknowns, flops: Some(flops), bytes: bytes(2 * n) + metric },
+            Work { kernel: "elasticity preconditioner", unknowns, flops: None, bytes: bytes(2 * n) + solver },
+            Work { kernel: "elasticity set-up", unknowns, flops: None, bytes: solver },
+            Work { kernel: "elasticity solve", unknowns, flops: None, bytes: bytes(2 * n) + solver },
+        ]
+    }
+
+    fn run(&mut self, number: usize) {
+        let Elastic { mesh, numbering, material, constrained, elastic, moved, out } = self;
+        match number {
+            0 => elastic.apply(moved, out),
+            1 => elastic.precondition(moved, out),
+            2 => {
+                *elastic = Self::set_up(mesh, numbering, *material, constrained)
+                    .unwrap_or_else(|error| unreachable!("it was set up before: {error}"));
+            }
+            _ => {
+                out.copy_from_slice(moved);
+                elastic.extend(out, 1e-10).unwrap_or_else(|error| unreachable!("a box is solved: {error}"));
+            }
+        }
+    }
+}

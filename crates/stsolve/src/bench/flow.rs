@@ -1,0 +1,88 @@
+//! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conservation-exact quadrature.
+
+use super::subject::{Build, Size, Subject, Work, bytes};
+use fem::{Orders, Problem, Quadrature, SlabOperator};
+use mesh::{BoxMesh, Curving, NodeNumbering};
+use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+
+/// Nodes in time.
+const TIME_ORDER: usize = 2;
+
+/// Length of the slab.
+pub(super) const DT: f64 = 0.01;
+
+/// Nodes per direction in 2-D and in 3-D: some hundred thousand unknowns.
+pub(super) const PLANE_NODES: usize = 128;
+pub(super) const SPACE_NODES: usize = 32;
+
+/// The operator on a periodic box, with a state and a direction.
+pub(super) struct Flow<const D: usize, const M: usize> {
+    pub(super) operator: SlabOperator<D, M>,
+    pub(super) state: Vec<f64>,
+    direction: Vec<f64>,
+    velocities: Vec<f64>,
+    out: Vec<f64>,
+}
+
+/// A number in [-1, 1] that is different for every i.
+fn wave(i: usize) -> f64 {
+    (0.7 * i as f64).sin()
+}
+
+impl<const D: usize, const M: usize> Flow<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    /// On `cells` cells per direction.
+    pub(super) fn on(cells: usize, order: usize) -> anyhow::Result<Self> {
+        let curving = Curving::Wavy { amplitude: 0.02 };
+        let (lower, upper, cells, periodic) = ([0.0; D], [1.0; D], [cells; D], [true; D]);
+        let mesh = BoxMesh { lower, upper, cells, order, curving, periodic }.build()?;
+        let numbering = NodeNumbering::new(&mesh, order);
+        let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3))?;
+        let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 0.5, 1.0)? };
+        let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
+        let orders = Orders { flow: order, mesh: order, time: TIME_ORDER };
+        let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, Quadrature::Conserving);
+        let mean: [f64; M] = Primitive { density: 1.0, velocity: [0.4; D], pressure: 1.0 }.pack(&gas);
+        let layout = operator.layout;
+        let state: Vec<f64> = (0..layout.len()).map(|i| mean[i / layout.nodes % M] * (1.0 + 1e-3 * wave(i))).collect();
+        let nodes = operator.mesh.field_len();
+        let velocities: Vec<f64> = (0..TIME_ORDER * nodes).map(|i| 1e-3 * wave(i)).collect();
+        operator.begin_slab(0.0, DT, &state[..layout.at_one_time().len()], &vec![0.0; nodes]);
+        operator.set_mesh(&velocities);
+        let direction = (0..layout.len()).map(|i| wave(i + 5)).collect();
+        Ok(Flow { out: vec![0.0; state.len()], operator, state, direction, velocities })
+    }
+}
+
+impl<const D: usize, const M: usize> Build for Flow<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+        Self::on(size.even_cells(PLANE_NODES, SPACE_NODES), size.order).map(Some)
+    }
+}
+
+impl<const D: usize, const M: usize> Subject for Flow<D, M> {
+    /// State, mesh and direction in, residual out.
+    fn work(&self) -> Vec<Work> {
+        let (state, mesh) = (self.state.len(), self.operator.mesh.data.len());
+        let work = |kernel, numbers| Work { kernel, unknowns: state as f64, flops: None, bytes: bytes(numbers) };
+        vec![
+            work("residual", 2 * state + mesh),
+            work("product", 3 * state + mesh),
+            work("product with mesh", 3 * state + 2 * mesh),
+        ]
+    }
+
+    fn run(&mut self, number: usize) {
+        let Flow { operator, state, direction, velocities, out } = self;
+        match number {
+            0 => operator.residual(state, out).unwrap_or_else(|violation| unreachable!("{violation:?}")),
+            1 => operator.product(direction, out),
+            _ => operator.product_with_mesh(direction, velocities, out),
+        }
+    }
+}

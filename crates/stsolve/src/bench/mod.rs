@@ -1,0 +1,103 @@
+//! `stsolve bench`: the kernels on this machine, against its own peak and bandwidth, measured in the same run.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `roofs` | what the machine can do: fused multiply-adds per second, bytes per second |
+//! | `subject` | what is measured, and how much work it is |
+//! | `elastic`, `flow`, `preconditioner`, `vectors` | the subjects |
+//! | `stopwatch` | the best of many short bursts |
+//! | `measurement` | what comes out: rows for people, JSON for programs |
+
+mod elastic;
+mod flow;
+mod measurement;
+mod preconditioner;
+mod roofs;
+mod stopwatch;
+mod subject;
+mod vectors;
+
+use crate::cli::BenchArguments;
+use crate::commands::print;
+use crate::failure::Failure;
+use crate::terminal::Terminal;
+use elastic::Elastic;
+use flow::Flow;
+use measurement::{Growth, Measurement, Report};
+use preconditioner::Preconditioned;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use roofs::Machine;
+pub use subject::Group;
+use subject::{Build, Size};
+use vectors::Vectors;
+
+/// Measures, and prints a row as soon as it is known, or one JSON object in the end.
+///
+/// # Errors
+/// Threads that the system refuses, a subject that cannot be set up, a stdout that cannot be written.
+pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
+    let pools = [pool(1)?, pool(0)?];
+    let machine = Machine::measure(&pools, arguments.seconds);
+    let mut report = Report::new(machine);
+    if !arguments.json {
+        print(&report.heading())?;
+    }
+    for dimension in arguments.dimensions() {
+        for &group in arguments.groups() {
+            let mut growth = Growth::default();
+            for order in arguments.orders() {
+                let size = Size { dimension, order, nodes: arguments.nodes.map(usize::from) };
+                let rows = measure(group, size, &pools, arguments)?;
+                for measurement in rows {
+                    report.rows.push(growth.of(measurement).against(&report.machine));
+                    if let (false, Some(row)) = (arguments.json, report.rows.last()) {
+                        print(&row.to_string())?;
+                    }
+                }
+            }
+        }
+    }
+    if arguments.json { print(&report.json()) } else { Ok(()) }
+}
+
+/// A pool of threads; 0 asks for one per core.
+fn pool(threads: usize) -> Result<ThreadPool, Failure> {
+    ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::bad_input)
+}
+
+/// The rows of one group at one order; none where the subject would not fit.
+fn measure(
+    group: Group,
+    size: Size,
+    pools: &[ThreadPool; 2],
+    arguments: &BenchArguments,
+) -> Result<Vec<Measurement>, Failure> {
+    let terminal = Terminal::default();
+    if terminal.is_interactive() {
+        terminal.print(&format!("measuring {} in {}-D, N = {}", group.name(), size.dimension, size.order));
+    }
+    match (group, size.dimension) {
+        (Group::Elasticity, 2) => of::<Elastic<2>>(size, pools, arguments),
+        (Group::Elasticity, _) => of::<Elastic<3>>(size, pools, arguments),
+        (Group::Flow, 2) => of::<Flow<2, 4>>(size, pools, arguments),
+        (Group::Flow, _) => of::<Flow<3, 5>>(size, pools, arguments),
+        (Group::Preconditioner, 2) => of::<Preconditioned<2, 4>>(size, pools, arguments),
+        (Group::Preconditioner, _) => of::<Preconditioned<3, 5>>(size, pools, arguments),
+        (Group::Vectors, _) => of::<Vectors>(size, pools, arguments),
+    }
+}
+
+/// One subject for one thread and one for all, measured in turns: what disturbs one disturbs the other.
+fn of<B: Build>(size: Size, pools: &[ThreadPool; 2], arguments: &BenchArguments) -> Result<Vec<Measurement>, Failure> {
+    let mut subjects = Vec::new();
+    for pool in pools {
+        match pool.install(|| B::build(size)).map_err(Failure::solve)? {
+            Some(subject) => subjects.push(subject),
+            None => return Ok(Vec::new()),
+        }
+    }
+    let work = subjects[0].work();
+    let best = stopwatch::in_turns(pools, arguments.seconds, work.len(), |pool, number| subjects[pool].run(number));
+    let rows = work.into_iter().zip(best);
+    Ok(rows.map(|(work, [one, all])| Measurement::new(size, work, one, all)).collect())
+}

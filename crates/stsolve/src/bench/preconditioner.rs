@@ -1,0 +1,58 @@
+//! Set-up and application of the preconditioner of the flow.
+
+use super::flow::{DT, Flow};
+use super::subject::{Build, Size, Subject, Work, bytes};
+use basis::TemporalModes;
+use coupled::preconditioner::FlowPreconditioner;
+use navier_stokes::{Boundary, Compiled, NavierStokes};
+
+/// Bytes of the blocks of A that are set up, at most: the factors take about as much again.
+const MOST_BYTES: f64 = 3e8;
+
+/// The largest block that is set up: its factorisation takes seconds.
+const LARGEST_BLOCK: usize = 1100;
+
+/// An operator with its preconditioner.
+pub(super) struct Preconditioned<const D: usize, const M: usize> {
+    flow: Flow<D, M>,
+    preconditioner: FlowPreconditioner,
+    out: Vec<f64>,
+}
+
+fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>) -> FlowPreconditioner {
+    let operator = &flow.operator;
+    let modes = TemporalModes::new(&operator.tables.time);
+    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, None)
+}
+
+impl<const D: usize, const M: usize> Build for Preconditioned<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+        let block = M * size.order.pow(D as u32);
+        let fits = |cells: &usize| bytes(cells.pow(D as u32) * block * block) <= MOST_BYTES;
+        let wanted = size.even_cells(96, 12);
+        let Some(cells) = (2..=wanted).rev().find(fits).filter(|_| block <= LARGEST_BLOCK) else { return Ok(None) };
+        let mut flow = Flow::<D, M>::on(cells, size.order)?;
+        flow.operator.linearise(&flow.state);
+        let (preconditioner, out) = (set_up(&flow), vec![0.0; flow.state.len()]);
+        Ok(Some(Preconditioned { flow, preconditioner, out }))
+    }
+}
+
+impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
+    fn work(&self) -> Vec<Work> {
+        let state = self.flow.state.len();
+        let (vectors, stored) = (bytes(2 * state), self.preconditioner.swept_bytes() as f64);
+        let work = |kernel, bytes| Work { kernel, unknowns: state as f64, flops: None, bytes };
+        vec![work("preconditioner set-up", stored), work("preconditioner", vectors + stored)]
+    }
+
+    fn run(&mut self, number: usize) {
+        match number {
+            0 => self.preconditioner = set_up(&self.flow),
+            _ => self.preconditioner.apply(&self.flow.state, &mut self.out),
+        }
+    }
+}

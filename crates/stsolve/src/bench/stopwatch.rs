@@ -1,0 +1,48 @@
+//! The best of many short bursts: a machine that is shared has good moments.
+
+use rayon::ThreadPool;
+use std::time::Instant;
+
+/// Seconds that one call takes.
+fn time(mut call: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    call();
+    start.elapsed().as_secs_f64()
+}
+
+/// The shortest time of `call` in at least `seconds`, and three calls after a first one.
+pub(super) fn best(seconds: f64, mut call: impl FnMut()) -> f64 {
+    call();
+    let (start, mut best) = (Instant::now(), f64::INFINITY);
+    for calls in 0.. {
+        if calls >= 3 && start.elapsed().as_secs_f64() >= seconds {
+            break;
+        }
+        best = best.min(time(&mut call));
+    }
+    best
+}
+
+/// The shortest time of each of `count` kinds of work in each pool, round by round, until `seconds` per kind and pool are over.
+pub(super) fn in_turns(
+    pools: &[ThreadPool; 2],
+    seconds: f64,
+    count: usize,
+    mut run: impl FnMut(usize, usize) + Send,
+) -> Vec<[f64; 2]> {
+    let mut best = vec![[f64::INFINITY; 2]; count];
+    let (start, budget) = (Instant::now(), 2.0 * seconds * count as f64);
+    for round in 0.. {
+        if round >= 2 && start.elapsed().as_secs_f64() >= budget {
+            break;
+        }
+        for (number, best) in best.iter_mut().enumerate() {
+            for (pool, best) in best.iter_mut().enumerate() {
+                let elapsed = pools[pool].install(|| time(|| run(pool, number)));
+                // The first round warms up.
+                *best = if round == 0 { f64::INFINITY } else { best.min(elapsed) };
+            }
+        }
+    }
+    best
+}

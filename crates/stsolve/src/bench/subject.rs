@@ -1,0 +1,86 @@
+//! What is measured, and how much work it is.
+
+use clap::ValueEnum;
+
+/// Kernels that are measured together, in turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Group {
+    /// The stiffness operator of the mesh, its set-up and its solve.
+    Elasticity,
+    /// Residual and exact Jacobian products of the flow.
+    Flow,
+    /// Set-up and application of the preconditioner of the flow.
+    Preconditioner,
+    /// The work of FGMRES on vectors.
+    Vectors,
+}
+
+impl Group {
+    /// As on the command line.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Group::Elasticity => "elasticity",
+            Group::Flow => "flow",
+            Group::Preconditioner => "preconditioner",
+            Group::Vectors => "vectors",
+        }
+    }
+}
+
+/// One kernel and how much work a call of it is.
+#[derive(Clone, Debug)]
+pub(super) struct Work {
+    /// Its name.
+    pub(super) kernel: &'static str,
+    /// Unknowns that it treats.
+    pub(super) unknowns: f64,
+    /// Floating-point operations, a fused multiply-add counting two; none where nobody counts.
+    pub(super) flops: Option<f64>,
+    /// Bytes that must be read from and written to memory, if every number is once.
+    pub(super) bytes: f64,
+}
+
+/// Bytes of `numbers` in double precision.
+pub(super) fn bytes(numbers: usize) -> f64 {
+    8.0 * numbers as f64
+}
+
+/// How large a subject is to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Directions of space.
+    pub(super) dimension: usize,
+    /// N, nodes per direction of a cell.
+    pub(super) order: usize,
+    /// Nodes per direction of the mesh, if the user wants a certain number.
+    pub(super) nodes: Option<usize>,
+}
+
+impl Size {
+    /// Cells per direction, an even number so that packs are full, for about as many nodes per direction as wanted.
+    pub(super) fn even_cells(&self, plane: usize, space: usize) -> usize {
+        let nodes = self.nodes(plane, space);
+        2 * ((nodes as f64 / (2 * self.order) as f64).round() as usize).max(1)
+    }
+    /// Nodes per direction: as wanted, else `plane` or `space` by the dimension.
+    pub(super) fn nodes(&self, plane: usize, space: usize) -> usize {
+        self.nodes.unwrap_or(if self.dimension == 2 { plane } else { space })
+    }
+}
+
+/// Something with kernels to be measured. It lives in one pool of threads.
+pub(super) trait Subject: Send {
+    /// The kernels.
+    fn work(&self) -> Vec<Work>;
+    /// Calls kernel number `number`.
+    fn run(&mut self, number: usize);
+}
+
+/// A subject that can be set up for any order.
+pub(super) trait Build: Subject + Sized {
+    /// The subject of that size; nothing where it would take too much memory.
+    ///
+    /// # Errors
+    /// What the parts say.
+    fn build(size: Size) -> anyhow::Result<Option<Self>>;
+}
