@@ -11,6 +11,7 @@
 //! | `summary` | summary.json |
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
+//! | `restart` | a run that starts where another one stands |
 //! | `tally` | sums over the run |
 //! | `walls` | what walls feel |
 
@@ -23,6 +24,7 @@ mod flow_run;
 mod history;
 mod mesh_run;
 mod record;
+mod restart;
 mod structure_run;
 mod summary;
 mod tally;
