@@ -13,6 +13,7 @@ mod slab_problem;
 mod state;
 mod steady;
 mod structure_march;
+mod transfer;
 pub mod weights;
 
 pub use initial::interpolate;

@@ -78,6 +78,12 @@ impl<const D: usize> MeshMover<D> {
         &self.positions
     }
 
+    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`.
+    pub fn cell_positions(&self, cell: usize, d: &[f64]) -> Vec<f64> {
+        let nodes = self.numbering.cell(cell);
+        (0..D).flat_map(|i| nodes.iter().map(move |&node| self.positions[node][i] + d[node * D + i])).collect()
+    }
+
     /// The displacement prescribed at time `t`; for an elastic mesh zero at free nodes.
     pub fn prescribed(&self, t: f64, out: &mut [f64]) {
         self.motion.prescribed(&self.positions, t, out);

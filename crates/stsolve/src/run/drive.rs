@@ -91,6 +91,8 @@ pub(super) struct Call<'a> {
     pub command: &'a str,
     /// When.
     pub begun: Instant,
+    /// The state of another run from which this one starts, if it does.
+    pub origin: Option<&'a SolverState>,
 }
 
 /// Drives `run` from its start or its checkpoint to its end.
@@ -100,12 +102,12 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     mesh: &MeshView<D>,
     call: Call<'_>,
 ) -> Result<(), Failure> {
-    let Call { arguments, command, begun } = call;
+    let Call { arguments, command, begun, origin } = call;
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
-    let (mut recorder, stored) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume)?;
-    let tally = resume(&mut run, stored.as_ref(), case)?;
+    let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin)?;
+    let tally = restore(&mut run, resumed.as_ref().or(origin), case)?;
     let mut books = Books::new(&case.time, run.state().time, arguments, &session, begun, tally);
-    let stop = match stored {
+    let stop = match resumed {
         None => begin(&mut run, &mut recorder, &mut books)?,
         Some(_) => None,
     };
@@ -125,7 +127,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     }
 }
 
-/// Begins a new run. Returns why that could not be done, if it could not.
+/// Begins a new run, be it one that starts where another one stands. Returns why that could not be done, if it could not.
 fn begin<const D: usize, const M: usize>(
     run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
@@ -135,7 +137,10 @@ fn begin<const D: usize, const M: usize>(
         Ok(row) => row,
         Err(error) => return Ok(Some(Stop::Failed(error))),
     };
-    let (velocities, flow) = run.slab_at_start();
+    let (velocities, flow) = match &run.state().past {
+        Some(past) => (past.v.clone(), past.u.clone()),
+        None => run.slab_at_start(),
+    };
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
     if let Some(row) = row {
@@ -145,8 +150,8 @@ fn begin<const D: usize, const M: usize>(
     Ok(None)
 }
 
-/// Puts the run where its checkpoint left it.
-fn resume<const D: usize>(run: &mut impl Run, stored: Option<&SolverState>, case: &Case<D>) -> Result<Tally, Failure> {
+/// Puts the run where a checkpoint left it, its own or that of the run that it continues.
+fn restore<const D: usize>(run: &mut impl Run, stored: Option<&SolverState>, case: &Case<D>) -> Result<Tally, Failure> {
     let Some(stored) = stored else { return Ok(Tally::default()) };
     run.restore(stored).ok_or_else(checkpoint::incomplete)?;
     Tally::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))

@@ -4,7 +4,7 @@ use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
 use super::record::MeshView;
 use super::walls::felt;
-use super::{build, checkpoint, history, summary};
+use super::{build, checkpoint, history, restart, summary};
 use crate::case::{Case, Flow, State};
 use crate::cli::RunArguments;
 use crate::commands::Session;
@@ -33,8 +33,13 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let call = Call { arguments, command: "run", begun: Instant::now() };
+    let begun = Instant::now();
     let march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let origin = match arguments.resume {
+        true => None,
+        false => restart::read::<D, M>(case, flow, &march.problem.mover)?,
+    };
+    let call = Call { arguments, command: "run", begun, origin: origin.as_ref() };
     let mesh = MeshView::new(&march.problem.mover.reference, &march.problem.mover.numbering);
     drive::<D, M, _>(case, FlowRun { case, flow, march }, &mesh, call)
 }
@@ -91,11 +96,16 @@ where
     }
 
     fn open(&mut self, books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
+        // A run that continues another one has its start behind it, but for a steady flow of other orders.
         let row = match &self.case.solver.steady {
-            Some(steady) => Some(self.start_from_steady_flow(&steady.newton(), books)?),
-            None => None,
+            Some(steady) if self.march.state.slab == 0 && books.tally.steady.is_none() => {
+                Some(self.start_from_steady_flow(&steady.newton(), books)?)
+            }
+            _ => None,
         };
-        books.tally.totals_at_start = self.march.totals();
+        if books.tally.totals_at_start.is_empty() || row.is_some() {
+            books.tally.totals_at_start = self.march.totals();
+        }
         Ok(row)
     }
 

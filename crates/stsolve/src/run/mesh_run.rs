@@ -23,7 +23,7 @@ pub fn move_mesh<const D: usize, const M: usize>(
     arguments: &RunArguments,
     command: &str,
 ) -> Result<(), Failure> {
-    let call = Call { arguments, command, begun: Instant::now() };
+    let call = Call { arguments, command, begun: Instant::now(), origin: None };
     if case.structure.is_some() {
         let problem = "the case is a structure: there is no mesh motion to look at; use `stsolve run`";
         return Err(Failure::bad_input(anyhow::anyhow!(problem)));

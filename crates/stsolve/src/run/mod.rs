@@ -12,6 +12,7 @@
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
+//! | `restart` | a run that starts where another one stands |
 //! | `tally` | sums over the run |
 //! | `walls` | what walls feel |
 
@@ -25,6 +26,7 @@ mod history;
 mod mesh_run;
 mod probe;
 mod record;
+mod restart;
 mod structure_run;
 mod summary;
 mod tally;

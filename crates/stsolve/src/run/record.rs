@@ -68,7 +68,8 @@ impl<const D: usize> MeshView<D> {
 }
 
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
-    /// Starts the files of a new run, or continues those of a checkpoint.
+    /// Starts the files of a new run, with the history of its `origin` if it continues another one, or goes on with those of its own
+    /// checkpoint.
     ///
     /// # Errors
     /// Files that cannot be written; for a resumed run a checkpoint that is missing, torn or of another case.
@@ -77,6 +78,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         case: &'a Case<D>,
         mesh: &'a MeshView<D>,
         resume: bool,
+        origin: Option<&SolverState>,
     ) -> Result<(Self, Option<SolverState>), Failure> {
         let fingerprint = fingerprint(case);
         let (result, stored) = if resume {
@@ -86,7 +88,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             let metadata = metadata(case, mesh, fingerprint);
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
-        let rows = stored.as_ref().and_then(|stored| stored.arrays.get("history")).map_or(&[][..], Vec::as_slice);
+        let before = stored.as_ref().or(origin);
+        let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
         let history = History::create(&session.directory, &columns(case), rows)?;
         let (sampler, _) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
         let reference_determinants = mesh.positions.iter().map(|nodes| sampler.determinants(nodes)).collect();

@@ -23,7 +23,7 @@ pub fn run_structure<const D: usize, const M: usize>(
     structure: &Structure<D>,
     arguments: &RunArguments,
 ) -> Result<(), Failure> {
-    let call = Call { arguments, command: "run", begun: Instant::now() };
+    let call = Call { arguments, command: "run", begun: Instant::now(), origin: None };
     let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
     let mesh = MeshView::new(&case.mesh, march.dynamics.structure().numbering());
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;

@@ -28,7 +28,7 @@ use crate::any_mesh::AnyMesh;
 // The crate, beside a module of the same name.
 use ::mesh as mesh_crate;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A case in two or three dimensions.
 #[derive(Debug)]
@@ -54,6 +54,8 @@ pub struct Case<const D: usize> {
     pub structure: Option<Structure<D>>,
     /// The time to cover.
     pub time: Time,
+    /// The result, or its directory, from which the run starts, if it is not the initial state.
+    pub restart: Option<PathBuf>,
     /// How the equations of a slab are solved.
     pub solver: Solver,
     /// What is written, and where.
@@ -121,12 +123,16 @@ impl AnyCase {
 
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
-        let time = time::check(checker, &raw.time)?;
+        let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
         let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
         let structure =
             raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
+        if raw.restart.is_some() && flow.is_none() {
+            let problem = "only a flow can start where another run stands";
+            return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
+        }
         solver::check(checker, &raw.solver)?;
         let output = time::check_output(checker, &raw.output)?;
         Ok(Case {
@@ -136,6 +142,7 @@ impl<const D: usize> Case<D> {
             flow,
             structure,
             time,
+            restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
             solver: raw.solver.clone(),
             output,
         })
@@ -184,6 +191,16 @@ impl About {
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
         }
     }
+}
+
+/// The gas of a case that was resolved, as text; `None` without a flow.
+///
+/// # Errors
+/// What is wrong with `resolved`, which another version of the program may have written.
+pub fn gas_of(resolved: &str) -> Result<Option<String>, String> {
+    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let text = |flow: &raw::Flow| serde_json::to_string(&flow.gas).map_err(|error| error.to_string());
+    raw.flow.as_ref().map(text).transpose()
 }
 
 fn as_toml(raw: &raw::Case) -> String {

@@ -44,26 +44,31 @@ pub struct Output {
     pub fields: Vec<Field>,
 }
 
-/// Checks `[time]`.
-pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time) -> Checked<Time> {
+/// Checks `[time]`. A run that `begins_steady` may end where it starts: with the steady flow.
+pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool) -> Checked<Time> {
     let key = Key::new("time");
     let orders = 1..=16;
     checker.require(&key.child("order"), "the order in time", orders.contains(&raw.order), "1 to 16 nodes per slab")?;
     checker.require(&key.child("start"), "the start", raw.start.is_finite(), "a finite number")?;
     let duration = raw.end - raw.start;
-    let accepted = format!("a time after the start, {}", raw.start);
-    checker.require(&key.child("end"), "the end", duration > 0.0 && duration.is_finite(), &accepted)?;
+    let accepted = format!("a time after the start, {}; the start itself with `solver.steady`", raw.start);
+    let covers = duration > 0.0 || (duration == 0.0 && begins_steady);
+    checker.require(&key.child("end"), "the end", covers && duration.is_finite(), &accepted)?;
     let (step, slabs) = match (raw.step, raw.slabs) {
         (Some(step), None) => {
-            let step = checker.positive(&key.child("step"), "the length of a slab", step)?.min(duration);
-            (step, slabs_to_cover(duration, step))
+            let step = checker.positive(&key.child("step"), "the length of a slab", step)?;
+            if duration > 0.0 { (step.min(duration), slabs_to_cover(duration, step)) } else { (step, 0) }
         }
-        (None, Some(slabs)) => {
+        (None, Some(slabs)) if duration > 0.0 => {
             checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
             (duration / slabs as f64, slabs)
         }
         (None, None) => {
             return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`"));
+        }
+        (None, Some(_)) => {
+            let problem = "slabs that cover no time have no length";
+            return Err(checker.combination(&key.child("slabs"), problem, "`time.step` in its place"));
         }
         _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
     };
@@ -88,7 +93,7 @@ fn control(
     let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
     let accepted = format!("a positive number, at most the step, {step}");
     checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
-    let largest = adaptive.largest.unwrap_or(duration);
+    let largest = adaptive.largest.unwrap_or(duration.max(step));
     let accepted = format!("at least the step, {step}");
     checker.require(&key.child("largest"), "the longest slab", largest >= step && largest.is_finite(), &accepted)?;
     Ok(StepControl { tolerance, smallest, largest })

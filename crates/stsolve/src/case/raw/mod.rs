@@ -54,6 +54,8 @@ pub struct Case {
     pub structure: Option<Structure>,
     /// The time to cover.
     pub time: Time,
+    /// Starts where another run stands, instead of from the initial state.
+    pub restart: Option<Restart>,
     /// How the equations of a slab are solved.
     #[serde(default)]
     pub solver: Solver,

@@ -1,4 +1,4 @@
-//! `[time]` and `[output]`
+//! `[time]`, `[restart]` and `[output]`
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub struct Time {
     /// The start.
     #[serde(default)]
     pub start: f64,
-    /// The end.
+    /// The end. The start itself, if the steady flow is all that is wanted.
     pub end: f64,
     /// The length of a slab. The last one may be shorter. With `adaptive`, the length of the first.
     pub step: Option<f64>,
@@ -34,6 +34,16 @@ pub struct Adaptive {
     pub smallest: Option<f64>,
     /// The longest slab. Default: as long as the run.
     pub largest: Option<f64>,
+}
+
+/// A run that starts where another one stands, with the same mesh at rest and the same gas. The orders of the flow and in time, slabs
+/// and solver may differ: flow, mesh and its motion, time, sums and history are carried over, mass, momentum and energy kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Restart {
+    /// The result file of the other run, or its directory, relative to the case file. It is continued after its last checkpoint.
+    /// If that is its steady start, the steady flow is found anew from there.
+    pub from: PathBuf,
 }
 
 /// What is written, and where.

@@ -55,6 +55,9 @@ fn time_table<const D: usize>(case: &Case<D>) -> Table {
         .row("slabs", time.slabs, if time.control.is_some() { "if all were as long as the first" } else { "" })
         .row("length of a slab", time.step, if time.control.is_some() { "at first" } else { "" })
         .row("order", time.order, "nodes per slab");
+    if let Some(from) = &case.restart {
+        table.row("starts where this run stands", from.to_string_lossy().into_owned(), "");
+    }
     if let Some(coupled::StepControl { tolerance, smallest, largest }) = time.control {
         table.row("jump aimed at", tolerance, "").row("shortest slab", smallest, "").row("longest slab", largest, "");
     }

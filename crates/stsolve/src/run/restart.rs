@@ -1,0 +1,212 @@
+//! A run that starts where another one stands.
+
+use super::checkpoint;
+use super::history::columns;
+use super::tally::Tally;
+use crate::case::{Case, Flow, Time, gas_of};
+use crate::failure::Failure;
+use coupled::{MeshMover, State};
+use fem::Orders;
+use mesh::Mesh;
+use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+type Arrays = BTreeMap<String, Vec<f64>>;
+
+/// Why a case cannot start from a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RestartError {
+    /// There is no file.
+    #[error("`restart.from` names `{path}`, which does not exist; it is looked for beside the case file")]
+    Missing {
+        /// The file looked for.
+        path: PathBuf,
+    },
+    /// The case in the file cannot be read.
+    #[error("the case in `{path}` cannot be read, it is of another version of the program: {reason}")]
+    Unreadable {
+        /// The result file.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+    /// Something that must be the same is not.
+    #[error("this case cannot start from `{path}`: {quantity} there: {there}; here: {here}")]
+    Differs {
+        /// The result file.
+        path: PathBuf,
+        /// What differs.
+        quantity: &'static str,
+        /// In the file.
+        there: String,
+        /// In this case.
+        here: String,
+    },
+    /// The run stands at a time that this case does not cover.
+    #[error(
+        "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
+    )]
+    Time {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// The start of this case.
+        start: f64,
+        /// Its end.
+        end: f64,
+    },
+}
+
+/// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
+/// history of the run there.
+///
+/// # Errors
+/// [`RestartError`], or a result file that cannot be read.
+pub fn read<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: &MeshMover<D>,
+) -> Result<Option<SolverState>, Failure> {
+    let Some(from) = &case.restart else { return Ok(None) };
+    let path = if from.is_dir() { from.join(RESULT_FILE) } else { from.clone() };
+    if !path.exists() {
+        return Err(Failure::bad_input(RestartError::Missing { path }));
+    }
+    let (_, stored) = output::read_checkpoint(&path)?;
+    let origin = Origin { result: ResultReader::open(&path)?, path, stored };
+    origin.continued::<D, M>(case, flow, mover).map(Some).map_err(Failure::bad_input)
+}
+
+/// The run that is continued.
+struct Origin {
+    path: PathBuf,
+    result: ResultReader,
+    stored: SolverState,
+}
+
+impl Origin {
+    /// Its state as one of `case`.
+    fn continued<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        flow: &Flow<D>,
+        mover: &MeshMover<D>,
+    ) -> Result<SolverState, RestartError> {
+        self.check_mesh(case)?;
+        self.check_flow(case)?;
+        let mut sums = self.sums(case, flow)?;
+        let metadata = &self.result.metadata;
+        let mesh = case.mesh.order();
+        let from = Orders { flow: metadata.space_nodes.len(), mesh, time: metadata.time_nodes.len() };
+        let to = Orders { flow: flow.order, mesh, time: case.time.order };
+        let incomplete = || self.differs("the checkpoint", "incomplete", "that of a flow");
+        let loaded = checkpoint::load(&self.stored, &Time { order: from.time, ..case.time });
+        let (mut state, frozen, stale) = loaded.ok_or_else(incomplete)?;
+        let lengths = (case.mesh.n_cells() * M * from.flow.pow(D as u32), mover.field_len());
+        if (state.u.len(), state.d.len()) != lengths {
+            return Err(incomplete());
+        }
+        self.join_schedule(&mut state, &case.time)?;
+        let mut continued = if from == to {
+            checkpoint::store(&state, frozen.as_ref(), stale)
+        } else {
+            if state.slab == 0 {
+                // Nothing has happened but the search for the steady flow, which goes on with the new orders.
+                sums = Tally::default().to_arrays();
+            }
+            checkpoint::store(&state.transfer(mover, M, from, to), None, false)
+        };
+        continued.arrays.extend(sums);
+        Ok(continued)
+    }
+
+    /// The mesh at rest must be the same, up to round-off.
+    fn check_mesh<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
+        let (there, grid, here) = (&self.result.metadata.mesh, &self.result.layout.grid, &case.mesh);
+        let size = |dimension: usize, cells: usize, numbers: usize| {
+            format!("{cells} cells in {dimension} dimensions, {} nodes each", numbers / (dimension * cells).max(1))
+        };
+        let of_there = size(grid.dimension, grid.cells, there.position.len());
+        let of_here = size(D, here.n_cells(), here.coordinates().len());
+        if of_there != of_here {
+            return Err(self.differs("the mesh", of_there, of_here));
+        }
+        let (names, names_here) = (there.boundary_names.join(", "), here.boundary_names().join(", "));
+        if names != names_here {
+            return Err(self.differs("the boundaries", names, names_here));
+        }
+        let apart = largest_distance(there, here);
+        if apart > 1e-12 * here.diameter() {
+            return Err(self.differs("nodes of the mesh at rest", "elsewhere", format!("up to {apart:e} apart")));
+        }
+        Ok(())
+    }
+
+    /// There must be a flow, of the same gas.
+    fn check_flow<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
+        let gas =
+            |text: &str| gas_of(text).map_err(|reason| RestartError::Unreadable { path: self.path.clone(), reason });
+        let (there, here) = (gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?);
+        if !self.result.layout.exact.iter().any(|array| array.name == "flow") {
+            return Err(self.differs("what is solved", "no flow", "a flow"));
+        }
+        if there != here {
+            let text = |gas: Option<String>| gas.unwrap_or_default();
+            return Err(self.differs("the gas", text(there), text(here)));
+        }
+        Ok(())
+    }
+
+    /// The sums and the history of the run, which are those of `case` if it has the same walls.
+    fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
+        let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
+        // Of each wall two forces, a moment and a power, see `walls::to_numbers`; nothing where nothing has been solved yet.
+        let walls = len("tally.forces") / (2 * D + 4);
+        let has_begun = len("tally.forces") + len("tally.left") > 0;
+        if has_begun && walls != flow.walls.len() {
+            return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));
+        }
+        let width = columns(case).len();
+        if !len("history").is_multiple_of(width) {
+            return Err(self.differs("columns of the history", "others", width.to_string()));
+        }
+        let kept = |name: &str| name == "history" || name.starts_with("tally.");
+        let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
+        Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
+    }
+
+    /// The run goes on in the slabs of `time`, the next one of which may have begun before.
+    fn join_schedule(&self, state: &mut State, time: &Time) -> Result<(), RestartError> {
+        let round_off = 1e-9 * time.step;
+        // A case without slabs asks for the steady flow alone.
+        let latest = if time.slabs == 0 { time.end } else { time.end - round_off };
+        if state.time < time.start - round_off || state.time > latest {
+            let Time { start, end, .. } = *time;
+            return Err(RestartError::Time { path: self.path.clone(), time: state.time, start, end });
+        }
+        state.nominal = ((state.time - time.start + round_off) / time.step) as usize;
+        let end = time.start + time.step * (state.nominal + 1) as f64;
+        // Parts of a slab that was halved are done first, if that slab is one of these.
+        if state.pending.first().is_some_and(|last| (last.end - end).abs() > round_off) {
+            state.pending.clear();
+        }
+        Ok(())
+    }
+
+    fn differs(&self, quantity: &'static str, there: impl Into<String>, here: impl Into<String>) -> RestartError {
+        RestartError::Differs { path: self.path.clone(), quantity, there: there.into(), here: here.into() }
+    }
+}
+
+/// The largest distance of a coordinate in two meshes of the same size.
+fn largest_distance<const D: usize>(there: &RestMesh, here: &Mesh<D>) -> f64 {
+    let nodes = here.nodes_per_cell();
+    let cells = there.position.chunks_exact(D * nodes).zip(here.coordinates().chunks_exact(D * nodes));
+    // `[component][node]` there, `[node][component]` here.
+    let in_cell = |(there, here): (&[f64], &[f64])| -> f64 {
+        (0..D * nodes).map(|i| (there[i % D * nodes + i / D] - here[i]).abs()).fold(0.0, f64::max)
+    };
+    cells.map(in_cell).fold(0.0, f64::max)
+}

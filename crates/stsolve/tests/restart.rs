@@ -1,0 +1,125 @@
+//! A run that starts where another one stands, with other orders or with the same.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, number, on_case, summary};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A vortex on few cells, the mesh of which moves much.
+const SMALL: [&str; 4] =
+    ["mesh.generate.box.cells=[3,3]", "time.step=0.4", "constants.stretch=0.8", "solver.krylov_tolerance=1e-3"];
+
+/// Runs the vortex to `end` into `output`.
+fn run(directory: &Path, changes: &[&str], end: f64, output: &str) -> common::Outcome {
+    let end = format!("time.end={end}");
+    on_case(directory, "run", "vortex", &[&SMALL[..], changes, &[&end]].concat(), output, &[])
+}
+
+/// The key that starts a run where that in `output` stands.
+fn from(directory: &Path, output: &str) -> String {
+    format!("restart.from={}", directory.join(output).display())
+}
+
+#[test]
+fn a_restart_with_the_same_orders_leaves_no_trace() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &[], 2.8, "through").expect(0, &[]);
+    run(at, &[], 2.0, "first").expect(0, &[]);
+    run(at, &[&from(at, "first/result.vtkhdf")], 2.8, "second").expect(0, &[]);
+    assert_same_bits(&at.join("through"), &at.join("second"), "restarted");
+}
+
+/// The exact solution tells that a higher order gains something from there on.
+#[test]
+fn a_restart_with_other_orders_keeps_mass_and_energy() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    // What Newton leaves of the residual is not conserved either.
+    let exactly = "solver.newton_tolerance=1e-13";
+    let lower = ["flow.order=3", "time.order=2", exactly];
+    run(at, &lower, 0.8, "first").expect(0, &[]);
+    run(at, &lower, 1.6, "lower").expect(0, &[]);
+    let from = from(at, "first");
+    for (orders, name) in [([4, 2], "4"), ([5, 3], "5"), ([2, 1], "2"), ([3, 3], "time")] {
+        let orders = [format!("flow.order={}", orders[0]), format!("time.order={}", orders[1])];
+        run(at, &[&orders[0], &orders[1], &from, exactly], 1.6, name).expect(0, &[]);
+        let run = at.join(name);
+        for sum in ["mass_error", "energy_error"] {
+            let error = number(&summary(&run), &format!("conservation.{sum}"));
+            println!("to {orders:?}: {sum} {error:.1e}");
+            assert!(error < 2e-14, "{orders:?}: {sum} = {error:e}");
+        }
+        assert_eq!(column(&run, "t").len(), 4, "rows before and after the restart");
+        assert_eq!(summary(&run)["slabs"], 4);
+    }
+    let error = |name: &str| number(&summary(&at.join(name)), "error.density_l2");
+    println!(
+        "density errors: {:e} at orders 3, 2; then {:e} at 4, 2; {:e} at 5, 3",
+        error("lower"),
+        error("4"),
+        error("5")
+    );
+    assert!(error("4") < error("lower") && error("5") < error("lower"));
+}
+
+/// A slab in progress is finished first: the slabs of the case count from its own start.
+#[test]
+fn a_restart_joins_the_slabs_of_the_case() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["flow.order=3"], 1.2, "first").expect(0, &[]);
+    run(at, &["flow.order=4", "time.step=0.5", &from(at, "first")], 2.0, "second").expect(0, &[]);
+    let ends: Vec<f64> = column(&at.join("second"), "t").iter().map(|t| (t * 1e9).round() / 1e9).collect();
+    assert_eq!(ends, [0.4, 0.8, 1.2, 1.5, 2.0]);
+}
+
+/// The steady flow of order 3 is as good a start for order 5 as Newton needs: the pseudo-time from the free stream is saved.
+#[test]
+fn a_steady_flow_is_found_from_that_of_a_lower_order() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let go = |changes: &[&str], output: &str| {
+        let small = ["mesh.order=3", "mesh.generate.annulus.cells=[12,8]", "time={order=1,end=0,step=1}"];
+        on_case(at, "run", "cylinder_steady", &[&small[..], changes].concat(), output, &[]).expect(0, &[]);
+        summary(&at.join(output))
+    };
+    go(&["flow.order=3"], "coarse");
+    let scratch = go(&["flow.order=5"], "scratch");
+    let continued = go(&["flow.order=5", &from(at, "coarse")], "continued");
+    let [steps, iterations] = ["newton", "krylov"].map(|key| {
+        let count = |run| number(run, &format!("steady.{key}"));
+        [count(&scratch), count(&continued)]
+    });
+    println!("from the free stream and from order 3: {steps:?} Newton steps, {iterations:?} iterations");
+    let drag = |run| number(run, "steady.walls.wall.drag_coefficient");
+    assert!((drag(&scratch) - drag(&continued)).abs() < 1e-9, "{} {}", drag(&scratch), drag(&continued));
+    assert!(steps[1] < steps[0] && iterations[1] < iterations[0], "{steps:?} {iterations:?}");
+    assert_eq!(continued["slabs"], 0);
+}
+
+#[test]
+fn what_does_not_fit_is_told() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["flow.order=2", "time.order=1"], 0.4, "first").expect(0, &[]);
+    let from = from(at, "first");
+    let refused = |changes: &[&str], end: f64, parts: &[&str]| {
+        run(at, &[&[&from[..]], changes].concat(), end, "refused").expect(2, parts);
+        assert!(!at.join("refused").exists(), "nothing is written");
+    };
+    refused(&["mesh.generate.box.cells=[3,4]"], 0.8, &["the mesh", "9 cells", "12 cells"]);
+    refused(&["mesh.order=2"], 0.8, &["the mesh", "4 nodes each"]);
+    refused(&["mesh.generate.box.upper=[6,5]"], 0.8, &["nodes of the mesh at rest"]);
+    refused(&["flow.gas.gamma=1.3"], 0.8, &["the gas", "1.4", "1.3"]);
+    refused(&["time.start=0.8", "motion.boundary.others=fixed"], 2.0, &["stands at t = 0.4", "covers t = 0.8 to 2"]);
+    refused(&[], 0.4, &["stands at t = 0.4", "time.end"]);
+    refused(&["restart.from=nowhere"], 0.8, &["nowhere", "does not exist"]);
+    let three = on_case(at, "run", "free_stream_3d", &[&from], "refused", &[]);
+    three.expect(2, &["the mesh", "in 2 dimensions", "in 3 dimensions"]);
+    let motion = on_case(at, "run", "rotating_box", &[&from], "refused", &[]);
+    motion.expect(2, &["restart", "[flow]"]);
+}
