@@ -14,6 +14,7 @@ mod state;
 mod steady;
 mod structure_march;
 mod transfer;
+mod wear;
 pub mod weights;
 
 pub use initial::interpolate;
@@ -27,3 +28,4 @@ pub use slab_problem::{Counts, Frozen, SlabProblem};
 pub use state::{Interval, Past, State};
 pub use steady::solve_steady;
 pub use structure_march::{StructureMarch, StructureReport, Supports};
+pub use wear::Wear;

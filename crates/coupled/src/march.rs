@@ -210,6 +210,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
+        self.problem.patience = self.state.wear.patience();
         let mut v = self.guess_velocities(interval);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
@@ -335,7 +336,8 @@ impl<const D: usize, const M: usize> March<D, M> {
             self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
         }
         let totals = self.totals();
-        self.refresh_rule(&newton);
+        let frozen_in_slab = self.problem.counts.rebuilds > 0;
+        self.problem.stale = self.state.wear.record(self.problem.iterations_since_frozen(), frozen_in_slab);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);
@@ -363,16 +365,6 @@ impl<const D: usize, const M: usize> March<D, M> {
     /// The integrals of the components at the top of the slab.
     pub fn totals(&self) -> Vec<f64> {
         self.problem.totals(&self.state.u)
-    }
-
-    /// Marks the preconditioner stale when its iterations have grown too much since it was made.
-    fn refresh_rule(&mut self, newton: &newton::Report) {
-        let most = newton.steps.iter().map(|step| step.krylov_iterations).max().unwrap_or(0);
-        if self.problem.counts.rebuilds > 0 {
-            self.state.base_iterations = most;
-        } else if most as f64 > 1.5 * self.state.base_iterations as f64 + 3.0 {
-            self.problem.stale = true;
-        }
     }
 }
 

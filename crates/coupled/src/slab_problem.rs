@@ -73,6 +73,8 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     pub stale: bool,
     /// Whether the preconditioner is rebuilt at every linearisation.
     pub always_fresh: bool,
+    /// A linear solve that takes more iterations than this has the preconditioner rebuilt at the next linearisation.
+    pub patience: usize,
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
@@ -83,6 +85,10 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     settled: bool,
     preconditioner: Option<FlowPreconditioner>,
     frozen: Option<Frozen>,
+    /// Times the preconditioner was applied since the last linearisation.
+    applications: usize,
+    /// The same since the Jacobian was frozen, or since the bottom of the slab.
+    applications_since_frozen: usize,
     mesh_work: Vec<f64>,
     flow_work: Vec<f64>,
 }
@@ -116,6 +122,9 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             always_fresh: false,
             preconditioner: None,
             frozen: None,
+            patience: usize::MAX,
+            applications: 0,
+            applications_since_frozen: 0,
             mesh_work: vec![0.0; mesh_len],
             flow_work: vec![0.0; flow_len],
             flow,
@@ -147,6 +156,8 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
         self.inverse_pseudo_time.fill(0.0);
+        self.applications = 0;
+        self.applications_since_frozen = 0;
         Ok(())
     }
 
@@ -252,6 +263,11 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.frozen.as_ref()
     }
 
+    /// Krylov iterations since the Jacobian was frozen, or since the bottom of the slab.
+    pub fn iterations_since_frozen(&self) -> usize {
+        self.applications_since_frozen
+    }
+
     /// Makes the preconditioner again from what it was made of.
     pub fn thaw(&mut self, frozen: Frozen) {
         let (start, dt) = frozen.interval;
@@ -302,6 +318,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             ordering: preconditioner.ordering().clone(),
         });
         self.counts.rebuilds += 1;
+        self.applications_since_frozen = 0;
         self.stale = false;
     }
 }
@@ -334,6 +351,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
         self.set_point(z);
         self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
+        self.stale |= std::mem::take(&mut self.applications) > self.patience;
         self.update_preconditioner();
         Ok(())
     }
@@ -394,6 +412,8 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
             let _ = self.solve_mesh(r_e, w);
             self.subtract_effect_of_mesh(w, &mut rest);
         }
+        self.applications += 1;
+        self.applications_since_frozen += 1;
         match &mut self.preconditioner {
             Some(preconditioner) => preconditioner.apply(&rest, x),
             None => x.copy_from_slice(&rest),

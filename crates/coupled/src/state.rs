@@ -1,5 +1,6 @@
 //! Where a run stands: all that the next slab depends on.
 
+use crate::wear::Wear;
 use basis::RadauTime;
 
 /// A slab, or a part of one that was halved.
@@ -47,14 +48,14 @@ pub struct State {
     pub pending: Vec<Interval>,
     /// The length of the next slab, where it is adapted.
     pub step: f64,
-    /// Krylov iterations of the longest solve in the slab for which the preconditioner was built.
-    pub base_iterations: usize,
+    /// The age of the flow's frozen Jacobian.
+    pub wear: Wear,
 }
 
 impl State {
     /// The state at the start of a run.
     pub fn new(time: f64, u: Vec<f64>, d: Vec<f64>) -> Self {
-        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), step: 0.0, base_iterations: 0 }
+        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), step: 0.0, wear: Wear::default() }
     }
 
     /// The mesh velocities of the slab before, extended to one of length `dt`; at rest in the first slab.

@@ -10,6 +10,7 @@
 
 use crate::mesh_mover::MeshMover;
 use crate::state::{Past, State};
+use crate::wear::Wear;
 use basis::{Matrix, RadauTime, gauss, gauss_lobatto};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -39,7 +40,7 @@ impl State {
             ..past.clone()
         });
         let u = carried(&self.u, old.time_len());
-        State { u, past, pending: Vec::new(), base_iterations: 0, ..self.clone() }
+        State { u, past, pending: Vec::new(), wear: Wear::default(), ..self.clone() }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::case::Time;
 use crate::failure::Failure;
 use coupled::preconditioner::Ordering;
-use coupled::{Frozen, Interval, Past, State};
+use coupled::{Frozen, Interval, Past, State, Wear};
 use output::SolverState;
 use std::collections::BTreeMap;
 
@@ -15,7 +15,9 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
     let counters = [
         ("slab", state.slab),
         ("nominal", state.nominal),
-        ("base_iterations", state.base_iterations),
+        ("wear.base", state.wear.base),
+        ("wear.excess", state.wear.excess),
+        ("wear.slabs", state.wear.slabs),
         ("stale", stale.into()),
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
@@ -58,7 +60,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>,
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         step: *array("step")?.first()?,
-        base_iterations: integer("base_iterations")?,
+        wear: Wear { base: integer("wear.base")?, excess: integer("wear.excess")?, slabs: integer("wear.slabs")? },
     };
     reopen_short_slab(&mut state, time);
     let frozen = frozen(&stored.arrays);
