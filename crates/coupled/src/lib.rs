@@ -24,7 +24,7 @@ pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryField, BoundaryMotion, MeshMotion};
 pub use observation::Observation;
 pub use schedule::{Schedule, StepControl};
-pub use slab_problem::{Counts, Frozen, SlabProblem};
+pub use slab_problem::{Counts, Frozen, Remainder, SlabProblem};
 pub use state::{Interval, Past, State};
 pub use steady::solve_steady;
 pub use structure_march::{StructureMarch, StructureReport, Supports};

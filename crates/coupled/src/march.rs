@@ -2,7 +2,7 @@
 
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
-use crate::slab_problem::{Counts, SlabProblem};
+use crate::slab_problem::{Counts, Remainder, SlabProblem};
 use crate::state::{Interval, Past, State};
 use fem::FluxesAt;
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
@@ -98,18 +98,20 @@ pub enum SlabError {
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),
     /// Newton failed.
-    #[error("the equations of flow and mesh are not solved{}", largest_in(*cell))]
+    #[error("the equations of flow and mesh are not solved{}", largest_in(remainder.as_deref()))]
     Newton {
-        /// The cell where the residual of the flow was largest at last, if there was a residual.
-        cell: Option<usize>,
+        /// What is left of the residual, if there was one.
+        remainder: Option<Box<Remainder>>,
         /// Why.
         source: Box<newton::Error>,
     },
 }
 
 /// Where the residual is largest, for a message.
-fn largest_in(cell: Option<usize>) -> String {
-    cell.map_or(String::new(), |cell| format!("; their residual is largest in cell {cell}"))
+fn largest_in(remainder: Option<&Remainder>) -> String {
+    remainder
+        .and_then(Remainder::worst_cell)
+        .map_or(String::new(), |cell| format!("; their residual is largest in cell {cell}"))
 }
 
 /// The run stops: the smallest slab allowed could not be solved either.
@@ -248,7 +250,7 @@ impl<const D: usize, const M: usize> March<D, M> {
                 return cause;
             }
         }
-        SlabError::Newton { cell: self.problem.worst_cell(z), source: source.into() }
+        SlabError::Newton { remainder: self.problem.remainder(z).map(Box::new), source: source.into() }
     }
 
     /// The quality of the mesh, if it is proved to be valid.

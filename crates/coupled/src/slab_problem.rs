@@ -6,6 +6,10 @@
 //!
 //! Motions that are prescribed everywhere leave V out of z.
 
+mod remainder;
+
+pub use remainder::Remainder;
+
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use crate::preconditioner::{FlowPreconditioner, Ordering};
@@ -201,17 +205,6 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             squares.sum::<f64>().sqrt()
         };
         self.fields.iter().map(|field| norm(&field.range)).collect()
-    }
-
-    /// The cell with the largest residual of the flow at `z`; `None` where there is no residual.
-    pub fn worst_cell(&mut self, z: &[f64]) -> Option<usize> {
-        let mut r = vec![0.0; z.len()];
-        self.residual(z, &mut r).ok()?;
-        let (range, cell_len) = (self.flow_range(), self.flow.layout.cell_len());
-        let weights = &self.weights.weights[range.clone()];
-        let squares: Vec<f64> = r[range].iter().zip(weights).map(|(r, w)| w * r * r).collect();
-        let cells = squares.chunks_exact(cell_len).map(|cell| cell.iter().sum::<f64>()).enumerate();
-        cells.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(cell, _)| cell)
     }
 
     /// Bytes held by the flow's preconditioner.

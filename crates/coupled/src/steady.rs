@@ -45,8 +45,10 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let settings = newton::Settings { absolute_tolerance, ..*settings };
     let mut z = u.to_vec();
     let solved = newton::solve(problem, &mut z, None, &settings, &mut Workspace::default());
-    let newton =
-        solved.map_err(|source| SlabError::Newton { cell: problem.worst_cell(&z), source: Box::new(source) })?;
+    let newton = solved.map_err(|source| {
+        let remainder = problem.remainder(&z).map(Box::new);
+        SlabError::Newton { remainder, source: Box::new(source) }
+    })?;
     problem.set_point(&z);
     u.copy_from_slice(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };

@@ -1,22 +1,52 @@
 //! Where and how a state is inadmissible.
 
 use crate::operator::{SlabOperator, Violation};
-use tensor::{cofactor, determinant};
+use crate::tables::Line;
+use tensor::{WIDTH, cofactor, determinant};
+
+/// The polynomials of mesh and flow, seen from the quadrature points and from the ends of a direction: in a cell that is every
+/// point at which kernels evaluate the state, on its faces too.
+struct Points {
+    mesh: Line,
+    flow: Line,
+    per_direction: usize,
+}
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Looks through the quadrature points of `cell` for the first inadmissible quantity.
+    /// Looks for the first inadmissible quantity that has made the residual of `cell` no number: in the cell itself, then in those
+    /// across its faces.
     pub(crate) fn describe_violation(&self, cell: usize) -> Violation {
-        let (start, dt) = self.interval();
-        for (instant, row) in self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows) {
-            let time = start + dt * instant.s;
-            if let Some((quantity, value)) = self.violation_at(cell, instant.values.row(0), row.row(0)) {
-                return Violation { quantity, value, cell, time };
-            }
-        }
-        Violation { quantity: "residual (not a number)", value: f64::NAN, cell, time: start }
+        let points = self.points();
+        let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face)));
+        let nothing =
+            || Violation { quantity: "residual (not a number)", value: f64::NAN, cell, time: self.interval().0 };
+        around.into_iter().find_map(|cell| self.violation_in(&points, cell)).unwrap_or_else(nothing)
     }
 
-    fn violation_at(&self, cell: usize, phi: &[f64], row: &[f64]) -> Option<(&'static str, f64)> {
+    fn points(&self) -> Points {
+        let orders = self.tables.orders;
+        let points = [&[-1.0], &self.tables.rule.points[..], &[1.0]].concat();
+        let line = |order: usize| Line::new(order, &points);
+        Points { mesh: line(orders.mesh), flow: line(orders.flow), per_direction: points.len() }
+    }
+
+    /// The cell on the other side of a face; on a boundary the same.
+    fn across_face(&self, cell: usize, face: usize) -> usize {
+        let (slot, side) = self.facets.of_face[cell * 2 * D + face];
+        let (batch, lane) = (&self.facets.batches[slot as usize / WIDTH], slot as usize % WIDTH);
+        if side == 0 { batch.plus[lane].0.cell } else { batch.minus[lane].cell }
+    }
+
+    fn violation_in(&self, points: &Points, cell: usize) -> Option<Violation> {
+        let (start, dt) = self.interval();
+        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        instants.into_iter().find_map(|(instant, row)| {
+            let found = self.violation_at(points, cell, instant.values.row(0), row.row(0));
+            found.map(|(quantity, value)| Violation { quantity, value, cell, time: start + dt * instant.s })
+        })
+    }
+
+    fn violation_at(&self, points: &Points, cell: usize, phi: &[f64], row: &[f64]) -> Option<(&'static str, f64)> {
         let mut position = vec![0.0; self.mesh.slot_len()];
         self.mesh.positions(cell, row, &mut position);
         let mut state = vec![0.0; self.layout.time_len()];
@@ -24,15 +54,19 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             let nodal = &self.linearisation()[self.layout.cell_at(cell, a)];
             state.iter_mut().zip(nodal).for_each(|(u, value)| *u += weight * value);
         }
-        let points = self.tables.volume_points();
-        (0..points).find_map(|p| self.violation_at_point(p, &position, &state))
+        let number = points.per_direction.pow(D as u32);
+        (0..number).find_map(|p| self.violation_at_point(points, p, &position, &state))
     }
 
-    fn violation_at_point(&self, p: usize, position: &[f64], state: &[f64]) -> Option<(&'static str, f64)> {
-        let q = self.tables.rule.points.len();
-        let index: [usize; D] = std::array::from_fn(|d| p / q.pow(d as u32) % q);
-        let (mesh, flow) = (&self.tables.mesh, &self.tables.flow);
-        let tensor = |nodal: &[f64], line: &crate::tables::Line, derivative: Option<usize>| -> f64 {
+    fn violation_at_point(
+        &self,
+        points: &Points,
+        p: usize,
+        position: &[f64],
+        state: &[f64],
+    ) -> Option<(&'static str, f64)> {
+        let index: [usize; D] = std::array::from_fn(|d| p / points.per_direction.pow(d as u32) % points.per_direction);
+        let tensor = |nodal: &[f64], line: &Line, derivative: Option<usize>| -> f64 {
             let weight = |i: usize| -> f64 {
                 (0..D)
                     .map(|d| {
@@ -45,14 +79,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let nodes = position.len() / D;
         let jacobian: [[f64; D]; D] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| tensor(&position[i * nodes..(i + 1) * nodes], mesh, Some(j)))
+            std::array::from_fn(|j| tensor(&position[i * nodes..(i + 1) * nodes], &points.mesh, Some(j)))
         });
         let det = determinant(&jacobian, &cofactor(&jacobian));
         if det.is_nan() || det <= 0.0 {
             return Some(("det J", det));
         }
         let nodes = self.layout.nodes;
-        let u: [f64; M] = std::array::from_fn(|m| tensor(&state[m * nodes..(m + 1) * nodes], flow, None));
+        let u: [f64; M] = std::array::from_fn(|m| tensor(&state[m * nodes..(m + 1) * nodes], &points.flow, None));
         self.problem.kernels.inadmissible(&u)
     }
 }

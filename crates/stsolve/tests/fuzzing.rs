@@ -20,8 +20,7 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Cases whose meshes are made in no time.
-const CASES: [&str; 7] =
-    ["cantilever", "couette", "cylinder_m1", "free_stream", "free_stream_3d", "manufactured", "vortex_sinusoidal"];
+const CASES: [&str; 6] = ["channel_roughness", "couette", "free_stream", "free_stream_3d", "manufactured", "vortex"];
 
 /// The files of a folder of the repository, by name.
 fn seeds(folder: &str) -> Vec<Vec<u8>> {

@@ -105,4 +105,16 @@ impl<const D: usize> Condition<D> for Inflow<D> {
     ) -> [T; M] {
         nothing(state[0])
     }
+
+    #[inline(always)]
+    fn asked<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        _v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        self.reservoir(&law.gas, minus, n).pack(&law.gas)
+    }
 }

@@ -27,7 +27,7 @@ use crate::law::NavierStokes;
 use crate::state::{along, components};
 use tensor::{Over, Real};
 
-/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments.
+/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments; the last question has an answer already.
 pub(crate) trait Condition<const D: usize> {
     /// The state at which viscous terms are evaluated; `minus` where nothing is imposed on them.
     fn state<T: Over<G>, G: Real, const M: usize>(
@@ -58,6 +58,19 @@ pub(crate) trait Condition<const D: usize> {
         n: &[G; D],
         v: &[G; D],
     ) -> [T; M];
+
+    /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
+    #[inline(always)]
+    fn asked<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        self.state(law, minus, n, v, data)
+    }
 }
 
 /// A boundary condition of the gas.
@@ -107,6 +120,20 @@ impl<const D: usize> Boundary<D> {
     #[inline(always)]
     pub fn is_wall(&self) -> bool {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
+    }
+
+    /// The state that the condition asks for where the gas inside has the state `minus`, the outward unit normal is `n` and the
+    /// boundary moves with `v`; `data` is the prescribed state there, where [`Self::takes_state`]. A flow that follows the condition
+    /// has this very state.
+    pub fn asked<const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[f64; M],
+        n: &[f64; D],
+        v: &[f64; D],
+        data: &[f64; M],
+    ) -> [f64; M] {
+        each!(self, condition => condition.asked(law, minus, n, v, data))
     }
 
     #[inline(always)]

@@ -86,4 +86,16 @@ impl<const D: usize> Condition<D> for Outflow {
     ) -> [T; M] {
         Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
+
+    #[inline(always)]
+    fn asked<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        self.outside(&law.gas, minus, n, dot(v, n)).pack(&law.gas)
+    }
 }

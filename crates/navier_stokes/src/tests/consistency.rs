@@ -119,7 +119,26 @@ fn of_boundary_conditions<const D: usize, const M: usize>() {
             assert!(error <= 1e-14, "{condition:?}: {error:e}");
             let state = law.boundary_state(condition, &u, &n, &v, &u);
             assert!(difference(&state, &u) <= 1e-14, "{condition:?}: {state:?}");
+            let asked = condition.asked(&law, &u, &n, &v, &u);
+            assert!(difference(&asked, &u) <= 1e-14, "{condition:?}: {asked:?}");
         }
+    }
+}
+
+/// What a condition asks for is its own, whatever the gas inside does.
+fn of_what_is_asked<const D: usize, const M: usize>() {
+    let (gas, law) = (gas(), law::<D>(Riemann::Hllc));
+    for seed in 0..100 {
+        let mut random = Random(seed);
+        let p = Point::<f64, f64, D, M>::random(&mut random);
+        let stream = random.primitive::<D>();
+        let asked = |condition: Boundary<D>| condition.asked(&law, &p.minus, &p.n, &p.v, &stream.pack(&gas));
+        let far_field = asked(Boundary::FarField(FarField::new(stream).unwrap()));
+        assert!(difference(&far_field, &stream.pack(&gas)) <= 1e-14);
+        assert_eq!(asked(Boundary::PrescribedState(PrescribedState)), far_field);
+        let wall =
+            Primitive::<f64, D>::unpack(&gas, &asked(Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap())));
+        assert!((0..D).all(|i| (wall.velocity[i] - p.v[i]).abs() <= 1e-13), "{wall:?}");
     }
 }
 
@@ -144,6 +163,8 @@ fn of_inflow<const D: usize, const M: usize>() {
         let inflow = Boundary::Inflow(Inflow::new(p_0, t_0, direction.map(|d| 3.0 * d)).unwrap());
         let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &u, &n, &v, &u);
         assert!(difference(&flux, &normal_flux(&u, &n, &v)) <= 1e-13, "Mach number {mach}");
+        let asked = inflow.asked(&law(Riemann::Roe), &u, &n, &v, &u);
+        assert!(difference(&asked, &u) <= 1e-13, "Mach number {mach}");
     }
     assert!(tried > 50);
 }
@@ -215,6 +236,7 @@ in_both_dimensions!(
     contact,
     shock,
     of_boundary_conditions,
+    of_what_is_asked,
     of_inflow,
     inflow_keeps_the_total_state,
     outflow_keeps_what_leaves,

@@ -14,9 +14,9 @@ mod axis;
 mod chart;
 mod figures;
 mod groups;
-mod html;
+pub(crate) mod html;
 mod page;
-mod pictures;
+pub(crate) mod pictures;
 mod run_files;
 
 use crate::commands::print;

@@ -4,7 +4,6 @@ use super::tally::Tally;
 use crate::case::Time;
 use crate::cli::RunArguments;
 use crate::commands::Session;
-use crate::failure::Failure;
 use crate::progress::{Progress, rounded};
 use output::{Cost, Machine};
 use std::time::Instant;
@@ -75,23 +74,9 @@ impl Books {
         self.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
     }
 
-    /// Ends a run that was stopped at `time`; `again` is the command that continues it.
-    ///
-    /// # Errors
-    /// The failure that stopped it.
-    pub fn conclude(&self, stop: Stop, time: f64, session: &Session, again: &str) -> Result<(), Failure> {
-        let time = rounded(time);
-        match stop {
-            Stop::Asked => {
-                self.progress.say(&format!("stopped at t = {time}; continue with: {again}"));
-                Ok(())
-            }
-            Stop::Failed(error) => {
-                let directory = session.directory.path().display();
-                let context = format!("the run stopped at t = {time}; the state then is in {directory}");
-                Err(Failure::solve(error.context(context)))
-            }
-        }
+    /// Says that the run was stopped at `time`; `again` is the command that continues it.
+    pub fn say_stopped(&self, time: f64, again: &str) {
+        self.progress.say(&format!("stopped at t = {}; continue with: {again}", rounded(time)));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::books::{Books, Stop};
 use super::checkpoint;
+use super::failure::{self, Finding, Story};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
 use super::record::{MeshView, Recorder, Snapshot};
@@ -11,6 +12,7 @@ use crate::case::{AnyCase, Case, State};
 use crate::cli::RunArguments;
 use crate::commands::Session;
 use crate::failure::Failure;
+use crate::progress::rounded;
 use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -78,6 +80,10 @@ pub(super) trait Run {
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
+    /// Looks into the `error` with which a slab failed; `None` where nothing is known of it.
+    fn examine(&self, _error: &anyhow::Error) -> Option<Finding> {
+        None
+    }
     /// Says how a run that has reached its end has ended.
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
 }
@@ -105,6 +111,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let Call { arguments, command, begun, origin } = call;
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
     let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin)?;
+    failure::clear(session.directory.path())?;
     let tally = restore(&mut run, resumed.as_ref().or(origin), case)?;
     let mut books = Books::new(&case.time, run.state().time, arguments, &session, begun, tally);
     let stop = match resumed {
@@ -118,13 +125,31 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     recorder.checkpoint(run.store(), &books.tally)?;
     books.progress.finish();
     run.summary(&books, stop.as_ref()).write(&session.directory)?;
+    let again = arguments.to_resume(command, session.directory.path());
     match stop {
-        Some(stop) => {
-            let again = arguments.to_resume(command, session.directory.path());
-            books.conclude(stop, run.state().time, &session, &again)
+        Some(Stop::Asked) => {
+            books.say_stopped(run.state().time, &again);
+            Ok(())
         }
+        Some(Stop::Failed(error)) => Err(explained(&run, error, &case.about.name, &session, &again)),
         None => run.judge(&books, &session),
     }
+}
+
+/// The failure of `run`, with the likeliest cause, after all that is known of it is written.
+fn explained(run: &impl Run, error: anyhow::Error, case: &str, session: &Session, again: &str) -> Failure {
+    let (directory, state) = (session.directory.path(), run.state());
+    let time = rounded(state.time);
+    let mut message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
+    if let Some(finding) = run.examine(&error) {
+        let story = Story { case, error: &error, time, slabs: state.slab, again };
+        message += &match failure::write(directory, &finding, &story) {
+            Ok((path, causes)) => failure::hint(&path, &causes),
+            // What has failed before matters more.
+            Err(unwritten) => format!("\n  {unwritten}"),
+        };
+    }
+    Failure::solve(error.context(message))
 }
 
 /// Begins a new run, be it one that starts where another one stands. Returns why that could not be done, if it could not.

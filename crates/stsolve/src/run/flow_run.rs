@@ -2,6 +2,7 @@
 
 use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
+use super::failure::{Failed, Finding};
 use super::record::MeshView;
 use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
@@ -73,6 +74,7 @@ where
 impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
@@ -142,6 +144,10 @@ where
 
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
         summary::of_flow(self.case, self.flow, &self.march, books, stop)
+    }
+
+    fn examine(&self, error: &anyhow::Error) -> Option<Finding> {
+        Some(Failed::new(self.case, self.flow, &self.march, error).examine())
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

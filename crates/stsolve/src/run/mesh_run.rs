@@ -2,6 +2,7 @@
 
 use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
+use super::failure::{Finding, examine_mesh};
 use super::record::MeshView;
 use super::tally::FirstInvalid;
 use super::{build, checkpoint, history, summary};
@@ -81,6 +82,10 @@ impl<const D: usize> Run for MeshRun<'_, D> {
 
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
         summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
+    }
+
+    fn examine(&self, _error: &anyhow::Error) -> Option<Finding> {
+        Some(examine_mesh(self.case, &self.march.mover, &self.march.state))
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

@@ -8,6 +8,7 @@
 //! | `books` | what a run keeps beside its march, and how it ends |
 //! | `record` | what every slab leaves on disk |
 //! | `history` | columns and rows of history.csv |
+//! | `failure` | what a run that has failed leaves behind |
 //! | `summary` | summary.json |
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
@@ -20,6 +21,7 @@ mod books;
 mod build;
 mod checkpoint;
 mod drive;
+mod failure;
 pub(crate) mod fields;
 mod flow_run;
 mod history;

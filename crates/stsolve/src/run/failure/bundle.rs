@@ -1,0 +1,143 @@
+//! The files of a failure: what happened in words, the same as numbers, and a picture.
+
+use super::diagnosis::{Cause, causes};
+use super::finding::Finding;
+use output::{OutputError, RESULT_FILE, write_atomically};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The folder, in the output directory.
+pub const FOLDER: &str = "failure";
+
+/// What happened in words.
+pub const TEXT_FILE: &str = "failure.md";
+
+/// The same as numbers.
+pub const NUMBERS_FILE: &str = "failure.json";
+
+/// The worst cell and its neighbours.
+pub const PICTURE_FILE: &str = "cell.svg";
+
+/// What the text says beside the finding.
+pub struct Story<'a> {
+    /// The case.
+    pub case: &'a str,
+    /// The error and its causes.
+    pub error: &'a anyhow::Error,
+    /// The time of the last good state.
+    pub time: f64,
+    /// The slabs done until then.
+    pub slabs: usize,
+    /// The command that continues from there.
+    pub again: &'a str,
+}
+
+/// Removes what an earlier run has left in `directory`.
+///
+/// # Errors
+/// A folder that cannot be removed.
+pub fn clear(directory: &Path) -> Result<(), OutputError> {
+    match std::fs::remove_dir_all(directory.join(FOLDER)) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(OutputError::File { path: directory.join(FOLDER), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes the files into a folder of `directory`; returns the path of the text and the causes.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn write(directory: &Path, finding: &Finding, story: &Story<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
+    let folder = directory.join(FOLDER);
+    std::fs::create_dir_all(&folder).map_err(|source| OutputError::File { path: folder.clone(), source })?;
+    let causes = causes(&finding.evidence);
+    if let Some(cell) = &finding.cell {
+        write_atomically(&folder.join(PICTURE_FILE), cell.svg.as_bytes())?;
+    }
+    write_atomically(&folder.join(NUMBERS_FILE), numbers(finding, &causes, story).as_bytes())?;
+    let path = folder.join(TEXT_FILE);
+    write_atomically(&path, text(finding, &causes, story).as_bytes())?;
+    Ok((path, causes))
+}
+
+/// The likeliest cause, and where more is told, for the end of a message.
+pub fn hint(path: &Path, causes: &[Cause]) -> String {
+    let likeliest = causes
+        .first()
+        .map_or_else(String::new, |cause| format!("\n  likely cause: {}\n  remedy: {}", cause.what, cause.remedy));
+    format!("{likeliest}\n  more causes, the worst cell, residuals: {}", path.display())
+}
+
+fn numbers(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
+    let residuals: serde_json::Map<_, _> =
+        finding.residuals.iter().map(|(name, norm)| ((*name).to_owned(), json!(norm))).collect();
+    let all = json!({
+        "case": story.case,
+        "error": coupled::chain(story.error.as_ref()),
+        "causes": causes,
+        "last_good_state": { "file": format!("../{RESULT_FILE}"), "time": story.time, "slabs": story.slabs },
+        "worst_cell": finding.cell,
+        "residuals": residuals,
+        "evidence": finding.evidence,
+    });
+    format!("{all:#}\n")
+}
+
+fn text(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
+    let Story { case, error, time, slabs, again } = story;
+    let mut text = format!("# `{case}` stopped at t = {time}, after {slabs} slabs\n\n");
+    for message in error.chain() {
+        let _ = writeln!(text, "* {message}");
+    }
+    text += "\n## Likely causes, the likeliest first\n\n";
+    for (number, Cause { what, remedy, .. }) in causes.iter().enumerate() {
+        let _ = writeln!(text, "{}. {}.\n   Remedy: {remedy}.", number + 1, capitalised(what));
+    }
+    if causes.is_empty() {
+        text += "None is known for this kind of failure.\n";
+    }
+    text += &worst_cell(finding);
+    text += &residuals(finding);
+    let _ = write!(
+        text,
+        "\n## Last good state\n\nThe checkpoint in `../{RESULT_FILE}`, at t = {time}. With the settings of this run the next attempt \
+         starts from there:\n\n    {again}\n\nWith others the run begins anew; that removes this folder.\n"
+    );
+    text
+}
+
+fn worst_cell(finding: &Finding) -> String {
+    let Some(cell) = &finding.cell else { return String::new() };
+    let boundaries = match &cell.boundaries[..] {
+        [] => "inside the domain".to_owned(),
+        names => format!("on `{}`", names.join("`, `")),
+    };
+    format!(
+        "\n## Worst cell\n\nCell {}, {boundaries}, with its centre at {:?}: {}.\n\n![the cell and its neighbours]({PICTURE_FILE})\n",
+        cell.cell, cell.centre, cell.because
+    )
+}
+
+fn residuals(finding: &Finding) -> String {
+    let mut text = "\n## Residual of each equation at last\n\n".to_owned();
+    if finding.residuals.is_empty() {
+        text += "There is none: the slab has failed before its equations could be evaluated.\n";
+    }
+    for (name, norm) in &finding.residuals {
+        let _ = writeln!(text, "* {name}: {norm:.3e}");
+    }
+    if let Some(newton) = &finding.evidence.newton {
+        let history: Vec<String> = newton.residuals.iter().map(|norm| format!("{norm:.1e}")).collect();
+        let _ = writeln!(text, "\nThe whole residual after each Newton step: {}", history.join(", "));
+    }
+    text
+}
+
+/// With a capital letter at its beginning.
+pub fn capitalised(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())
+}

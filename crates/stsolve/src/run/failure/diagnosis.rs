@@ -1,0 +1,83 @@
+//! From evidence to causes in words, the likeliest first.
+//!
+//! Every rule looks at a few facts and answers with a likelihood between 0 and 1: a judgement, not a probability. What is seen at the
+//! start of a run counts more than what is seen in the state that failed, which may be a consequence.
+
+mod gas_rules;
+mod mesh_rules;
+mod solver_rules;
+#[cfg(test)]
+mod tests;
+
+use super::evidence::{Evidence, GaveUp};
+use serde::Serialize;
+
+/// A possible cause.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cause {
+    /// A short name.
+    pub name: &'static str,
+    /// How likely it is, between 0 and 1.
+    pub likelihood: f64,
+    /// What is wrong, with what was measured.
+    pub what: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+/// So many causes are named.
+const NAMED: usize = 3;
+
+type Rule = fn(&Evidence) -> Option<Cause>;
+
+const OF_MESH: [Rule; 6] = [
+    mesh_rules::deformation,
+    mesh_rules::folding_formula,
+    mesh_rules::far_in_one_slab,
+    mesh_rules::stiffness,
+    mesh_rules::uneven_cells,
+    mesh_rules::nearly_incompressible,
+];
+
+const OF_FLOW: [Rule; 11] = [
+    gas_rules::near_vacuum,
+    gas_rules::boundary_condition,
+    gas_rules::kick,
+    gas_rules::steep_start,
+    gas_rules::not_resolved,
+    gas_rules::quadrature,
+    solver_rules::newton_steps,
+    solver_rules::linear_solver,
+    solver_rules::time_step,
+    solver_rules::tolerance,
+    mesh_rules::nearly_inverted,
+];
+
+/// The likeliest causes, the likeliest first.
+pub fn causes(evidence: &Evidence) -> Vec<Cause> {
+    let rules: &[Rule] = match evidence.gave_up {
+        GaveUp::InvertedCell | GaveUp::Equilibrium => &OF_MESH,
+        GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
+        GaveUp::Other => &[],
+    };
+    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(evidence)).collect();
+    // Stable: of equal likelihood the first rule is first.
+    causes.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
+    causes.truncate(NAMED);
+    causes
+}
+
+/// From 0 to 1 as `fact` grows, 1/2 where it is `half`.
+fn rises(fact: f64, half: f64) -> f64 {
+    let ratio = (fact / half).powi(2);
+    if ratio.is_finite() { ratio / (1.0 + ratio) } else { 1.0 }
+}
+
+/// A number in a sentence.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+        return rounded.to_string();
+    }
+    format!("{value:.1e}")
+}

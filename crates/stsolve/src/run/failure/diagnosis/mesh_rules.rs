@@ -1,0 +1,98 @@
+//! Causes in the mesh and its motion.
+
+use super::super::evidence::{Evidence, GaveUp, Motion};
+use super::{Cause, number, rises};
+
+/// The boundary goes further than an elastic mesh follows.
+pub fn deformation(evidence: &Evidence) -> Option<Cause> {
+    let mesh = &evidence.mesh;
+    matches!(mesh.motion, Motion::Elastic | Motion::Graded).then(|| Cause {
+        name: "deformation",
+        likelihood: 0.9,
+        what: format!(
+            "the boundary moves further than the mesh follows: det J / det J_0 is {} in the worst cell",
+            number(mesh.smallest_det_j)
+        ),
+        remedy: "look at the motion alone with `stsolve motion CASE`; move less, make the cells between moving and fixed boundaries \
+                 larger, or take `motion.elasticity.law = \"neo_hookean\"`"
+            .into(),
+    })
+}
+
+/// The formula of the displacement maps two points to one.
+pub fn folding_formula(evidence: &Evidence) -> Option<Cause> {
+    let mesh = &evidence.mesh;
+    (mesh.motion == Motion::Prescribed).then(|| Cause {
+        name: "folding_formula",
+        likelihood: 0.9,
+        what: format!(
+            "the prescribed displacement folds the domain: det J / det J_0 is {} in the worst cell",
+            number(mesh.smallest_det_j)
+        ),
+        remedy: "make the displacement in `motion.displacement` smaller or smoother: its slopes in space must stay below 1; \
+                 `stsolve motion CASE` tells the first invalid time"
+            .into(),
+    })
+}
+
+/// The motion of one slab is large beside cells.
+pub fn far_in_one_slab(evidence: &Evidence) -> Option<Cause> {
+    let travel = evidence.mesh.travel;
+    // A law that is not linear must find the way there; a linear one does not care.
+    let weight = if evidence.gave_up == GaveUp::Equilibrium { 0.95 } else { 0.85 };
+    Some(Cause {
+        name: "far_in_one_slab",
+        likelihood: 0.05 + weight * rises(travel, 1.0),
+        what: format!("the boundary moves by {} thicknesses of its cells in one slab", number(travel)),
+        remedy: "shorten `time.step`, or raise `time.order`, so that polynomials in time follow the motion".into(),
+    })
+}
+
+/// All cells deform alike, the small ones too.
+pub fn stiffness(evidence: &Evidence) -> Option<Cause> {
+    (evidence.mesh.motion == Motion::Elastic).then(|| Cause {
+        name: "stiffness",
+        likelihood: 0.3 + 0.3 * rises(evidence.mesh.aspect_ratio, 20.0),
+        what: "the mesh is equally stiff everywhere, so that small cells deform as much as large ones".into(),
+        remedy: "take `motion.elasticity.stiffness = { inverse_jacobian = { power = 1 } }`, or `wall_distance`".into(),
+    })
+}
+
+/// The mesh is poor at rest.
+pub fn uneven_cells(evidence: &Evidence) -> Option<Cause> {
+    let mesh = &evidence.mesh;
+    Some(Cause {
+        name: "uneven_cells",
+        likelihood: 0.1 + 0.7 * (1.0 - rises(mesh.evenness, 0.1)),
+        what: format!(
+            "the mesh is poor before it moves: within a cell det J varies by a factor of {}, the largest aspect ratio is {}",
+            number(1.0 / mesh.evenness),
+            number(mesh.aspect_ratio)
+        ),
+        remedy: "make the cells less curved and less thin, or take more of them".into(),
+    })
+}
+
+/// Cells must keep their volume.
+pub fn nearly_incompressible(evidence: &Evidence) -> Option<Cause> {
+    let nu = evidence.mesh.poisson_ratio;
+    (nu > 0.0).then(|| Cause {
+        name: "nearly_incompressible",
+        likelihood: 0.6 * rises(1.0 / (1.0 - 2.0 * nu), 50.0),
+        what: format!("the mesh is nearly incompressible, with Poisson's ratio {nu}"),
+        remedy: "take `motion.elasticity.poisson_ratio` between 0.2 and 0.4".into(),
+    })
+}
+
+/// The mesh was still valid, but not by much, when the flow failed.
+pub fn nearly_inverted(evidence: &Evidence) -> Option<Cause> {
+    let smallest = evidence.mesh.smallest_det_j;
+    (evidence.mesh.motion != Motion::Still).then(|| Cause {
+        name: "nearly_inverted",
+        likelihood: 0.9 * (1.0 - rises(smallest.max(0.0), 0.05)),
+        what: format!("cells are nearly inverted: det J / det J_0 is down to {}", number(smallest)),
+        remedy: "look at the motion alone with `stsolve motion CASE`; let small cells be stiffer with \
+                 `motion.elasticity.stiffness`"
+            .into(),
+    })
+}

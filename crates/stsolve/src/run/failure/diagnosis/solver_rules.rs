@@ -1,0 +1,81 @@
+//! Causes in the settings of the solver.
+
+use super::super::evidence::{Attempt, Evidence, GaveUp};
+use super::{Cause, number, rises};
+
+/// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each, or less in the last one.
+pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
+    let newton = evidence.newton.as_ref().filter(|newton| newton.steps_used_up)?;
+    let norms = &newton.residuals;
+    let steps = norms.len().checked_sub(1).filter(|steps| *steps > 0)?;
+    let mean = (norms[0] / norms[steps]).powf(1.0 / steps as f64);
+    let factor = mean.min(norms[steps - 1] / norms[steps]);
+    let key = if evidence.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
+    Some(Cause {
+        name: "newton_steps",
+        likelihood: 0.95 * rises(factor - 1.0, 1.0),
+        what: format!(
+            "too few Newton steps are allowed: the residual was still falling, by a factor of {} in each of the {steps} steps",
+            number(factor)
+        ),
+        remedy: format!("raise `{key}`, now {}", newton.steps_allowed),
+    })
+}
+
+/// Linear solves were cut short.
+pub fn linear_solver(evidence: &Evidence) -> Option<Cause> {
+    let newton = evidence.newton.as_ref()?;
+    let part = if evidence.gave_up == GaveUp::LinearSolver { 1.0 } else { newton.unfinished_linear_solves };
+    let (limit, restart) = match evidence.attempt.steady {
+        true => ("solver.steady.krylov_iterations", ""),
+        false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
+    };
+    // Ten iterations are few for any problem; where hundreds do not suffice the trouble is mostly elsewhere.
+    let few = 1.0 - rises(newton.krylov_allowed as f64, 50.0);
+    Some(Cause {
+        name: "linear_solver",
+        likelihood: part * (0.3 + 0.65 * few),
+        what: format!(
+            "the linear solver is cut short: {} % of its solves ran into the limit of {} iterations",
+            (100.0 * part).round(),
+            newton.krylov_allowed
+        ),
+        remedy: format!("raise `{limit}`{restart}, or shorten `time.step`"),
+    })
+}
+
+/// The fastest wave passes many nodes in a slab.
+pub fn time_step(evidence: &Evidence) -> Option<Cause> {
+    let gas = evidence.gas.as_ref().filter(|_| !evidence.attempt.steady)?;
+    let Attempt { length, halvings, .. } = evidence.attempt;
+    let waves = gas.waves_per_slab;
+    Some(Cause {
+        name: "time_step",
+        likelihood: 0.1 + 0.75 * rises(waves, 200.0),
+        what: format!(
+            "the slab is too long for Newton's method: in its length of {}, halved {halvings} times, the fastest wave passes {} \
+             distances of nodes",
+            number(length),
+            number(waves)
+        ),
+        remedy: "shorten `time.step`, allow more `solver.slab_halvings`, or damp the first steps with \
+                 `solver.pseudo_time.initial_inverse = 1`"
+            .into(),
+    })
+}
+
+/// The residual has fallen far, and falls no more.
+pub fn tolerance(evidence: &Evidence) -> Option<Cause> {
+    let newton = evidence.newton.as_ref()?;
+    let [.., before, _, last] = newton.residuals[..] else { return None };
+    let (fallen, stalls) = (newton.residuals[0] / last, before / last < 1.5);
+    stalls.then(|| Cause {
+        name: "tolerance",
+        likelihood: 0.8 * rises(fallen.log10().max(0.0), 8.0),
+        what: format!(
+            "the tolerance is below what round-off allows: the residual has fallen by {} and stalls",
+            number(fallen)
+        ),
+        remedy: "raise `solver.newton_tolerance`".into(),
+    })
+}

@@ -1,0 +1,112 @@
+//! A fact alone, in a run that is otherwise in order, makes its cause the likeliest.
+
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::run::failure::evidence::{Attempt, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton};
+
+/// Newton has failed, and nothing is suspicious.
+fn nothing_suspicious() -> Evidence {
+    let mild = |value| Extreme { quantity: "pressure", value, cell: 7 };
+    let moment = Moment { lowest: mild(0.8), steepest: mild(0.1), mismatch: None };
+    Evidence {
+        gave_up: GaveUp::Newton,
+        attempt: Attempt { length: 0.1, slabs_done: 3, ..Attempt::default() },
+        newton: Some(Newton {
+            residuals: vec![1.0, 0.9, 0.8, 0.75],
+            steps_allowed: 30,
+            steps_used_up: true,
+            unfinished_linear_solves: 0.0,
+            krylov_allowed: 200,
+        }),
+        mesh: Mesh { smallest_det_j: 0.9, aspect_ratio: 2.0, evenness: 0.8, ..Mesh::default() },
+        gas: Some(Gas {
+            at_start: moment.clone(),
+            last: moment,
+            waves_per_slab: 5.0,
+            cell_reynolds: None,
+            quadrature: [6, 6],
+            kick: 0.0,
+        }),
+    }
+}
+
+/// The first cause after `change`, and all of them.
+fn first(change: impl FnOnce(&mut Evidence)) -> &'static str {
+    let mut evidence = nothing_suspicious();
+    change(&mut evidence);
+    let causes = causes(&evidence);
+    assert_eq!(causes.len(), NAMED, "{causes:?}");
+    assert!(causes.iter().all(|cause| (0.0..=1.0).contains(&cause.likelihood)), "{causes:?}");
+    causes[0].name
+}
+
+fn gas(evidence: &mut Evidence) -> &mut Gas {
+    evidence.gas.as_mut().unwrap()
+}
+
+fn newton(evidence: &mut Evidence) -> &mut Newton {
+    evidence.newton.as_mut().unwrap()
+}
+
+#[test]
+fn a_fact_of_the_gas_names_its_cause() {
+    let mismatch = Mismatch { boundary: "top".into(), quantity: "pressure", inside: 1.0, asked: 10.0, size: 2.3 };
+    assert_eq!(first(|_| {}), "not_resolved");
+    assert_eq!(first(|e| gas(e).at_start.lowest.value = 1e-3), "near_vacuum");
+    assert_eq!(first(|e| gas(e).at_start.mismatch = Some(mismatch.clone())), "boundary_condition");
+    assert_eq!(first(|e| gas(e).kick = 1.0), "impulsive_motion");
+    assert_eq!(first(|e| gas(e).at_start.steepest.value = 4.0), "steep_initial_state");
+    assert_eq!(first(|e| gas(e).last.steepest.value = 4.0), "not_resolved");
+    assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
+}
+
+#[test]
+fn a_fact_of_the_solver_names_its_cause() {
+    assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-2, 1e-4]), "newton_steps");
+    assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9]), "tolerance");
+    assert_eq!(
+        first(|e| {
+            newton(e).unfinished_linear_solves = 1.0;
+            newton(e).krylov_allowed = 5;
+        }),
+        "linear_solver"
+    );
+    assert_eq!(first(|e| gas(e).waves_per_slab = 1e5), "time_step");
+}
+
+#[test]
+fn a_fact_of_the_mesh_names_its_cause() {
+    let moves = |e: &mut Evidence, motion, gave_up| (e.mesh.motion, e.gave_up) = (motion, gave_up);
+    assert_eq!(
+        first(|e| {
+            moves(e, Motion::Elastic, GaveUp::Newton);
+            e.mesh.smallest_det_j = 1e-3;
+        }),
+        "nearly_inverted"
+    );
+    assert_eq!(first(|e| moves(e, Motion::Elastic, GaveUp::InvertedCell)), "deformation");
+    assert_eq!(
+        first(|e| {
+            moves(e, Motion::Graded, GaveUp::Equilibrium);
+            e.mesh.travel = 20.0;
+        }),
+        "far_in_one_slab"
+    );
+    let mut evidence = nothing_suspicious();
+    moves(&mut evidence, Motion::Prescribed, GaveUp::InvertedCell);
+    assert_eq!(causes(&evidence)[0].name, "folding_formula");
+}
+
+#[test]
+fn of_other_failures_no_cause_is_made_up() {
+    let evidence = Evidence { gave_up: GaveUp::Other, ..nothing_suspicious() };
+    assert_eq!(causes(&evidence), []);
+}
+
+#[test]
+fn numbers_are_rounded_in_sentences() {
+    for (value, text) in [(0.0, "0"), (774.93, "775"), (1.5e-7, "1.5e-7"), (-0.125, "-0.125"), (2.5e6, "2.5e6")] {
+        assert_eq!(number(value), text);
+    }
+}

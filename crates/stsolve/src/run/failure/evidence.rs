@@ -1,0 +1,152 @@
+//! What was measured where a run has failed: plain numbers, relative where there is something to relate them to.
+
+use serde::Serialize;
+
+/// All that the diagnosis reads, and nothing that it does not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evidence {
+    /// What gave up.
+    pub gave_up: GaveUp,
+    /// The last attempt.
+    pub attempt: Attempt,
+    /// The solve of the last attempt, where there was one.
+    pub newton: Option<Newton>,
+    /// The mesh.
+    pub mesh: Mesh,
+    /// The gas, if there is one.
+    pub gas: Option<Gas>,
+}
+
+/// What gave up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GaveUp {
+    /// A cell is inverted, or not proved to be valid.
+    InvertedCell,
+    /// The equilibrium of the mesh or of the structure was not found.
+    Equilibrium,
+    /// There is no residual: the state is none of a gas.
+    Inadmissible,
+    /// Newton's method.
+    Newton,
+    /// The linear solver.
+    LinearSolver,
+    /// Anything else, such as a file.
+    Other,
+}
+
+/// The last attempt to solve a slab.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Attempt {
+    /// Whether it was for the steady flow at the start.
+    pub steady: bool,
+    /// Slabs done before.
+    pub slabs_done: usize,
+    /// Time at the bottom of the slab.
+    pub start: f64,
+    /// Its length.
+    pub length: f64,
+    /// How often it was halved to get there.
+    pub halvings: u32,
+}
+
+/// A solve that failed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Newton {
+    /// |R| at the first guess and after every step.
+    pub residuals: Vec<f64>,
+    /// Steps allowed.
+    pub steps_allowed: usize,
+    /// Whether they were used up.
+    pub steps_used_up: bool,
+    /// The part of the linear solves that ran into their limit of iterations.
+    pub unfinished_linear_solves: f64,
+    /// That limit.
+    pub krylov_allowed: usize,
+}
+
+/// The mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Mesh {
+    /// How it moves.
+    pub motion: Motion,
+    /// The smallest det J / det J_0 seen, in the last attempt if cells were inverted there, otherwise before.
+    pub smallest_det_j: f64,
+    /// How far a node with a prescribed displacement goes in the slab, in thicknesses of its cell.
+    pub travel: f64,
+    /// The largest aspect ratio at rest.
+    pub aspect_ratio: f64,
+    /// The smallest ratio of the smallest to the largest det J in a cell at rest.
+    pub evenness: f64,
+    /// Poisson's ratio of an elastic mesh, otherwise 0.
+    pub poisson_ratio: f64,
+}
+
+/// How a mesh moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Motion {
+    /// Not at all.
+    #[default]
+    Still,
+    /// By formulas everywhere.
+    Prescribed,
+    /// Like an elastic body that is equally stiff everywhere.
+    Elastic,
+    /// Like an elastic body whose small cells, or those at walls, are stiffer.
+    Graded,
+}
+
+/// The gas.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gas {
+    /// As the case says it starts.
+    pub at_start: Moment,
+    /// The last good state.
+    pub last: Moment,
+    /// Distances of nodes that the fastest wave passes in the slab.
+    pub waves_per_slab: f64,
+    /// The largest Reynolds number of a distance of nodes; none without viscosity.
+    pub cell_reynolds: Option<f64>,
+    /// Quadrature points per direction, and how many conserve on any moving mesh.
+    pub quadrature: [usize; 2],
+    /// The speed with which a boundary is set in motion at the start, over the speed of sound.
+    pub kick: f64,
+}
+
+/// The gas at one time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Moment {
+    /// The smallest density or pressure, over its mean.
+    pub lowest: Extreme,
+    /// The largest change within a cell: of the logarithm of density or pressure, or of the velocity over the speed of sound.
+    pub steepest: Extreme,
+    /// Where a boundary condition and the gas beside it differ most, if there is a boundary.
+    pub mismatch: Option<Mismatch>,
+}
+
+/// The extreme of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Extreme {
+    /// The quantity.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The cell.
+    pub cell: usize,
+}
+
+/// A boundary condition and the gas beside it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mismatch {
+    /// The boundary.
+    pub boundary: String,
+    /// The quantity that differs most.
+    pub quantity: &'static str,
+    /// The gas has this ...
+    pub inside: f64,
+    /// ... and the condition asks for that.
+    pub asked: f64,
+    /// The difference of velocities over the speed of sound, or of the logarithms of pressure or temperature.
+    pub size: f64,
+}

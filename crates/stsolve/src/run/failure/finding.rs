@@ -1,0 +1,74 @@
+//! What was found out about a failure.
+
+use super::evidence::Evidence;
+use super::grid::Grid;
+use super::picture::Painting;
+use mesh::Mesh;
+use serde::Serialize;
+
+/// What was found out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// What the diagnosis reads.
+    pub evidence: Evidence,
+    /// The residual of every equation at last, where there was a residual.
+    pub residuals: Vec<(&'static str, f64)>,
+    /// The worst cell, if one stands out.
+    pub cell: Option<WorstCell>,
+}
+
+/// The worst cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WorstCell {
+    /// Its number.
+    pub cell: usize,
+    /// Its centre.
+    pub centre: Vec<f64>,
+    /// The boundaries that it touches.
+    pub boundaries: Vec<String>,
+    /// What is worst there.
+    pub because: String,
+    /// The cell and its neighbours.
+    #[serde(skip)]
+    pub svg: String,
+}
+
+/// What makes a cell the worst one, and what its picture shows.
+pub struct Verdict<'a> {
+    /// The cell.
+    pub cell: usize,
+    /// What is worst there.
+    pub because: String,
+    /// The quantity of the picture ...
+    pub quantity: &'a str,
+    /// ... at the points of any cell.
+    pub values: &'a dyn Fn(usize) -> Vec<f64>,
+}
+
+impl WorstCell {
+    /// The cell of a verdict, on the mesh displaced by `d`.
+    pub fn new<const D: usize>(mesh: &Mesh<D>, grid: &Grid<D>, d: &[f64], verdict: Verdict<'_>) -> Self {
+        let Verdict { cell, because, quantity, values } = verdict;
+        let points = grid.positions(cell, d);
+        let facets = mesh.boundary_facets().iter().filter(|facet| facet.side.cell == cell);
+        let mut boundaries: Vec<String> = facets.map(|facet| mesh.boundary_names()[facet.boundary].clone()).collect();
+        boundaries.sort();
+        boundaries.dedup();
+        let cells = with_neighbours(mesh, cell);
+        let values = cells.iter().map(|&cell| values(cell)).collect();
+        let svg = Painting { grid, displacement: d, cells, label: quantity.to_owned(), values }.svg();
+        WorstCell { cell, centre: points[points.len() / 2].to_vec(), boundaries, because, svg }
+    }
+}
+
+/// A cell, then those across its faces; not those that are a period away.
+fn with_neighbours<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Vec<usize> {
+    let across = mesh.interior_facets().iter().filter(|facet| !facet.periodic).filter_map(|facet| {
+        match [facet.minus.cell, facet.plus.cell] {
+            [minus, plus] if minus == cell => Some(plus),
+            [minus, plus] if plus == cell => Some(minus),
+            _ => None,
+        }
+    });
+    std::iter::once(cell).chain(across).collect()
+}

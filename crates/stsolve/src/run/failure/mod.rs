@@ -1,0 +1,27 @@
+//! What a run that has failed leaves behind: the folder `failure` in its output directory.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `evidence` | what was measured, as plain numbers |
+//! | `diagnosis` | from evidence to causes in words, the likeliest first |
+//! | `of_flow`, `of_mesh` | the evidence of a run of mesh and flow, or of the mesh |
+//! | `gas` | how the gas stands: thin, steep, at odds with its boundaries |
+//! | `grid` | cells seen from points |
+//! | `finding` | evidence, residuals and the worst cell |
+//! | `picture` | that cell and its neighbours as SVG |
+//! | `bundle` | the files |
+
+mod bundle;
+mod diagnosis;
+mod evidence;
+mod finding;
+mod gas;
+mod grid;
+mod of_flow;
+mod of_mesh;
+mod picture;
+
+pub use bundle::{Story, clear, hint, write};
+pub use finding::Finding;
+pub use of_flow::Failed;
+pub use of_mesh::examine as examine_mesh;
