@@ -48,7 +48,11 @@ pub enum Command {
         directory: PathBuf,
     },
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.
-    Schema,
+    Schema {
+        /// Print the reference of keys in Markdown instead.
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print the script that completes the commands of stsolve in a shell.
     Completions {
         /// The shell.

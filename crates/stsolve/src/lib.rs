@@ -41,7 +41,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json, probe } => commands::check(&read(case)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Report { directory } => report::report(directory),
-        Command::Schema => commands::schema(),
+        Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
         Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),
