@@ -77,6 +77,18 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
         (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),
         (&[viscosity], "turbulence", "lower Reynolds number"),
+        (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
+        (
+            &["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}", "motion.boundary.far.displacement=[0, 0]"],
+            "none",
+            "",
+        ),
+        (
+            &["flow.boundary.airfoil={far_field={velocity=[1,0],mach=0.2}}", "flow.forces={}"],
+            "moving boundary",
+            "flow.boundary.airfoil",
+        ),
+        (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
         (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
     ] {
         let set = settings.iter().flat_map(|setting| ["--set", setting]);
