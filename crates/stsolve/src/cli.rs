@@ -51,7 +51,11 @@ pub enum Command {
     /// Measure the kernels on this machine, against its own arithmetic peak and memory bandwidth.
     Bench(BenchArguments),
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.
-    Schema,
+    Schema {
+        /// Print the reference of keys in Markdown instead.
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print the script that completes the commands of stsolve in a shell.
     Completions {
         /// The shell.

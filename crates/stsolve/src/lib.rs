@@ -44,7 +44,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Info { file, json } => commands::info(file, *json),
         Command::Report { directory } => report::report(directory),
         Command::Bench(arguments) => bench::bench(arguments),
-        Command::Schema => commands::schema(),
+        Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),
         Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
         Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),

@@ -4,6 +4,7 @@ use crate::case::Time;
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 /// A slab that is done.
@@ -30,6 +31,8 @@ pub struct Progress {
     start: f64,
     end: f64,
     begun: Instant,
+    /// What has passed before the first slab.
+    before_slabs: Cell<Duration>,
 }
 
 #[derive(Debug)]
@@ -52,7 +55,22 @@ impl Progress {
         } else {
             Display::Lines
         };
-        Progress { display, terminal: terminal.clone(), start, end: rounded(time.end), begun: Instant::now() }
+        Progress {
+            display,
+            terminal: terminal.clone(),
+            start,
+            end: rounded(time.end),
+            begun: Instant::now(),
+            before_slabs: Cell::default(),
+        }
+    }
+
+    /// The slabs begin now: what came before them says nothing of how long they take.
+    pub fn begin_slabs(&self) {
+        self.before_slabs.set(self.begun.elapsed());
+        if let Display::Bar(bar) = &self.display {
+            bar.reset_eta();
+        }
     }
 
     /// Reports a slab.
@@ -67,7 +85,9 @@ impl Progress {
                 bar.set_position((fraction * PARTS as f64) as u64);
                 bar.set_message(text);
             }
-            Display::Lines => self.terminal.print(&format!("{text}  {}", remaining(self.begun.elapsed(), fraction))),
+            Display::Lines => self
+                .terminal
+                .print(&format!("{text}  {}", remaining(self.begun.elapsed(), self.before_slabs.get(), fraction))),
             Display::Nothing => {}
         }
     }
@@ -121,12 +141,13 @@ pub(crate) fn rounded(time: f64) -> f64 {
 }
 
 /// 12 s elapsed, 48 s left
-fn remaining(elapsed: Duration, fraction: f64) -> String {
+fn remaining(elapsed: Duration, before_slabs: Duration, fraction: f64) -> String {
     let seconds = elapsed.as_secs_f64();
+    let in_slabs = seconds - before_slabs.as_secs_f64();
     if fraction <= 0.0 {
         return format!("{seconds:.0} s elapsed");
     }
-    format!("{seconds:.0} s elapsed, {:.0} s left", seconds * (1.0 - fraction) / fraction)
+    format!("{seconds:.0} s elapsed, {:.0} s left", in_slabs * (1.0 - fraction) / fraction)
 }
 
 #[cfg(test)]
@@ -135,9 +156,12 @@ mod tests {
 
     #[test]
     fn the_time_left_is_in_proportion() {
-        assert_eq!(remaining(Duration::from_secs(12), 0.2), "12 s elapsed, 48 s left");
-        assert_eq!(remaining(Duration::from_secs(3), 0.0), "3 s elapsed");
-        assert_eq!(remaining(Duration::from_secs(5), 1.0), "5 s elapsed, 0 s left");
+        let left =
+            |seconds, before, fraction| remaining(Duration::from_secs(seconds), Duration::from_secs(before), fraction);
+        assert_eq!(left(12, 0, 0.2), "12 s elapsed, 48 s left");
+        assert_eq!(left(12, 10, 0.2), "12 s elapsed, 8 s left");
+        assert_eq!(left(3, 0, 0.0), "3 s elapsed");
+        assert_eq!(left(5, 0, 1.0), "5 s elapsed, 0 s left");
     }
 
     #[test]

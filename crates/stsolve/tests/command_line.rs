@@ -23,9 +23,11 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
     let directory = TempDir::new().unwrap();
     for name in ["vortex", "vortex_sinusoidal", "free_stream", "free_stream_3d", "couette", "manufactured"] {
         let case = shipped(&format!("{name}.toml"));
-        let (code, stdout, stderr) = outcome(directory.path(), &["check", &case]);
+        let (code, stdout, stderr) = outcome(directory.path(), &["check", &case, "--probe", "never"]);
         assert_eq!((code, stderr.as_str()), (0, ""), "{name}");
-        for part in [name, "Mach number", "flow unknowns", "defaults taken", "solver.newton_tolerance"] {
+        for part in
+            [name, "Mach number", "flow unknowns", "defaults taken", "solver.newton_tolerance", "doubtful choices"]
+        {
             assert!(stdout.contains(part), "{name}: no {part}");
         }
     }
@@ -35,13 +37,90 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
 #[test]
 fn check_as_json_has_the_numbers() {
     let case = shipped("vortex.toml");
-    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", &case, "--set", "flow.order=6"]);
+    let (code, stdout, _) =
+        outcome(Path::new("."), &["check", "--json", &case, "--set", "flow.order=6", "--probe", "never"]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(code, 0);
     assert_eq!(json["mesh"]["cells"], 100);
     // 100 cells, 2 nodes in time, 4 components, 6^2 nodes.
     assert_eq!(json["unknowns and memory"]["flow unknowns"], 28800);
     assert!((json["flow"]["Mach number"].as_f64().unwrap() - 0.5).abs() < 1e-14);
+}
+
+#[test]
+fn check_tries_what_the_run_will_do() {
+    let case = shipped("vortex.toml");
+    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", &case, "--set", "time.end=2.5"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(code, 0);
+    // At t = 2 the square is stretched to 1.1 and squeezed to 0.9.
+    let mesh = &json["mesh over the run"];
+    let [proved, met] = ["det J / det J_0", "smallest met"].map(|key| mesh[key].as_f64().unwrap());
+    assert!((proved - 0.99).abs() < 1e-6 && (met - 0.99).abs() < 1e-6, "{mesh}");
+    for part in ["residual", "Krylov iteration", "making the preconditioner", "a slab", "the run"] {
+        assert!(json["seconds, measured"][part].as_f64().unwrap() > 0.0, "{part}");
+    }
+    // The square travels by 2.5, of which its deformation takes or adds 0.5.
+    assert!((json["motion"]["amplitude A"].as_f64().unwrap() - 1.25).abs() < 0.3, "{}", json["motion"]);
+    assert_eq!(json["doubtful choices"]["none"], "");
+}
+
+#[test]
+fn check_doubts_what_is_doubtful_and_names_the_remedy() {
+    let airfoil = shipped("naca0012_heave.toml");
+    let viscosity = "flow.gas.viscosity.constant=1e-7";
+    for (settings, subject, remedy) in [
+        (&["time.step=0.5", "time.order=1"][..], "slab length", "`time.step` of"),
+        (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
+        (&["mesh.generate.airfoil.first_cell=0.2"], "first cell", "`first_cell`"),
+        (&["flow.quadrature={points=4}"], "quadrature", "\"conserving\""),
+        (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
+        (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),
+        (&[viscosity], "turbulence", "lower Reynolds number"),
+        (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
+        (
+            &["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}", "motion.boundary.far.displacement=[0, 0]"],
+            "none",
+            "",
+        ),
+        (
+            &["flow.boundary.airfoil={far_field={velocity=[1,0],mach=0.2}}", "flow.forces={}"],
+            "moving boundary",
+            "flow.boundary.airfoil",
+        ),
+        (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
+        (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
+    ] {
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        let arguments: Vec<&str> = ["check", "--json", "--probe", "never", &airfoil].into_iter().chain(set).collect();
+        let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+        assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let doubts = json["doubtful choices"].as_object().unwrap();
+        assert_eq!(doubts.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
+        assert!(doubts[subject].as_str().unwrap().contains(remedy), "{settings:?}: {doubts:?}");
+    }
+    let (_, stdout, _) = outcome(Path::new("."), &["check", "--json", "--probe", "never", &airfoil]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(json["doubtful choices"]["none"], "", "the case as it is shipped");
+    // The airfoil moves by a chord, A = 1/2, at 8/9 at most: h' = (24 t^2 - 12 t^3) / 16 at t = 4/3.
+    let number = |section: &str, key: &str| json[section][key].as_f64().unwrap();
+    assert!((number("motion", "amplitude A") - 0.5).abs() < 1e-9);
+    assert!((number("flow", "reduced frequency") - 8.0 / 9.0).abs() < 1e-3);
+    assert!((number("flow", "Strouhal number") - 8.0 / 9.0 / std::f64::consts::PI).abs() < 1e-3);
+    // Blasius at Re = 1000: u_tau / U = sqrt(0.332 / sqrt(1000)).
+    let wall_units = number("walls", "first cell") * 1000.0 * (0.332 / 1000.0_f64.sqrt()).sqrt();
+    assert!((number("walls", "first cell in wall units") / wall_units - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn check_tells_when_the_mesh_will_fail() {
+    let case = shipped("airfoil_motion.toml");
+    let set = ["--set", "motion.elasticity.stiffness=constant"];
+    let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", &case, set[0], set[1]]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let doubt = json["doubtful choices"]["mesh"].as_str().unwrap();
+    assert!(code == 0 && doubt.contains("from t = 0.12") && doubt.contains("inverse_jacobian"), "{doubt}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod check;
 mod info;
+mod reference;
 mod session;
 mod table;
 
@@ -15,12 +16,16 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use std::io::Write;
 
-/// `stsolve schema`
+/// `stsolve schema`, as JSON or as a page in Markdown.
 ///
 /// # Errors
 /// If stdout cannot be written.
-pub fn schema() -> Result<(), Failure> {
-    print(&serde_json::to_string_pretty(&crate::case::schema()).map_err(Failure::bad_input)?)
+pub fn schema(markdown: bool) -> Result<(), Failure> {
+    let schema = crate::case::schema();
+    if markdown {
+        return print(reference::markdown(schema.as_value()).trim_end());
+    }
+    print(&serde_json::to_string_pretty(&schema).map_err(Failure::bad_input)?)
 }
 
 /// `stsolve completions`

@@ -4,13 +4,13 @@
 //! sigma = (t - t_k) / h_k,
 //!
 //! ```text
-//! S(t) = y_k + h_k sigma (m_k + sigma (3 Delta_k - 2 m_k - m_k+1 + sigma (m_k + m_k+1 - 2 Delta_k)))       (T1)
+//! S(t) = y_k + h_k sigma (m_k + sigma (3 Delta_k - 2 m_k - m_k+1 + sigma (m_k + m_k+1 - 2 Delta_k)))       (spline)
 //! ```
 //!
 //! The second derivative is continuous, S''(t_k-) = S''(t_k+), where
 //!
 //! ```text
-//! h_k m_k-1 + 2 (h_k-1 + h_k) m_k + h_k-1 m_k+1 = 3 (h_k Delta_k-1 + h_k-1 Delta_k)                         (T2)
+//! h_k m_k-1 + 2 (h_k-1 + h_k) m_k + h_k-1 m_k+1 = 3 (h_k Delta_k-1 + h_k-1 Delta_k)                         (smooth)
 //! ```
 //!
 //! Source: C. de Boor, A Practical Guide to Splines, chapter IV.
@@ -100,7 +100,7 @@ impl Table {
         (self.t[0], self.t[self.t.len() - 1])
     }
 
-    /// S(t), by (T1). NaN beyond ends that are free.
+    /// S(t), by (spline). NaN beyond ends that are free.
     pub fn evaluate<T: Transcendental>(&self, t: T) -> T {
         let (first, last) = self.range();
         let periods = if self.ends == Ends::Periodic { ((t.value() - first) / (last - first)).floor() } else { 0.0 };
@@ -173,12 +173,12 @@ fn intervals(t: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     (0..t.len() - 1).map(|k| [t[k + 1] - t[k], (y[k + 1] - y[k]) / (t[k + 1] - t[k])]).collect()
 }
 
-/// (T2) at the point between two intervals.
+/// (smooth) at the point between two intervals.
 fn smooth([h0, delta0]: [f64; 2], [h1, delta1]: [f64; 2]) -> Row {
     [h1, 2.0 * (h0 + h1), h0, 3.0 * (h1 * delta0 + h0 * delta1)]
 }
 
-/// The third derivative is continuous at the second point: with (T2) there, and m_2 eliminated,
+/// The third derivative is continuous at the second point: with (smooth) there, and m_2 eliminated,
 /// h_1 m_0 + (h_0 + h_1) m_1 = ((3 h_0 + 2 h_1) h_1 Delta_0 + h_0^2 Delta_1) / (h_0 + h_1).
 fn not_a_knot([h0, delta0]: [f64; 2], [h1, delta1]: [f64; 2]) -> Row {
     let sum = h0 + h1;
@@ -189,7 +189,7 @@ fn mirrored([below, diagonal, above, right]: Row) -> Row {
     [above, diagonal, below, right]
 }
 
-/// The slopes of a periodic table: (T2) at every point, the last of which is the first again. The corner entries c = a_0 (below the
+/// The slopes of a periodic table: (smooth) at every point, the last of which is the first again. The corner entries c = a_0 (below the
 /// first row) and b (above the last) make A = T + u w^T with u = (g, 0, ..., b), w = (1, 0, ..., c / g), g = -d_0; then
 /// A^-1 r = T^-1 r - T^-1 u (w . T^-1 r) / (1 + w . T^-1 u) (Sherman and Morrison).
 fn periodic_slopes(t: &[f64], y: &[f64]) -> Vec<f64> {

@@ -67,6 +67,7 @@ where
         books.tally.totals_at_start = report.totals.clone();
         let (steps, iterations) = (report.newton.steps.len(), report.newton.krylov_iterations);
         books.progress.say(&format!("steady flow: newton {steps}  krylov {iterations}  {:.1} s", books.seconds()));
+        books.progress.begin_slabs();
         Ok(history::row(self.flow, &report, &felt, &books.tally))
     }
 }

@@ -1,8 +1,9 @@
 //! Choices of a case that are allowed, and doubtful.
 
 use super::Facts;
-use crate::case::Flow;
+use crate::case::{Flow, Motion, State};
 use fem::Quadrature;
+use navier_stokes::{Boundary, Viscosity};
 
 /// Nodes in time in a period of the motion below which it is badly resolved.
 const NODES_PER_PERIOD: f64 = 12.0;
@@ -30,7 +31,9 @@ pub(super) struct Doubt {
 /// All that is doubtful in a case.
 pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
-        [quadrature(facts, flow), far_field(facts, flow), layer(facts, flow), start(facts, flow), mach(flow)]
+        let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
+        let of_resolution = [quadrature(facts, flow), layer(facts, flow), start(facts, flow), mach(flow)];
+        of_boundaries.into_iter().chain(of_resolution)
     });
     let of_all = [slab_length(facts), file_size(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
@@ -38,6 +41,47 @@ pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
 
 fn doubt(subject: &'static str, text: String) -> Option<Doubt> {
     Some(Doubt { subject, text })
+}
+
+/// A boundary that moves while others rest is a body, as a rule.
+fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
+    let rests = boundary.iter().any(Option::is_none);
+    let solid = |condition: &Boundary<D>| condition.is_wall() || matches!(condition, Boundary::Symmetry(_));
+    let open = |index: &usize| boundary[*index].is_some() && !solid(&flow.boundary[*index].condition);
+    let name = &facts.case.mesh.boundary_names()[(0..boundary.len()).find(open).filter(|_| rests)?];
+    let text = format!(
+        "`{name}` moves while other boundaries rest, and is no wall: gas passes through it; `flow.boundary.{name} = {{ adiabatic_wall = {{}} }}`, or \
+         \"slip_wall\" for a gas without viscosity"
+    );
+    doubt("moving boundary", text)
+}
+
+/// Without viscosity nothing makes a gas stick to a wall.
+fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    if flow.law.gas.viscosity() != Viscosity::Inviscid {
+        return None;
+    }
+    let sticks =
+        |condition: &Boundary<D>| matches!(condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_));
+    let index = flow.boundary.iter().position(|data| sticks(&data.condition))?;
+    let text = format!(
+        "`{}` is a wall without slip, in a gas without viscosity: `flow.gas.viscosity = {{ constant = ... }}`, density times speed times length \
+         over the Reynolds number that is wanted; or the condition \"slip_wall\"",
+        facts.case.mesh.boundary_names()[index]
+    );
+    doubt("viscosity", text)
+}
+
+/// A uniform flow and a vortex know of no walls.
+fn exact<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+    let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
+    if flow.walls.is_empty() || !knows_no_walls || flow.manufactured {
+        return None;
+    }
+    let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
+                `initial = { uniform = { velocity = [1, 0], mach = 0.2 } }`, and `far_field` where boundaries are \"exact\"";
+    doubt("exact solution", text.to_owned())
 }
 
 fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {

@@ -40,15 +40,16 @@ fn chosen(probe: Probe, cheap: bool) -> bool {
 /// Seconds of the parts of a run, and of the whole.
 pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> Table {
     let [newton, krylov] = TYPICAL;
-    let slab = newton * (2.0 * timing.residual + krylov * timing.iteration) + timing.preconditioner;
-    let mut table = Table::new("seconds on this machine, measured");
+    let slab = newton * (2.0 * timing.residual + krylov * timing.iteration);
+    let run = timing.setup + timing.preconditioner + case.time.slabs as f64 * slab;
+    let mut table = Table::new("seconds, measured");
     table
         .row("set-up", timing.setup, "")
         .row("residual", timing.residual, "")
         .row("Krylov iteration", timing.iteration, "product and preconditioner")
-        .row("making the preconditioner", timing.preconditioner, "")
+        .row("making the preconditioner", timing.preconditioner, "now and then")
         .row("a slab", slab, "if it takes 3 Newton steps of 8 iterations")
-        .row("the run", timing.setup + case.time.slabs as f64 * slab, "if all slabs do")
+        .row("the run", run, "if all slabs do, and the preconditioner is made once")
         .row("threads", rayon::current_num_threads(), "");
     if case.solver.steady.is_some() {
         table.row("steady flow", "not counted", "");
