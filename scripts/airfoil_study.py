@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Runs the airfoils that move on meshes, in orders and in steps of several sizes, and prints what comes out as a page in Markdown.
+
+    airfoil_study.py [--only STUDY]... [--directory DIRECTORY] > docs/src/airfoils.md
+
+Studies: heave, iterations, far_field, quadratic, pitch, paper; together some forty minutes on two cores. A run whose results are in DIRECTORY
+(default: runs/airfoil_study) already is not repeated. Needs the program, built by scripts/stsolve.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+# The workshop's reference: University of California, Berkeley, 63,632 quadrilaterals of degree 3, 800 steps.
+IMPULSE, WORK = -2.369197, -1.657725
+
+# Published results at the same motion: who, nodes, steps, errors of impulse and work, cost.
+PUBLISHED = [
+    ("Michigan, triangles of degree 2", "11,778", "64 ESDIRK5", "5.8e-4", "5.2e-4", "7,582 CPU s"),
+    ("Berkeley, quadrilaterals of degree 3", "67,712", "400 DIRK3", "2.7e-4", "1.9e-4", ""),
+    ("Michigan, triangles of degree 3", "77,810", "64 ESDIRK5", "2.5e-5", "1.2e-5", ""),
+]
+
+# Cells along a side, along the wake (in all, and within two chords and a half), outwards (in all, and near the wall); height of the
+# first cell and length of the last before the trailing edge.
+MESHES = {
+    "coarse": (10, 6, 4, 8, 5, 0.02, 0.03),
+    "medium": (15, 8, 6, 10, 7, 0.015, 0.02),
+    "fine": (20, 12, 9, 14, 9, 0.012, 0.015),
+    "finest": (24, 15, 11, 18, 12, 0.01, 0.012),
+}
+# For Re = 5000.
+THIN_MESHES = {
+    "coarse": (14, 8, 6, 11, 8, 0.01, 0.02),
+    "medium": (20, 12, 9, 15, 11, 0.006, 0.012),
+    "fine": (26, 16, 12, 19, 14, 0.005, 0.01),
+}
+
+
+class Setting:
+    """One run: mesh, order in space N_s, order in time N_t, step, other keys."""
+
+    def __init__(self, mesh, order, time_order, step, case="naca0012_heave", meshes=MESHES, **keys):
+        self.mesh, self.order, self.time_order, self.step = mesh, order, time_order, step
+        self.case, self.meshes, self.keys = case, meshes, keys
+
+    def name(self):
+        others = "".join(f"_{key.split('__')[-1]}" for key in self.keys)
+        return f"{self.case}_{self.mesh}_{self.order}_{self.time_order}_{self.step}{others}"
+
+    def changes(self):
+        surface, wake, near_wake, normal, near_wall, first, last = self.meshes[self.mesh]
+        generator = {
+            "surface_cells": surface, "wake_cells": wake, "normal_cells": normal, "first_cell": first, "trailing_edge_cell": last,
+            "near_wake": f"{{ extent = 2.5, cells = {near_wake} }}", "near_wall": f"{{ extent = 0.6, cells = {near_wall} }}",
+        }
+        keys = {f"mesh.generate.airfoil.{key}": value for key, value in generator.items()}
+        keys |= {"mesh.order": self.order, "flow.order": self.order, "time.order": self.time_order, "time.step": self.step}
+        return keys | {key.replace("__", "."): value for key, value in self.keys.items()}
+
+    def summary(self, directory):
+        """The summary of the run, which is done if it has not been."""
+        output = directory / self.name()
+        summary = output / "summary.json"
+        if not (summary.exists() and json.loads(summary.read_text())["completed"]):
+            changes = [word for key, value in self.changes().items() for word in ("--set", f"{key}={value}")]
+            case = ROOT / "cases" / f"{self.case}.toml"
+            print(self.name(), file=sys.stderr, flush=True)
+            subprocess.run([ROOT / "target/release/stsolve", "run", case, "--output", output, "--quiet", *changes], check=True)
+        return json.loads(summary.read_text())
+
+
+def relative(value, reference):
+    return f"{abs(value / reference - 1):.1e}"
+
+
+def impulse_and_work(summary):
+    wall = summary["walls"]["airfoil"]
+    return wall["impulse"][1], wall["work"]
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(entry) for entry in line) + " |" for line in lines)
+
+
+SETTING = ("mesh", "cells", "N_s", "nodes", "N_t", "step")
+COST = ("Newton", "Krylov", "seconds", "MB")
+
+
+def setting_columns(setting, summary):
+    cells = summary["mesh"]["cells"]
+    return (setting.mesh, cells, setting.order, f"{cells * setting.order**2:,}", setting.time_order, setting.step)
+
+
+def krylov_per_slab(summary):
+    return summary["krylov"]["total"] / summary["slabs"]
+
+
+def cost_columns(summary):
+    cost = summary["cost"]
+    return (f"{summary['newton']['per_slab']:.1f}", f"{krylov_per_slab(summary):.1f}", f"{cost['wall_seconds']:.0f}",
+            f"{cost['peak_memory_bytes'] / 1e6:.0f}")
+
+
+def values_table(settings, directory):
+    """I and W of the settings, which have no reference."""
+    rows = []
+    for setting in settings:
+        summary = setting.summary(directory)
+        impulse, work = impulse_and_work(summary)
+        drag = summary["steady"]["walls"]["airfoil"]["drag_coefficient"]
+        rows.append((*setting_columns(setting, summary), f"{impulse:.5f}", f"{work:.5f}", f"{drag:.6f}", *cost_columns(summary)))
+    return table((*SETTING, "I", "W", "steady C_d", *COST), rows)
+
+
+def with_bars(settings, directory):
+    """The values of the last setting, and as error bars the sum of what each of the others, coarser in one respect, differs by."""
+    values = [impulse_and_work(setting.summary(directory)) for setting in settings]
+    best = values[-1]
+    bars = [sum(abs(value[k] - best[k]) for value in values[:-1]) for k in range(2)]
+    return f"I = {best[0]:.5f} +- {bars[0]:.5f}, W = {best[1]:.5f} +- {bars[1]:.5f}"
+
+
+def heave(directory):
+    settings = [
+        Setting("coarse", 4, 3, 0.1), Setting("coarse", 5, 3, 0.1), Setting("coarse", 6, 3, 0.1),
+        Setting("medium", 4, 3, 0.1), Setting("medium", 5, 1, 0.1), Setting("medium", 5, 2, 0.1), Setting("medium", 5, 2, 0.05),
+        Setting("medium", 5, 3, 0.2), Setting("medium", 5, 3, 0.1), Setting("medium", 5, 3, 0.05), Setting("medium", 6, 3, 0.1),
+        Setting("fine", 5, 3, 0.1), Setting("fine", 6, 3, 0.1), Setting("fine", 6, 3, 0.05), Setting("finest", 6, 3, 0.05),
+    ]
+    rows = []
+    for setting in settings:
+        summary = setting.summary(directory)
+        impulse, work = impulse_and_work(summary)
+        rows.append((*setting_columns(setting, summary), f"{impulse:.6f}", f"{work:.6f}", relative(impulse, IMPULSE),
+                     relative(work, WORK), *cost_columns(summary)))
+    return f"""## Heave: case C1
+
+`cases/naca0012_heave.toml`. Errors are relative to the reference of the workshop, I = {IMPULSE}, W = {WORK}.
+
+{table((*SETTING, "I", "W", "error of I", "error of W", *COST), rows)}
+
+Published, same case:
+
+{table(("who", "nodes", "steps", "error of I", "error of W", "cost"), PUBLISHED)}
+"""
+
+
+def iterations(directory):
+    steps = [0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003125]
+    by_step = [Setting("medium", 5, 3, step, time__end=0.3).summary(directory) for step in steps]
+    orders = [4, 5, 6, 7, 8]
+    by_order = [Setting("coarse", order, 3, 0.1, time__end=2).summary(directory) for order in orders]
+    row = lambda summary: (f"{summary['newton']['per_slab']:.2f}", f"{krylov_per_slab(summary):.1f}")
+    return f"""## Iterations
+
+Means over the slabs of case C1: while the step is halved, up to t = 0.3 on the medium mesh at N_s = 5, N_t = 3,
+
+{table(("step", "Newton", "Krylov"), [(step, *row(summary)) for step, summary in zip(steps, by_step)])}
+
+and while the order in space grows, over the whole motion on the coarse mesh at N_t = 3, in steps of 0.1:
+
+{table(("N_s", "Newton", "Krylov"), [(order, *row(summary)) for order, summary in zip(orders, by_order)])}
+"""
+
+
+def far_field(directory):
+    key = "mesh__generate__airfoil__far_field"
+    near, far = (Setting("medium", 5, 3, 0.1, **{key: distance}).summary(directory) for distance in (50, 100))
+    at = [impulse_and_work(summary) for summary in (near, far)]
+    return f"""## Far field
+
+Case C1 on the medium mesh, N_s = 5, N_t = 3, steps of 0.1: with the far field at 50 instead of 100 chords and as many cells I changes by
+{abs(at[0][0] / at[1][0] - 1):.1e}, W by {abs(at[0][1] / at[1][1] - 1):.1e}.
+"""
+
+
+def study(title, text, settings, directory):
+    return f"""## {title}
+
+{text}
+
+{values_table(settings, directory)}
+
+Converged: {with_bars(settings, directory)}. The last row, and as bars the sum of what the three others, coarser in one respect each, differ by.
+"""
+
+
+def quadratic(directory):
+    height = "t^2*(3 - t)/4"
+    keys = {
+        "motion__boundary__airfoil__displacement": f'[0, "{height}"]',
+        "flow__forces__airfoil__point": f'["1/3", "{height}"]',
+    }
+    settings = [Setting("medium", 6, 3, 0.05, **keys), Setting("fine", 5, 3, 0.05, **keys), Setting("fine", 6, 3, 0.1, **keys),
+                Setting("fine", 6, 3, 0.05, **keys)]
+    text = f"""Case 1 of an earlier workshop: h = {height}, otherwise as C1. The acceleration jumps at t = 0.
+`--set 'motion.boundary.airfoil.displacement=[0, "{height}"]' --set 'flow.forces.airfoil.point=["1/3", "{height}"]'`"""
+    return study("Heave that starts with a jerk", text, settings, directory)
+
+
+def pitch(directory):
+    case = "naca0012_heave_pitch"
+    settings = [Setting("medium", 6, 3, 0.05, case), Setting("fine", 5, 3, 0.05, case), Setting("fine", 6, 3, 0.1, case),
+                Setting("fine", 6, 3, 0.05, case)]
+    return study("Heave and pitch: case C2", f"`cases/{case}.toml`.", settings, directory)
+
+
+def paper(directory):
+    case, meshes = "naca0012_paper", THIN_MESHES
+    settings = [Setting("coarse", 6, 3, 0.025, case, meshes), Setting("medium", 5, 3, 0.025, case, meshes),
+                Setting("medium", 6, 3, 0.05, case, meshes), Setting("medium", 6, 3, 0.025, case, meshes)]
+    return study("Heave and pitch at Re = 5000: the paper's airfoil", f"`cases/{case}.toml`.", settings, directory)
+
+
+STUDIES = {study.__name__: study for study in (heave, iterations, far_field, quadratic, pitch, paper)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", action="append", choices=STUDIES)
+    parser.add_argument("--directory", type=pathlib.Path, default=ROOT / "runs" / "airfoil_study")
+    arguments = parser.parse_args()
+    sections = [STUDIES[name](arguments.directory) for name in arguments.only or STUDIES]
+    introduction = """# Airfoils that move: convergence
+
+Made by `scripts/airfoil_study.py`. I is the vertical impulse of the fluid on the airfoil, W its work, chord, density and speed 1. Newton
+steps and Krylov iterations are means over the slabs; seconds are those of the whole run on two cores, steady start included. Nodes are those of
+the flow in space.
+"""
+    print("\n".join([introduction, *sections]), end="")
+
+
+if __name__ == "__main__":
+    main()
