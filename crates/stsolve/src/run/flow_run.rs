@@ -126,7 +126,8 @@ where
     }
 
     fn store(&self) -> SolverState {
-        checkpoint::store(&self.march.state, self.march.problem.frozen(), self.march.problem.stale)
+        let frozen_flow = &self.march.problem.frozen_flow;
+        checkpoint::store(&self.march.state, frozen_flow.frozen(), frozen_flow.stale)
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
@@ -139,7 +140,7 @@ where
         if let Some(frozen) = frozen {
             march.problem.thaw(frozen);
         }
-        march.problem.stale = stale;
+        march.problem.frozen_flow.stale = stale;
         Some(())
     }
 
