@@ -3,7 +3,7 @@
 //! The bars are those of the production setting, slabs of 0.1 with three nodes in time. `cargo test --release -p stsolve --test
 //! airfoil_iterations -- --ignored --nocapture` measures the shipped case itself.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 

@@ -20,8 +20,7 @@ fn parts(summary: &serde_json::Value) -> BTreeMap<String, (f64, f64)> {
 fn the_parts_of_a_run_add_up_to_its_wall_time() {
     let directory = TempDir::new().unwrap();
     let case = shipped("vortex.toml");
-    let outcome =
-        stsolve(directory.path(), &["run", &case, "--output", "run", "--set", SMALL[0], "--set", SMALL[1]]);
+    let outcome = stsolve(directory.path(), &["run", &case, "--output", "run", "--set", SMALL[0], "--set", SMALL[1]]);
     outcome.expect(0, &["where the time went", "Jacobian products", "preconditioner, made", "proof of the mesh"]);
     let summary = summary(&directory.path().join("run"));
     let parts = parts(&summary);

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 use super::*;
 use crate::motion::MeshMotion;
 use crate::state::Interval;
@@ -97,7 +97,8 @@ fn the_projection_is_the_nearest_polynomial() {
         let sampler = Sampler::<2>::new(from.flow, MESH, &rule.points);
         let cell = |cell: usize| -> f64 {
             let jacobians = sampler.determinants(&mover.cell_positions(cell, &state.d));
-            let values = sampler.state(&product.u[cell * product.u.len() / cells..(cell + 1) * product.u.len() / cells]);
+            let values =
+                sampler.state(&product.u[cell * product.u.len() / cells..(cell + 1) * product.u.len() / cells]);
             (0..144).map(|p| rule.weights[p % 12] * rule.weights[p / 12] * jacobians[p] * values[p].powi(2)).sum()
         };
         (0..cells).map(cell).sum::<f64>()

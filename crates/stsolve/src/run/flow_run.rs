@@ -60,8 +60,10 @@ where
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, settings: &Settings, books: &mut Books) -> anyhow::Result<Vec<f64>> {
         let mut problem = build::steady::<D, M>(self.case, self.flow);
-        let report = coupled::solve_steady(&mut problem, &mut self.march.state.u, self.case.time.start, settings)
-            .context("there is no steady flow")?;
+        let (u, start) = (&mut self.march.state.u, self.case.time.start);
+        let initial = coupled::interpolate(&problem.flow, &Exact(self.flow.initial.clone()), start);
+        let report =
+            coupled::solve_steady(&mut problem, u, &initial, start, settings).context("there is no steady flow")?;
         let felt = felt(self.flow, &report);
         books.tally.start_from_steady(&report, &felt);
         books.tally.totals_at_start = report.totals.clone();
