@@ -1,7 +1,7 @@
 //! A box that turns within a larger one: section III.C of Diosady & Murman, AIAA 2018-0919. Time is the angle in degrees.
 
-use coupled::{BoundaryMotion, MeshMarch, MeshMotion, MeshMover, MeshReport, Schedule};
-use elasticity::{Accuracy, ElasticMesh, ElasticityError, Law, Material, Stiffness};
+use coupled::{BoundaryMotion, MarchError, MeshMarch, MeshMotion, MeshMover, MeshReport, Schedule};
+use elasticity::{Accuracy, ElasticMesh, Law, Material, Stiffness};
 use fem::VectorField;
 use mesh::NodeNumbering;
 use mesh::generate::RotatingBoxMesh;
@@ -68,11 +68,11 @@ impl Turn {
             accuracy: Accuracy { solve: if self.law.is_linear() { 1e-13 } else { 1e-3 }, position: self.accuracy },
         };
         let mover = MeshMover::new(motion, mesh, numbering, self.time_order);
-        MeshMarch::new(mover, Schedule::uniform(self.end, (self.end / self.step).round() as usize))
+        MeshMarch::new(mover, Schedule::uniform(self.end, (self.end / self.step).round() as usize), 0)
     }
 
     /// Turns until the end, or until a slab is not proved to be valid. The reports of the valid slabs, and the error that ended them.
-    pub fn run(&self) -> (Vec<MeshReport>, Option<ElasticityError>) {
+    pub fn run(&self) -> (Vec<MeshReport>, Option<MarchError>) {
         let mut march = self.march();
         let mut reports = Vec::new();
         while !march.is_done() {

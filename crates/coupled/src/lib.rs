@@ -1,5 +1,6 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
+mod freezing;
 mod initial;
 mod march;
 mod mesh_march;
@@ -17,6 +18,7 @@ mod transfer;
 mod wear;
 pub mod weights;
 
+pub use freezing::{Frozen, FrozenFlow, Update};
 pub use initial::interpolate;
 pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, SlabError, SlabReport, chain};
 pub use mesh_march::{MeshMarch, MeshReport};
@@ -24,7 +26,7 @@ pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryField, BoundaryMotion, MeshMotion};
 pub use observation::Observation;
 pub use schedule::{Schedule, StepControl};
-pub use slab_problem::{Counts, Frozen, Remainder, SlabProblem};
+pub use slab_problem::{Counts, Remainder, SlabProblem};
 pub use state::{Interval, Past, State};
 pub use steady::solve_steady;
 pub use structure_march::{StructureMarch, StructureReport, Supports};

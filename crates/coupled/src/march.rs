@@ -129,6 +129,13 @@ pub struct MarchError {
     pub source: SlabError,
 }
 
+impl MarchError {
+    /// `interval`, the next one of `state`, has failed because of `source`.
+    pub(crate) fn new(state: &State, interval: Interval, source: SlabError) -> Self {
+        MarchError { slab: state.slab + 1, interval, halvings: interval.halvings, source }
+    }
+}
+
 /// A run in progress.
 pub struct March<const D: usize, const M: usize> {
     /// The problem of the current slab.
@@ -171,7 +178,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     pub fn advance(&mut self) -> Result<SlabReport<M>, MarchError> {
         let mut rejected = 0;
         loop {
-            let interval = self.next_interval();
+            let interval = self.settings.schedule.pending(&mut self.state);
             match self.attempt(interval) {
                 Ok(Solved { jump, .. }) if self.repeats(interval, jump) => {
                     tracing::info!(start = interval.start, end = interval.end, jump, "slab too long, shortened");
@@ -183,14 +190,6 @@ impl<const D: usize, const M: usize> March<D, M> {
         }
     }
 
-    /// What is to be done next.
-    fn next_interval(&mut self) -> Interval {
-        if self.state.pending.is_empty() {
-            self.state.pending.push(self.settings.schedule.next(&self.state));
-        }
-        self.state.pending[self.state.pending.len() - 1]
-    }
-
     fn repeats(&mut self, interval: Interval, jump: f64) -> bool {
         let time_order = self.problem.flow.layout.time_order;
         self.settings.schedule.repeats(&mut self.state, interval, jump, time_order)
@@ -200,11 +199,10 @@ impl<const D: usize, const M: usize> March<D, M> {
     fn shorten(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
         let cause = chain(&source);
         if !self.settings.schedule.shorten(&mut self.state, interval, self.settings.max_halvings) {
-            let (slab, halvings) = (self.state.slab + 1, interval.halvings);
-            return Err(MarchError { slab, interval, halvings, source });
+            return Err(MarchError::new(&self.state, interval, source));
         }
         tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected, halving it");
-        self.problem.stale = true;
+        self.problem.frozen_flow.stale = true;
         Ok(())
     }
 
@@ -212,7 +210,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
-        self.problem.patience = self.state.wear.patience();
+        self.problem.frozen_flow.patience = self.state.wear.patience();
         let mut v = self.guess_velocities(interval);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
@@ -339,7 +337,8 @@ impl<const D: usize, const M: usize> March<D, M> {
         }
         let totals = self.totals();
         let frozen_in_slab = self.problem.counts.rebuilds > 0;
-        self.problem.stale = self.state.wear.record(self.problem.iterations_since_frozen(), frozen_in_slab);
+        let frozen_flow = &mut self.problem.frozen_flow;
+        frozen_flow.stale = self.state.wear.record(frozen_flow.iterations_since_frozen(), frozen_in_slab);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);

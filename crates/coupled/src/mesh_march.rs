@@ -1,9 +1,10 @@
 //! The march of the mesh alone.
 
+use crate::march::{MarchError, SlabError, chain};
 use crate::mesh_mover::{MeshMover, MeshQuality};
 use crate::schedule::Schedule;
 use crate::state::{Interval, Past, State};
-use elasticity::{ElasticityError, Work};
+use elasticity::Work;
 
 /// What a slab of the mesh alone has done.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +13,8 @@ pub struct MeshReport {
     pub slab: usize,
     /// Its interval.
     pub interval: Interval,
+    /// How often an attempt was rejected before.
+    pub rejected: usize,
     /// What its equilibrium has cost.
     pub work: Work,
     /// The quality of the mesh.
@@ -29,13 +32,21 @@ pub struct MeshMarch<const D: usize> {
     /// Where the run stands; the flow is empty.
     pub state: State,
     schedule: Schedule,
+    max_halvings: u32,
+}
+
+/// A slab that is solved: what its equilibrium has cost, and its velocities.
+struct Solved {
+    work: Work,
+    v: Vec<f64>,
 }
 
 impl<const D: usize> MeshMarch<D> {
-    /// A march through the slabs of `schedule`, at its fixed step: there is no flow to adapt it to.
-    pub fn new(mover: MeshMover<D>, schedule: Schedule) -> Self {
+    /// A march through the slabs of `schedule`, at its fixed step: there is no flow to adapt it to. A slab that cannot be solved is
+    /// halved, at most `max_halvings` times.
+    pub fn new(mover: MeshMover<D>, schedule: Schedule, max_halvings: u32) -> Self {
         let state = State::new(schedule.start, Vec::new(), mover.displacement_at_start(schedule.start));
-        MeshMarch { mover, state, schedule: Schedule { control: None, ..schedule } }
+        MeshMarch { mover, state, schedule: Schedule { control: None, ..schedule }, max_halvings }
     }
 
     /// Whether the end is reached.
@@ -43,20 +54,44 @@ impl<const D: usize> MeshMarch<D> {
         self.schedule.is_done(&self.state)
     }
 
-    /// Advances one slab.
+    /// Advances one slab, a shorter one if need be.
     ///
     /// # Errors
-    /// As [`MeshMover::begin_slab`] and [`MeshMover::velocities`].
-    pub fn advance(&mut self) -> Result<MeshReport, ElasticityError> {
-        let interval = self.schedule.next(&self.state);
-        let dt = interval.end - interval.start;
-        let bottom = self.state.d.clone();
-        self.mover.begin_slab(&bottom)?;
+    /// [`MarchError`]; the state is then that of the last slab that succeeded.
+    pub fn advance(&mut self) -> Result<MeshReport, MarchError> {
+        let mut rejected = 0;
+        loop {
+            let interval = self.schedule.pending(&mut self.state);
+            match self.attempt(interval) {
+                Ok(solved) => return Ok(self.accept(interval, rejected, solved)),
+                Err(source) => {
+                    let cause = chain(&source);
+                    if !self.schedule.shorten(&mut self.state, interval, self.max_halvings) {
+                        return Err(MarchError::new(&self.state, interval, source));
+                    }
+                    tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected, halving it");
+                }
+            }
+            rejected += 1;
+        }
+    }
+
+    /// Puts the mesh into equilibrium with its boundary in one slab.
+    fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
+        let (dt, bottom) = (interval.end - interval.start, &self.state.d);
+        self.mover.begin_slab(bottom)?;
         let time = self.mover.slab_motion.time();
         let mut g = vec![0.0; self.mover.field_len() * time.order()];
         self.mover.prescribed_in_slab(interval.start, dt, &mut g);
         let mut v = self.state.extrapolated_velocities(time, self.mover.field_len(), dt);
-        let work = self.mover.velocities(interval, &bottom, &g, &mut v)?;
+        let work = self.mover.velocities(interval, bottom, &g, &mut v)?;
+        Ok(Solved { work, v })
+    }
+
+    /// Moves the state to the top of the slab.
+    fn accept(&mut self, interval: Interval, rejected: usize, Solved { work, v }: Solved) -> MeshReport {
+        let (dt, bottom) = (interval.end - interval.start, self.state.d.clone());
         let quality = self.mover.quality(&bottom, &v, interval);
         let (mut first_invalid, mut first_invalid_sampled) = (None, None);
         if !quality.is_valid() {
@@ -65,8 +100,7 @@ impl<const D: usize> MeshMarch<D> {
         }
         self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
-        self.state.pending.push(interval);
         self.state.finish(interval);
-        Ok(MeshReport { slab: self.state.slab, interval, work, quality, first_invalid, first_invalid_sampled })
+        MeshReport { slab: self.state.slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled }
     }
 }

@@ -154,6 +154,7 @@ impl<const D: usize> MeshMover<D> {
 
     /// The same for its first part, s <= `part`.
     fn quality_until(&self, bottom: &[f64], v: &[f64], interval: Interval, part: f64) -> MeshQuality {
+        let _timed = tracing::trace_span!(target: "cost", "mesh_proof").entered();
         let (dt, len) = (interval.end - interval.start, bottom.len());
         let mut displacements = vec![0.0; len * self.times.len()];
         for (s, d) in self.times.iter().zip(displacements.chunks_exact_mut(len)) {

@@ -82,6 +82,14 @@ impl Schedule {
         Interval { start: state.time, end, halvings: 0 }
     }
 
+    /// What is to be done next: the slab after the time reached, or what is pending of it.
+    pub fn pending(&self, state: &mut State) -> Interval {
+        if state.pending.is_empty() {
+            state.pending.push(self.next(state));
+        }
+        state.pending[state.pending.len() - 1]
+    }
+
     /// Makes the next slab shorter, after `interval` could not be solved. False if it may not be shortened any more: `max_halvings`
     /// times, or below the smallest step of the control.
     pub fn shorten(&self, state: &mut State, interval: Interval, max_halvings: u32) -> bool {

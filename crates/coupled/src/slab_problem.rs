@@ -10,11 +10,10 @@ mod remainder;
 
 pub use remainder::Remainder;
 
+use crate::freezing::{Frozen, FrozenFlow, Update};
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
-use crate::preconditioner::{FlowPreconditioner, Ordering};
 use crate::state::Interval;
-use basis::TemporalModes;
 use elasticity::{ElasticMesh, ElasticSlab};
 use fem::{SlabOperator, Violation};
 use newton_krylov::inner_product::{InnerProduct, Weighted};
@@ -48,23 +47,6 @@ pub struct Counts {
     pub refactors: usize,
 }
 
-/// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frozen {
-    /// Start and length of the slab.
-    pub interval: (f64, f64),
-    /// Displacement at its bottom.
-    pub bottom: Vec<f64>,
-    /// Mesh velocities.
-    pub velocities: Vec<f64>,
-    /// The flow.
-    pub state: Vec<f64>,
-    /// Slab length and damping for which the modes are factored now.
-    pub built_for: (f64, f64),
-    /// The order of elimination.
-    pub ordering: Ordering,
-}
-
 /// The coupled problem of the current slab.
 pub struct SlabProblem<const D: usize, const M: usize> {
     /// The flow and the moving mesh.
@@ -73,12 +55,8 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     pub mover: MeshMover<D>,
     /// What has been done since the counts were last taken.
     pub counts: Counts,
-    /// Set to have the preconditioner rebuilt at the next linearisation.
-    pub stale: bool,
-    /// Whether the preconditioner is rebuilt at every linearisation.
-    pub always_fresh: bool,
-    /// A linear solve that takes more iterations than this has the preconditioner rebuilt at the next linearisation.
-    pub patience: usize,
+    /// The preconditioner of the flow.
+    pub frozen_flow: FrozenFlow,
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
@@ -87,12 +65,6 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     inverse_pseudo_time: Vec<f64>,
     /// Whether the increment that is being computed leaves the mesh alone.
     settled: bool,
-    preconditioner: Option<FlowPreconditioner>,
-    frozen: Option<Frozen>,
-    /// Times the preconditioner was applied since the last linearisation.
-    applications: usize,
-    /// The same since the Jacobian was frozen, or since the bottom of the slab.
-    applications_since_frozen: usize,
     mesh_work: Vec<f64>,
     flow_work: Vec<f64>,
 }
@@ -122,13 +94,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             settled: false,
             weights: Weighted { weights },
             counts: Counts::default(),
-            stale: false,
-            always_fresh: false,
-            preconditioner: None,
-            frozen: None,
-            patience: usize::MAX,
-            applications: 0,
-            applications_since_frozen: 0,
+            frozen_flow: FrozenFlow::default(),
             mesh_work: vec![0.0; mesh_len],
             flow_work: vec![0.0; flow_len],
             flow,
@@ -160,8 +126,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
         self.inverse_pseudo_time.fill(0.0);
-        self.applications = 0;
-        self.applications_since_frozen = 0;
+        self.frozen_flow.begin_slab();
         Ok(())
     }
 
@@ -170,7 +135,9 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     /// # Errors
     /// As [`MeshMover::velocities`].
     pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
+        let timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let work = self.mover.velocities(self.interval(), &self.bottom, &self.prescribed, v)?;
+        drop(timed);
         self.counts.elasticity_iterations += work.iterations;
         self.set_velocities(v);
         Ok(())
@@ -207,11 +174,6 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.fields.iter().map(|field| norm(&field.range)).collect()
     }
 
-    /// Bytes held by the flow's preconditioner.
-    pub fn preconditioner_bytes(&self) -> usize {
-        self.preconditioner.as_ref().map_or(0, FlowPreconditioner::bytes)
-    }
-
     fn elastic(&self) -> Option<(ElasticSlab<'_, D>, f64)> {
         let MeshMotion::Elastic { mesh, accuracy, .. } = &self.mover.motion else { return None };
         Some((ElasticSlab { mesh, motion: &self.mover.slab_motion, dt: self.flow.interval().1 }, accuracy.solve))
@@ -229,6 +191,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
 
     /// w = K^{-1} r_e with the K of the bottom; whether that is exact: the law is linear, and CG converged.
     fn solve_mesh(&mut self, r_e: &[f64], w: &mut [f64]) -> bool {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let Some((slab, tolerance)) = self.elastic() else { return true };
         let result = slab.solve(r_e, w, tolerance);
         let exact = result.is_ok() && slab.mesh.law().is_linear();
@@ -238,6 +201,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
 
     /// rest -= B w.
     fn subtract_effect_of_mesh(&mut self, w: &[f64], rest: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
         let (still, mut effect) = (vec![0.0; rest.len()], vec![0.0; rest.len()]);
         self.counts.mesh_products += 1;
         self.flow.product_with_mesh(&still, w, &mut effect);
@@ -251,68 +215,21 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         }
     }
 
-    /// What the preconditioner is made of.
-    pub fn frozen(&self) -> Option<&Frozen> {
-        self.frozen.as_ref()
-    }
-
-    /// Krylov iterations since the Jacobian was frozen, or since the bottom of the slab.
-    pub fn iterations_since_frozen(&self) -> usize {
-        self.applications_since_frozen
-    }
-
     /// Makes the preconditioner again from what it was made of.
     pub fn thaw(&mut self, frozen: Frozen) {
-        let (start, dt) = frozen.interval;
-        self.flow.begin_slab(start, dt, &vec![0.0; self.flow.layout.at_one_time().len()], &frozen.bottom);
-        self.flow.set_mesh(&frozen.velocities);
-        self.flow.linearise(&frozen.state);
-        self.build_preconditioner(frozen.built_for, Some(frozen.ordering.clone()));
-        self.frozen = Some(frozen);
+        self.frozen_flow.thaw(&mut self.flow, frozen);
         self.velocities.fill(f64::NAN);
     }
 
-    fn build_preconditioner(&mut self, (dt, damping): (f64, f64), ordering: Option<Ordering>) {
-        let modes = TemporalModes::new(&self.flow.tables.time);
-        let jacobian = self.flow.space_jacobian(0.5);
-        // The old one goes first: two at a time would double the memory.
-        self.preconditioner = None;
-        self.preconditioner = Some(FlowPreconditioner::new(self.flow.layout, modes, jacobian, dt, damping, ordering));
-    }
-
-    /// Builds, refactors or keeps the preconditioner of the flow.
+    /// Freezes, refactors or keeps the preconditioner of the flow.
     fn update_preconditioner(&mut self) {
-        let interval = self.flow.interval();
-        let built_for = (interval.1, interval.1 * self.inverse_pseudo_time.last().copied().unwrap_or(0.0));
-        let change = |old: f64, new: f64| (old - new).abs() > 0.1 * old.abs().max(new.abs());
-        match (&mut self.preconditioner, &mut self.frozen) {
-            (Some(preconditioner), Some(frozen)) if !self.stale && !self.always_fresh => {
-                if change(frozen.built_for.0, built_for.0) || change(frozen.built_for.1, built_for.1) {
-                    preconditioner.refactor(built_for.0, built_for.1);
-                    frozen.built_for = built_for;
-                    self.counts.refactors += 1;
-                }
-            }
-            _ => self.freeze(interval, built_for),
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
+        let rate = self.inverse_pseudo_time.last().copied().unwrap_or(0.0);
+        match self.frozen_flow.update(&self.flow, &self.bottom, &self.velocities, rate) {
+            Update::Kept => {}
+            Update::Refactored => self.counts.refactors += 1,
+            Update::Frozen => self.counts.rebuilds += 1,
         }
-    }
-
-    /// Freezes the flow's Jacobian here.
-    fn freeze(&mut self, interval: (f64, f64), built_for: (f64, f64)) {
-        let ordering = self.frozen.take().map(|frozen| frozen.ordering);
-        self.build_preconditioner(built_for, ordering);
-        let Some(preconditioner) = &self.preconditioner else { return };
-        self.frozen = Some(Frozen {
-            interval,
-            bottom: self.bottom.clone(),
-            velocities: self.velocities.clone(),
-            state: self.flow.linearisation().to_vec(),
-            built_for,
-            ordering: preconditioner.ordering().clone(),
-        });
-        self.counts.rebuilds += 1;
-        self.applications_since_frozen = 0;
-        self.stale = false;
     }
 }
 
@@ -331,6 +248,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         let n = self.mesh_len();
         let ((v, u), (r_e, r_f)) = (z.split_at(n), r.split_at_mut(n));
         if let Some((slab, _)) = self.elastic() {
+            let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
             slab.residual(&self.bottom, &self.prescribed, v, r_e)?;
             if self.velocities != v {
                 self.mover.check_validity(&self.bottom, v, self.interval())?;
@@ -338,18 +256,19 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
             self.set_velocities(v);
         }
         self.counts.residuals += 1;
+        let _timed = tracing::trace_span!(target: "cost", "residual").entered();
         self.flow.residual(u, r_f).map_err(inadmissible)
     }
 
     fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
         self.set_point(z);
         self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
-        self.stale |= std::mem::take(&mut self.applications) > self.patience;
         self.update_preconditioner();
         Ok(())
     }
 
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
         let n = self.mesh_len();
         let ((w, x), (out_e, out_f)) = (direction.split_at(n), out.split_at_mut(n));
         out_e.fill(0.0);
@@ -405,12 +324,9 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
             let _ = self.solve_mesh(r_e, w);
             self.subtract_effect_of_mesh(w, &mut rest);
         }
-        self.applications += 1;
-        self.applications_since_frozen += 1;
-        match &mut self.preconditioner {
-            Some(preconditioner) => preconditioner.apply(&rest, x),
-            None => x.copy_from_slice(&rest),
-        }
+        let timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
+        self.frozen_flow.apply(&rest, x);
+        drop(timed);
         self.flow_work = rest;
     }
 

@@ -12,23 +12,27 @@ use crate::slab_problem::SlabProblem;
 use crate::state::Interval;
 use fem::FluxesAt;
 use newton_krylov::newton::{self, Workspace};
+use newton_krylov::problem::{Inadmissible, NonlinearProblem};
+use newton_krylov::pseudo_time;
 
 /// The length of the slab: u_n is forgotten but for this part of a time unit. Everything scales with it, so that nothing is lost
 /// to round-off.
 const LONG: f64 = 1e12;
 
 /// Replaces `u` by the steady flow on the mesh of `problem` at rest, found from `u` by pseudo-time. `problem` has one node in time
-/// and a mesh that stands still; 1/dtau of the settings is per time unit. The report is that of a slab of no length at `time`,
-/// the start of a run.
+/// and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those for the residual of the state
+/// `initial`: a better `u` begins with the longer steps that its smaller residual allows. The report is that of a slab of no length at
+/// `time`, the start of a run.
 ///
 /// # Errors
-/// [`SlabError::Guess`] if `u` is no state, [`SlabError::Newton`] if there is no convergence; `u` is then unchanged.
+/// [`SlabError::Guess`] if `u` or `initial` is no state, [`SlabError::Newton`] if there is no convergence; `u` is then unchanged.
 ///
 /// # Panics
 /// If `problem` has more than one node in time or solves for its mesh.
 pub fn solve_steady<const D: usize, const M: usize>(
     problem: &mut SlabProblem<D, M>,
     u: &mut [f64],
+    initial: &[f64],
     time: f64,
     settings: &newton::Settings,
 ) -> Result<SlabReport<M>, SlabError> {
@@ -39,12 +43,14 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let at_rest = vec![0.0; problem.mover.field_len()];
     problem.begin(time - LONG, LONG, u, &at_rest)?;
     problem.move_mesh(&mut vec![0.0; at_rest.len()])?;
-    problem.always_fresh = true;
+    problem.frozen_flow.always_fresh = true;
     // Residuals are those of (steady): dt times rates.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
-    let settings = newton::Settings { absolute_tolerance, ..*settings };
+    let references = residual_norms(problem, initial)?;
+    let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
+    let settings = newton::Settings { absolute_tolerance, pseudo_time, ..*settings };
     let mut z = u.to_vec();
-    let solved = newton::solve(problem, &mut z, None, &settings, &mut Workspace::default());
+    let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
     let newton = solved.map_err(|source| {
         let remainder = problem.remainder(&z).map(Box::new);
         SlabError::Newton { remainder, source: Box::new(source) }
@@ -64,4 +70,19 @@ pub fn solve_steady<const D: usize, const M: usize>(
         fluxes: top.map(|top| FluxesAt { time, ..top }).into_iter().collect(),
         totals: problem.totals(u),
     })
+}
+
+fn residual_norms<const D: usize, const M: usize>(
+    problem: &mut SlabProblem<D, M>,
+    u: &[f64],
+) -> Result<Vec<f64>, Inadmissible> {
+    let mut r = vec![0.0; u.len()];
+    problem.residual(u, &mut r)?;
+    Ok(problem.field_norms(&r))
+}
+
+/// Pseudo-time that was begun at the residual `begun` and now is at `here`: 1/dtau = 1/dtau_0 (|R| / |R_0|)^power.
+fn continued(settings: pseudo_time::Settings, begun: f64, here: f64) -> pseudo_time::Settings {
+    let ratio = if begun > 0.0 { here / begun } else { 1.0 };
+    pseudo_time::Settings { initial_inverse: settings.initial_inverse * ratio.powf(settings.power), ..settings }
 }

@@ -77,6 +77,7 @@ impl<const D: usize> StructureMarch<D> {
     /// # Errors
     /// As [`Dynamics::solve`].
     pub fn advance(&mut self) -> Result<StructureReport, ElasticityError> {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let interval = self.schedule.next(&self.state);
         let dt = interval.end - interval.start;
         let mut v = self.guess(interval.start, dt);

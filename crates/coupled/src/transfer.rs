@@ -129,3 +129,6 @@ impl<const D: usize> Projection<D> {
         (0..columns * n).map(|k| solution[(k % n, k / n)]).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

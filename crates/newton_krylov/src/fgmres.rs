@@ -83,6 +83,8 @@ pub struct Workspace {
     preconditioned: Vec<Vec<f64>>,
     residual: Vec<f64>,
     least_squares: LeastSquares,
+    /// Sums of chunks.
+    partial: Vec<f64>,
     history: Vec<f64>,
 }
 
@@ -128,6 +130,7 @@ pub fn solve(
     settings: &Settings,
     workspace: &mut Workspace,
 ) -> Result<Report, Error> {
+    let _timed = tracing::trace_span!(target: "cost", "orthogonalisation").entered();
     workspace.prepare(b.len());
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let mut report = Report::default();
@@ -204,7 +207,8 @@ fn cycle(
         system.multiply(z, w);
         report.iterations += 1;
         report.products += 1;
-        let Some(norm) = orthonormalise(system.inner_product(), v, w, &mut workspace.least_squares) else {
+        let (least_squares, partial) = (&mut workspace.least_squares, &mut workspace.partial);
+        let Some(norm) = orthonormalise(system.inner_product(), v, w, least_squares, partial) else {
             return false;
         };
         let estimate = workspace.least_squares.rotate(norm);
@@ -225,12 +229,13 @@ fn orthonormalise(
     v: &[Vec<f64>],
     w: &mut [f64],
     least_squares: &mut LeastSquares,
+    partial: &mut Vec<f64>,
 ) -> Option<f64> {
     let initial = inner_product.norm(w);
     let mut norm = initial;
     for _ in 0..2 {
         let before = norm;
-        let minus_h = least_squares.subtract_from_column(|i| inner_product.dot(&v[i], w));
+        let minus_h = least_squares.subtract_from_column(|h| inner_product.dots(v, w, partial, h));
         add_combination(minus_h, v, w);
         norm = inner_product.norm(w);
         if norm > FRAC_1_SQRT_2 * before {

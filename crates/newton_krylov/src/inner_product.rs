@@ -3,6 +3,7 @@
 //! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends on the length alone,
 //! so the result has the same bits for any number of threads; and nothing is allocated.
 
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// The number of entries that one thread sums up or updates at a time.
@@ -13,8 +14,29 @@ const LANES: usize = 8;
 
 /// An inner product (x, y) of vectors, possibly with weights that make several fields comparable.
 pub trait InnerProduct: Sync {
+    /// (x, y) restricted to the entries of `range`, a chunk at most. Both vectors are given in full.
+    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64;
+
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
-    fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64;
+    fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
+        tree_sum(range, &|chunk| self.dot_in_chunk(chunk, x, y))
+    }
+
+    /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]. y is read once for all of
+    /// them. `partial` is memory for the sums of the chunks.
+    fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) {
+        let (count, chunks) = (products.len(), y.len().div_ceil(CHUNK));
+        partial.resize(count * chunks, 0.0);
+        partial.par_chunks_mut(count.max(1)).enumerate().for_each(|(chunk, partial)| {
+            let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(y.len());
+            for (sum, x) in partial.iter_mut().zip(columns) {
+                *sum = self.dot_in_chunk(range.clone(), x, y);
+            }
+        });
+        for (j, product) in products.iter_mut().enumerate() {
+            *product = tree_sum_of_chunks(0..chunks, &|chunk| partial[chunk * count + j]);
+        }
+    }
 
     /// (x, y)
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
@@ -37,8 +59,8 @@ pub trait InnerProduct: Sync {
 pub struct Euclidean;
 
 impl InnerProduct for Euclidean {
-    fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        tree_sum(range, &|r: Range<usize>| chunk_dot(&x[r.clone()], &y[r]))
+    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
+        chunk_dot(&x[range.clone()], &y[range])
     }
 }
 
@@ -50,8 +72,8 @@ pub struct Weighted {
 }
 
 impl InnerProduct for Weighted {
-    fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        tree_sum(range, &|r: Range<usize>| chunk_weighted_dot(&self.weights[r.clone()], &x[r.clone()], &y[r]))
+    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
+        chunk_weighted_dot(&self.weights[range.clone()], &x[range.clone()], &y[range])
     }
 }
 
@@ -68,6 +90,18 @@ fn tree_sum(range: Range<usize>, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -
     let middle = range.start + middle(range.len());
     let (low, high) = rayon::join(|| tree_sum(range.start..middle, leaf), || tree_sum(middle..range.end, leaf));
     low + high
+}
+
+/// The sum over whole chunks, numbered from the start of the vectors, by the tree of [`tree_sum`].
+fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 {
+    match chunks.len() {
+        0 => 0.0,
+        1 => sum(chunks.start),
+        count => {
+            let middle = chunks.start + count / 2;
+            tree_sum_of_chunks(chunks.start..middle, sum) + tree_sum_of_chunks(middle..chunks.end, sum)
+        }
+    }
 }
 
 /// sum_i x_i y_i within a chunk.
@@ -201,6 +235,20 @@ mod tests {
         let ones = vec![1.0; 1 << 22];
         let exact = 0.1 * (1 << 22) as f64;
         assert!((Euclidean.dot(&tenths, &ones) - exact).abs() <= 1e-13 * exact);
+    }
+
+    #[test]
+    fn many_products_at_once_are_those_one_by_one_bit_by_bit() {
+        for length in [1, CHUNK, CHUNK + 1, 3 * CHUNK, LENGTH] {
+            let x = scattered(length);
+            let columns: Vec<Vec<f64>> =
+                (1..6).map(|j| x.iter().map(|x_i| (f64::from(j) * x_i).sin()).collect()).collect();
+            let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
+            let mut products = vec![f64::NAN; 5];
+            weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
+            let single: Vec<f64> = columns.iter().map(|column| weighted.dot(column, &x)).collect();
+            assert_eq!(bits(&products), bits(&single), "{length}");
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What a run cost, and on which machine: parts of `summary.json`.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// The machine of the run.
@@ -32,4 +34,17 @@ pub struct Cost {
     pub residual_evaluations: u64,
     /// Jacobian-vector products.
     pub jacobian_products: u64,
+    /// Where the seconds went, by name: they add up to `wall_seconds`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub parts: BTreeMap<String, Part>,
+}
+
+/// A part of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Seconds spent in it.
+    pub seconds: f64,
+    /// How often it was called.
+    pub calls: u64,
 }

@@ -37,7 +37,7 @@ mod summary;
 mod vtkhdf;
 
 pub use checksum::Checksum;
-pub use cost::{Cost, Machine};
+pub use cost::{Cost, Machine, Part};
 pub use directory::{LockOwner, RunDirectory};
 pub use error::OutputError;
 pub use files::write_atomically;

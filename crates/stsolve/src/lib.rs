@@ -13,12 +13,14 @@
 //! | `run` | from a checked case to files |
 //! | `report` | a page that shows a run |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
+//! | `clock` | where the time of a run goes |
 //! | `failure` | error messages and exit codes |
 
 mod any_mesh;
 pub mod bench;
 pub mod case;
 pub mod cli;
+pub mod clock;
 pub mod commands;
 pub mod expression;
 pub mod failure;

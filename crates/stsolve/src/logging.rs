@@ -1,12 +1,14 @@
 //! Where log records go: all to `log.jsonl`, for machines; those that the user asked for to stderr.
 
 use crate::cli::Verbosity;
+use crate::clock::Clock;
 use crate::terminal::Terminal;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tracing::level_filters::LevelFilter;
+use tracing_subscriber::filter::filter_fn;
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
@@ -15,17 +17,24 @@ use tracing_subscriber::{Layer, Registry};
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Starts logging into `directory`, behind the log of the run that is resumed or anew.
+/// Starts logging into `directory`, behind the log of the run that is resumed or anew; and has the spans of the numerics drive `clock`.
 ///
 /// # Errors
 /// If logging was started before.
-pub fn start(directory: &Path, resume: bool, verbosity: Verbosity, terminal: &Terminal) -> io::Result<()> {
+pub fn start(
+    directory: &Path,
+    resume: bool,
+    verbosity: Verbosity,
+    terminal: &Terminal,
+    clock: &Clock,
+) -> io::Result<()> {
     let writer = terminal.clone();
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
     let machine =
         layer().json().with_writer(Mutex::new(LogFile::new(directory, resume))).with_filter(LevelFilter::DEBUG);
-    Registry::default().with(machine).with(human).try_init().map_err(io::Error::other)
+    let clock = clock.clone().with_filter(filter_fn(Clock::counts));
+    Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
 }
 
 /// A file that is opened when the first record is written: until then, a run that is refused leaves no trace.
@@ -78,7 +87,8 @@ mod tests {
     fn records_are_lines_of_json_whatever_is_printed() {
         let directory = tempfile::tempdir().unwrap();
         let quiet = Verbosity { quiet: true, verbose: 0 };
-        start(directory.path(), false, quiet, &Terminal::default()).unwrap();
+        let clock = Clock::new(std::time::Instant::now());
+        start(directory.path(), false, quiet, &Terminal::default(), &clock).unwrap();
         tracing::debug!(slab = 3, residual = 0.5, "newton step");
         let log = std::fs::read_to_string(directory.path().join(LOG_FILE)).unwrap();
         let record: serde_json::Value =

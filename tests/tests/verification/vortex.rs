@@ -192,7 +192,7 @@ fn coupling_costs_no_more_than_its_parts() {
         totals.push((products + residuals) as f64);
     }
     let mover = VortexRun::new(setting).march.problem.mover;
-    let mut mesh = MeshMarch::new(mover, Schedule::uniform(setting.end, setting.slabs));
+    let mut mesh = MeshMarch::new(mover, Schedule::uniform(setting.end, setting.slabs), 0);
     let start = std::time::Instant::now();
     while !mesh.is_done() {
         mesh.advance().unwrap();

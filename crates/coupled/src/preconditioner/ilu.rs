@@ -10,6 +10,9 @@ use fem::{Layout, Pool, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::pulp::Arch;
 
+/// Bytes of factors that a task of a sweep reads at least: levels are short, and to share their cells out costs something too.
+const GRAIN: usize = 1 << 16;
+
 /// Block ILU(0) of every temporal mode of a slab.
 ///
 /// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in single precision: the
@@ -110,6 +113,12 @@ impl FlowPreconditioner {
         self.join_modes(scale, z);
     }
 
+    /// Cells of a level that a thread takes at least.
+    fn cells_per_task(&self) -> usize {
+        let factors: usize = self.inverses.iter().map(Vec::len).sum();
+        GRAIN.div_ceil(4 * factors / self.layout.cells)
+    }
+
     /// Length of one cell's panel.
     fn panel_len(&self) -> usize {
         self.modes.forward.rows() * padded(self.jacobian.block)
@@ -149,7 +158,7 @@ impl FlowPreconditioner {
 
     /// z_i = D_i^{-1} (c_i - sum_{k before i} dt A_ik z_k), level by level.
     fn forward_sweep(&mut self) {
-        let len = self.panel_len();
+        let (len, grain) = (self.panel_len(), self.cells_per_task());
         let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
         let mut start = 0;
         for &end in &self.ordering.level_ends {
@@ -157,7 +166,7 @@ impl FlowPreconditioner {
             let rows = rest[..(end - start) * len]
                 .par_chunks_exact_mut(len)
                 .zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(4).for_each(|(i, (z, c))| {
+            rows.enumerate().with_min_len(grain).for_each(|(i, (z, c))| {
                 let position = start + i;
                 self.subtract(position, |k| (k < position).then(|| &done[k * len..(k + 1) * len]), c);
                 z.fill(0.0);
@@ -170,14 +179,14 @@ impl FlowPreconditioner {
 
     /// x_i = z_i - D_i^{-1} sum_{k after i} dt A_ik x_k, from the last level to the first.
     fn backward_sweep(&mut self) {
-        let len = self.panel_len();
+        let (len, grain) = (self.panel_len(), self.cells_per_task());
         let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
         for (level, &end) in self.ordering.level_ends.iter().enumerate().rev() {
             let start = if level == 0 { 0 } else { self.ordering.level_ends[level - 1] };
             let (before, done) = result.split_at_mut(end * len);
             let rows =
                 before[start * len..].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(4).for_each(|(i, (x, c))| {
+            rows.enumerate().with_min_len(grain).for_each(|(i, (x, c))| {
                 let position = start + i;
                 c.fill(0.0);
                 if self.subtract(position, |k| (k >= end).then(|| &done[(k - end) * len..(k - end + 1) * len]), c) {

@@ -37,16 +37,16 @@ impl LeastSquares {
         self.g.push(beta);
     }
 
-    /// Adds `product(i)`, i <= j, to entry (i, j) of H, j being the new column; returns what is to be added to w: the
-    /// products with their signs changed.
-    pub(super) fn subtract_from_column(&mut self, product: impl Fn(usize) -> f64) -> &[f64] {
+    /// Adds the numbers that `products` writes, the i-th of them to entry (i, j) of H, i <= j, j being the new column; returns what is
+    /// to be added to w: the products with their signs changed.
+    pub(super) fn subtract_from_column(&mut self, products: impl FnOnce(&mut [f64])) -> &[f64] {
         let new = column(self.rotations.len());
         self.r.resize(new.end, 0.0);
         self.y.resize(new.len(), 0.0);
-        for (i, (h, minus)) in self.r[new].iter_mut().zip(&mut self.y).enumerate() {
-            let h_i = product(i);
-            *h += h_i;
-            *minus = -h_i;
+        products(&mut self.y);
+        for (h, h_i) in self.r[new].iter_mut().zip(&mut self.y) {
+            *h += *h_i;
+            *h_i = -*h_i;
         }
         &self.y
     }

@@ -203,7 +203,8 @@ fn a_vector_that_nearly_depends_on_the_basis_is_made_orthogonal_to_round_off() {
     axpy(1.0, &v, &mut w);
     let mut least_squares = LeastSquares::default();
     least_squares.start(1.0);
-    let norm = orthonormalise(&Euclidean, std::slice::from_ref(&v), &mut w, &mut least_squares).unwrap();
+    let norm =
+        orthonormalise(&Euclidean, std::slice::from_ref(&v), &mut w, &mut least_squares, &mut Vec::new()).unwrap();
     assert!(Euclidean.dot(&v, &w).abs() <= 1e-15);
     assert!((Euclidean.norm(&w) - 1.0).abs() <= 1e-15 && norm < 1e-11);
 }

@@ -2,12 +2,14 @@
 
 use crate::case::About;
 use crate::cli::RunArguments;
+use crate::clock::Clock;
 use crate::failure::Failure;
 use crate::logging;
 use crate::signals::StopFlag;
 use crate::terminal::Terminal;
 use output::RunDirectory;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// The output directory, locked; the log and the signal handlers of this process.
 #[derive(Debug)]
@@ -18,20 +20,27 @@ pub struct Session {
     pub terminal: Terminal,
     /// Whether the run has been asked to stop.
     pub stop: StopFlag,
+    /// Where its time goes.
+    pub clock: Clock,
 }
 
 impl Session {
-    /// Sets up. `directory` is the one that the case names, if it names one.
+    /// Sets up a run that has `begun`. `directory` is the one that the case names, if it names one.
     ///
     /// # Errors
     /// An output directory that cannot be written or is in use, handlers that the system refuses.
-    pub fn start(arguments: &RunArguments, about: &About, directory: Option<&Path>) -> Result<Self, Failure> {
-        let (terminal, stop) = (Terminal::default(), StopFlag::default());
+    pub fn start(
+        arguments: &RunArguments,
+        about: &About,
+        directory: Option<&Path>,
+        begun: Instant,
+    ) -> Result<Self, Failure> {
+        let (terminal, stop, clock) = (Terminal::default(), StopFlag::default(), Clock::new(begun));
         let directory = RunDirectory::open(&output_directory(arguments, about, directory))?;
-        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal)
+        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal, &clock)
             .map_err(Failure::bad_input)?;
         stop.install(&terminal).map_err(Failure::bad_input)?;
-        Ok(Session { directory, terminal, stop })
+        Ok(Session { directory, terminal, stop, clock })
     }
 }
 

@@ -3,6 +3,7 @@
 use super::tally::Tally;
 use crate::case::Time;
 use crate::cli::RunArguments;
+use crate::clock::{self, Clock};
 use crate::commands::Session;
 use crate::progress::{Progress, rounded};
 use output::{Cost, Machine};
@@ -16,6 +17,7 @@ pub struct Books {
     pub progress: Progress,
     begun: Instant,
     setup_seconds: f64,
+    clock: Clock,
 }
 
 /// Why a run ended before its end.
@@ -47,7 +49,7 @@ impl Books {
         tally: Tally,
     ) -> Self {
         let progress = Progress::new(time, reached, arguments.verbosity, &session.terminal);
-        Books { tally, progress, begun, setup_seconds: begun.elapsed().as_secs_f64() }
+        Books { tally, progress, begun, setup_seconds: begun.elapsed().as_secs_f64(), clock: session.clock.clone() }
     }
 
     /// Seconds since the run begun.
@@ -57,14 +59,21 @@ impl Books {
 
     /// What the run has cost so far.
     pub fn cost(&self) -> Cost {
+        let parts = self.clock.parts();
         Cost {
-            wall_seconds: self.seconds(),
+            wall_seconds: parts.values().map(|part| part.seconds).sum(),
             setup_seconds: self.setup_seconds,
             peak_memory_bytes: peak_memory(),
             threads: rayon::current_num_threads(),
             residual_evaluations: self.tally.residuals,
             jacobian_products: self.tally.products,
+            parts,
         }
+    }
+
+    /// Tells where the time of the run went.
+    pub fn say_cost(&self) {
+        self.progress.say(&clock::table(&self.clock.parts()));
     }
 
     /// Says that the run has reached its end at `time`.

@@ -109,7 +109,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     call: Call<'_>,
 ) -> Result<(), Failure> {
     let Call { arguments, command, begun, origin } = call;
-    let session = Session::start(arguments, &case.about, case.output.directory.as_deref())?;
+    let session = Session::start(arguments, &case.about, case.output.directory.as_deref(), begun)?;
     let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin)?;
     failure::clear(session.directory.path())?;
     let tally = restore(&mut run, resumed.as_ref().or(origin), case)?;
@@ -126,6 +126,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     books.progress.finish();
     run.summary(&books, stop.as_ref()).write(&session.directory)?;
     let again = arguments.to_resume(command, session.directory.path());
+    books.say_cost();
     match stop {
         Some(Stop::Asked) => {
             books.say_stopped(run.state().time, &again);

@@ -60,8 +60,10 @@ where
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, settings: &Settings, books: &mut Books) -> anyhow::Result<Vec<f64>> {
         let mut problem = build::steady::<D, M>(self.case, self.flow);
-        let report = coupled::solve_steady(&mut problem, &mut self.march.state.u, self.case.time.start, settings)
-            .context("there is no steady flow")?;
+        let (u, start) = (&mut self.march.state.u, self.case.time.start);
+        let initial = coupled::interpolate(&problem.flow, &Exact(self.flow.initial.clone()), start);
+        let report =
+            coupled::solve_steady(&mut problem, u, &initial, start, settings).context("there is no steady flow")?;
         let felt = felt(self.flow, &report);
         books.tally.start_from_steady(&report, &felt);
         books.tally.totals_at_start = report.totals.clone();
@@ -126,7 +128,8 @@ where
     }
 
     fn store(&self) -> SolverState {
-        checkpoint::store(&self.march.state, self.march.problem.frozen(), self.march.problem.stale)
+        let frozen_flow = &self.march.problem.frozen_flow;
+        checkpoint::store(&self.march.state, frozen_flow.frozen(), frozen_flow.stale)
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
@@ -139,7 +142,7 @@ where
         if let Some(frozen) = frozen {
             march.problem.thaw(frozen);
         }
-        march.problem.stale = stale;
+        march.problem.frozen_flow.stale = stale;
         Some(())
     }
 

@@ -32,7 +32,7 @@ pub fn move_mesh<const D: usize, const M: usize>(
     let mover = build::mover(case).map_err(Failure::bad_input)?;
     let mesh = MeshView::new(&mover.reference, &mover.numbering);
     let case = &Case { flow: None, ..case.clone() };
-    let march = MeshMarch::new(mover, case.time.schedule());
+    let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
     drive::<D, M, _>(case, MeshRun { case, march }, &mesh, call)
 }
 
@@ -58,8 +58,9 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn enter(&self, report: &MeshReport, books: &mut Books) -> Vec<f64> {
-        let MeshReport { slab, interval, work, quality, first_invalid, first_invalid_sampled } = report;
+        let MeshReport { slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled } = report;
         let tally = &mut books.tally;
+        tally.rejected += *rejected as u64;
         tally.elasticity += work.iterations as u64;
         tally.add_quality(*quality);
         let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });

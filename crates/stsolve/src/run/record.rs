@@ -103,6 +103,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// # Errors
     /// A file that cannot be written.
     pub fn step(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
+        let _timed = tracing::trace_span!(target: "cost", "output").entered();
         let (points, drawn) = self.draw(snapshot);
         let names: Vec<_> = self.fields().map(|field| fields::spec(field, D).name).collect();
         let fields: Vec<(&str, &[f64])> =
@@ -126,6 +127,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// # Errors
     /// A file that cannot be written.
     pub fn checkpoint(&mut self, mut state: SolverState, tally: &Tally) -> Result<(), Failure> {
+        let _timed = tracing::trace_span!(target: "cost", "output").entered();
         state.arrays.extend(tally.to_arrays());
         state.arrays.insert("history".into(), self.history.rows().to_vec());
         self.slabs_since_checkpoint = 0;

@@ -5,7 +5,7 @@ use super::history::columns;
 use super::tally::Tally;
 use crate::case::{Case, Flow, Time, gas_of};
 use crate::failure::Failure;
-use coupled::{MeshMover, State};
+use coupled::{Frozen, MeshMover, State};
 use fem::Orders;
 use mesh::Mesh;
 use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
@@ -101,13 +101,7 @@ impl Origin {
         let mesh = case.mesh.order();
         let from = Orders { flow: metadata.space_nodes.len(), mesh, time: metadata.time_nodes.len() };
         let to = Orders { flow: flow.order, mesh, time: case.time.order };
-        let incomplete = || self.differs("the checkpoint", "incomplete", "that of a flow");
-        let loaded = checkpoint::load(&self.stored, &Time { order: from.time, ..case.time });
-        let (mut state, frozen, stale) = loaded.ok_or_else(incomplete)?;
-        let lengths = (case.mesh.n_cells() * M * from.flow.pow(D as u32), mover.field_len());
-        if (state.u.len(), state.d.len()) != lengths {
-            return Err(incomplete());
-        }
+        let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
         self.join_schedule(&mut state, &case.time)?;
         let mut continued = if from == to {
             checkpoint::store(&state, frozen.as_ref(), stale)
@@ -120,6 +114,19 @@ impl Origin {
         };
         continued.arrays.extend(sums);
         Ok(continued)
+    }
+
+    /// The state in the orders of the run, what its preconditioner is made of, and whether that is stale.
+    fn loaded<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        mover: &MeshMover<D>,
+        orders: Orders,
+    ) -> Result<(State, Option<Frozen>, bool), RestartError> {
+        let lengths = (case.mesh.n_cells() * M * orders.flow.pow(D as u32), mover.field_len());
+        let loaded = checkpoint::load(&self.stored, &Time { order: orders.time, ..case.time });
+        let fitting = loaded.filter(|(state, ..)| (state.u.len(), state.d.len()) == lengths);
+        fitting.ok_or_else(|| self.differs("the checkpoint", "incomplete", "that of a flow"))
     }
 
     /// The mesh at rest must be the same, up to round-off.

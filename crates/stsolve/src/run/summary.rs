@@ -27,7 +27,6 @@ where
     let (tally, slabs) = (&books.tally, march.state.slab as u64);
     let mut summary = of_mesh(case, &march.problem.mover, &march.state, books, stop);
     summary.unknowns.flow = Some(march.problem.flow.layout.len());
-    summary.rejected_slabs = tally.rejected;
     summary.newton = Some(Newton { total: tally.newton, max: tally.newton_max, per_slab: ratio(tally.newton, slabs) });
     summary.krylov = Some(Krylov {
         total: tally.krylov,
@@ -146,6 +145,7 @@ fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books,
         reason: stop.map(Stop::reason),
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
         slabs: state.slab as u64,
+        rejected_slabs: books.tally.rejected,
         time: state.time,
         machine: Some(books::machine()),
         cost: books.cost(),

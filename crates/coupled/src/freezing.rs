@@ -1,0 +1,177 @@
+//! When the flow's Jacobian is frozen, and when its preconditioner is factored anew.
+//!
+//! One Jacobian serves many slabs: it is frozen where none is there or where the iterations have grown too much since. In between,
+//! another slab length or pseudo-time needs new factors of its modes only.
+
+use crate::preconditioner::{FlowPreconditioner, Ordering};
+use basis::TemporalModes;
+use fem::SlabOperator;
+
+/// A slab length, or a damping, that differs by this part needs new factors.
+const CHANGED: f64 = 0.1;
+
+/// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frozen {
+    /// Start and length of the slab.
+    pub interval: (f64, f64),
+    /// Displacement at its bottom.
+    pub bottom: Vec<f64>,
+    /// Mesh velocities.
+    pub velocities: Vec<f64>,
+    /// The flow.
+    pub state: Vec<f64>,
+    /// Slab length and damping for which the modes are factored now.
+    pub built_for: (f64, f64),
+    /// The order of elimination.
+    pub ordering: Ordering,
+}
+
+/// What an update has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// The factors are those from before.
+    Kept,
+    /// The modes were factored anew.
+    Refactored,
+    /// The Jacobian was frozen anew.
+    Frozen,
+}
+
+/// The preconditioner of the flow and what it is made of.
+pub struct FrozenFlow {
+    /// Set to have the Jacobian frozen at the next update.
+    pub stale: bool,
+    /// Whether it is frozen at every update.
+    pub always_fresh: bool,
+    /// A linear solve that takes more iterations than this has the Jacobian frozen at the next update.
+    pub patience: usize,
+    /// Times the preconditioner was applied since the last update.
+    applications: usize,
+    /// The same since the Jacobian was frozen, or since the bottom of the slab.
+    applications_since_frozen: usize,
+    preconditioner: Option<FlowPreconditioner>,
+    frozen: Option<Frozen>,
+}
+
+impl Default for FrozenFlow {
+    /// Nothing is frozen yet.
+    fn default() -> Self {
+        FrozenFlow {
+            stale: false,
+            always_fresh: false,
+            patience: usize::MAX,
+            applications: 0,
+            applications_since_frozen: 0,
+            preconditioner: None,
+            frozen: None,
+        }
+    }
+}
+
+impl FrozenFlow {
+    /// Counts applications from here, the bottom of a slab.
+    pub fn begin_slab(&mut self) {
+        self.applications = 0;
+        self.applications_since_frozen = 0;
+    }
+
+    /// Krylov iterations since the Jacobian was frozen, or since the bottom of the slab.
+    pub fn iterations_since_frozen(&self) -> usize {
+        self.applications_since_frozen
+    }
+
+    /// z = P^{-1} r; r itself as long as there is no preconditioner.
+    pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        self.applications += 1;
+        self.applications_since_frozen += 1;
+        match &mut self.preconditioner {
+            Some(preconditioner) => preconditioner.apply(r, z),
+            None => z.copy_from_slice(r),
+        }
+    }
+
+    /// Bytes held by the preconditioner.
+    pub fn bytes(&self) -> usize {
+        self.preconditioner.as_ref().map_or(0, FlowPreconditioner::bytes)
+    }
+
+    /// What the preconditioner is made of.
+    pub fn frozen(&self) -> Option<&Frozen> {
+        self.frozen.as_ref()
+    }
+
+    /// Freezes, refactors or keeps the Jacobian of `flow`, linearised in a slab with displacement `bottom` and mesh `velocities`, with
+    /// pseudo-time of `rate` = 1/dtau.
+    pub fn update<const D: usize, const M: usize>(
+        &mut self,
+        flow: &SlabOperator<D, M>,
+        bottom: &[f64],
+        velocities: &[f64],
+        rate: f64,
+    ) -> Update {
+        self.stale |= std::mem::take(&mut self.applications) > self.patience;
+        let (_, dt) = flow.interval();
+        let built_for = (dt, dt * rate);
+        let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
+        match (&mut self.preconditioner, &mut self.frozen) {
+            (Some(preconditioner), Some(frozen)) if !self.stale && !self.always_fresh => {
+                if !change(frozen.built_for.0, built_for.0) && !change(frozen.built_for.1, built_for.1) {
+                    return Update::Kept;
+                }
+                preconditioner.refactor(built_for.0, built_for.1);
+                frozen.built_for = built_for;
+                Update::Refactored
+            }
+            _ => {
+                self.freeze(flow, bottom, velocities, built_for);
+                Update::Frozen
+            }
+        }
+    }
+
+    /// Freezes the flow's Jacobian here, with the order of elimination of the first time.
+    fn freeze<const D: usize, const M: usize>(
+        &mut self,
+        flow: &SlabOperator<D, M>,
+        bottom: &[f64],
+        velocities: &[f64],
+        built_for: (f64, f64),
+    ) {
+        let ordering = self.frozen.take().map(|frozen| frozen.ordering);
+        let ordering = self.build(flow, built_for, ordering).ordering().clone();
+        self.frozen = Some(Frozen {
+            interval: flow.interval(),
+            bottom: bottom.to_vec(),
+            velocities: velocities.to_vec(),
+            state: flow.linearisation().to_vec(),
+            built_for,
+            ordering,
+        });
+        self.applications_since_frozen = 0;
+        self.stale = false;
+    }
+
+    /// Makes the preconditioner again from what it was made of. The slab, the mesh and the linearisation of `flow` are then those of
+    /// `frozen`.
+    pub fn thaw<const D: usize, const M: usize>(&mut self, flow: &mut SlabOperator<D, M>, frozen: Frozen) {
+        let (start, dt) = frozen.interval;
+        flow.begin_slab(start, dt, &vec![0.0; flow.layout.at_one_time().len()], &frozen.bottom);
+        flow.set_mesh(&frozen.velocities);
+        flow.linearise(&frozen.state);
+        self.build(flow, frozen.built_for, Some(frozen.ordering.clone()));
+        self.frozen = Some(frozen);
+    }
+
+    fn build<const D: usize, const M: usize>(
+        &mut self,
+        flow: &SlabOperator<D, M>,
+        (dt, damping): (f64, f64),
+        ordering: Option<Ordering>,
+    ) -> &FlowPreconditioner {
+        // The old one goes first: two at a time would double the memory.
+        self.preconditioner = None;
+        let (modes, jacobian) = (TemporalModes::new(&flow.tables.time), flow.space_jacobian(0.5));
+        self.preconditioner.insert(FlowPreconditioner::new(flow.layout, modes, jacobian, dt, damping, ordering))
+    }
+}

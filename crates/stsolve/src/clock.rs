@@ -1,0 +1,154 @@
+//! Where the time of a run goes.
+//!
+//! The numerics open a span of `tracing` with the target "cost" around each part of their work. Here the time from entering to leaving
+//! it is added up by the name of the span, less the time of the spans within it; what no span covers is the rest. So the parts add up to
+//! the wall time of the run. The spans are those of one thread, the one that drives the run; nothing here enters a result.
+
+use output::Part;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tracing::span::Id;
+use tracing::{Metadata, Subscriber};
+use tracing_subscriber::Layer;
+use tracing_subscriber::layer::Context;
+use tracing_subscriber::registry::LookupSpan;
+
+/// The parts of a run in the order in which they are told: the name of the span, and what it stands for.
+const PARTS: [(&str, &str); 10] = [
+    ("setup", "set-up"),
+    ("residual", "residual"),
+    ("product", "Jacobian products"),
+    ("preconditioner_setup", "preconditioner, made"),
+    ("preconditioner", "preconditioner, applied"),
+    ("orthogonalisation", "orthogonalisation"),
+    ("elasticity", "elasticity"),
+    ("mesh_proof", "proof of the mesh"),
+    ("output", "output"),
+    ("rest", "rest"),
+];
+
+// The parts that no span covers: before the clock starts, and afterwards.
+const SETUP: &str = PARTS[0].0;
+const REST: &str = PARTS[9].0;
+
+/// A clock that spans start and stop, by all its clones.
+#[derive(Clone, Debug)]
+pub struct Clock(Arc<Mutex<Times>>);
+
+#[derive(Debug)]
+struct Times {
+    /// The spans that are open, the innermost last.
+    open: Vec<&'static str>,
+    /// Until when all time is assigned.
+    last: Instant,
+    spent: BTreeMap<&'static str, (Duration, u64)>,
+}
+
+impl Times {
+    /// Assigns the time until now to the innermost span.
+    fn assign(&mut self) {
+        let now = Instant::now();
+        let part = self.open.last().copied().unwrap_or(REST);
+        self.spent.entry(part).or_default().0 += now - self.last;
+        self.last = now;
+    }
+}
+
+impl Clock {
+    /// A clock of a run that has `begun` and is now set up.
+    pub fn new(begun: Instant) -> Self {
+        let now = Instant::now();
+        let spent = BTreeMap::from([(SETUP, (now - begun, 1))]);
+        Clock(Arc::new(Mutex::new(Times { open: Vec::new(), last: now, spent })))
+    }
+
+    /// Whether a span is one of the parts of a run.
+    pub fn counts(metadata: &Metadata<'_>) -> bool {
+        metadata.is_span() && metadata.target() == "cost"
+    }
+
+    /// The parts of the run until now, by name.
+    pub fn parts(&self) -> BTreeMap<String, Part> {
+        self.with(|times| {
+            times.assign();
+            let part = |(name, (time, calls)): (&&str, &(Duration, u64))| {
+                (name.to_string(), Part { seconds: time.as_secs_f64(), calls: *calls })
+            };
+            times.spent.iter().map(part).collect()
+        })
+    }
+
+    /// A sum is as good after a panic as before it.
+    fn with<R>(&self, work: impl FnOnce(&mut Times) -> R) -> R {
+        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for Clock {
+    fn on_enter(&self, id: &Id, context: Context<'_, S>) {
+        let Some(span) = context.span(id) else { return };
+        self.with(|times| {
+            times.assign();
+            times.open.push(span.name());
+            times.spent.entry(span.name()).or_default().1 += 1;
+        });
+    }
+
+    fn on_exit(&self, _: &Id, _: Context<'_, S>) {
+        self.with(|times| {
+            times.assign();
+            times.open.pop();
+        });
+    }
+}
+
+/// The parts of a run as lines of a table.
+pub fn table(parts: &BTreeMap<String, Part>) -> String {
+    let whole: f64 = parts.values().map(|part| part.seconds).sum();
+    let mut lines = vec![format!("{:<25}{:>10}{:>8}{:>10}", "where the time went", "s", "%", "calls")];
+    for (name, text) in PARTS {
+        let Some(Part { seconds, calls }) = parts.get(name) else { continue };
+        let calls = if *calls > 0 { calls.to_string() } else { String::new() };
+        lines.push(format!("{text:<25}{seconds:>10.2}{:>8.1}{calls:>10}", 100.0 * seconds / whole));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use tracing_subscriber::filter::filter_fn;
+    use tracing_subscriber::layer::SubscriberExt;
+
+    /// Time within a span belongs to that span alone, and all parts together are the wall time.
+    #[test]
+    fn parts_add_up_to_the_wall_time() {
+        let begun = Instant::now();
+        let pause = || std::thread::sleep(Duration::from_millis(10));
+        pause();
+        let clock = Clock::new(begun);
+        let layer = clock.clone().with_filter(filter_fn(Clock::counts));
+        tracing::subscriber::with_default(tracing_subscriber::registry().with(layer), || {
+            let outer = tracing::trace_span!(target: "cost", "orthogonalisation").entered();
+            for _ in 0..2 {
+                let _inner = tracing::trace_span!(target: "cost", "product").entered();
+                let _other = tracing::trace_span!(target: "something else", "product").entered();
+                pause();
+            }
+            drop(outer);
+            pause();
+        });
+        let parts = clock.parts();
+        let wall = begun.elapsed().as_secs_f64();
+        let sum: f64 = parts.values().map(|part| part.seconds).sum();
+        // Time that was counted twice would make more than the wall time.
+        assert!((0.04..=wall).contains(&sum), "{sum} of {wall}");
+        let calls: Vec<_> = parts.iter().map(|(name, part)| (name.as_str(), part.calls)).collect();
+        assert_eq!(calls, [("orthogonalisation", 1), ("product", 2), ("rest", 0), ("setup", 1)]);
+        assert!(parts["product"].seconds >= 0.02 && parts["rest"].seconds >= 0.01 && parts["setup"].seconds >= 0.01);
+        let table = table(&parts);
+        assert!(table.contains("Jacobian products") && table.lines().count() == 5, "{table}");
+    }
+}

@@ -1,0 +1,96 @@
+//! Counted work on the heaving airfoil, on a coarse mesh: how iterations depend on the slab and on the order.
+//!
+//! The bars are those of the production setting, slabs of 0.1 with three nodes in time. `cargo test --release -p stsolve --test
+//! airfoil_iterations -- --ignored --nocapture` measures the shipped case itself.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod common;
+
+use common::{column, on_case};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// 280 cells.
+const COARSE: [&str; 5] = [
+    "mesh.order=3",
+    "mesh.generate.airfoil.far_field=20",
+    "mesh.generate.airfoil.surface_cells=8",
+    "mesh.generate.airfoil.wake_cells=6",
+    "mesh.generate.airfoil.normal_cells=10",
+];
+
+/// Runs the airfoil in `directory` into `output`.
+fn run(directory: &Path, set: &[&str], output: &str) {
+    on_case(directory, "run", "naca0012_heave", set, output, &[]).expect(0, &[]);
+}
+
+/// Newton steps and Krylov iterations of the slabs of a run after time `t`.
+fn work_after(run: &Path, t: f64) -> (Vec<f64>, Vec<f64>) {
+    let first = column(run, "t").iter().position(|&end| end > t + 1e-12).unwrap();
+    (column(run, "newton").split_off(first), column(run, "krylov").split_off(first))
+}
+
+fn mean(counts: &[f64]) -> f64 {
+    counts.iter().sum::<f64>() / counts.len() as f64
+}
+
+/// Runs with slabs of `step`, halved again and again, from the same state in motion: Krylov iterations must not grow.
+fn assert_shorter_slabs_cost_no_more_iterations(set: &[&str], step: f64) {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let start = 4.0 * step;
+    run(at, &[set, &[&format!("time.end={start}")]].concat(), "start");
+    let from = format!("restart.from={}", at.join("start").display());
+    let mut previous = f64::INFINITY;
+    for halvings in 0..=5 {
+        let step = step * 0.5_f64.powi(halvings);
+        let (steps, end) = (format!("time.step={step}"), format!("time.end={}", start + 3.0 * step));
+        let output = format!("halved_{halvings}");
+        run(at, &[set, &[&from, &steps, &end]].concat(), &output);
+        let (newton, krylov) = work_after(&at.join(&output), start);
+        println!("slabs of {step:<10} Newton steps {newton:?}  Krylov iterations {krylov:?}");
+        assert!(newton.iter().all(|&steps| steps <= 4.0), "slabs of {step}: {newton:?}");
+        assert!(mean(&krylov) <= previous, "slabs of {step}: {krylov:?}, before {previous} on average");
+        previous = mean(&krylov);
+    }
+}
+
+/// Goes on with N_s = 4 and 8 from the same state in motion to `end`: Krylov iterations must not grow by more than half.
+fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &[set, &["flow.order=4", "time.end=0.2"]].concat(), "start");
+    let from = format!("restart.from={}", at.join("start").display());
+    let means = [4, 8].map(|order| {
+        let (set_order, output) = (format!("flow.order={order}"), format!("order_{order}"));
+        run(at, &[set, &[&from, &set_order, &format!("time.end={end}")]].concat(), &output);
+        let (newton, krylov) = work_after(&at.join(&output), 0.2);
+        println!("N_s = {order}: Newton steps {newton:?}  Krylov iterations {krylov:?}");
+        assert!(newton.iter().all(|&steps| steps <= 4.0), "{order}: {newton:?}");
+        mean(&krylov)
+    });
+    assert!(means[1] <= 1.5 * means[0], "{means:?}");
+}
+
+#[test]
+fn shorter_slabs_cost_no_more_iterations() {
+    assert_shorter_slabs_cost_no_more_iterations(&[&COARSE[..], &["flow.order=4"]].concat(), 0.1);
+}
+
+#[test]
+fn a_higher_order_costs_few_more_iterations() {
+    assert_a_higher_order_costs_few_more_iterations(&COARSE, 0.5);
+}
+
+#[test]
+#[ignore = "minutes: the shipped case itself"]
+fn shorter_slabs_cost_no_more_iterations_in_the_shipped_case() {
+    assert_shorter_slabs_cost_no_more_iterations(&[], 0.1);
+}
+
+#[test]
+#[ignore = "minutes: the shipped case itself"]
+fn a_higher_order_costs_few_more_iterations_in_the_shipped_case() {
+    assert_a_higher_order_costs_few_more_iterations(&[], 1.0);
+}
