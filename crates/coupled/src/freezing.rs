@@ -4,6 +4,7 @@
 //! another slab length or pseudo-time needs new factors of its modes only.
 
 use crate::preconditioner::{FlowPreconditioner, Ordering};
+use crate::wear::FrozenInSlab;
 use basis::TemporalModes;
 use fem::SlabOperator;
 
@@ -44,12 +45,11 @@ pub struct FrozenFlow {
     pub stale: bool,
     /// Whether it is frozen at every update.
     pub always_fresh: bool,
-    /// A linear solve that takes more iterations than this has the Jacobian frozen at the next update.
+    /// When more iterations than these are done in a slab, the Jacobian is frozen at the next update.
     pub patience: usize,
-    /// Times the preconditioner was applied since the last update.
+    /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
     applications: usize,
-    /// The same since the Jacobian was frozen, or since the bottom of the slab.
-    applications_since_frozen: usize,
+    in_slab: FrozenInSlab,
     preconditioner: Option<FlowPreconditioner>,
     frozen: Option<Frozen>,
 }
@@ -62,7 +62,7 @@ impl Default for FrozenFlow {
             always_fresh: false,
             patience: usize::MAX,
             applications: 0,
-            applications_since_frozen: 0,
+            in_slab: FrozenInSlab::No,
             preconditioner: None,
             frozen: None,
         }
@@ -73,18 +73,22 @@ impl FrozenFlow {
     /// Counts applications from here, the bottom of a slab.
     pub fn begin_slab(&mut self) {
         self.applications = 0;
-        self.applications_since_frozen = 0;
+        self.in_slab = FrozenInSlab::No;
     }
 
     /// Krylov iterations since the Jacobian was frozen, or since the bottom of the slab.
     pub fn iterations_since_frozen(&self) -> usize {
-        self.applications_since_frozen
+        self.applications
+    }
+
+    /// Whether the Jacobian was frozen in this slab.
+    pub fn frozen_in_slab(&self) -> FrozenInSlab {
+        self.in_slab
     }
 
     /// z = P^{-1} r; r itself as long as there is no preconditioner.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         self.applications += 1;
-        self.applications_since_frozen += 1;
         match &mut self.preconditioner {
             Some(preconditioner) => preconditioner.apply(r, z),
             None => z.copy_from_slice(r),
@@ -110,7 +114,7 @@ impl FrozenFlow {
         velocities: &[f64],
         rate: f64,
     ) -> Update {
-        self.stale |= std::mem::take(&mut self.applications) > self.patience;
+        self.stale |= self.applications > self.patience;
         let (_, dt) = flow.interval();
         let built_for = (dt, dt * rate);
         let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
@@ -148,7 +152,9 @@ impl FrozenFlow {
             built_for,
             ordering,
         });
-        self.applications_since_frozen = 0;
+        let first = self.applications == 0 && self.in_slab == FrozenInSlab::No;
+        self.in_slab = if first { FrozenInSlab::AtFirst } else { FrozenInSlab::Later };
+        self.applications = 0;
         self.stale = false;
     }
 

@@ -336,9 +336,9 @@ impl<const D: usize, const M: usize> March<D, M> {
             self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
         }
         let totals = self.totals();
-        let frozen_in_slab = self.problem.counts.rebuilds > 0;
         let frozen_flow = &mut self.problem.frozen_flow;
-        frozen_flow.stale = self.state.wear.record(frozen_flow.iterations_since_frozen(), frozen_in_slab);
+        let (iterations, frozen) = (frozen_flow.iterations_since_frozen(), frozen_flow.frozen_in_slab());
+        frozen_flow.stale = self.state.wear.record(iterations, frozen);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);

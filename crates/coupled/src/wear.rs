@@ -12,8 +12,19 @@
 /// B: 20 to 27 iterations on a heaving airfoil at N_s = 4 to 6 and N_t = 3.
 const FREEZING: usize = 20;
 
-/// A solve is given up on the preconditioner, and the next has a new one, after twice the iterations of a slab and these.
-const PATIENCE: usize = 20;
+/// Where a Jacobian did not last for the slab after its own, so many slabs begin with a new one before the next is put to the test.
+const EAGER: usize = 4;
+
+/// Whether, and when, the Jacobian was frozen in a slab.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrozenInSlab {
+    /// It was not.
+    No,
+    /// Ahead of all iterations.
+    AtFirst,
+    /// After some, which it had made too many.
+    Later,
+}
 
 /// What the iterations of the slabs since the Jacobian was frozen say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,26 +35,38 @@ pub struct Wear {
     pub excess: usize,
     /// k, 0 as long as nothing is frozen.
     pub slabs: usize,
+    /// Slabs still to begin with a new one.
+    pub eager: usize,
 }
 
 impl Wear {
     /// Records a slab with that many iterations since the Jacobian was frozen, or since the bottom of the slab. Returns whether the
-    /// Jacobian should be frozen anew in the next one.
-    pub fn record(&mut self, iterations: usize, frozen_in_slab: bool) -> bool {
-        if frozen_in_slab || self.slabs == 0 {
-            *self = Wear { base: iterations, excess: 0, slabs: 1 };
-            return false;
+    /// next slab is to begin with a new one.
+    pub fn record(&mut self, iterations: usize, frozen: FrozenInSlab) -> bool {
+        match frozen {
+            FrozenInSlab::No if self.slabs > 0 => self.age(iterations),
+            FrozenInSlab::Later if self.slabs > 0 => {
+                *self = Wear { base: self.base, excess: 0, slabs: 1, eager: EAGER };
+                true
+            }
+            _ => {
+                *self = Wear { base: iterations, excess: 0, slabs: 1, eager: self.eager.saturating_sub(1) };
+                self.eager > 0
+            }
         }
+    }
+
+    /// 2 e_k > c_k, after one more slab.
+    fn age(&mut self, iterations: usize) -> bool {
         let excess = iterations.saturating_sub(self.base);
         self.excess += excess;
         self.slabs += 1;
-        // 2 e_k > c_k
         2 * excess * self.slabs > FREEZING + self.excess
     }
 
-    /// The iterations after which a single solve says that the preconditioner is of no use.
+    /// The iterations of a slab by which as much is lost as freezing costs: the time to freeze, even in the midst of it.
     pub fn patience(&self) -> usize {
-        if self.slabs == 0 { usize::MAX } else { 2 * self.base + PATIENCE }
+        if self.slabs == 0 { usize::MAX } else { self.base + FREEZING }
     }
 }
 
@@ -54,7 +77,11 @@ mod tests {
     /// The slab, counted from the freezing, after which a Jacobian is frozen anew.
     fn lifetime(iterations: impl Fn(usize) -> usize) -> Option<usize> {
         let mut wear = Wear::default();
-        (0..100).find(|&slab| wear.record(iterations(slab), slab == 0)).map(|slab| slab + 1)
+        (0..100)
+            .find(|&slab| {
+                wear.record(iterations(slab), if slab == 0 { FrozenInSlab::AtFirst } else { FrozenInSlab::No })
+            })
+            .map(|slab| slab + 1)
     }
 
     /// Of all lifetimes, the one with the least cost per slab.
@@ -76,11 +103,15 @@ mod tests {
         }
     }
 
+    /// Where a Jacobian serves its own slab only, most slabs begin with a new one.
     #[test]
-    fn patience_is_endless_until_something_is_frozen() {
+    fn short_lives_are_learnt() {
         let mut wear = Wear::default();
         assert_eq!(wear.patience(), usize::MAX);
-        wear.record(12, true);
-        assert_eq!(wear.patience(), 44);
+        assert!(!wear.record(12, FrozenInSlab::AtFirst));
+        assert_eq!(wear.patience(), 12 + FREEZING);
+        assert!(wear.record(5, FrozenInSlab::Later));
+        let begun_anew = (0..100).take_while(|_| wear.record(12, FrozenInSlab::AtFirst)).count();
+        assert_eq!((begun_anew, wear.base), (EAGER - 1, 12));
     }
 }

@@ -18,6 +18,7 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
         ("wear.base", state.wear.base),
         ("wear.excess", state.wear.excess),
         ("wear.slabs", state.wear.slabs),
+        ("wear.eager", state.wear.eager),
         ("stale", stale.into()),
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
@@ -60,7 +61,12 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>,
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         step: *array("step")?.first()?,
-        wear: Wear { base: integer("wear.base")?, excess: integer("wear.excess")?, slabs: integer("wear.slabs")? },
+        wear: Wear {
+            base: integer("wear.base")?,
+            excess: integer("wear.excess")?,
+            slabs: integer("wear.slabs")?,
+            eager: integer("wear.eager")?,
+        },
     };
     reopen_short_slab(&mut state, time);
     let frozen = frozen(&stored.arrays);
