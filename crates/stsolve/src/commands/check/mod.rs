@@ -116,7 +116,7 @@ fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, doubts: &mut Vec<
     let over_run = match move_over_run(case) {
         Ok(over_run) => over_run?,
         Err(error) => {
-            doubts.push(Doubt { subject: "mesh", text: error.to_string() });
+            doubts.push(Doubt { subject: "mesh", text: format!("{error:#}") });
             return None;
         }
     };
