@@ -341,6 +341,7 @@ mod tests {
                 threads: 2,
                 residual_evaluations: 100,
                 jacobian_products: 81,
+                parts: BTreeMap::from([("product".to_owned(), crate::cost::Part { seconds: 1.5, calls: 81 })]),
             },
         }
     }
@@ -367,7 +368,8 @@ mod tests {
                            "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
             "machine": { "processor": "Fast 3000", "processors": 2, "system": "linux x86_64" },
             "cost": { "wall_seconds": 2.5, "setup_seconds": 0.5, "peak_memory_bytes": 1_048_576, "threads": 2,
-                      "residual_evaluations": 100, "jacobian_products": 81 }
+                      "residual_evaluations": 100, "jacobian_products": 81,
+                      "parts": { "product": { "seconds": 1.5, "calls": 81 } } }
         })
     }
 

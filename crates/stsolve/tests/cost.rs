@@ -6,7 +6,12 @@ mod common;
 
 use common::{number, on_case, shipped, stsolve, summary};
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+use stsolve::clock::{Clock, table};
 use tempfile::TempDir;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::filter_fn;
+use tracing_subscriber::layer::SubscriberExt;
 
 const SMALL: [&str; 2] = ["mesh.generate.box.cells=[4,4]", "time.end=0.4"];
 
@@ -17,7 +22,7 @@ fn parts(summary: &serde_json::Value) -> BTreeMap<String, (f64, f64)> {
 }
 
 #[test]
-fn the_parts_of_a_run_add_up_to_its_wall_time() {
+fn the_summary_has_the_parts_of_a_run() {
     let directory = TempDir::new().unwrap();
     let case = shipped("vortex.toml");
     let outcome = stsolve(directory.path(), &["run", &case, "--output", "run", "--set", SMALL[0], "--set", SMALL[1]]);
@@ -58,4 +63,34 @@ fn calls_are_the_same_in_every_run_and_a_quiet_run_tells_nothing() {
         parts.into_iter().map(|(name, part)| (name, part.1)).collect::<Vec<_>>()
     });
     assert_eq!(calls[0], calls[1]);
+}
+
+/// Time within a span belongs to that span alone, and all parts together are the wall time.
+#[test]
+fn parts_add_up_to_the_wall_time() {
+    let begun = Instant::now();
+    let pause = || std::thread::sleep(Duration::from_millis(10));
+    pause();
+    let clock = Clock::new(begun);
+    let layer = clock.clone().with_filter(filter_fn(Clock::counts));
+    tracing::subscriber::with_default(tracing_subscriber::registry().with(layer), || {
+        let outer = tracing::trace_span!(target: "cost", "orthogonalisation").entered();
+        for _ in 0..2 {
+            let _inner = tracing::trace_span!(target: "cost", "product").entered();
+            let _other = tracing::trace_span!(target: "something else", "product").entered();
+            pause();
+        }
+        drop(outer);
+        pause();
+    });
+    let parts = clock.parts();
+    let wall = begun.elapsed().as_secs_f64();
+    let sum: f64 = parts.values().map(|part| part.seconds).sum();
+    // Time that was counted twice would make more than the wall time.
+    assert!((0.04..=wall).contains(&sum), "{sum} of {wall}");
+    let calls: Vec<_> = parts.iter().map(|(name, part)| (name.as_str(), part.calls)).collect();
+    assert_eq!(calls, [("orthogonalisation", 1), ("product", 2), ("rest", 0), ("setup", 1)]);
+    assert!(parts["product"].seconds >= 0.02 && parts["rest"].seconds >= 0.01 && parts["setup"].seconds >= 0.01);
+    let table = table(&parts);
+    assert!(table.contains("Jacobian products") && table.lines().count() == 5, "{table}");
 }
