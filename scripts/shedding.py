@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""The vortex street of a run: prints Strouhal number, mean drag and amplitude of lift of a wall over the last whole periods.
+
+    shedding.py RUN_DIRECTORY [--wall NAME] [--periods N] [--length L] [--speed U]
+
+A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period).
+"""
+
+import argparse
+import csv
+import pathlib
+import sys
+
+
+def columns(directory, wall):
+    rows = list(csv.DictReader((directory / "history.csv").open()))
+    names = ("t", "dt", f"{wall}_lift_coefficient", f"{wall}_drag_coefficient")
+    missing = [name for name in names if rows and name not in rows[0]]
+    if missing:
+        sys.exit(f"{directory / 'history.csv'} has no column {missing[0]}: is `{wall}` the name of a wall?")
+    return [[float(row[name]) for row in rows] for name in names]
+
+
+def upward_crossings(time, lift):
+    pairs = zip(zip(time, lift), zip(time[1:], lift[1:]))
+    return [t - l * (t1 - t) / (l1 - l) for (t, l), (t1, l1) in pairs if l < 0 <= l1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", type=pathlib.Path)
+    parser.add_argument("--wall", default="wall")
+    parser.add_argument("--periods", type=int, default=4)
+    parser.add_argument("--length", type=float, default=1)
+    parser.add_argument("--speed", type=float, default=1)
+    arguments = parser.parse_args()
+    time, step, lift, drag = columns(arguments.directory, arguments.wall)
+    crossings = upward_crossings(time, lift)
+    if len(crossings) <= arguments.periods:
+        sys.exit(f"only {max(0, len(crossings) - 1)} periods so far")
+    first, last = crossings[-1 - arguments.periods], crossings[-1]
+    inside = [k for k, t in enumerate(time) if first < t <= last]
+    mean = sum(drag[k] * step[k] for k in inside) / sum(step[k] for k in inside)
+    amplitude = max(abs(lift[k]) for k in inside)
+    strouhal = arguments.periods * arguments.length / (arguments.speed * (last - first))
+    print(f"St {strouhal:.4f}  mean C_D {mean:.4f}  largest |C_L| {amplitude:.4f}  t {first:.2f} to {last:.2f}")
+
+
+if __name__ == "__main__":
+    main()
