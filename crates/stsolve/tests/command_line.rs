@@ -77,6 +77,7 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
         (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),
         (&[viscosity], "turbulence", "lower Reynolds number"),
+        (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),
         (&["flow.gas.viscosity=\"inviscid\""], "viscosity", "slip_wall"),
         (&["flow.boundary.airfoil=\"symmetry\"", "flow.forces={}"], "none", ""),
         (
