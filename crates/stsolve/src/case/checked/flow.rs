@@ -27,6 +27,8 @@ pub struct Flow<const D: usize> {
     pub quadrature: fem::Quadrature,
     /// The state at the start.
     pub initial: State<D>,
+    /// The velocity at the start, if that is the same everywhere.
+    pub uniform_velocity: Option<[f64; D]>,
     /// The solution, if it is known.
     pub exact: Option<State<D>>,
     /// Whether there is the source that makes `exact` the solution.
@@ -62,6 +64,8 @@ pub(super) fn check<const D: usize>(
     let (exact, initial) = (state("exact", &raw.exact)?, state("initial", &raw.initial)?);
     let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
     let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
+    let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
+    let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
     let exact = exact.map(|typical| typical.state);
     if initial.is_none() && exact.is_some() {
         checker.note_default(&key.child("initial"), "flow.exact");
@@ -91,6 +95,7 @@ pub(super) fn check<const D: usize>(
         reference_length,
         quadrature,
         initial,
+        uniform_velocity,
         exact,
         manufactured,
         boundary,
@@ -245,7 +250,7 @@ fn condition<const D: usize>(
                 checker.combination(
                     key,
                     "there is no exact solution to take",
-                    "this condition together with `flow.exact`",
+                    "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`",
                 )
             };
             return exact.cloned().map(prescribed).ok_or_else(missing);

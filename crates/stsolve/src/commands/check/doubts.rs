@@ -32,8 +32,9 @@ pub(super) struct Doubt {
 pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
-        let of_resolution = [quadrature(facts, flow), layer(facts, flow), start(facts, flow), mach(flow)];
-        of_boundaries.into_iter().chain(of_resolution)
+        let of_start = [start(facts, flow), sudden_flow(facts, flow)];
+        let of_resolution = [quadrature(facts, flow), layer(facts, flow), mach(flow)];
+        of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
     let of_all = [slab_length(facts), file_size(facts)];
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
@@ -153,6 +154,17 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
          multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
     );
     doubt("start of the motion", text)
+}
+
+/// A uniform stream does not stick to walls: where it is the state at the start, their layers arise at once.
+fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let moves = flow.uniform_velocity?.iter().any(|w| *w != 0.0);
+    if !moves || facts.walls?.cell_height.is_none() || flow.exact.is_some() || facts.case.solver.steady.is_some() {
+        return None;
+    }
+    let text = "the flow starts uniform, and walls without slip stop it at once: an empty section `[solver.steady]`, which starts from the steady \
+                flow, if there is one; otherwise the first time units are those of that start";
+    doubt("start of the flow", text.to_owned())
 }
 
 fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
