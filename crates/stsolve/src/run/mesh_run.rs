@@ -85,8 +85,8 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
     }
 
-    fn examine(&self, _error: &anyhow::Error) -> Option<Finding> {
-        Some(examine_mesh(self.case, &self.march.mover, &self.march.state))
+    fn examine(&self, error: &anyhow::Error) -> Option<Finding> {
+        Some(examine_mesh(self.case, &self.march.mover, &self.march.state, error))
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion};
 use super::finding::Finding;
 use super::grid::{Grid, difference};
 use crate::case::{self, Case, Stiffness};
-use coupled::{Interval, MeshMover};
+use coupled::{Interval, MarchError, MeshMover};
 
 /// The mesh of `case`, displaced by `d` before the slab that failed.
 pub fn mesh<const D: usize>(
@@ -54,11 +54,18 @@ fn travel<const D: usize>(mover: &MeshMover<D>, grid: &Grid<D>, d: &[f64], inter
     (0..grid.cells()).map(of_cell).fold(0.0, f64::max)
 }
 
-/// A run of the mesh alone whose equilibrium was not found in the slab after displacement `d`.
-pub fn examine<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Finding {
+/// A run of the mesh alone that stopped with `error` in the slab after `state`.
+pub fn examine<const D: usize>(
+    case: &Case<D>,
+    mover: &MeshMover<D>,
+    state: &coupled::State,
+    error: &anyhow::Error,
+) -> Finding {
     let grid = Grid::new(mover, mover.reference.order());
-    let interval = Interval { start: state.time, end: state.time + case.time.step, halvings: 0 };
-    let attempt = Attempt { slabs_done: state.slab, start: state.time, length: case.time.step, ..Attempt::default() };
+    let whole = Interval { start: state.time, end: state.time + case.time.step, halvings: 0 };
+    let interval = error.downcast_ref::<MarchError>().map_or(whole, |error| error.interval);
+    let Interval { start, end, halvings } = interval;
+    let attempt = Attempt { steady: false, slabs_done: state.slab, start, length: end - start, halvings };
     let mesh = mesh(case, mover, &grid, &state.d, interval);
     let evidence = Evidence { gave_up: GaveUp::Equilibrium, attempt, newton: None, mesh, gas: None };
     Finding { evidence, residuals: Vec::new(), cell: None }
