@@ -145,8 +145,9 @@ fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
 }
 
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+    let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
     let speed = facts.motion?.speed_at_start / flow.reference_speed;
-    if speed <= SUDDEN || flow.walls.is_empty() {
+    if speed <= SUDDEN || !flow.walls.iter().any(|wall| boundary[wall.boundary].is_some()) {
         return None;
     }
     let text = format!(
