@@ -28,6 +28,7 @@ pub fn contract_add<S: Simd>(
 const MOST_COLUMNS: usize = 16;
 
 /// Takes more columns than that in equal shares: the first as asked, the others added.
+#[inline]
 fn in_shares<S: Simd>(
     simd: S,
     matrix: &Matrix,
@@ -37,16 +38,15 @@ fn in_shares<S: Simd>(
     output: &mut [Pack],
     add: bool,
 ) {
-    let shares = matrix.cols().div_ceil(MOST_COLUMNS).max(1);
+    let whole = Shape { matrix, first: 0, outer, inner, add };
+    if matrix.cols() <= MOST_COLUMNS {
+        return contract_columns(simd, matrix.cols(), whole, input, output);
+    }
+    let shares = matrix.cols().div_ceil(MOST_COLUMNS);
     for share in 0..shares {
         let first = share * matrix.cols() / shares;
         let columns = (share + 1) * matrix.cols() / shares - first;
-        let shape = Shape { matrix, first, outer, inner };
-        if add || share > 0 {
-            contract_columns::<S, true>(simd, columns, shape, input, output);
-        } else {
-            contract_columns::<S, false>(simd, columns, shape, input, output);
-        }
+        contract_columns(simd, columns, Shape { first, add: add || share > 0, ..whole }, input, output);
     }
 }
 
@@ -58,19 +58,16 @@ struct Shape<'a> {
     first: usize,
     outer: usize,
     inner: usize,
+    /// Whether to add to the output. No type, or every kernel would be compiled twice.
+    add: bool,
 }
 
-fn contract_columns<S: Simd, const ADD: bool>(
-    simd: S,
-    columns: usize,
-    shape: Shape<'_>,
-    input: &[Pack],
-    output: &mut [Pack],
-) {
+#[inline]
+fn contract_columns<S: Simd>(simd: S, columns: usize, shape: Shape<'_>, input: &[Pack], output: &mut [Pack]) {
     macro_rules! kernel_of {
         ($($n:literal)*) => {
             match columns {
-                $($n => simd.vectorize(Kernel::<$n, ADD> { shape, input, output }),)*
+                $($n => simd.vectorize(Kernel::<$n> { shape, input, output }),)*
                 _ => unreachable!("a share has at most {MOST_COLUMNS} columns"),
             }
         };
@@ -79,53 +76,97 @@ fn contract_columns<S: Simd, const ADD: bool>(
 }
 
 /// The contraction over N columns, compiled for one instruction set.
-struct Kernel<'a, const N: usize, const ADD: bool> {
+struct Kernel<'a, const N: usize> {
     shape: Shape<'a>,
     input: &'a [Pack],
     output: &'a mut [Pack],
 }
 
-impl<const N: usize, const ADD: bool> WithSimd for Kernel<'_, N, ADD> {
+impl<const N: usize> WithSimd for Kernel<'_, N> {
     type Output = ();
+    /// As many lines at a time as leave registers for their sums and an entry of the matrix, which is then read once for all.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Shape { matrix, first, outer, inner } = self.shape;
-        for o in 0..outer {
-            let input = &self.input[(o * matrix.cols() + first) * inner..][..N * inner];
-            let output = &mut self.output[o * matrix.rows() * inner..][..matrix.rows() * inner];
-            for i in 0..inner {
-                for part in 0..Lanes::<S>::PARTS {
-                    multiply::<S, N, ADD>(simd, self.shape, input, output, i, part);
-                }
-            }
+        let Kernel { shape, input, output } = self;
+        let registers = S::REGISTER_COUNT;
+        if 8 * (N + 1) < registers {
+            lines::<S, N, 8>(simd, shape, input, output);
+        } else if 4 * (N + 1) < registers {
+            lines::<S, N, 4>(simd, shape, input, output);
+        } else if 3 * (N + 1) < registers {
+            lines::<S, N, 3>(simd, shape, input, output);
+        } else if 2 * (N + 1) < registers {
+            lines::<S, N, 2>(simd, shape, input, output);
+        } else {
+            lines::<S, N, 1>(simd, shape, input, output);
         }
     }
 }
 
-/// `output[r][i] = sum_c matrix[r][c] x[c]`, where `x[c] = input[c][i]` stays in registers. The rows are independent of each
-/// other: the processor overlaps them by itself, and taking several at once only crowds the registers.
+/// All lines along the contracted axis, B at a time: neighbours in i, and where i has fewer values than that, neighbours in o.
 #[inline(always)]
-fn multiply<S: Simd, const N: usize, const ADD: bool>(
+fn lines<S: Simd, const N: usize, const B: usize>(simd: S, shape: Shape<'_>, input: &[Pack], output: &mut [Pack]) {
+    let Shape { matrix, first, outer, inner, .. } = shape;
+    let (rows, cols) = (matrix.rows(), matrix.cols());
+    let (length_in, length_out) = (cols * inner, rows * inner);
+    let together = if inner < B { outer - outer % B } else { 0 };
+    for o in (0..together).step_by(B) {
+        for i in 0..inner {
+            let (input, output) = (&input[o * length_in + first * inner + i..], &mut output[o * length_out + i..]);
+            multiply::<S, N, B>(simd, shape, input, length_in, output, length_out);
+        }
+    }
+    for o in together..outer {
+        let input = &input[o * length_in + first * inner..];
+        let output = &mut output[o * length_out..];
+        let whole = inner - inner % B;
+        for i in (0..whole).step_by(B) {
+            multiply::<S, N, B>(simd, shape, &input[i..], 1, &mut output[i..], 1);
+        }
+        for i in whole..inner {
+            multiply::<S, N, 1>(simd, shape, &input[i..], 1, &mut output[i..], 1);
+        }
+    }
+}
+
+/// `output[r] = sum_c matrix[r][c] x[c]` for B lines, `apart_in` and `apart_out` from each other, whose x stay in registers. The
+/// rows are independent of each other: the processor overlaps them by itself.
+#[inline(always)]
+fn multiply<S: Simd, const N: usize, const B: usize>(
     simd: S,
     shape: Shape<'_>,
     input: &[Pack],
+    apart_in: usize,
     output: &mut [Pack],
-    i: usize,
-    part: usize,
+    apart_out: usize,
 ) {
-    let Shape { matrix, first, inner, .. } = shape;
-    let mut x = [Lanes::splat(simd, 0.0); N];
-    for c in 0..N {
-        x[c] = Lanes::read(simd, &input[c * inner + i], part);
-    }
-    for r in 0..matrix.rows() {
-        let row = &matrix.values()[r * matrix.cols() + first..][..N];
-        let output = &mut output[r * inner + i];
-        let mut sum = if ADD { Lanes::read(simd, output, part) } else { Lanes::splat(simd, 0.0) };
+    let Shape { matrix, first, inner, add, .. } = shape;
+    for part in 0..Lanes::<S>::PARTS {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut x = [[zero; B]; N];
         for c in 0..N {
-            sum = Lanes::splat(simd, row[c]).mul_add(x[c], sum);
+            for b in 0..B {
+                x[c][b] = Lanes::read(simd, &input[c * inner + b * apart_in], part);
+            }
         }
-        sum.write(output, part);
+        for r in 0..matrix.rows() {
+            let (row, output) = (&matrix.values()[r * matrix.cols() + first..][..N], &mut output[r * inner..]);
+            let mut sums = [zero; B];
+            if add {
+                for b in 0..B {
+                    sums[b] = Lanes::read(simd, &output[b * apart_out], part);
+                }
+            }
+            for c in 0..N {
+                let entry = Lanes::splat(simd, row[c]);
+                for b in 0..B {
+                    sums[b] = entry.mul_add(x[c][b], sums[b]);
+                }
+            }
+            for b in 0..B {
+                sums[b].write(&mut output[b * apart_out], part);
+            }
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::mode::{Mode, Values};
 use crate::point::{Place, flag, load, physical_gradient};
 use crate::scratch::{FacetScratch, through_len};
 use crate::tables::{Instant, Tables};
-use crate::tensor_product::{Parts, evaluate};
+use crate::tensor_product::{Lattice, Parts, evaluate};
 use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
@@ -31,7 +31,16 @@ pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
 fn positions<const D: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut FacetScratch) {
     let FacetScratch { sides, x, scratch: room, .. } = scratch;
     let components = K::GEOMETRY_BLOCKS * D;
-    evaluate(simd, &tables.mesh, D - 1, components, Parts::Values, &sides[0].position_now[0], x, &mut [], room);
+    evaluate(
+        simd,
+        Lattice::whole(&tables.mesh, D - 1),
+        components,
+        Parts::Values,
+        &sides[0].position_now,
+        x,
+        &mut [],
+        room,
+    );
 }
 
 /// The numerical flux out of the domain at a point, in its two parts, per area.
@@ -68,7 +77,7 @@ fn point_flux<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode,
         let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, &state, n);
         let through = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
         let penalised = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
-        let sigma = here.area * here.det.abs().recip() * penalty(tables);
+        let sigma = here.area * here.det.recip().abs() * penalty(tables);
         for m in 0..M {
             viscous[m] = penalised[m].scale(sigma) - through[m];
         }

@@ -110,7 +110,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
         for (boundary, batch) in all {
             self.facet_scratch.with(|scratch| {
-                self.gather_sides(&[&self.state_traces], &[&self.mesh_traces], batch, scratch);
+                self.gather_sides(Along::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
                 for ((instant, row), at) in instants.clone().zip(&mut fluxes) {
                     self.across(Along::Nothing, batch, |context, across| {
                         self.problem.kernels.boundary_flux(context, instant, row, across, scratch);

@@ -10,15 +10,15 @@ use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::CellScratch;
-use crate::tables::{Instant, Tables};
-use crate::tensor_product::{Parts, evaluate, integrate};
-use basis::{Matrix, contract, contract_add};
+use crate::tables::{Instant, Planes, Tables};
+use crate::tensor_product::{Lattice, Parts, evaluate, integrate};
+use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Fills the source at points from positions at points: `(time, x [b][d][p], source [b][m][p])`.
-pub type SourceAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
+/// Fills the source at a number of points from positions: `(time, points, x [b][d][p], source [b][m][p])`.
+pub type SourceAt<'a> = &'a (dyn Fn(f64, usize, &[Pack], &mut [Pack]) + Sync);
 
 /// What the kernels of a slab share.
 pub struct CellContext<'a, const D: usize> {
@@ -67,12 +67,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                 instant.weight,
                 scratch,
             );
-            contract_add(simd, &instant.test, 1, M * nodes, &scratch.flux_now, &mut scratch.residual);
-            contract_add(simd, &instant.test_rate, 1, M * nodes, &scratch.moments_now, &mut scratch.residual);
+            let CellScratch { flux_now, moments_now, residual, scratch: room, .. } = &mut *scratch;
+            room.contract_add(simd, &instant.test, 1, M * nodes, flux_now, residual);
+            room.contract_add(simd, &instant.test_rate, 1, M * nodes, moments_now, residual);
         }
         at_instant::<D, M, K, S>(simd, tables, &tables.top, &context.position_rows[tables.instants.len()], scratch);
         moments::<D, M, K, S>(simd, tables, scratch);
-        contract_add(simd, &tables.top.test, 1, M * nodes, &scratch.moments_now, &mut scratch.residual);
+        let CellScratch { moments_now, residual, scratch: room, .. } = scratch;
+        room.contract_add(simd, &tables.top.test, 1, M * nodes, moments_now, residual);
     }
 }
 
@@ -130,12 +132,13 @@ fn at_instant<const D: usize, const M: usize, K: Mode, S: Simd>(
     let nodes = tables.orders.flow.pow(D as u32);
     let mesh_nodes = tables.orders.mesh.pow(D as u32);
     let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
-    contract(simd, &instant.values, b, M * nodes, &scratch.state, &mut scratch.state_now);
-    contract(simd, position_row, g, D * mesh_nodes, &scratch.mesh, &mut scratch.position_now);
-    contract(simd, &instant.velocities, g, D * mesh_nodes, &scratch.mesh, &mut scratch.velocity_now);
+    let CellScratch { state, state_now, mesh, position_now, velocity_now, scratch: room, .. } = scratch;
+    room.contract(simd, &instant.values, b, M * nodes, state, state_now);
+    room.contract(simd, position_row, g, D * mesh_nodes, mesh, position_now);
+    room.contract(simd, &instant.velocities, g, D * mesh_nodes, mesh, velocity_now);
 }
 
-/// Steps 1 to 4 of the volume terms at one time.
+/// Steps 1 to 4 of the volume terms at one time, planes by planes.
 #[inline(always)]
 fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
     simd: S,
@@ -148,15 +151,29 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
 ) {
     let tables = context.tables;
     let viscous = law.is_viscous();
-    to_points::<D, M, K, S>(simd, tables, viscous, scratch); // 1. geometry and state at the points
-    let with_source = source_at_points(context, instant, simd, scratch, K::GEOMETRY_BLOCKS); // 2. the source
-    fluxes::<D, M, L, K, S>(simd, law, tables, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
-    scratch.flux_now.fill(Pack::ZERO); // 4. test
-    let parts = if with_source { Parts::Both } else { Parts::Gradients };
-    let line = &tables.flow;
-    integrate(simd, line, D, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, &mut scratch.scratch);
+    scratch.flux_now.fill(Pack::ZERO);
     scratch.moments_now.fill(Pack::ZERO);
-    integrate(simd, line, D, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, &mut scratch.scratch);
+    for planes in &tables.planes {
+        to_points::<D, M, K, S>(simd, tables, planes, viscous, scratch); // 1. geometry and state at the points
+        let with_source = source_at_points::<D, K, S>(simd, context, instant, planes, scratch); // 2. the source
+        fluxes::<D, M, L, K, S>(simd, law, planes, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
+        let parts = if with_source { Parts::Both } else { Parts::Gradients }; // 4. test
+        let (lattice, room) = (flow_lattice::<D>(tables, planes), &mut scratch.scratch);
+        integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, room);
+        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, room);
+    }
+}
+
+/// The flow polynomials at some planes of points.
+#[inline(always)]
+fn flow_lattice<'a, const D: usize>(tables: &'a Tables<D>, planes: &'a Planes) -> Lattice<'a> {
+    Lattice { line: &tables.flow, last: &planes.flow, dimension: D }
+}
+
+/// The mesh polynomials there.
+#[inline(always)]
+fn mesh_lattice<'a, const D: usize>(tables: &'a Tables<D>, planes: &'a Planes) -> Lattice<'a> {
+    Lattice { line: &tables.mesh, last: &planes.mesh, dimension: D }
 }
 
 /// Jacobian matrix, mesh velocity, state and its reference gradient at the points.
@@ -164,30 +181,33 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
 fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
+    planes: &Planes,
     viscous: bool,
     scratch: &mut CellScratch,
 ) {
     let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
+    let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
     let CellScratch { jacobian, v, u, gradient, scratch: room, .. } = scratch;
-    evaluate(simd, &tables.mesh, D, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
-    evaluate(simd, &tables.mesh, D, g * D, Parts::Values, &scratch.velocity_now, v, &mut [], room);
+    evaluate(simd, mesh, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
+    evaluate(simd, mesh, g * D, Parts::Values, &scratch.velocity_now, v, &mut [], room);
     let parts = if viscous { Parts::Both } else { Parts::Values };
-    evaluate(simd, &tables.flow, D, b * M, parts, &scratch.state_now, u, gradient, room);
+    evaluate(simd, flow, b * M, parts, &scratch.state_now, u, gradient, room);
 }
 
 /// Evaluates the source at the points, if there is one.
 #[inline(always)]
-fn source_at_points<const D: usize, S: Simd>(
+fn source_at_points<const D: usize, K: Mode, S: Simd>(
+    simd: S,
     context: &CellContext<D>,
     instant: &Instant,
-    simd: S,
+    planes: &Planes,
     scratch: &mut CellScratch,
-    blocks: usize,
 ) -> bool {
     let Some(source) = context.source else { return false };
     let CellScratch { x, scratch: room, .. } = scratch;
-    evaluate(simd, &context.tables.mesh, D, blocks * D, Parts::Values, &scratch.position_now, x, &mut [], room);
-    source(context.start + context.dt * instant.s, x, &mut scratch.source);
+    let (mesh, components) = (mesh_lattice::<D>(context.tables, planes), K::GEOMETRY_BLOCKS * D);
+    evaluate(simd, mesh, components, Parts::Values, &scratch.position_now, x, &mut [], room);
+    source(context.start + context.dt * instant.s, planes.weights.len(), x, &mut scratch.source);
     true
 }
 
@@ -196,14 +216,14 @@ fn source_at_points<const D: usize, S: Simd>(
 fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
     simd: S,
     law: &L,
-    tables: &Tables<D>,
+    planes: &Planes,
     flux_weight: f64,
     moment_weight: f64,
     scratch: &mut CellScratch,
     viscous: bool,
     with_source: bool,
 ) {
-    let points = tables.volume_points();
+    let points = planes.weights.len();
     let one = Lanes::<S>::splat(simd, 1.0);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
@@ -217,10 +237,10 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
             }
             let f = law.flux::<K::State<S>, K::Geometry<S>>(&u, &gradient, &v);
             // Minus from integration by parts.
-            let weight = -tables.volume_weights[p] * flux_weight;
+            let weight = -planes.weights[p] * flux_weight;
             test_gradients::<D, M, K, S>(&f, &cof, weight, at, &mut scratch.flux);
             for m in 0..M {
-                let moment = u[m].scale(det) * (tables.volume_weights[p] * moment_weight);
+                let moment = u[m].scale(det) * (planes.weights[p] * moment_weight);
                 moment.result().write(&mut scratch.moments[at.index(m)], part);
             }
             if with_source {
@@ -257,23 +277,25 @@ fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
 /// Moments of the state at one time, int w u J.
 #[inline(always)]
 fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut CellScratch) {
-    let points = tables.volume_points();
     let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
-    let CellScratch { jacobian, u, scratch: room, .. } = scratch;
-    evaluate(simd, &tables.mesh, D, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
-    evaluate(simd, &tables.flow, D, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
-    for p in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let at = Place { points, p, part };
-            let (_, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, at);
-            let u = load::<M, K::State<S>, S>(simd, &scratch.u, at);
-            for m in 0..M {
-                let moment = u[m].scale(det) * tables.volume_weights[p];
-                moment.result().write(&mut scratch.moments[at.index(m)], part);
+    let CellScratch { jacobian, u, moments, moments_now, scratch: room, .. } = scratch;
+    moments_now.fill(Pack::ZERO);
+    for planes in &tables.planes {
+        let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
+        evaluate(simd, mesh, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
+        evaluate(simd, flow, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
+        let points = planes.weights.len();
+        for p in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let at = Place { points, p, part };
+                let (_, det) = metric::<D, K::Geometry<S>, S>(simd, jacobian, at);
+                let u = load::<M, K::State<S>, S>(simd, u, at);
+                for m in 0..M {
+                    let moment = u[m].scale(det) * planes.weights[p];
+                    moment.result().write(&mut moments[at.index(m)], part);
+                }
             }
         }
+        integrate(simd, flow, M, Parts::Values, moments, &[], moments_now, room);
     }
-    scratch.moments_now.fill(Pack::ZERO);
-    let CellScratch { moments, moments_now, scratch: room, .. } = scratch;
-    integrate(simd, &tables.flow, D, M, Parts::Values, moments, &[], moments_now, room);
 }

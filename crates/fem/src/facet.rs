@@ -17,8 +17,8 @@ use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::tables::{Instant, Tables};
-use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
-use basis::{Matrix, contract, contract_add};
+use crate::tensor_product::{Lattice, Parts, Scratch, evaluate, integrate};
+use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real, norm};
@@ -74,8 +74,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let viscous = law.is_viscous();
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
         for side in &mut scratch.sides[..used] {
-            side.terms[0].fill(Pack::ZERO);
-            side.terms[1].fill(Pack::ZERO);
+            side.terms.fill(Pack::ZERO);
         }
         scratch.violated = Pack::ZERO;
         for (instant, row) in times.instants.iter().zip(times.position_rows) {
@@ -112,20 +111,20 @@ pub(crate) fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     let (b, g, points) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS, tables.facet_points());
     let nodes = tables.orders.flow.pow(D as u32 - 1);
     let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
-    for kind in 0..(if viscous { 2 } else { 1 }) {
-        contract(simd, &instant.values, b, M * nodes, &side.state[kind], &mut side.state_now[kind]);
-        contract(simd, position_row, g, D * mesh_nodes, &side.mesh[kind], &mut side.position_now[kind]);
-    }
+    let kinds = if viscous { 2 } else { 1 };
+    room.contract(simd, &instant.values, kinds * b, M * nodes, &side.state, &mut side.state_now);
+    room.contract(simd, position_row, kinds * g, D * mesh_nodes, &side.mesh, &mut side.position_now);
+    let (flow, mesh) = (Lattice::whole(&tables.flow, D - 1), Lattice::whole(&tables.mesh, D - 1));
     let SideScratch { state_now, position_now, u, gradient, jacobian, .. } = side;
-    evaluate(simd, &tables.mesh, D - 1, g * D, Parts::Gradients, &position_now[0], &mut [], jacobian, room);
+    evaluate(simd, mesh, g * D, Parts::Gradients, position_now, &mut [], jacobian, room);
     if viscous {
-        evaluate(simd, &tables.flow, D - 1, b * M, Parts::Both, &state_now[0], u, gradient, room);
-        let leaving = &mut gradient[(D - 1) * b * M * points..];
-        evaluate(simd, &tables.flow, D - 1, b * M, Parts::Values, &state_now[1], leaving, &mut [], room);
-        let leaving = &mut jacobian[(D - 1) * g * D * points..];
-        evaluate(simd, &tables.mesh, D - 1, g * D, Parts::Values, &position_now[1], leaving, &mut [], room);
+        evaluate(simd, flow, b * M, Parts::Both, state_now, u, gradient, room);
+        let (kind, leaving) = (&state_now[b * M * nodes..], &mut gradient[(D - 1) * b * M * points..]);
+        evaluate(simd, flow, b * M, Parts::Values, kind, leaving, &mut [], room);
+        let (kind, leaving) = (&position_now[g * D * mesh_nodes..], &mut jacobian[(D - 1) * g * D * points..]);
+        evaluate(simd, mesh, g * D, Parts::Values, kind, leaving, &mut [], room);
     } else {
-        evaluate(simd, &tables.flow, D - 1, b * M, Parts::Values, &state_now[0], u, &mut [], room);
+        evaluate(simd, flow, b * M, Parts::Values, state_now, u, &mut [], room);
     }
 }
 
@@ -140,8 +139,8 @@ pub(crate) fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
     let g = K::GEOMETRY_BLOCKS;
     let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
     let FacetScratch { sides, velocity_now, v, scratch: room, .. } = scratch;
-    contract(simd, &instant.velocities, g, D * mesh_nodes, &sides[0].mesh[0], velocity_now);
-    evaluate(simd, &tables.mesh, D - 1, g * D, Parts::Values, velocity_now, v, &mut [], room);
+    room.contract(simd, &instant.velocities, g, D * mesh_nodes, &sides[0].mesh, velocity_now);
+    evaluate(simd, Lattice::whole(&tables.mesh, D - 1), g * D, Parts::Values, velocity_now, v, &mut [], room);
 }
 
 /// The geometry of a facet point, seen from one side.
@@ -233,7 +232,7 @@ fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K:
     let (flux_minus, flux_plus) = (law.viscous_flux(minus, &gradient_minus), law.viscous_flux(plus, &gradient_plus));
     let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, plus, &here.n);
     let (jump_flux_minus, jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
-    let sigma = here.area * here.det.abs().recip().max(det_plus.abs().recip()) * penalty(tables);
+    let sigma = here.area * here.det.recip().abs().max(det_plus.recip().abs()) * penalty(tables);
     for m in 0..M {
         for k in 0..D {
             let mean = (flux_minus[k][m] + flux_plus[k][m]) * 0.5;
@@ -300,14 +299,15 @@ fn test<const D: usize, const M: usize, S: Simd>(
     let points = tables.facet_points();
     let nodes = tables.orders.flow.pow(D as u32 - 1);
     let SideScratch { terms, terms_now, tested, tested_gradient, .. } = side;
+    let (lattice, kinds) = (Lattice::whole(&tables.flow, D - 1), if viscous { 2 } else { 1 });
+    let (values, derivatives) = terms_now.split_at_mut(M * nodes);
     let parts = if viscous { Parts::Both } else { Parts::Values };
-    terms_now[0].fill(Pack::ZERO);
-    integrate(simd, &tables.flow, D - 1, M, parts, tested, tested_gradient, &mut terms_now[0], room);
-    contract_add(simd, &instant.test, 1, M * nodes, &terms_now[0], &mut terms[0]);
+    values.fill(Pack::ZERO);
+    integrate(simd, lattice, M, parts, tested, tested_gradient, values, room);
     if viscous {
         let leaving = &tested_gradient[(D - 1) * M * points..];
-        terms_now[1].fill(Pack::ZERO);
-        integrate(simd, &tables.flow, D - 1, M, Parts::Values, leaving, &[], &mut terms_now[1], room);
-        contract_add(simd, &instant.test, 1, M * nodes, &terms_now[1], &mut terms[1]);
+        derivatives.fill(Pack::ZERO);
+        integrate(simd, lattice, M, Parts::Values, leaving, &[], derivatives, room);
     }
+    room.contract_add(simd, &instant.test, kinds, M * nodes, terms_now, terms);
 }

@@ -1,16 +1,19 @@
 //! From vectors to the lanes of packs, and back.
 
 use crate::batches::{FacetBatch, Permutation};
+use crate::kernels::Along;
 use crate::operator::SlabOperator;
 use crate::scratch::FacetScratch;
 use crate::traces::Traces;
+use std::array::from_fn;
 use tensor::{Pack, WIDTH};
 
 /// Reads the coefficients of a batch, `source[lane]` each of the same length, into packs.
 pub fn gather(sources: [&[f64]; WIDTH], packs: &mut [Pack]) {
-    for (lane, source) in sources.iter().enumerate() {
-        for (pack, value) in packs.iter_mut().zip(*source) {
-            pack.0[lane] = *value;
+    let sources = sources.map(|source| &source[..packs.len()]);
+    for (i, pack) in packs.iter_mut().enumerate() {
+        for lane in 0..WIDTH {
+            pack.0[lane] = sources[lane][i];
         }
     }
 }
@@ -18,52 +21,71 @@ pub fn gather(sources: [&[f64]; WIDTH], packs: &mut [Pack]) {
 /// Writes the packs of a batch to its cells.
 pub(crate) fn scatter(packs: &[Pack], cell_len: usize, out: &mut [f64]) {
     for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
-        for (value, pack) in out.iter_mut().zip(packs) {
-            *value = pack.0[lane];
-        }
+        write_lane(packs, lane, out);
     }
 }
 
-/// Reads one kind of one side's traces into a lane, nodes reordered by `permutation`; one block per entry of `traces`.
-fn gather_trace(
-    traces: &[&Traces],
-    side: mesh::Side,
-    kind: usize,
-    permutation: &[usize],
-    lane: usize,
+fn write_lane(packs: &[Pack], lane: usize, out: &mut [f64]) {
+    for (value, pack) in out.iter_mut().zip(packs) {
+        *value = pack.0[lane];
+    }
+}
+
+/// Reads the traces of 8 sides, nodes reordered by the permutation of each lane where there is one.
+fn gather_traces(
+    sources: [&[f64]; WIDTH],
+    permutations: [Option<&[usize]>; WIDTH],
     packs: &mut [Pack],
+    reordered: &mut [f64],
 ) {
-    let len = traces[0].layout.kind_len();
-    for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
-        let nodes = traces.layout.face_nodes;
-        let tensors = traces.of(side.cell, side.face, kind).chunks_exact(nodes);
-        for (tensor, packs) in tensors.zip(packs.chunks_exact_mut(nodes)) {
-            for (pack, &i) in packs.iter_mut().zip(permutation) {
-                pack.0[lane] = tensor[i];
-            }
+    let len = packs.len();
+    for ((source, permutation), reordered) in sources.iter().zip(permutations).zip(reordered.chunks_exact_mut(len)) {
+        let Some(permutation) = permutation else { continue };
+        let nodes = permutation.len();
+        for (tensor, reordered) in source.chunks_exact(nodes).zip(reordered.chunks_exact_mut(nodes)) {
+            reordered.iter_mut().zip(permutation).for_each(|(value, &i)| *value = tensor[i]);
         }
     }
+    let in_order = |lane: usize| if permutations[lane].is_some() { &reordered[lane * len..] } else { sources[lane] };
+    gather(from_fn(in_order), packs);
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Reads the traces on both sides of a batch of facets, in the lattice of minus: one block per entry of `state` and of `mesh`.
+    /// The permutation that leads to the lattice of the plus side of a facet; none where both lattices are the same.
+    fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
+        let number = if side == 0 { 0 } else { batch.plus[lane].1 };
+        (number != 0).then(|| &self.facets.permutations[number])
+    }
+
+    /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`: one
+    /// block per entry of `state` and of `mesh`.
     pub(crate) fn gather_sides(
         &self,
+        along: Along,
         state: &[&Traces],
         mesh: &[&Traces],
         batch: &FacetBatch,
         scratch: &mut FacetScratch,
     ) {
-        scratch.normal_sign = batch.normal_sign;
+        let FacetScratch { sides, normal_sign, reordered, .. } = scratch;
+        *normal_sign = batch.normal_sign;
         let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
         let used = if batch.boundary.is_none() { 2 } else { 1 };
-        for lane in 0..WIDTH {
-            let ends = [(batch.minus[lane], 0), batch.plus[lane]];
-            for ((end, permutation), side) in ends.into_iter().zip(&mut scratch.sides).take(used) {
-                let Permutation { flow, mesh: geometry } = &self.facets.permutations[permutation];
-                for kind in 0..kinds {
-                    gather_trace(state, end, kind, flow, lane, &mut side.state[kind]);
-                    gather_trace(mesh, end, kind, geometry, lane, &mut side.mesh[kind]);
+        for (number, side) in sides.iter_mut().enumerate().take(used) {
+            let ends = if number == 0 { batch.minus } else { batch.plus.map(|(end, _)| end) };
+            let permutations: [_; WIDTH] = from_fn(|lane| self.permutation(batch, lane, number));
+            let flow = permutations.map(|permutation| permutation.map(|p| &p.flow[..]));
+            let geometry = permutations.map(|permutation| permutation.map(|p| &p.mesh[..]));
+            for (traces, blocks, permutations, packs) in [
+                (state, along.state_blocks(), flow, &mut side.state),
+                (mesh, along.geometry_blocks(), geometry, &mut side.mesh),
+            ] {
+                let len = traces[0].layout.kind_len();
+                for (kind, packs) in packs.chunks_exact_mut(blocks * len).enumerate().take(kinds) {
+                    for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
+                        let sources = ends.map(|end| traces.of(end.cell, end.face, kind));
+                        gather_traces(sources, permutations, packs, reordered);
+                    }
                 }
             }
         }
@@ -72,27 +94,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The terms of a batch of facets, `[facet][side][kind][a][m][face node]`, every side in its own lattice; not a number where a trace
     /// was inadmissible.
     pub(crate) fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, viscous: bool, terms: &mut [f64]) {
-        let layout = self.state_traces.layout;
-        let sides = if batch.boundary.is_none() { 2 } else { 1 };
-        for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
-            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
-                let permutation = if side == 0 { 0 } else { batch.plus[lane].1 };
-                let Permutation { flow, .. } = &self.facets.permutations[permutation];
-                for (kind, terms) in
-                    terms.chunks_exact_mut(layout.kind_len()).take(if viscous { 2 } else { 1 }).enumerate()
-                {
-                    let packs = scratch.sides[side].terms[kind].chunks_exact(layout.face_nodes);
-                    for (tensor, packs) in terms.chunks_exact_mut(layout.face_nodes).zip(packs) {
-                        for (pack, &i) in packs.iter().zip(flow) {
-                            tensor[i] = pack.0[lane];
-                        }
-                    }
-                }
-            }
-        }
         if scratch.violated != Pack::ZERO {
             // A number that no admissible residual has: the cells that read it see the violation.
-            terms.fill(f64::NAN);
+            return terms.fill(f64::NAN);
+        }
+        let layout = self.state_traces.layout;
+        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        let len = layout.kind_len() * if viscous { 2 } else { 1 };
+        for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
+            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
+                let packs = &scratch.sides[side].terms[..len];
+                let Some(Permutation { flow, .. }) = self.permutation(batch, lane, side) else {
+                    write_lane(packs, lane, terms);
+                    continue;
+                };
+                let nodes = layout.face_nodes;
+                for (tensor, packs) in terms.chunks_exact_mut(nodes).zip(packs.chunks_exact(nodes)) {
+                    packs.iter().zip(flow).for_each(|(pack, &i)| tensor[i] = pack.0[lane]);
+                }
+            }
         }
     }
 }

@@ -7,12 +7,13 @@ use crate::boundary::FacetFlux;
 use crate::cell::{CellContext, CellMoments, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, Facets};
-use crate::mode::{AlongState, AlongStateAndMesh, Values};
+use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Instant, Tables};
 use basis::Matrix;
 use std::marker::PhantomData;
-use tensor::pulp::Arch;
+use tensor::count_operations;
+use tensor::pulp::{Arch, Scalar, WithSimd};
 
 /// What a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +74,10 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         across: &Across,
         scratch: &mut FacetScratch,
     );
+    /// Operations at points of one run of [`Self::slab_cells`], in all lanes: counted by running it in scalars.
+    fn count_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) -> u64;
+    /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
+    fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64;
     /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch.
     fn boundary_flux(
         &self,
@@ -171,6 +176,28 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
             }
         }
+    }
+
+    fn count_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) -> u64 {
+        let law = &self.law;
+        count_operations(|| match along {
+            Along::Nothing => SlabCells { law, context, scratch, mode: PhantomData::<CountedValues> }.with_simd(Scalar),
+            _ => SlabCells { law, context, scratch, mode: PhantomData::<CountedAlongState> }.with_simd(Scalar),
+        })
+    }
+
+    fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64 {
+        let (law, conditions, across) = (&self.law, &self.conditions[..], &Across::Cells);
+        count_operations(|| match along {
+            Along::Nothing => {
+                let mode = PhantomData::<CountedValues>;
+                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+            }
+            _ => {
+                let mode = PhantomData::<CountedAlongState>;
+                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+            }
+        })
     }
 
     fn boundary_flux(

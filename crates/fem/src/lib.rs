@@ -40,11 +40,12 @@ mod tables;
 mod tensor_product;
 mod traces;
 mod violation;
+mod work;
 
 pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
-pub use kernels::{Kernels, LawKernels};
+pub use kernels::{Along, Kernels, LawKernels};
 pub use layout::Layout;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use moving_mesh::MovingMesh;

@@ -195,7 +195,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.mesh.gather_sum(cell, row, lane, &mut scratch.position_now[..slot]);
             self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_now[..slot]);
         }
-        let fill = |_: f64, _: &[Pack], data: &mut [Pack]| data.fill(Pack::ZERO); // a source does not depend on the state
+        let fill = |_: f64, _: usize, _: &[Pack], data: &mut [Pack]| data.fill(Pack::ZERO); // a source does not depend on the state
         let (start, dt) = self.interval();
         let context = CellContext {
             tables: &self.tables,
@@ -220,7 +220,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let sides = if batch.boundary.is_none() { 2 } else { 1 };
         let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(&[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            self.gather_sides(Along::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
             for side in 0..sides {
                 for column in 0..traces.len() {
                     self.facet_column(batch, frozen, [side, column], traces, scratch);
@@ -249,11 +249,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         scratch: &mut FacetScratch,
     ) {
         let len = frozen.traces.layout.kind_len();
-        for packs in scratch.sides.iter_mut().flat_map(|side| &mut side.state) {
-            packs[len..2 * len].fill(Pack::ZERO);
+        // Of each kind, the values and then the direction.
+        for kind in scratch.sides.iter_mut().flat_map(|side| side.state.chunks_exact_mut(2 * len).take(2)) {
+            kind[len..].fill(Pack::ZERO);
         }
         let (kind, number) = traces.split(column[1]);
-        scratch.sides[column[0]].state[kind][len + number] = Pack([1.0; WIDTH]);
+        scratch.sides[column[0]].state[(2 * kind + 1) * len + number] = Pack([1.0; WIDTH]);
         let instants = std::slice::from_ref(&frozen.instant);
         let times = Times { instants, position_rows: &frozen.rows, weight: 1.0 };
         self.facet_kernel(Along::State, batch, &times, scratch);
@@ -299,8 +300,7 @@ impl FacetBlocks {
                 (false, _, None) => return,
             };
             for row in 0..traces.len() {
-                let (kind, number) = traces.split(row);
-                let value = scratch.sides[row_side].terms[kind][number].0[lane];
+                let value = scratch.sides[row_side].terms[row].0[lane];
                 target[traces.permuted(row, lattices[row_side]) * traces.len() + column] = value;
             }
         }

@@ -241,7 +241,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let viscous = self.problem.kernels.is_viscous();
         let state = &[&self.state_traces, &self.direction_traces][..along.state_blocks()];
         let mesh = &[&self.mesh_traces, &self.mesh_direction_traces][..along.geometry_blocks()];
-        self.gather_sides(state, mesh, batch, scratch);
+        self.gather_sides(along, state, mesh, batch, scratch);
         let number = self.tables.instants.len();
         let rows = &self.position_rows[..number];
         let times = Times { instants: &self.tables.instants, position_rows: rows, weight: self.dt };
@@ -290,9 +290,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             let data = &self.mesh_direction.data;
             gather(cells.map(|c| &data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[mesh_len..2 * mesh_len]);
         }
-        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+        let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.volume_points(), x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, points, x, data);
             }
         };
         let context = CellContext {
@@ -303,25 +303,29 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             source: self.problem.source.is_some().then_some(&fill),
         };
         self.problem.kernels.slab_cells(along, &context, scratch);
+        self.lift(cells, terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
-            self.lift(cells[lane], terms, out);
             if scratch.violated.0[lane] != 0.0 {
                 out[0] = f64::NAN;
             }
         }
     }
 
-    /// Adds the terms of the facets of a cell.
-    fn lift(&self, cell: usize, terms: &[f64], out: &mut [f64]) {
-        let layout = self.state_traces.layout;
-        for face in 0..2 * D {
-            let (slot, side) = self.facets.of_face[cell * 2 * D + face];
-            let start = (2 * slot as usize + side as usize) * layout.face_len();
-            let (values, derivatives) = terms[start..start + layout.face_len()].split_at(layout.kind_len());
-            let derivatives = if self.problem.kernels.is_viscous() { derivatives } else { &[] };
-            self.flow_faces.lift(face, values, derivatives, out);
+    /// Adds the terms of the facets of a batch of cells to its residual.
+    fn lift(&self, cells: [usize; WIDTH], terms: &[f64], scratch: &mut CellScratch) {
+        let (layout, viscous) = (self.state_traces.layout, self.problem.kernels.is_viscous());
+        let len = if viscous { layout.face_len() } else { layout.kind_len() };
+        for (face, packs) in scratch.face_terms.chunks_exact_mut(layout.face_len()).enumerate() {
+            let of_cell = |cell: usize| {
+                let (slot, side) = self.facets.of_face[cell * 2 * D + face];
+                let start = (2 * slot as usize + side as usize) * layout.face_len();
+                &terms[start..start + len]
+            };
+            gather(cells.map(of_cell), &mut packs[..len]);
         }
+        let tensors = layout.slots * layout.components;
+        self.flow_faces.lift(tensors, &scratch.face_terms, viscous, &mut scratch.residual);
     }
 
     /// - phi_a(0) int_K w u_n J at t_n.

@@ -67,12 +67,16 @@ pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd
     }
     let mut physical = reference;
     for k in 0..D {
+        let mut row = cof[k];
+        for j in 0..D {
+            row[j] = cof[k][j] * inverse;
+        }
         for m in 0..M {
-            let mut sum = reference[0][m].scale(cof[k][0]);
+            let mut sum = reference[0][m].scale(row[0]);
             for j in 1..D {
-                sum = reference[j][m].scale_add(cof[k][j], sum);
+                sum = reference[j][m].scale_add(row[j], sum);
             }
-            physical[k][m] = sum.scale(inverse);
+            physical[k][m] = sum;
         }
     }
     physical

@@ -1,12 +1,12 @@
 //! Packs that a thread keeps from one batch of cells or facets to the next.
 
-use crate::tables::Tables;
+use crate::tables::{Orders, Tables};
 use crate::tensor_product::Scratch;
-use tensor::{Pack, zeroed};
+use tensor::{Pack, WIDTH, zeroed};
 
 /// Packs of one batch of cells, for any mode.
 ///
-/// `b` counts blocks (values, derivatives), `p` points, `i` space nodes, `a` time nodes, `m` components of the state.
+/// `b` counts blocks (values, derivatives), `p` the points of a block of planes, `i` space nodes, `a` time nodes, `m` components of the state.
 pub struct CellScratch {
     /// State in the slab, `[b][a][m][i]`.
     pub state: Vec<Pack>,
@@ -28,6 +28,8 @@ pub struct CellScratch {
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
     pub source: Vec<Pack>,
+    /// Terms of all faces, each in its own lattice, `[face][kind][a][m][face node]`.
+    pub(crate) face_terms: Vec<Pack>,
     /// One where a state or a Jacobian determinant of the lane was inadmissible.
     pub violated: Pack,
     pub(crate) u: Vec<Pack>,
@@ -42,7 +44,7 @@ pub struct CellScratch {
 impl CellScratch {
     /// Room for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, points) = (tables.orders.time, tables.volume_points());
+        let (n_t, points) = (tables.orders.time, tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
         let mesh_nodes = tables.orders.mesh.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
@@ -57,6 +59,7 @@ impl CellScratch {
             moments_now: zeroed(M * nodes),
             x: zeroed(2 * D * points),
             source: zeroed(2 * M * points),
+            face_terms: zeroed(2 * D * 2 * n_t * M * (nodes / tables.orders.flow)),
             violated: Pack::ZERO,
             u: zeroed(2 * M * points),
             gradient: zeroed(D * 2 * M * points),
@@ -75,14 +78,14 @@ impl CellScratch {
 /// ordered tangential directions first, the leaving axis last.
 pub struct SideScratch {
     /// State traces, `[kind][b][a][m][i]`.
-    pub state: [Vec<Pack>; 2],
+    pub state: Vec<Pack>,
     /// Mesh traces, `[kind][b][slot][d][i]`.
-    pub mesh: [Vec<Pack>; 2],
+    pub mesh: Vec<Pack>,
     /// Terms to test with, `[kind][a][m][i]`.
-    pub terms: [Vec<Pack>; 2],
-    pub(crate) state_now: [Vec<Pack>; 2],
-    pub(crate) position_now: [Vec<Pack>; 2],
-    pub(crate) terms_now: [Vec<Pack>; 2],
+    pub terms: Vec<Pack>,
+    pub(crate) state_now: Vec<Pack>,
+    pub(crate) position_now: Vec<Pack>,
+    pub(crate) terms_now: Vec<Pack>,
     pub(crate) u: Vec<Pack>,
     pub(crate) gradient: Vec<Pack>,
     pub(crate) jacobian: Vec<Pack>,
@@ -104,6 +107,8 @@ pub struct FacetScratch {
     pub through: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
     pub violated: Pack,
+    /// One trace of every lane in another order of nodes.
+    pub(crate) reordered: Vec<f64>,
     pub(crate) velocity_now: Vec<Pack>,
     pub(crate) v: Vec<Pack>,
     pub(crate) scratch: Scratch,
@@ -114,14 +119,14 @@ impl SideScratch {
         let (n_t, points) = (tables.orders.time, tables.facet_points());
         let nodes = tables.orders.flow.pow(D as u32 - 1);
         let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
-        let pair = |len: usize| [zeroed(len), zeroed(len)];
+        let kinds = 2;
         SideScratch {
-            state: pair(2 * n_t * M * nodes),
-            mesh: pair(2 * (n_t + 1) * D * mesh_nodes),
-            terms: pair(n_t * M * nodes),
-            state_now: pair(2 * M * nodes),
-            position_now: pair(2 * D * mesh_nodes),
-            terms_now: pair(M * nodes),
+            state: zeroed(kinds * 2 * n_t * M * nodes),
+            mesh: zeroed(kinds * 2 * (n_t + 1) * D * mesh_nodes),
+            terms: zeroed(kinds * n_t * M * nodes),
+            state_now: zeroed(kinds * 2 * M * nodes),
+            position_now: zeroed(kinds * 2 * D * mesh_nodes),
+            terms_now: zeroed(kinds * M * nodes),
             u: zeroed(2 * M * points),
             gradient: zeroed(D * 2 * M * points),
             jacobian: zeroed(D * 2 * D * points),
@@ -135,6 +140,8 @@ impl FacetScratch {
     /// Room for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
         let points = tables.facet_points();
+        let Orders { flow, mesh, time } = tables.orders;
+        let longest = (time * M * flow.pow(D as u32 - 1)).max((time + 1) * D * mesh.pow(D as u32 - 1));
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
         FacetScratch {
             sides: [SideScratch::new::<D, M>(tables), SideScratch::new::<D, M>(tables)],
@@ -143,6 +150,7 @@ impl FacetScratch {
             data: zeroed(2 * M * points),
             through: zeroed(2 * through_len(M)),
             violated: Pack::ZERO,
+            reordered: vec![0.0; WIDTH * longest],
             velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
             v: zeroed(2 * D * points),
             scratch: Scratch::new(D - 1, 2 * M.max(D), widest),

@@ -1,6 +1,7 @@
 //! One-dimensional matrices of a slab space: what the kernels contract with.
 
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss};
+use tensor::Pack;
 
 /// How many quadrature points the flow takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +87,39 @@ impl Line {
     }
 }
 
+/// Planes of volume points, normal to the last axis, that a cell kernel treats at a time: so many that its arrays stay in the
+/// second cache.
+pub struct Planes {
+    /// Flow polynomials at these points of the last axis.
+    pub flow: Line,
+    /// Mesh polynomials there.
+    pub mesh: Line,
+    /// Weights of the points, lexicographic.
+    pub weights: Vec<f64>,
+}
+
+/// Bytes of the arrays at the points of a block of planes, at most if one plane takes no more: they share a second cache of 1 MB or
+/// less with the nodal ones.
+const BLOCK_BYTES: usize = 1 << 18;
+
+impl Planes {
+    /// The blocks of a rule in `dimension` directions, for `packs` packs at every point: at least one plane each, and as
+    /// equal as can be.
+    fn blocks(rule: &Rule, dimension: usize, orders: Orders, packs: usize) -> Vec<Planes> {
+        let q = rule.points.len();
+        let in_plane = tensor_weights(&rule.weights, dimension - 1);
+        let plane_bytes = in_plane.len() * packs * size_of::<Pack>();
+        let count = q.div_ceil((BLOCK_BYTES / plane_bytes).max(1));
+        let block = |number: usize| {
+            let planes = number * q / count..(number + 1) * q / count;
+            let points = &rule.points[planes.clone()];
+            let weights = rule.weights[planes].iter().flat_map(|w| in_plane.iter().map(move |v| v * w)).collect();
+            Planes { flow: Line::new(orders.flow, points), mesh: Line::new(orders.mesh, points), weights }
+        };
+        (0..count).map(block).collect()
+    }
+}
+
 /// The time basis seen from one time of the slab.
 pub struct Instant {
     /// Position in the slab, in [0, 1].
@@ -149,8 +183,8 @@ pub struct Tables<const D: usize> {
     pub instants: Vec<Instant>,
     /// The top of the slab, s = 1, weight 1.
     pub top: Instant,
-    /// Weights of the volume points, lexicographic.
-    pub volume_weights: Vec<f64>,
+    /// The volume points, plane by plane.
+    pub planes: Vec<Planes>,
     /// Weights of the facet points, lexicographic.
     pub facet_weights: Vec<f64>,
 }
@@ -164,14 +198,16 @@ impl<const D: usize> Tables<D> {
         let instants = (time_rule.points.iter().zip(&time_rule.weights))
             .map(|(&x, &w)| Instant::new(&time, 0.5 * (1.0 + x), 0.5 * w))
             .collect();
+        // Of a state with D + 2 components: values, gradients, fluxes, moments; of the mesh: Jacobian matrix, velocity.
+        let packs = (D + 2) * (2 * D + 2) + D * D + D;
         Tables {
             orders,
+            planes: Planes::blocks(&rule, D, orders, packs),
             flow: Line::new(orders.flow, &rule.points),
             mesh: Line::new(orders.mesh, &rule.points),
             instants,
             top: Instant::new(&time, 1.0, 1.0),
             time,
-            volume_weights: tensor_weights(&rule.weights, D),
             facet_weights: tensor_weights(&rule.weights, D - 1),
             rule,
         }
@@ -183,7 +219,11 @@ impl<const D: usize> Tables<D> {
     }
     /// Quadrature points of a cell.
     pub fn volume_points(&self) -> usize {
-        self.volume_weights.len()
+        self.rule.points.len().pow(D as u32)
+    }
+    /// The most quadrature points that the planes of a block have.
+    pub fn block_points(&self) -> usize {
+        self.planes.iter().map(|planes| planes.weights.len()).max().unwrap_or(0)
     }
     /// Quadrature points of a facet.
     pub fn facet_points(&self) -> usize {

@@ -1,7 +1,7 @@
 //! Values and gradients of tensor-product polynomials at quadrature points, and their transposes, in packs of cells.
 
 use crate::tables::Line;
-use basis::{contract, contract_add};
+use basis::{Matrix, contract, contract_add};
 use tensor::Pack;
 use tensor::pulp::Simd;
 
@@ -10,14 +10,51 @@ use tensor::pulp::Simd;
 pub struct Scratch {
     even: Vec<Pack>,
     odd: Vec<Pack>,
+    /// Multiplications of packs so far, in all that was contracted by way of this scratch.
+    pub multiplications: usize,
 }
 
 impl Scratch {
     /// Room for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
     pub fn new(dimension: usize, components: usize, n: usize) -> Self {
         let len = (dimension + 1) * components * n.pow(dimension as u32);
-        Scratch { even: tensor::zeroed(len), odd: tensor::zeroed(len) }
+        Scratch { even: tensor::zeroed(len), odd: tensor::zeroed(len), multiplications: 0 }
     }
+
+    /// [`basis::contract`], counted.
+    #[inline(always)]
+    pub(crate) fn contract<S: Simd>(
+        &mut self,
+        simd: S,
+        matrix: &Matrix,
+        outer: usize,
+        inner: usize,
+        input: &[Pack],
+        output: &mut [Pack],
+    ) {
+        self.multiplications += multiplications(matrix, outer, inner);
+        contract(simd, matrix, outer, inner, input, output);
+    }
+
+    /// [`basis::contract_add`], counted.
+    #[inline(always)]
+    pub(crate) fn contract_add<S: Simd>(
+        &mut self,
+        simd: S,
+        matrix: &Matrix,
+        outer: usize,
+        inner: usize,
+        input: &[Pack],
+        output: &mut [Pack],
+    ) {
+        self.multiplications += multiplications(matrix, outer, inner);
+        contract_add(simd, matrix, outer, inner, input, output);
+    }
+}
+
+/// Multiplications of packs in one contraction.
+fn multiplications(matrix: &Matrix, outer: usize, inner: usize) -> usize {
+    matrix.rows() * matrix.cols() * outer * inner
 }
 
 /// What to evaluate or to integrate against.
@@ -31,15 +68,58 @@ pub enum Parts {
     Both,
 }
 
+/// One-dimensional matrices along the axes of a tensor product.
+///
+/// The points may be part of a lattice: planes of it, so many as fit into the cache. Then `last` holds the rows of the last
+/// axis that belong to them.
+#[derive(Clone, Copy)]
+pub struct Lattice<'a> {
+    /// Along all axes but the last.
+    pub line: &'a Line,
+    /// Along the last axis.
+    pub last: &'a Line,
+    /// Number of axes.
+    pub dimension: usize,
+}
+
+impl<'a> Lattice<'a> {
+    /// The same matrices along all axes.
+    #[inline(always)]
+    pub fn whole(line: &'a Line, dimension: usize) -> Self {
+        Lattice { line, last: line, dimension }
+    }
+
+    /// The pass along `axis` for `components`: its matrices, entries outside and inside of the axis, packs before and after.
+    /// Axes above are at the points already, axes below at the nodes still.
+    #[inline(always)]
+    fn pass(&self, axis: usize, components: usize) -> Pass<'a> {
+        let (n, q) = (self.line.order, self.line.values.rows());
+        let is_last = axis + 1 == self.dimension;
+        let above = if is_last { 1 } else { self.last.values.rows() * q.pow((self.dimension - 2 - axis) as u32) };
+        let line = if is_last { self.last } else { self.line };
+        let (outer, inner) = (components * above, n.pow(axis as u32));
+        Pass { line, outer, inner, nodal: outer * n * inner, at_points: outer * line.values.rows() * inner }
+    }
+}
+
+struct Pass<'a> {
+    line: &'a Line,
+    outer: usize,
+    inner: usize,
+    /// Packs of a tensor that is nodal along this axis.
+    nodal: usize,
+    /// Packs of a tensor that is at the points along this axis.
+    at_points: usize,
+}
+
 /// Values and reference derivatives at the quadrature points.
 ///
-/// `nodal[component][node]` in `dimension` directions gives `values[component][point]` and
-/// `gradients[direction][component][point]`; a slice that `parts` leaves out is not touched and may be empty.
+/// `nodal[component][node]` gives `values[component][point]` and `gradients[direction][component][point]`; a slice that `parts`
+/// leaves out is not touched and may be empty.
 #[inline(always)]
 pub fn evaluate<S: Simd>(
     simd: S,
-    line: &Line,
-    dimension: usize,
+    lattice: Lattice,
     components: usize,
     parts: Parts,
     nodal: &[Pack],
@@ -47,28 +127,28 @@ pub fn evaluate<S: Simd>(
     gradients: &mut [Pack],
     scratch: &mut Scratch,
 ) {
-    let (n, q) = (line.order, line.values.rows());
-    // Tensors so far: number 0 holds values, number j the derivative in direction j - 1.
-    let Scratch { even: from, odd: to } = scratch;
+    let (dimension, with_gradients) = (lattice.dimension, parts != Parts::Values);
+    // Tensors so far: number 0 holds values, the others derivatives, the one along the axis just passed last.
+    let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
-    let with_gradients = parts != Parts::Values;
-    for axis in 0..dimension {
-        let inner = q.pow(axis as u32);
-        let outer = components * n.pow((dimension - 1 - axis) as u32);
-        let (size_in, size_out) = (outer * n * inner, outer * q * inner);
-        let last = axis + 1 == dimension;
-        for tensor in 0..=(if with_gradients { axis + 1 } else { 0 }) {
-            let source = if tensor == axis + 1 { 0 } else { tensor };
-            let matrix = if tensor == axis + 1 { &line.derivatives } else { &line.values };
+    for axis in (0..dimension).rev() {
+        let Pass { line, outer, inner, nodal: size_in, at_points: size_out } = lattice.pass(axis, components);
+        let (passed, last) = (dimension - 1 - axis, axis == 0);
+        for tensor in 0..=(if with_gradients { passed + 1 } else { 0 }) {
+            let differentiated = tensor == passed + 1;
+            let source = if differentiated { 0 } else { tensor };
+            let matrix = if differentiated { &line.derivatives } else { &line.values };
             if last && tensor == 0 && parts == Parts::Gradients {
                 continue;
             }
-            let input = if axis == 0 { &nodal[..size_in] } else { &from[source * size_in..(source + 1) * size_in] };
+            let input = if passed == 0 { &nodal[..size_in] } else { &from[source * size_in..(source + 1) * size_in] };
             let output = match (last, tensor) {
                 (false, _) => &mut to[tensor * size_out..(tensor + 1) * size_out],
                 (true, 0) => &mut values[..size_out],
-                (true, _) => &mut gradients[(tensor - 1) * size_out..tensor * size_out],
+                // Tensor t is differentiated along axis D - t.
+                (true, _) => &mut gradients[(dimension - tensor) * size_out..(dimension - tensor + 1) * size_out],
             };
+            *count += multiplications(matrix, outer, inner);
             contract(simd, matrix, outer, inner, input, output);
         }
         std::mem::swap(&mut from, &mut to);
@@ -80,8 +160,7 @@ pub fn evaluate<S: Simd>(
 #[inline(always)]
 pub fn integrate<S: Simd>(
     simd: S,
-    line: &Line,
-    dimension: usize,
+    lattice: Lattice,
     components: usize,
     parts: Parts,
     values: &[Pack],
@@ -89,37 +168,33 @@ pub fn integrate<S: Simd>(
     nodal: &mut [Pack],
     scratch: &mut Scratch,
 ) {
-    let (n, q) = (line.order, line.values.rows());
-    let Scratch { even: from, odd: to } = scratch;
+    let (dimension, with_gradients) = (lattice.dimension, parts != Parts::Values);
+    let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
-    // From the last axis to the first: derivative tensors of the directions before `axis` stay apart, the one of `axis`
-    // joins the values.
-    for axis in (0..dimension).rev() {
-        let inner = q.pow(axis as u32);
-        let outer = components * n.pow((dimension - 1 - axis) as u32);
-        let (size_in, size_out) = (outer * q * inner, outer * n * inner);
-        let first_pass = axis + 1 == dimension;
-        let with_gradients = parts != Parts::Values;
-        for tensor in 0..=(if with_gradients { axis } else { 0 }) {
+    // From the first axis to the last: derivative tensors of the axes beyond stay apart, the one of `axis` joins the values.
+    for axis in 0..dimension {
+        let Pass { line, outer, inner, nodal: size_out, at_points: size_in } = lattice.pass(axis, components);
+        let (first, last) = (axis == 0, axis + 1 == dimension);
+        let derivative = |tensor: usize| &gradients[(axis + tensor) * size_in..(axis + tensor + 1) * size_in];
+        for tensor in 0..=(if with_gradients { dimension - 1 - axis } else { 0 }) {
             let output =
-                if axis == 0 { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
-            let mut fresh = axis > 0;
-            let missing = first_pass && tensor == 0 && parts == Parts::Gradients;
-            if !missing {
-                let input = match (first_pass, tensor) {
+                if last { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
+            let mut fresh = !last;
+            if !(first && tensor == 0 && parts == Parts::Gradients) {
+                let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
-                    (true, _) => &gradients[(tensor - 1) * size_in..tensor * size_in],
-                    (false, _) => &from[tensor * size_in..(tensor + 1) * size_in],
+                    (true, _) => derivative(tensor),
+                    // What was tensor 1 before the pass along the axis below has joined tensor 0 there.
+                    (false, 0) => &from[..size_in],
+                    (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };
+                *count += multiplications(&line.values_transposed, outer, inner);
                 send(simd, &line.values_transposed, outer, inner, input, output, fresh);
                 fresh = false;
             }
             if tensor == 0 && with_gradients {
-                let input = if first_pass {
-                    &gradients[axis * size_in..(axis + 1) * size_in]
-                } else {
-                    &from[(axis + 1) * size_in..(axis + 2) * size_in]
-                };
+                let input = if first { derivative(0) } else { &from[size_in..2 * size_in] };
+                *count += multiplications(&line.derivatives_transposed, outer, inner);
                 send(simd, &line.derivatives_transposed, outer, inner, input, output, fresh);
             }
         }
@@ -131,7 +206,7 @@ pub fn integrate<S: Simd>(
 #[inline(always)]
 fn send<S: Simd>(
     simd: S,
-    matrix: &basis::Matrix,
+    matrix: &Matrix,
     outer: usize,
     inner: usize,
     input: &[Pack],

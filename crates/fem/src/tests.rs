@@ -1,7 +1,7 @@
 //! Identities of the parts from which kernels are made.
 
-use crate::tables::{Line, Orders, Quadrature};
-use crate::tensor_product::{Parts, Scratch, evaluate, integrate};
+use crate::tables::{Line, Orders, Quadrature, Tables};
+use crate::tensor_product::{Lattice, Parts, Scratch, evaluate, integrate};
 use crate::traces::FaceMaps;
 use basis::gauss;
 use tensor::pulp::{Arch, Simd, WithSimd};
@@ -30,8 +30,9 @@ impl WithSimd for BothSides<'_> {
         let (u, f, g) = (packs(components * n, 0.1), packs(components * q, 0.2), packs(d * components * q, 0.3));
         let mut room = Scratch::new(d, components, self.line.values.rows().max(self.line.order));
         let (mut values, mut gradients, mut back) = (zeroed(f.len()), zeroed(g.len()), zeroed(u.len()));
-        evaluate(simd, self.line, d, components, Parts::Both, &u, &mut values, &mut gradients, &mut room);
-        integrate(simd, self.line, d, components, Parts::Both, &f, &g, &mut back, &mut room);
+        let lattice = Lattice::whole(self.line, d);
+        evaluate(simd, lattice, components, Parts::Both, &u, &mut values, &mut gradients, &mut room);
+        integrate(simd, lattice, components, Parts::Both, &f, &g, &mut back, &mut room);
         let (value, gradient) = (inner_product(&values, &f), inner_product(&gradients, &g));
         [std::array::from_fn(|lane| value[lane] + gradient[lane]), inner_product(&u, &back)]
     }
@@ -56,21 +57,72 @@ fn integration_is_the_transpose_of_evaluation() {
 #[test]
 fn lifting_is_the_transpose_of_taking_traces() {
     for dimension in [2, 3] {
-        let order = 4;
+        let (order, tensors) = (4, 2);
         let maps = FaceMaps::new(&Line::new(order, &[0.0]), dimension);
         let (nodes, face_nodes) = (order.pow(dimension as u32), order.pow(dimension as u32 - 1));
-        let u: Vec<f64> = (0..2 * nodes).map(|i| (0.7 * i as f64).sin()).collect();
-        let f: Vec<f64> = (0..4 * face_nodes).map(|i| (1.1 * i as f64).cos()).collect();
-        for face in 0..2 * dimension {
-            let (mut values, mut derivatives) = (vec![0.0; 2 * face_nodes], vec![0.0; 2 * face_nodes]);
-            maps.extract(face, &u, &mut values, &mut derivatives);
-            let mut lifted = vec![0.0; u.len()];
-            maps.lift(face, &f[..2 * face_nodes], &f[2 * face_nodes..], &mut lifted);
-            let traces = values.iter().chain(&derivatives).zip(&f).map(|(a, b)| a * b).sum::<f64>();
-            let cell = u.iter().zip(&lifted).map(|(a, b)| a * b).sum::<f64>();
-            assert!((traces - cell).abs() < 1e-11, "{dimension}-D, face {face}: {traces} {cell}");
+        let (u, f) = (packs(tensors * nodes, 0.1), packs(2 * dimension * 2 * tensors * face_nodes, 0.2));
+        let (mut traces, mut lifted) = (zeroed(f.len()), zeroed(u.len()));
+        maps.extract(tensors, &u, true, &mut traces);
+        maps.lift(tensors, &f, true, &mut lifted);
+        let (left, right) = (inner_product(&traces, &f), inner_product(&u, &lifted));
+        for lane in 0..WIDTH {
+            assert!((left[lane] - right[lane]).abs() < 1e-11 * left[lane].abs().max(1.0), "{dimension}-D");
         }
     }
+}
+
+/// The functionals are the preconditioner's view of the same traces.
+#[test]
+fn traces_are_the_functionals_of_the_nodes() {
+    for dimension in [2, 3] {
+        let order = 4;
+        let maps = FaceMaps::new(&Line::new(order, &[0.0]), dimension);
+        let (u, face_nodes) = (packs(order.pow(dimension as u32), 0.1), order.pow(dimension as u32 - 1));
+        let mut traces = zeroed(2 * dimension * 2 * face_nodes);
+        maps.extract(1, &u, true, &mut traces);
+        let functionals = (0..2 * dimension).flat_map(|face| maps.functionals(face, true));
+        for (functional, trace) in functionals.zip(&traces) {
+            let expected: f64 = functional.iter().map(|&(node, weight)| weight * u[node].0[3]).sum();
+            assert!((expected - trace.0[3]).abs() < 1e-12, "{dimension}-D: {expected} {}", trace.0[3]);
+        }
+    }
+}
+
+/// Values and gradients of all planes at once, and of one block of planes after the other.
+struct InBlocks<'a>(&'a Tables<3>);
+
+impl WithSimd for InBlocks<'_> {
+    type Output = [Vec<Pack>; 2];
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let InBlocks(tables) = self;
+        let (nodes, points) = (tables.orders.flow.pow(3), tables.volume_points());
+        let (u, mut whole, mut in_blocks) = (packs(nodes, 0.4), zeroed(4 * points), zeroed(4 * points));
+        let mut room = Scratch::new(3, 1, tables.rule.points.len());
+        let (values, gradients) = whole.split_at_mut(points);
+        evaluate(simd, Lattice::whole(&tables.flow, 3), 1, Parts::Both, &u, values, gradients, &mut room);
+        let mut first = 0;
+        for planes in &tables.planes {
+            let n = planes.weights.len();
+            let lattice = Lattice { line: &tables.flow, last: &planes.flow, dimension: 3 };
+            let (mut values, mut gradients) = (zeroed(n), zeroed(3 * n));
+            evaluate(simd, lattice, 1, Parts::Both, &u, &mut values, &mut gradients, &mut room);
+            for (part, packs) in values.chunks(n).chain(gradients.chunks(n)).enumerate() {
+                in_blocks[part * points + first..][..n].copy_from_slice(packs);
+            }
+            first += n;
+        }
+        [whole, in_blocks]
+    }
+}
+
+#[test]
+fn blocks_of_planes_hold_every_point_once() {
+    let tables = Tables::<3>::new(Orders { flow: 6, mesh: 6, time: 2 }, Quadrature::Conserving);
+    assert!(tables.planes.len() > 1, "the test needs several blocks");
+    let weights: f64 = tables.planes.iter().flat_map(|planes| &planes.weights).sum();
+    assert!((weights - 8.0).abs() < 1e-13, "{weights}");
+    let [whole, in_blocks] = Arch::new().dispatch(InBlocks(&tables));
+    assert_eq!(whole, in_blocks);
 }
 
 /// The figures of the design: 2n - 1 >= 3p - 1 in 2-D and 4p - 1 in 3-D; 3 (N_t - 1) + 1 and 4 (N_t - 1) + 2 in time.

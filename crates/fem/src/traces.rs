@@ -1,7 +1,14 @@
 //! Traces of cell coefficients on faces, and the way back.
 
+use crate::batches::cells_of;
+use crate::gather::{gather, scatter};
+use crate::pool::Pool;
 use crate::tables::Line;
+use basis::{Matrix, contract, contract_add};
 use mesh::{axis_and_side, face_nodes};
+use rayon::prelude::*;
+use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::{Lanes, Pack, WIDTH, zeroed};
 
 /// Where the traces of a set of cell coefficients lie: `[cell][face][kind][slot][component][face node]`.
 ///
@@ -34,121 +41,178 @@ impl TraceLayout {
     pub fn cell_len(&self) -> usize {
         self.faces * self.face_len()
     }
+    /// Number of coefficients of one cell.
+    pub fn coefficients(&self) -> usize {
+        self.slots * self.components * self.nodes
+    }
     /// The start of a kind on a face of a cell.
     pub fn start(&self, cell: usize, face: usize, kind: usize) -> usize {
         cell * self.cell_len() + face * self.face_len() + kind * self.kind_len()
     }
 }
 
-/// The nodes that a face reads, for one order and dimension.
+/// How traces are taken from the nodes of a cell, for one order and dimension.
+///
+/// The trace on face 2 axis + side is a contraction along that axis: with the unit vector of the end, or with the derivatives
+/// there of the nodal polynomials.
 pub struct FaceMaps {
-    faces: Vec<FaceMap>,
-    nodes: usize,
-}
-
-struct FaceMap {
-    /// Cell nodes of the face's lattice: the low end of each line that leaves the face.
-    line_starts: Vec<usize>,
-    /// Cell nodes of the face's lattice, on the face.
-    on_face: Vec<usize>,
-    /// Distance of the nodes on a leaving line.
-    stride: usize,
-    /// Derivatives at the face of the nodal polynomials along the leaving line.
-    derivatives: Vec<f64>,
+    dimension: usize,
+    order: usize,
+    /// Derivatives at the low and the high end as rows, and as columns.
+    rows: [Matrix; 2],
+    columns: [Matrix; 2],
+    arch: Arch,
 }
 
 impl FaceMaps {
     /// Maps for the polynomials of `line` in `dimension` directions.
     pub fn new(line: &Line, dimension: usize) -> Self {
-        let n = line.order;
-        let face = |face| {
-            let (axis, side) = axis_and_side(face);
-            FaceMap {
-                line_starts: face_nodes(dimension, n, 2 * axis),
-                on_face: face_nodes(dimension, n, face),
-                stride: n.pow(axis as u32),
-                derivatives: line.end_derivatives[side].clone(),
-            }
-        };
-        FaceMaps { faces: (0..2 * dimension).map(face).collect(), nodes: n.pow(dimension as u32) }
+        let row = |end: &Vec<f64>| Matrix::from_fn(1, line.order, |_, k| end[k]);
+        let rows = line.end_derivatives.each_ref().map(row);
+        let columns = rows.each_ref().map(Matrix::transpose);
+        FaceMaps { dimension, order: line.order, rows, columns, arch: Arch::new() }
     }
 
     /// The functionals on the nodal values of one component whose values are the traces on `face`: kind 0 then kind 1, each
     /// in the order of the face's lattice; a functional is a list of (cell node, weight).
     pub fn functionals(&self, face: usize, both: bool) -> Vec<Vec<(usize, f64)>> {
-        let map = &self.faces[face];
-        let values = map.on_face.iter().map(|&node| vec![(node, 1.0)]);
+        let (axis, side) = axis_and_side(face);
+        let stride = self.order.pow(axis as u32);
+        let values = face_nodes(self.dimension, self.order, face).into_iter().map(|node| vec![(node, 1.0)]);
         let line =
-            |start: &usize| map.derivatives.iter().enumerate().map(|(k, &w)| (start + k * map.stride, w)).collect();
-        let derivatives = map.line_starts.iter().map(line);
+            |start: usize| self.rows[side].values().iter().enumerate().map(|(k, &w)| (start + k * stride, w)).collect();
+        let derivatives = face_nodes(self.dimension, self.order, 2 * axis).into_iter().map(line);
         if both { values.chain(derivatives).collect() } else { values.collect() }
     }
 
-    /// The traces of the tensors `coefficients[slot and component][node]` on `face`: kind 0 into `values`, and kind 1 into
-    /// `derivatives` unless that is empty.
-    pub fn extract(&self, face: usize, coefficients: &[f64], values: &mut [f64], derivatives: &mut [f64]) {
-        let map = &self.faces[face];
-        let n = map.on_face.len();
-        for (tensor, values) in coefficients.chunks_exact(self.nodes).zip(values.chunks_exact_mut(n)) {
-            for (value, &node) in values.iter_mut().zip(&map.on_face) {
-                *value = tensor[node];
-            }
-        }
-        for (tensor, derivatives) in coefficients.chunks_exact(self.nodes).zip(derivatives.chunks_exact_mut(n)) {
-            derivatives.fill(0.0);
-            for (k, weight) in map.derivatives.iter().enumerate() {
-                for (derivative, &start) in derivatives.iter_mut().zip(&map.line_starts) {
-                    *derivative += weight * tensor[start + k * map.stride];
-                }
-            }
-        }
+    /// The traces of the tensors `coefficients[slot and component][node]` on all faces, `[face][kind][slot and component][face
+    /// node]`; kind 1 only where `both`.
+    pub fn extract(&self, tensors: usize, coefficients: &[Pack], both: bool, traces: &mut [Pack]) {
+        self.arch.dispatch(Extract { maps: self, tensors, both, coefficients, traces });
     }
 
     /// The transpose of [`FaceMaps::extract`]: adds terms tested with traces to terms tested with cell functions.
-    pub fn lift(&self, face: usize, values: &[f64], derivatives: &[f64], coefficients: &mut [f64]) {
-        let map = &self.faces[face];
-        let n = map.on_face.len();
-        for (tensor, values) in coefficients.chunks_exact_mut(self.nodes).zip(values.chunks_exact(n)) {
-            for (value, &node) in values.iter().zip(&map.on_face) {
-                tensor[node] += value;
+    pub fn lift(&self, tensors: usize, terms: &[Pack], both: bool, coefficients: &mut [Pack]) {
+        self.arch.dispatch(Lift { maps: self, tensors, both, terms, coefficients });
+    }
+
+    fn face(&self, face: usize, tensors: usize) -> Face<'_> {
+        let (axis, side) = axis_and_side(face);
+        let (n, inner) = (self.order, self.order.pow(axis as u32));
+        let outer = tensors * n.pow((self.dimension - 1 - axis) as u32);
+        let kind_len = outer * inner;
+        let start = 2 * face * kind_len;
+        let end = if side == 0 { 0 } else { n - 1 };
+        Face { n, end, outer, inner, start, kind_len, row: &self.rows[side], column: &self.columns[side] }
+    }
+}
+
+/// One face seen from the tensors of a cell: lines that leave it, `outer` times `inner` of `n` nodes.
+struct Face<'a> {
+    n: usize,
+    /// Where the lines meet the face.
+    end: usize,
+    outer: usize,
+    inner: usize,
+    /// Where its traces begin, and how many there are of a kind.
+    start: usize,
+    kind_len: usize,
+    row: &'a Matrix,
+    column: &'a Matrix,
+}
+
+struct Extract<'a> {
+    maps: &'a FaceMaps,
+    tensors: usize,
+    both: bool,
+    coefficients: &'a [Pack],
+    traces: &'a mut [Pack],
+}
+
+impl WithSimd for Extract<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for number in 0..2 * self.maps.dimension {
+            let face = self.maps.face(number, self.tensors);
+            let (values, derivatives) =
+                self.traces[face.start..face.start + 2 * face.kind_len].split_at_mut(face.kind_len);
+            for o in 0..face.outer {
+                let from = (o * face.n + face.end) * face.inner;
+                values[o * face.inner..(o + 1) * face.inner]
+                    .copy_from_slice(&self.coefficients[from..from + face.inner]);
+            }
+            if self.both {
+                contract(simd, face.row, face.outer, face.inner, self.coefficients, derivatives);
             }
         }
-        for (tensor, derivatives) in coefficients.chunks_exact_mut(self.nodes).zip(derivatives.chunks_exact(n)) {
-            for (k, weight) in map.derivatives.iter().enumerate() {
-                for (derivative, &start) in derivatives.iter().zip(&map.line_starts) {
-                    tensor[start + k * map.stride] += weight * derivative;
+    }
+}
+
+struct Lift<'a> {
+    maps: &'a FaceMaps,
+    tensors: usize,
+    both: bool,
+    terms: &'a [Pack],
+    coefficients: &'a mut [Pack],
+}
+
+impl WithSimd for Lift<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for number in 0..2 * self.maps.dimension {
+            let face = self.maps.face(number, self.tensors);
+            let (values, derivatives) = self.terms[face.start..face.start + 2 * face.kind_len].split_at(face.kind_len);
+            for o in 0..face.outer {
+                for i in 0..face.inner {
+                    let node = &mut self.coefficients[(o * face.n + face.end) * face.inner + i];
+                    for part in 0..Lanes::<S>::PARTS {
+                        let sum = Lanes::read(simd, node, part) + Lanes::read(simd, &values[o * face.inner + i], part);
+                        sum.write(node, part);
+                    }
                 }
+            }
+            if self.both {
+                contract_add(simd, face.column, face.outer, face.inner, derivatives, self.coefficients);
             }
         }
     }
 }
 
 /// Traces of all cells for one set of coefficients.
-#[derive(Clone, Debug)]
 pub struct Traces {
     /// Where they lie.
     pub layout: TraceLayout,
     /// The numbers.
     pub data: Vec<f64>,
+    cells: usize,
+    scratch: Pool<Scratch>,
+}
+
+/// Packs of one batch of cells: coefficients and their traces.
+struct Scratch {
+    coefficients: Vec<Pack>,
+    traces: Vec<Pack>,
 }
 
 impl Traces {
     /// Room for the traces of `cells` cells.
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
-        Traces { layout, data: vec![0.0; cells * layout.cell_len()] }
+        let room = || Scratch { coefficients: zeroed(layout.coefficients()), traces: zeroed(layout.cell_len()) };
+        Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, scratch: Pool::new(room) }
     }
 
     /// Takes the traces of `coefficients[cell][slot][component][node]`; derivatives only where `both`.
     pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], both: bool) {
-        use rayon::prelude::*;
-        let layout = self.layout;
-        let per_cell = layout.slots * layout.components * layout.nodes;
-        let cells = coefficients.par_chunks_exact(per_cell).with_min_len(8);
-        cells.zip(self.data.par_chunks_exact_mut(layout.cell_len())).for_each(|(cell, traces)| {
-            for (face, traces) in traces.chunks_exact_mut(layout.face_len()).enumerate() {
-                let (values, derivatives) = traces.split_at_mut(layout.kind_len());
-                maps.extract(face, cell, values, if both { derivatives } else { &mut [] });
-            }
+        let (layout, scratch, len) = (self.layout, &self.scratch, self.layout.coefficients());
+        let batches = self.data.par_chunks_mut(WIDTH * layout.cell_len()).enumerate();
+        batches.for_each(|(batch, data)| {
+            scratch.with(|Scratch { coefficients: packs, traces }| {
+                gather(cells_of(batch, self.cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
+                maps.extract(layout.slots * layout.components, packs, both, traces);
+                scatter(traces, layout.cell_len(), data);
+            });
         });
     }
 

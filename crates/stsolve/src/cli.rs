@@ -141,12 +141,21 @@ pub struct BenchArguments {
     /// Which dimension, 2 or 3 [default: both].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(2..=3))]
     dimension: Option<u16>,
-    /// About how many nodes per direction [default: 128 in 2-D, 32 in 3-D; 226 and 32 for elasticity].
-    #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u16).range(4..=1024))]
+    /// About how many nodes per direction, in 3-D at most 64 [default: 128 in 2-D, 32 in 3-D; 226 and 33 for elasticity].
+    #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u16).range(4..=256))]
     pub nodes: Option<u16>,
+    /// Order of the mesh under the flow [default: that of the flow].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=16))]
+    pub mesh_order: Option<u16>,
     /// For how many seconds to repeat each kernel; the shortest time counts.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.2)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.2, value_parser = seconds)]
     pub seconds: f64,
+}
+
+/// A duration that ends: at most an hour.
+fn seconds(text: &str) -> Result<f64, String> {
+    let accepted = |seconds: &f64| (0.0..=3600.0).contains(seconds);
+    text.parse().ok().filter(accepted).ok_or_else(|| "a number of seconds from 0 to 3600 is expected".into())
 }
 
 impl BenchArguments {

@@ -52,6 +52,38 @@ fn check_as_json_has_the_numbers() {
     assert!((json["flow"]["Mach number"].as_f64().unwrap() - 0.5).abs() < 1e-14);
 }
 
+/// The smallest measurement of every group: what is counted is there and positive, seconds are what they are.
+#[test]
+fn bench_as_json_has_the_roofs_and_a_row_per_kernel() {
+    let arguments = ["bench", "--json", "--orders", "2", "--dimension", "2", "--nodes", "8", "--seconds", "0"];
+    let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    for roof in ["gflops_one", "gflops_all", "gbytes_one", "gbytes_all"] {
+        assert!(json["machine"][roof].as_f64().unwrap() > 0.0, "{roof}");
+    }
+    let rows = json["rows"].as_array().unwrap();
+    let of = |kernel: &str| rows.iter().find(|row| row["kernel"] == kernel).unwrap();
+    for kernel in ["elasticity operator", "residual", "product", "FGMRES vectors"] {
+        assert!(of(kernel)["gflops"].as_f64().unwrap() > 0.0, "{kernel}");
+    }
+    for kernel in ["product with mesh", "preconditioner", "preconditioner set-up", "elasticity solve"] {
+        assert!(of(kernel)["million_per_second"].as_f64().unwrap() > 0.0, "{kernel}");
+    }
+    // 4 x 4 cells, 2 nodes in time, 4 components, 2 x 2 nodes.
+    assert_eq!(of("residual")["unknowns"], 512.0);
+}
+
+#[test]
+fn bench_refuses_what_it_cannot_measure() {
+    for (option, value) in [("--orders", "1"), ("--orders", "17"), ("--kernel", "gpu"), ("--seconds", "nan")] {
+        let arguments = ["bench", option, value];
+        let (code, _, stderr) = outcome(Path::new("."), &arguments);
+        assert_eq!(code, 2);
+        assert!(stderr.contains(value), "{stderr}");
+    }
+}
+
 #[test]
 fn check_tries_what_the_run_will_do() {
     let case = shipped("vortex.toml");

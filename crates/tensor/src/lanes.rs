@@ -89,9 +89,10 @@ constant_operation!(Mul, mul);
 
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
+    /// -0 - x: exact, and inlined where the negation of `pulp` is a call.
     #[inline(always)]
     fn neg(self) -> Self {
-        self.with(self.simd.neg_f64s(self.register))
+        self.constant(-0.0) - self
     }
 }
 impl<S: Simd> AddAssign for Lanes<S> {
@@ -120,9 +121,11 @@ impl<S: Simd> Real for Lanes<S> {
     fn sqrt(self) -> Self {
         self.with(self.simd.sqrt_f64s(self.register))
     }
+    /// All bits but the sign, for the same reason as in [`Neg`].
     #[inline(always)]
     fn abs(self) -> Self {
-        self.with(self.simd.abs_f64s(self.register))
+        let magnitude = self.simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
+        self.with(self.simd.and_f64s(self.register, magnitude))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {

@@ -12,11 +12,13 @@
 //!
 //! Nothing here loops over cells or allocates.
 
+mod counted;
 mod dual;
 mod lanes;
 mod real;
 mod small;
 
+pub use counted::{Counted, count_operations};
 pub use dual::Dual;
 pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};
 pub use real::{Over, Real, Transcendental};

@@ -1,6 +1,6 @@
 //! Identities of the space-time operator of one slab.
 
-use fem::{Orders, SlabOperator, StateField};
+use fem::{Along, Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
@@ -259,4 +259,36 @@ fn blocks_make_the_jacobian() {
         let error = block_error::<3, 5>(viscosity);
         assert!(error < 1e-12, "3-D, {viscosity:?}: {error:.1e}");
     }
+}
+
+/// Floating-point operations per unknown, counted: of a residual and of a product, N_t = 2, viscous, conserving quadrature.
+fn operations_per_unknown<const D: usize, const M: usize>(order: usize) -> [f64; 2]
+where
+    Exact<FreeStream<D>>: StateField<D, M>,
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let orders = Orders { flow: order, mesh: order, time: 2 };
+    let (mut operator, state) = moving_slab::<D, M>(orders, Viscosity::Constant(0.01), Riemann::Roe, 2, prescribed());
+    operator.linearise(&state);
+    [Along::Nothing, Along::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
+}
+
+/// A change of the kernels that makes them do more or less is to be seen here, on any machine.
+#[test]
+fn operations_of_residual_and_product() {
+    let counted = [operations_per_unknown::<2, 4>(4), operations_per_unknown::<3, 5>(4)];
+    println!("operations per unknown, residual and product, N = 4: 2-D {:?}, 3-D {:?}", counted[0], counted[1]);
+    let golden = [[561.664_062_5, 980.468_75], [2_663.837_5, 4_630.737_5]];
+    for (counted, golden) in counted.as_flattened().iter().zip(golden.as_flattened()) {
+        assert!((counted - golden).abs() < 1e-6, "{counted} operations, not {golden}");
+    }
+}
+
+/// In the plane. In space the conserving rule takes (2 - 2 / N)^3 points per node, and the work grows a little faster.
+#[test]
+fn operations_in_the_plane_grow_no_faster_than_the_order() {
+    let costs = [2, 4, 8].map(|order| operations_per_unknown::<2, 4>(order)[0]);
+    let growth = costs[2] / costs[0] / 4.0;
+    println!("operations per unknown from N = 2 to 8, over the growth of N: {growth:.2}");
+    assert!(growth <= 1.0, "{growth}");
 }

@@ -38,9 +38,9 @@ impl<T: Real, const D: usize> Average<T, D> {
         for i in 0..D {
             velocity[i] += plus.velocity[i] * of_plus;
         }
-        // sqrt(rho) H = (rho E + p) / sqrt(rho)
-        let enthalpy =
-            ((minus.u[M - 1] + minus.pressure) / root_minus + (plus.u[M - 1] + plus.pressure) / root_plus) * inverse;
+        // H = (rho E + p) / rho. The reciprocal is that of the velocity: one division for both.
+        let enthalpy = (minus.u[M - 1] + minus.pressure) * minus.density.recip() * of_minus
+            + (plus.u[M - 1] + plus.pressure) * plus.density.recip() * of_plus;
         let sound_speed = ((enthalpy - dot(&velocity, &velocity) * 0.5) * (gas.gamma() - 1.0)).sqrt();
         Average { density: root_minus * root_plus, velocity, w_n: along(&velocity, n), enthalpy, sound_speed }
     }

@@ -1,7 +1,7 @@
 //! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conservation-exact quadrature.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use fem::{Orders, Problem, Quadrature, SlabOperator};
+use fem::{Along, Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
 
@@ -33,16 +33,16 @@ impl<const D: usize, const M: usize> Flow<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    /// On `cells` cells per direction.
-    pub(super) fn on(cells: usize, order: usize) -> anyhow::Result<Self> {
+    /// On `cells` cells per direction, of the orders of `size`.
+    pub(super) fn on(cells: usize, Size { order, mesh_order, .. }: Size) -> anyhow::Result<Self> {
         let curving = Curving::Wavy { amplitude: 0.02 };
         let (lower, upper, cells, periodic) = ([0.0; D], [1.0; D], [cells; D], [true; D]);
-        let mesh = BoxMesh { lower, upper, cells, order, curving, periodic }.build()?;
-        let numbering = NodeNumbering::new(&mesh, order);
+        let mesh = BoxMesh { lower, upper, cells, order: mesh_order, curving, periodic }.build()?;
+        let numbering = NodeNumbering::new(&mesh, mesh_order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3))?;
         let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 0.5, 1.0)? };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
-        let orders = Orders { flow: order, mesh: order, time: TIME_ORDER };
+        let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };
         let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, Quadrature::Conserving);
         let mean: [f64; M] = Primitive { density: 1.0, velocity: [0.4; D], pressure: 1.0 }.pack(&gas);
         let layout = operator.layout;
@@ -51,6 +51,7 @@ where
         let velocities: Vec<f64> = (0..TIME_ORDER * nodes).map(|i| 1e-3 * wave(i)).collect();
         operator.begin_slab(0.0, DT, &state[..layout.at_one_time().len()], &vec![0.0; nodes]);
         operator.set_mesh(&velocities);
+        operator.linearise(&state);
         let direction = (0..layout.len()).map(|i| wave(i + 5)).collect();
         Ok(Flow { out: vec![0.0; state.len()], operator, state, direction, velocities })
     }
@@ -61,7 +62,7 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     fn build(size: Size) -> anyhow::Result<Option<Self>> {
-        Self::on(size.even_cells(PLANE_NODES, SPACE_NODES), size.order).map(Some)
+        Self::on(size.even_cells(PLANE_NODES, SPACE_NODES), size).map(Some)
     }
 }
 
@@ -69,11 +70,12 @@ impl<const D: usize, const M: usize> Subject for Flow<D, M> {
     /// State, mesh and direction in, residual out.
     fn work(&self) -> Vec<Work> {
         let (state, mesh) = (self.state.len(), self.operator.mesh.data.len());
-        let work = |kernel, numbers| Work { kernel, unknowns: state as f64, flops: None, bytes: bytes(numbers) };
+        let flops = |along| Some(self.operator.operations(along) as f64);
+        let work = |kernel, flops, numbers| Work { kernel, unknowns: state as f64, flops, bytes: bytes(numbers) };
         vec![
-            work("residual", 2 * state + mesh),
-            work("product", 3 * state + mesh),
-            work("product with mesh", 3 * state + 2 * mesh),
+            work("residual", flops(Along::Nothing), 2 * state + mesh),
+            work("product", flops(Along::State), 3 * state + mesh),
+            work("product with mesh", None, 3 * state + 2 * mesh),
         ]
     }
 

@@ -46,7 +46,8 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
         for &group in arguments.groups() {
             let mut growth = Growth::default();
             for order in arguments.orders() {
-                let size = Size { dimension, order, nodes: arguments.nodes.map(usize::from) };
+                let mesh_order = arguments.mesh_order.map_or(order, usize::from);
+                let size = Size { dimension, order, mesh_order, nodes: arguments.nodes.map(usize::from) };
                 let rows = measure(group, size, &pools, arguments)?;
                 for measurement in rows {
                     report.rows.push(growth.of(measurement).against(&report.machine));

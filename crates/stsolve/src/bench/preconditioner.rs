@@ -34,8 +34,7 @@ where
         let fits = |cells: &usize| bytes(cells.pow(D as u32) * block * block) <= MOST_BYTES;
         let wanted = size.even_cells(96, 12);
         let Some(cells) = (2..=wanted).rev().find(fits).filter(|_| block <= LARGEST_BLOCK) else { return Ok(None) };
-        let mut flow = Flow::<D, M>::on(cells, size.order)?;
-        flow.operator.linearise(&flow.state);
+        let flow = Flow::<D, M>::on(cells, size)?;
         let (preconditioner, out) = (set_up(&flow), vec![0.0; flow.state.len()]);
         Ok(Some(Preconditioned { flow, preconditioner, out }))
     }

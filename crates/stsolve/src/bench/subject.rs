@@ -45,6 +45,9 @@ pub(super) fn bytes(numbers: usize) -> f64 {
     8.0 * numbers as f64
 }
 
+/// The most nodes per direction in 3-D: more would fill the memory of a small machine.
+const MOST_SPACE_NODES: usize = 64;
+
 /// How large a subject is to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
@@ -52,6 +55,8 @@ pub(super) struct Size {
     pub(super) dimension: usize,
     /// N, nodes per direction of a cell.
     pub(super) order: usize,
+    /// The same of the mesh under a flow.
+    pub(super) mesh_order: usize,
     /// Nodes per direction of the mesh, if the user wants a certain number.
     pub(super) nodes: Option<usize>,
 }
@@ -64,7 +69,10 @@ impl Size {
     }
     /// Nodes per direction: as wanted, else `plane` or `space` by the dimension.
     pub(super) fn nodes(&self, plane: usize, space: usize) -> usize {
-        self.nodes.unwrap_or(if self.dimension == 2 { plane } else { space })
+        match self.dimension {
+            2 => self.nodes.unwrap_or(plane),
+            _ => self.nodes.unwrap_or(space).min(MOST_SPACE_NODES),
+        }
     }
 }
 

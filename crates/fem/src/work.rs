@@ -1,0 +1,57 @@
+//! How many floating-point operations the kernels do.
+
+use crate::batches::cells_of;
+use crate::cell::CellContext;
+use crate::facet::FacetContext;
+use crate::gather::gather;
+use crate::kernels::{Along, Times};
+use crate::operator::SlabOperator;
+use tensor::WIDTH;
+
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
+    /// Operations of one evaluation of the residual or, with [`Along::State`], of one Jacobian product: those of a batch of cells
+    /// and of a batch of facets between cells, for all cells and for all facets between cells, in the state and on the mesh last
+    /// set. Traces, sources and boundaries are left out.
+    pub fn operations(&self, along: Along) -> u64 {
+        let facets: usize = self.facets.batches.iter().filter(|batch| batch.boundary.is_none()).map(|b| b.count).sum();
+        let of_all = |number: usize, of_batch: u64| of_batch * number as u64 / WIDTH as u64;
+        of_all(self.layout.cells, self.cell_operations(along)) + of_all(facets, self.facet_operations(along))
+    }
+
+    /// Of the first batch of cells, with the state as its own direction.
+    fn cell_operations(&self, along: Along) -> u64 {
+        let (dt, start) = (self.interval().1, self.interval().0);
+        let (len, mesh_len) = (self.layout.cell_len(), self.mesh.cell_len());
+        let context = CellContext { tables: &self.tables, dt, start, position_rows: &self.position_rows, source: None };
+        self.cells.with(|scratch| {
+            let cells = cells_of(0, self.layout.cells);
+            for block in scratch.state.chunks_exact_mut(len).take(along.state_blocks()) {
+                gather(cells.map(|c| &self.linearisation()[self.layout.cell(c)]), block);
+            }
+            gather(cells.map(|c| &self.mesh.data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[..mesh_len]);
+            let before = scratch.scratch.multiplications;
+            let at_points = self.problem.kernels.count_cells(along, &context, scratch);
+            at_points + in_lanes(scratch.scratch.multiplications - before)
+        })
+    }
+
+    /// Of the first batch of facets between cells, if there is one.
+    fn facet_operations(&self, along: Along) -> u64 {
+        let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return 0 };
+        let (start, dt) = self.interval();
+        let context = FacetContext { tables: &self.tables, dt, start };
+        let times = Times { instants: &self.tables.instants, position_rows: &self.position_rows, weight: dt };
+        let state = [&self.state_traces, &self.state_traces];
+        self.facet_scratch.with(|scratch| {
+            self.gather_sides(along, &state[..along.state_blocks()], &[&self.mesh_traces], batch, scratch);
+            let before = scratch.scratch.multiplications;
+            let at_points = self.problem.kernels.count_facets(along, &context, &times, scratch);
+            at_points + in_lanes(scratch.scratch.multiplications - before)
+        })
+    }
+}
+
+/// A multiplication of packs comes with an addition, in every lane.
+fn in_lanes(multiplications: usize) -> u64 {
+    (2 * WIDTH * multiplications) as u64
+}
