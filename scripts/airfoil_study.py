@@ -214,8 +214,8 @@ def pitch(directory):
 
 def paper(directory):
     case, meshes = "naca0012_paper", THIN_MESHES
-    settings = [Setting("coarse", 6, 3, 0.025, case, meshes), Setting("medium", 5, 3, 0.025, case, meshes),
-                Setting("medium", 6, 3, 0.05, case, meshes), Setting("medium", 6, 3, 0.025, case, meshes)]
+    settings = [Setting("coarse", 5, 3, 0.025, case, meshes), Setting("medium", 4, 3, 0.025, case, meshes),
+                Setting("medium", 5, 3, 0.05, case, meshes), Setting("medium", 5, 3, 0.025, case, meshes)]
     return study("Heave and pitch at Re = 5000: the paper's airfoil", f"`cases/{case}.toml`.", settings, directory)
 
 
