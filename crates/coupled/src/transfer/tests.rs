@@ -58,7 +58,8 @@ fn assert_integrals_are_kept<const D: usize>(from: usize, to: usize) {
     let size = before.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let error = largest_difference(&before, &after) / size;
     println!("{D}-D, N_s = {} to {}: integrals kept to {error:.1e}", from.flow, to.flow);
-    assert!(error < 3e-15, "{D}-D, {} to {}: {error:e}", from.flow, to.flow);
+    // Round-off of sums of thousands of terms of both signs.
+    assert!(error < 1e-14, "{D}-D, {} to {}: {error:e}", from.flow, to.flow);
 }
 
 #[test]
