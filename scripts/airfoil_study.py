@@ -207,7 +207,7 @@ def quadratic(directory):
 
 def pitch(directory):
     case = "naca0012_heave_pitch"
-    settings = [Setting("medium", 6, 3, 0.05, case), Setting("fine", 5, 3, 0.05, case), Setting("fine", 6, 3, 0.1, case),
+    settings = [Setting("medium", 6, 3, 0.05, case), Setting("fine", 5, 3, 0.05, case), Setting("fine", 6, 2, 0.05, case),
                 Setting("fine", 6, 3, 0.05, case)]
     return study("Heave and pitch: case C2", f"`cases/{case}.toml`.", settings, directory)
 
