@@ -112,8 +112,8 @@ fn lines<S: Simd, const N: usize, const B: usize>(simd: S, shape: Shape<'_>, inp
     let together = if inner < B { outer - outer % B } else { 0 };
     for o in (0..together).step_by(B) {
         for i in 0..inner {
-            let (input, output) = (&input[o * length_in + first * inner + i..], &mut output[o * length_out + i..]);
-            multiply::<S, N, B>(simd, shape, input, length_in, output, length_out);
+            let (input, output) = (&input[o * length_in + first * inner..], &mut output[o * length_out..]);
+            multiply::<S, N, B>(simd, shape, i, input, length_in, output, length_out);
         }
     }
     for o in together..outer {
@@ -121,20 +121,21 @@ fn lines<S: Simd, const N: usize, const B: usize>(simd: S, shape: Shape<'_>, inp
         let output = &mut output[o * length_out..];
         let whole = inner - inner % B;
         for i in (0..whole).step_by(B) {
-            multiply::<S, N, B>(simd, shape, &input[i..], 1, &mut output[i..], 1);
+            multiply::<S, N, B>(simd, shape, i, input, 1, output, 1);
         }
         for i in whole..inner {
-            multiply::<S, N, 1>(simd, shape, &input[i..], 1, &mut output[i..], 1);
+            multiply::<S, N, 1>(simd, shape, i, input, 1, output, 1);
         }
     }
 }
 
-/// `output[r] = sum_c matrix[r][c] x[c]` for B lines, `apart_in` and `apart_out` from each other, whose x stay in registers. The
+/// `output[r] = sum_c matrix[r][c] x[c]` for B lines from line `i`, `apart_in` and `apart_out` from each other, whose x stay in registers. The
 /// rows are independent of each other: the processor overlaps them by itself.
 #[inline(always)]
 fn multiply<S: Simd, const N: usize, const B: usize>(
     simd: S,
     shape: Shape<'_>,
+    i: usize,
     input: &[Pack],
     apart_in: usize,
     output: &mut [Pack],
@@ -146,11 +147,11 @@ fn multiply<S: Simd, const N: usize, const B: usize>(
         let mut x = [[zero; B]; N];
         for c in 0..N {
             for b in 0..B {
-                x[c][b] = Lanes::read(simd, &input[c * inner + b * apart_in], part);
+                x[c][b] = Lanes::read(simd, &input[i + c * inner + b * apart_in], part);
             }
         }
         for r in 0..matrix.rows() {
-            let (row, output) = (&matrix.values()[r * matrix.cols() + first..][..N], &mut output[r * inner..]);
+            let (row, output) = (&matrix.values()[r * matrix.cols() + first..][..N], &mut output[i + r * inner..]);
             let mut sums = [zero; B];
             if add {
                 for b in 0..B {
