@@ -50,7 +50,9 @@ class Setting:
         self.case, self.meshes, self.keys = case, meshes, keys
 
     def name(self):
-        others = "".join(f"_{key.split('__')[-1]}" for key in self.keys)
+        # A formula would be no name of a directory.
+        values = {key: f"_{value}" if isinstance(value, (int, float)) else "" for key, value in self.keys.items()}
+        others = "".join(f"_{key.split('__')[-1]}{value}" for key, value in values.items())
         return f"{self.case}_{self.mesh}_{self.order}_{self.time_order}_{self.step}{others}"
 
     def changes(self):
