@@ -121,12 +121,12 @@ def values_table(settings, directory):
     return table((*SETTING, "I", "W", "steady C_d", *COST), rows)
 
 
-def with_bars(settings, directory):
-    """The values of the last setting, and as error bars the sum of what each of the others, coarser in one respect, differs by."""
-    values = [impulse_and_work(setting.summary(directory)) for setting in settings]
-    best = values[-1]
-    bars = [sum(abs(value[k] - best[k]) for value in values[:-1]) for k in range(2)]
-    return f"I = {best[0]:.5f} +- {bars[0]:.5f}, W = {best[1]:.5f} +- {bars[1]:.5f}"
+def with_bars(best, pairs, directory):
+    """The values of the best setting, and as error bars the sum of what the settings of each pair differ by."""
+    of = lambda setting: impulse_and_work(setting.summary(directory))
+    bars = [sum(abs(of(one)[k] - of(other)[k]) for one, other in pairs) for k in range(2)]
+    impulse, work = of(best)
+    return f"I = {impulse:.5f} +- {bars[0]:.5f}, W = {work:.5f} +- {bars[1]:.5f}"
 
 
 def heave(directory):
@@ -183,14 +183,16 @@ Case C1 on the medium mesh, N_s = 5, N_t = 3, steps of 0.1: with the far field a
 """
 
 
-def study(title, text, settings, directory):
+def study(title, text, best, pairs, directory):
+    settings = {setting.name(): setting for setting in [*(setting for pair in pairs for setting in pair), best]}
     return f"""## {title}
 
 {text}
 
-{values_table(settings, directory)}
+{values_table(settings.values(), directory)}
 
-Converged: {with_bars(settings, directory)}. The last row, and as bars the sum of what the three others, coarser in one respect each, differ by.
+Converged: {with_bars(best, pairs, directory)}. The bars are the sum of three differences: to the coarser mesh, to the order in space below, and
+between two lengths of a step.
 """
 
 
@@ -200,25 +202,28 @@ def quadratic(directory):
         "motion__boundary__airfoil__displacement": f'[0, "{height}"]',
         "flow__forces__airfoil__point": f'["1/3", "{height}"]',
     }
-    settings = [Setting("medium", 6, 3, 0.05, **keys), Setting("fine", 5, 3, 0.05, **keys), Setting("fine", 6, 3, 0.1, **keys),
-                Setting("fine", 6, 3, 0.05, **keys)]
+    at = lambda mesh, order, step: Setting(mesh, order, 3, step, **keys)
+    best = at("fine", 6, 0.05)
+    pairs = [(at("medium", 6, 0.05), best), (at("fine", 5, 0.05), best), (at("medium", 5, 0.1), at("medium", 5, 0.05))]
     text = f"""Case 1 of an earlier workshop: h = {height}, otherwise as C1. The acceleration jumps at t = 0.
 `--set 'motion.boundary.airfoil.displacement=[0, "{height}"]' --set 'flow.forces.airfoil.point=["1/3", "{height}"]'`"""
-    return study("Heave that starts with a jerk", text, settings, directory)
+    return study("Heave that starts with a jerk", text, best, pairs, directory)
 
 
 def pitch(directory):
     case = "naca0012_heave_pitch"
-    settings = [Setting("medium", 6, 3, 0.05, case), Setting("fine", 5, 3, 0.05, case), Setting("fine", 6, 2, 0.05, case),
-                Setting("fine", 6, 3, 0.05, case)]
-    return study("Heave and pitch: case C2", f"`cases/{case}.toml`.", settings, directory)
+    at = lambda mesh, order, step: Setting(mesh, order, 3, step, case)
+    best = at("fine", 6, 0.05)
+    pairs = [(at("medium", 6, 0.05), best), (at("fine", 5, 0.05), best), (at("medium", 5, 0.05), at("medium", 5, 0.025))]
+    return study("Heave and pitch: case C2", f"`cases/{case}.toml`.", best, pairs, directory)
 
 
 def paper(directory):
-    case, meshes = "naca0012_paper", THIN_MESHES
-    settings = [Setting("coarse", 5, 3, 0.025, case, meshes), Setting("medium", 4, 3, 0.025, case, meshes),
-                Setting("medium", 5, 3, 0.05, case, meshes), Setting("medium", 5, 3, 0.025, case, meshes)]
-    return study("Heave and pitch at Re = 5000: the paper's airfoil", f"`cases/{case}.toml`.", settings, directory)
+    case = "naca0012_paper"
+    at = lambda mesh, order, step: Setting(mesh, order, 3, step, case, THIN_MESHES)
+    best = at("medium", 5, 0.025)
+    pairs = [(at("coarse", 5, 0.025), best), (at("medium", 4, 0.025), best), (at("coarse", 5, 0.05), at("coarse", 5, 0.025))]
+    return study("Heave and pitch at Re = 5000: the paper's airfoil", f"`cases/{case}.toml`.", best, pairs, directory)
 
 
 STUDIES = {study.__name__: study for study in (heave, iterations, far_field, quadratic, pitch, paper)}
