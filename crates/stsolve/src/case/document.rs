@@ -77,6 +77,12 @@ impl Document {
 
     /// Deserialises the document.
     pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
+        // Whole numbers of TOML have 64 bits with a sign. The parser lets longer ones pass, its own tables do not.
+        self.deserialize_as::<toml::Table>()?;
+        self.deserialize_as()
+    }
+
+    fn deserialize_as<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
         T::deserialize(toml::de::Deserializer::from(self.tree()?)).map_err(|error| self.toml_error(&error))
     }
 

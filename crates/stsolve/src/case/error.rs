@@ -194,6 +194,10 @@ impl Cause {
                 let problem = format!("one choice is needed here, and only one: {found}");
                 Cause::Combination { problem, accepted: "a table with a single key, the choice".to_owned() }
             }
+            None if message.ends_with("value was too large") => Cause::OutOfRange {
+                quantity: "the whole number".to_owned(),
+                accepted: "a whole number below 2^63".to_owned(),
+            },
             None => Cause::Toml(message.replace("missing field", "missing key")),
         }
     }

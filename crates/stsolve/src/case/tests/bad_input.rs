@@ -10,6 +10,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ("order = 4", "order = 1", &["`flow.order = 1`", "2 to 16 nodes"]),
     ("order = 4", "order = 17", &["`flow.order = 17`", "2 to 16 nodes"]),
     ("order = 4", "order = -4", &["`flow.order = -4`", "a whole number"]),
+    ("order = 4", "order = 18446744073709551615", &["`flow.order = 18446744073709551615`", "below 2^63"]),
     ("order = 4", "", &["`flow`", "missing key `order`"]),
     ("order = 4", "order = ", &["expected"]),
     ("left = { displacement", "left = { displacement = [0, 0 }", &["expected"]),
