@@ -12,12 +12,9 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// 280 cells.
-const COARSE: [&str; 5] = [
+const COARSE: [&str; 2] = [
     "mesh.order=3",
-    "mesh.generate.airfoil.far_field=20",
-    "mesh.generate.airfoil.surface_cells=8",
-    "mesh.generate.airfoil.wake_cells=6",
-    "mesh.generate.airfoil.normal_cells=10",
+    "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, normal_cells = 10, far_field = 20 }",
 ];
 
 /// Runs the airfoil in `directory` into `output`.

@@ -66,10 +66,7 @@ fn an_airfoil_that_is_stopped_and_resumed_has_the_same_bits() {
         &[
             "mesh.order=3",
             "flow.order=3",
-            "mesh.generate.airfoil.far_field=20",
-            "mesh.generate.airfoil.surface_cells=8",
-            "mesh.generate.airfoil.wake_cells=6",
-            "mesh.generate.airfoil.normal_cells=10",
+            "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, normal_cells = 10, far_field = 20 }",
             "time.end=0.6",
             "time.step=0.05",
         ],

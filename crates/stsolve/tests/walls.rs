@@ -33,13 +33,10 @@ fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
 }
 
 /// A coarse mesh around the airfoil of case C1.
-const COARSE: [&str; 6] = [
+const COARSE: [&str; 3] = [
     "mesh.order=3",
     "flow.order=3",
-    "mesh.generate.airfoil.far_field=20",
-    "mesh.generate.airfoil.surface_cells=8",
-    "mesh.generate.airfoil.wake_cells=6",
-    "mesh.generate.airfoil.normal_cells=10",
+    "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, normal_cells = 10, far_field = 20 }",
 ];
 
 #[test]

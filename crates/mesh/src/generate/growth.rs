@@ -60,8 +60,10 @@ impl PiecewiseGrowth {
             return PiecewiseGrowth { near: (0, 0.0), pieces: [Growth::new(cells, first, total); 2] };
         };
         let inner = Growth::new(near_cells, first, size);
+        // Where that would not fit into what is left, the cells there are equal.
         let next = first * inner.factor().powi(near_cells as i32);
-        let outer = Growth::new(cells - near_cells, next, total - size);
+        let equal = (total - size) / (cells - near_cells) as f64;
+        let outer = Growth::new(cells - near_cells, next.min(equal), total - size);
         PiecewiseGrowth { near: (near_cells, size), pieces: [inner, outer] }
     }
 
@@ -117,6 +119,16 @@ mod tests {
             for i in 1..cells {
                 assert!((size(i) / size(i - 1) / growth.factor() - 1.0).abs() < 1e-9);
             }
+        }
+    }
+
+    #[test]
+    fn a_near_part_with_large_cells_leaves_room_for_the_rest() {
+        for total in [1.2, 2.0, 50.0] {
+            let growth = PiecewiseGrowth::new(Some((3, 1.0)), 5, 0.05, total);
+            let sizes: Vec<f64> = (0..=5).map(|t| growth.size(f64::from(t))).collect();
+            assert!((sizes[3] - 1.0).abs() < 1e-12 && (sizes[5] / total - 1.0).abs() < 1e-12, "{sizes:?}");
+            assert!(sizes.windows(2).all(|pair| pair[1] > pair[0]), "{sizes:?}");
         }
     }
 }
