@@ -22,7 +22,7 @@ SCRIPTS = ROOT / "scripts"
 # What is drawn: the mesh where the flow is uniform or there is none, otherwise a field; and in which window (x0, y0, x1, y1), if not all.
 UNIFORM = {"free_stream", "free_stream_3d"}
 FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity",
-         "cylinder_street": "vorticity", "naca0012_heave_pitch": "vorticity", "naca0012_paper": "vorticity"}
+         "cylinder_street": "pressure"}
 WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
     "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4),
