@@ -109,7 +109,7 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
     for (settings, subject, remedy) in [
         (&["time.step=0.5", "time.order=1"][..], "slab length", "`time.step` of"),
         (&["mesh.generate.airfoil.far_field=5"], "far field", "`far_field`"),
-        (&["mesh.generate.airfoil.first_cell=0.2"], "first cell", "`first_cell`"),
+        (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
         (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
         (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),

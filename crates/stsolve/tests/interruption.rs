@@ -80,7 +80,8 @@ fn stop_and_resume(case: &str, set: &[&str]) {
     running.terminate();
     let message = running.wait_for("stopped at t = ");
     assert_eq!(running.process.wait().unwrap().code(), Some(0));
-    let resume = message.split("continue with: stsolve ").nth(1).unwrap().trim();
+    // Without the quotes that a shell needs around braces and spaces.
+    let resume = message.split("continue with: stsolve ").nth(1).unwrap().trim().replace('\'', "");
     let changes: Vec<String> = set.iter().map(|change| format!("--set {change}")).collect();
     assert!(resume.ends_with(&format!("{} --output run --resume", changes.join(" "))), "{resume}");
 
