@@ -233,13 +233,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", action="append", choices=STUDIES)
     parser.add_argument("--directory", type=pathlib.Path, default=ROOT / "runs" / "airfoil_study")
+    parser.add_argument("--note", default="", help="what to say about the machine")
     arguments = parser.parse_args()
     sections = [STUDIES[name](arguments.directory) for name in arguments.only or STUDIES]
-    introduction = """# Airfoils that move: convergence
+    introduction = f"""# Airfoils that move: convergence
 
 Made by `scripts/airfoil_study.py`. I is the vertical impulse of the fluid on the airfoil, W its work, chord, density and speed 1. Newton
 steps and Krylov iterations are means over the slabs; seconds are those of the whole run on two cores, steady start included. Nodes are those of
-the flow in space.
+the flow in space. {arguments.note}
 """
     print("\n".join([introduction, *sections]), end="")
 
