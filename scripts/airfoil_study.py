@@ -10,6 +10,7 @@ environment variable STSOLVE names another one.
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -172,16 +173,43 @@ and while the order in space grows, over the whole motion on the coarse mesh at 
 """
 
 
+def stream_with_wake():
+    """The stream far from a body of drag coefficient 0.12, to first order in the distance: what its wake lacks, Q, a source adds all around.
+
+    u = 1 + Q x / (2 pi B s) - w,  v = Q B y / (2 pi s),  p = p_0 - (u - 1 + w),  s = x^2 + B^2 y^2,  B^2 = 1 - M^2,
+    with w a Gauss curve behind the body whose integral is Q.
+    """
+    mach, q, width = 0.2, 0.06, 2.0
+    b = (1 - mach**2) ** 0.5
+    s = f"((x - 0.5)^2 + {b * b}*y^2)"
+    u, v = f"{q / (2 * math.pi * b)}*(x - 0.5)/{s}", f"{q * b / (2 * math.pi)}*y/{s}"
+    wake = f"if(x > 0, {q / (width * math.pi**0.5)}*exp(-(y/{width})^2), 0)"
+    state = f'density = "1 - {mach**2}*{u}", velocity = ["1 + {u} - {wake}", "{v}"], pressure = "{1 / (1.4 * mach**2)} - {u}"'
+    return f"{{ prescribed_state = {{ expression = {{ {state} }} }} }}"
+
+
 def far_field(directory):
-    near = Setting("fine", 5, 3, 0.1, mesh__generate__airfoil__far_field=50).summary(directory)
-    far = Setting("fine", 5, 3, 0.1).summary(directory)
-    drag = lambda summary: summary["steady"]["walls"]["airfoil"]["drag_coefficient"]
-    changes = [relative(a, b) for a, b in zip((*impulse_and_work(near), drag(near)), (*impulse_and_work(far), drag(far)))]
+    def changes(**keys):
+        near = Setting("fine", 5, 3, 0.1, mesh__generate__airfoil__far_field=50, **keys).summary(directory)
+        far = Setting("fine", 5, 3, 0.1, **keys).summary(directory)
+        drag = lambda summary: summary["steady"]["walls"]["airfoil"]["drag_coefficient"]
+        return [relative(a, b) for a, b in zip((*impulse_and_work(near), drag(near)), (*impulse_and_work(far), drag(far)))]
+
     return f"""## Far field
 
-Case C1 on the fine mesh, N_s = 5, N_t = 3, steps of 0.1: with the far field at 50 instead of 100 chords I changes by {changes[0]}, W by
-{changes[1]}, the steady drag by {changes[2]}. Steady and unsteady flow feel the distance alike, as a flow in a larger or smaller room does; 1e-4 is
-what the distance of 100 chords itself is good for.
+Case C1 on the fine mesh, N_s = 5, N_t = 3, steps of 0.1: how much I, W and the steady drag change when the far field is at 50 instead of 100
+chords.
+
+{table(("state outside", "I", "W", "steady C_d"), [
+    ("the free stream, as shipped", *changes()),
+    ("with wake and source", *changes(flow__boundary__far=stream_with_wake())),
+])}
+
+It is no reflection: within t = 2 no sound gets to the far field and back. The steady flow feels it, and hands it on. Where the wake leaves,
+a free stream outside pulls at it as long as it is slower; that makes a sink at the distance R, which speeds up the flow at the airfoil by
+about Q / (2 pi R) with Q = C_d / 2 what the wake lacks. A state outside that has the wake, and around it the source that feeds it, takes most of
+that away: `prescribed_state` with formulas, see `stream_with_wake` in `scripts/airfoil_study.py`. The case as shipped keeps to the
+workshop's definition, as does its reference.
 """
 
 

@@ -3,7 +3,7 @@
 //! One Jacobian serves many slabs: it is frozen where none is there or where the iterations have grown too much since. In between,
 //! another slab length or pseudo-time needs new factors of its modes only.
 
-use crate::preconditioner::{FlowPreconditioner, Ordering};
+use crate::preconditioner::{CoarseLevel, FlowPreconditioner, Ordering};
 use crate::wear::FrozenInSlab;
 use basis::TemporalModes;
 use fem::SlabOperator;
@@ -43,14 +43,15 @@ pub enum Update {
 pub struct FrozenFlow {
     /// Set to have the Jacobian frozen at the next update.
     pub stale: bool,
-    /// Whether it is frozen at every update.
-    pub always_fresh: bool,
+    /// Whether the flow is steady: its Jacobian is frozen at every update, and has a coarse level.
+    pub steady: bool,
     /// When more iterations than these are done in a slab, the Jacobian is frozen at the next update.
     pub patience: usize,
     /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
     applications: usize,
     in_slab: FrozenInSlab,
     preconditioner: Option<FlowPreconditioner>,
+    coarse: Option<CoarseLevel>,
     frozen: Option<Frozen>,
 }
 
@@ -59,11 +60,12 @@ impl Default for FrozenFlow {
     fn default() -> Self {
         FrozenFlow {
             stale: false,
-            always_fresh: false,
+            steady: false,
             patience: usize::MAX,
             applications: 0,
             in_slab: FrozenInSlab::No,
             preconditioner: None,
+            coarse: None,
             frozen: None,
         }
     }
@@ -89,9 +91,10 @@ impl FrozenFlow {
     /// z = P^{-1} r; r itself as long as there is no preconditioner.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         self.applications += 1;
-        match &mut self.preconditioner {
-            Some(preconditioner) => preconditioner.apply(r, z),
-            None => z.copy_from_slice(r),
+        match (&mut self.preconditioner, &mut self.coarse) {
+            (Some(preconditioner), Some(coarse)) => coarse.apply(preconditioner, r, z),
+            (Some(preconditioner), None) => preconditioner.apply(r, z),
+            (None, _) => z.copy_from_slice(r),
         }
     }
 
@@ -119,7 +122,7 @@ impl FrozenFlow {
         let built_for = (dt, dt * rate);
         let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
         match (&mut self.preconditioner, &mut self.frozen) {
-            (Some(preconditioner), Some(frozen)) if !self.stale && !self.always_fresh => {
+            (Some(preconditioner), Some(frozen)) if !self.stale && !self.steady => {
                 if !change(frozen.built_for.0, built_for.0) && !change(frozen.built_for.1, built_for.1) {
                     return Update::Kept;
                 }
@@ -176,8 +179,14 @@ impl FrozenFlow {
         ordering: Option<Ordering>,
     ) -> &FlowPreconditioner {
         // The old one goes first: two at a time would double the memory.
-        self.preconditioner = None;
+        (self.preconditioner, self.coarse) = (None, None);
         let (modes, jacobian) = (TemporalModes::new(&flow.tables.time), flow.space_jacobian(0.5));
-        self.preconditioner.insert(FlowPreconditioner::new(flow.layout, modes, jacobian, dt, damping, ordering))
+        let lambda = modes.eigenvalues[0].re + damping;
+        let sweeps = FlowPreconditioner::new(flow.layout, modes, jacobian, dt, damping, ordering);
+        if self.steady {
+            // Without a coarse level, where its matrix is singular, the sweeps do alone.
+            self.coarse = CoarseLevel::new(&sweeps, flow.layout, flow.tables.orders.flow, dt, lambda).ok();
+        }
+        self.preconditioner.insert(sweeps)
     }
 }

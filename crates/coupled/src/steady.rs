@@ -43,7 +43,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let at_rest = vec![0.0; problem.mover.field_len()];
     problem.begin(time - LONG, LONG, u, &at_rest)?;
     problem.move_mesh(&mut vec![0.0; at_rest.len()])?;
-    problem.frozen_flow.always_fresh = true;
+    problem.frozen_flow.steady = true;
     // Residuals are those of (steady): dt times rates.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;

@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::{column, on_case};
+use common::{column, on_case, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -68,6 +68,16 @@ fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {
         mean(&krylov)
     });
     assert!(means[1] <= 1.5 * means[0], "{means:?}");
+}
+
+/// By its coarse level; the sweeps alone need some 150.
+#[test]
+fn a_steady_flow_takes_few_iterations() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), &[&COARSE[..], &["time.end=0.1"]].concat(), "steady");
+    let steady = &summary(&directory.path().join("steady"))["steady"];
+    println!("Newton steps {}, Krylov iterations {}", steady["newton"], steady["krylov"]);
+    assert!(steady["newton"].as_u64().unwrap() <= 9 && steady["krylov"].as_u64().unwrap() <= 60, "{steady}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod boundary_flux;
+mod coarse_level;
 mod large_rotation;
 mod slab_operator;
 mod valid_steps;

@@ -87,6 +87,16 @@ impl FlowPreconditioner {
         &self.ordering
     }
 
+    /// The Jacobian that the modes are made of.
+    pub(super) fn jacobian(&self) -> &SpaceJacobian {
+        &self.jacobian
+    }
+
+    /// The couplings of every cell.
+    pub(super) fn links(&self) -> &[Vec<Link>] {
+        &self.links
+    }
+
     /// Bytes held by factors and couplings.
     pub fn bytes(&self) -> usize {
         let couplings: usize = self.couplings.iter().flatten().map(Vec::len).sum();

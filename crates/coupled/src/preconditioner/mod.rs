@@ -6,14 +6,17 @@
 //!
 //! with ONE Jacobian A and mass matrix M of the operator of space, frozen in the middle of a slab: the temporal modes
 //! separate into systems (lambda M + dt A) x = c, one for each real eigenvalue and one for each complex pair. Each is
-//! replaced by its block ILU(0), and all of them are swept at once.
+//! replaced by its block ILU(0), and all of them are swept at once. Steady flows have one real mode, and a coarse level for it.
 
 mod blocks;
+mod coarse;
 mod face_traces;
 mod factor;
 mod ilu;
 mod ordering;
 mod panel;
+mod sparse_lu;
 
+pub use coarse::CoarseLevel;
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;

@@ -9,6 +9,9 @@ use crate::problem::{Inadmissible, NonlinearProblem};
 use crate::pseudo_time::PseudoTime;
 use crate::{fgmres, line_search};
 
+/// After so many steps in a row, each no longer than this part of its increment, fields are damped.
+const SHORT_STEPS: (usize, f64) = (3, 0.25);
+
 /// A solve under way, between two steps.
 pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
     problem: &'a mut P,
@@ -158,7 +161,17 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         tracing::debug!(?step, "Newton step {}", self.report.steps.len() + 1);
         self.pseudo_time.accept(&step.field_norms);
         self.report.steps.push(step);
+        self.damp_after_short_steps();
         self.judge(attempt.search.decreased)
+    }
+
+    /// Damping where the last steps all were short: such increments are of little use, and shorter and shorter steps would follow.
+    fn damp_after_short_steps(&mut self) {
+        let (count, length) = SHORT_STEPS;
+        let short = self.report.steps.iter().rev().take_while(|step| step.step_length <= length).count() >= count;
+        if short && !self.pseudo_time.is_active() {
+            self.pseudo_time.reject(self.report.final_field_norms(), &self.tolerances.fields);
+        }
     }
 
     /// More damping after a rejection; the rejection as an error if that is of no use.

@@ -159,6 +159,20 @@ fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off(
     assert!(orders(&report.residual_history(), 1e-12).last().unwrap() > &1.8);
 }
 
+/// A line search that tries on and on finds shorter and shorter steps towards the minimum; damping does not wait for its end.
+#[test]
+fn short_steps_in_a_row_switch_pseudo_time_on() {
+    let mut settings = Settings { max_steps: 100, ..exact() };
+    settings.line_search.max_trials = 40;
+    let mut z = [2.0, 1.0];
+    let report = run(&mut valley_problem(), &mut z, &settings).unwrap();
+    assert!((z[0] - ROOT).abs() <= 1e-12);
+    let lengths: Vec<f64> = report.steps[..5].iter().map(|step| step.step_length).collect();
+    assert_eq!(lengths, [1.0, 1.0, 0.0625, 0.015625, 2.0_f64.powi(-16)]);
+    assert!(report.steps[..5].iter().all(|step| step.inverse_pseudo_time[0] == 0.0));
+    assert_eq!((report.steps[5].inverse_pseudo_time[0], report.steps[5].rejections), (1.0, 0));
+}
+
 #[test]
 fn pseudo_time_from_the_start_passes_the_valley_without_a_rejection() {
     let mut settings = exact();
