@@ -17,3 +17,4 @@ mod panel;
 
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;
+pub use panel::padded;
