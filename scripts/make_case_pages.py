@@ -27,6 +27,8 @@ WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
     "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4),
 }
+# From where a mesh in three dimensions is seen.
+DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
 WIDTH = 800
 
 # Sections of summary.json that are figures of the run, and what they are called.
@@ -81,19 +83,26 @@ def figures(summary):
 
 
 def draw(name, run, summary, picture):
-    """A picture of the last step; what it shows, or nothing."""
+    """A picture of the last step, or of all; what it shows, or nothing."""
     result, window = run / "result.vtkhdf", WINDOW.get(name)
+    if "structure" in summary:
+        return drawn("the structure at several times", "plot_structure.py", run, picture)
     if "flow" in summary["unknowns"] and name not in UNIFORM:
-        shows = FIELD.get(name, "mach")
-        arguments = [SCRIPTS / "render_vtk.py", result, picture, "--field", shows, "--width", WIDTH]
-        arguments += ["--window", *window] if window else []
-    elif summary["mesh"]["dimension"] == 2:
-        shows = "mesh"
-        arguments = [SCRIPTS / "plot_mesh.py", result, "--output", picture]
-        arguments += ["--window", window[0], window[2], window[1], window[3]] if window else []
-    else:
-        return None
-    subprocess.run([sys.executable, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+        field = FIELD.get(name, "mach")
+        arguments = ["--field", field, "--width", WIDTH, *(["--window", *window] if window else [])]
+        return drawn(f"{field} at the end", "render_vtk.py", result, picture, *arguments)
+    if summary["mesh"]["dimension"] == 2:
+        arguments = ["--window", window[0], window[2], window[1], window[3]] if window else []
+        return drawn("mesh at the end", "plot_mesh.py", result, "--output", picture, *arguments)
+    if name in DIRECTION:
+        arguments = ["--field", "jacobian", "--width", WIDTH, "--from", *DIRECTION[name]]
+        return drawn("surface of the mesh at the end, by det J / det J_0", "render_vtk.py", result, picture, *arguments)
+    return None
+
+
+def drawn(shows, script, *arguments):
+    """Has a script draw; what that shows."""
+    subprocess.run([sys.executable, *map(str, [SCRIPTS / script, *arguments])], check=True, stdout=subprocess.DEVNULL)
     return shows
 
 
@@ -106,7 +115,7 @@ def write_page(case, run):
     page = [f"# {title}", "", f"`scripts/stsolve run cases/{name}.toml` runs [the case](../../../cases/{name}.toml).", ""]
     shows = draw(name, run, summary, picture)
     if shows:
-        page += [f"![{shows} at the end](../pictures/{picture.name})", ""]
+        page += [f"![{shows}](../pictures/{picture.name})", ""]
     for paragraph in paragraphs:
         page += [markdown(paragraph), ""]
     machine = summary["machine"]

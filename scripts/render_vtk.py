@@ -2,10 +2,11 @@
 """Draws a field of a result file with VTK, off-screen, curved cells as curved, and keeps it as PNG.
 
     render_vtk.py RESULT PNG [--field mach] [--time T] [--range LOWER UPPER] [--window X0 Y0 X1 Y1] [--width 1000] [--level 4]
+                  [--from X Y Z]
 
 What ParaView shows of the same file with a *Nonlinear Subdivision Level* of --level. Without --time the last step is drawn,
-without --range the colours span the values, without --window the whole domain is shown. Needs the Python packages vtk (9.3 or
-newer) and numpy.
+without --range the colours span the values, without --window the whole domain is shown. --from looks at the surface of a body in three
+dimensions from that direction, in a light that shows its shape. Needs the Python packages vtk (9.3 or newer) and numpy.
 """
 
 import argparse
@@ -53,6 +54,31 @@ def colours_of(colours, limits):
 def render(grid, field, limits, colours, window, size, level=4, ground=GROUND):
     """The picture, [row][column][red, green, blue] in 0..255, the first row on top. `window` is (x0, y0, x1, y1), `size` its
     pixels."""
+    actor = coloured(grid, field, limits, colours, level)
+    actor.GetProperty().LightingOff()
+    renderer = scene(actor, ground)
+    aim(renderer.GetActiveCamera(), window)
+    renderer.ResetCameraClippingRange()
+    return pixels(renderer, size)
+
+
+def render_from(direction, grid, field, limits, colours, width, level=4):
+    """As `render`, seen from a direction, with y upwards, in light."""
+    actor = coloured(grid, field, limits, colours, level)
+    actor.GetProperty().SetAmbient(0.35)
+    renderer = scene(actor, GROUND)
+    camera = renderer.GetActiveCamera()
+    camera.ParallelProjectionOn()
+    camera.SetFocalPoint(0.0, 0.0, 0.0)
+    camera.SetPosition(*direction)
+    camera.SetViewUp(0.0, 1.0, 0.0)
+    renderer.ResetCamera()
+    camera.Zoom(1.1)
+    return pixels(renderer, (width, width // 2))
+
+
+def coloured(grid, field, limits, colours, level):
+    """The surface, coloured by a field."""
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputData(surface(grid, level))
     mapper.SetScalarModeToUsePointFieldData()
@@ -62,13 +88,14 @@ def render(grid, field, limits, colours, window, size, level=4, ground=GROUND):
     mapper.UseLookupTableScalarRangeOn()
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().LightingOff()
+    return actor
+
+
+def scene(actor, ground):
     renderer = vtk.vtkRenderer()
     renderer.AddActor(actor)
     renderer.SetBackground(*ground)
-    aim(renderer.GetActiveCamera(), window)
-    renderer.ResetCameraClippingRange()
-    return pixels(renderer, size)
+    return renderer
 
 
 def aim(camera, window):
@@ -109,6 +136,13 @@ def write(picture, path):
     writer.Write()
 
 
+def render_window(grid, limits, arguments):
+    x0, x1, y0, y1, _, _ = grid.GetBounds()
+    window = arguments.window or (x0, y0, x1, y1)
+    height = round(arguments.width * (window[3] - window[1]) / (window[2] - window[0]))
+    return render(grid, arguments.field, limits, viridis(), window, (arguments.width, height), arguments.level)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("result")
@@ -119,6 +153,7 @@ def main():
     parser.add_argument("--window", type=float, nargs=4)
     parser.add_argument("--width", type=int, default=1000)
     parser.add_argument("--level", type=int, default=4)
+    parser.add_argument("--from", type=float, nargs=3, dest="direction", metavar=("X", "Y", "Z"))
     arguments = parser.parse_args()
     reader, times = open_result(arguments.result)
     grid = read_step(reader, times[-1] if arguments.time is None else arguments.time)
@@ -126,11 +161,11 @@ def main():
     if values is None:
         names = [grid.GetPointData().GetArrayName(i) for i in range(grid.GetPointData().GetNumberOfArrays())]
         parser.error(f"no field {arguments.field}; there are {', '.join(names)}")
-    x0, x1, y0, y1, _, _ = grid.GetBounds()
-    window = arguments.window or (x0, y0, x1, y1)
-    height = round(arguments.width * (window[3] - window[1]) / (window[2] - window[0]))
     limits = arguments.range or values.GetRange()
-    picture = render(grid, arguments.field, limits, viridis(), window, (arguments.width, height), arguments.level)
+    if arguments.direction:
+        picture = render_from(arguments.direction, grid, arguments.field, limits, viridis(), arguments.width, arguments.level)
+    else:
+        picture = render_window(grid, limits, arguments)
     write(picture, arguments.picture)
 
 

@@ -14,7 +14,8 @@ use crate::pool::Pool;
 use basis::{Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
 use mesh::{CellMap, Mesh};
 use rayon::prelude::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, zeroed};
 
 /// Gauss points per direction for displacements of order `order` on a geometry of order `geometry`.

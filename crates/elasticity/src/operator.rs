@@ -27,7 +27,7 @@ use basis::{Lagrange, Matrix, Rule};
 use kernel::{CellMatrices, Cells, Forces, Mode, Scratch, Tangent};
 use rayon::prelude::*;
 use std::marker::PhantomData;
-use tensor::pulp::Arch;
+use tensor::Arch;
 use tensor::{Pack, WIDTH, zeroed};
 
 /// R and K on all nodes: no node is constrained here.

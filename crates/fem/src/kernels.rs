@@ -12,8 +12,9 @@ use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Instant, Tables};
 use basis::Matrix;
 use std::marker::PhantomData;
+use tensor::Arch;
 use tensor::count_operations;
-use tensor::pulp::{Arch, Scalar, WithSimd};
+use tensor::pulp::{Scalar, WithSimd};
 
 /// What a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

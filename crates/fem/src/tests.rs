@@ -4,7 +4,8 @@ use crate::tables::{Line, Orders, Quadrature, Tables};
 use crate::tensor_product::{Lattice, Parts, Scratch, evaluate, integrate};
 use crate::traces::FaceMaps;
 use basis::gauss;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Pack, WIDTH, zeroed};
 
 fn packs(n: usize, phase: f64) -> Vec<Pack> {

@@ -7,7 +7,8 @@ use crate::tables::Line;
 use basis::{Matrix, contract, contract_add};
 use mesh::{axis_and_side, face_nodes};
 use rayon::prelude::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, zeroed};
 
 /// Where the traces of a set of cell coefficients lie: `[cell][face][kind][slot][component][face node]`.

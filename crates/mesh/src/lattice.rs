@@ -1,7 +1,8 @@
 //! Arrays over tensor-product lattices, and one-dimensional matrices along their axes.
 
 use basis::Matrix;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 
 /// The index along `axis` of node `index` of a lattice with `n` nodes along every axis.
 pub(crate) fn digit(index: usize, n: usize, axis: usize) -> usize {

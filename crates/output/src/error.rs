@@ -41,16 +41,14 @@ pub enum OutputError {
     },
     /// A checkpoint belongs to another case.
     #[error(
-        "`{path}` is the checkpoint of another case: its fingerprint is {found}, this case has {expected}; \
-         resume with the case that started the run, or choose another output directory"
+        "`{path}` is the checkpoint of another case: {difference}; resume with the case that started the run, or choose another \
+         output directory"
     )]
     OtherCase {
         /// The file read.
         path: PathBuf,
-        /// Fingerprint of the case to run.
-        expected: String,
-        /// Fingerprint of the case in the file.
-        found: String,
+        /// What differs.
+        difference: String,
     },
     /// A result file has a format that this program does not read.
     #[error(

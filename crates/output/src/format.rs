@@ -15,6 +15,9 @@ pub const FORMAT_VERSION: i64 = 1;
 /// Name of the group.
 pub(crate) const GROUP: &str = "stsolve";
 
+/// Name of the text of the case.
+const CASE: &str = "case";
+
 /// Name of the axis along which an array of coefficients grows.
 const STEP_LABEL: &str = "step";
 
@@ -57,7 +60,7 @@ pub(crate) fn create(group: &Group, layout: &Layout, metadata: &Metadata) -> Res
 fn write_metadata(group: &Group, metadata: &Metadata) -> Result<()> {
     write_text(group, "creator", &metadata.creator)?;
     write_text(group, "case_name", &metadata.case_name)?;
-    write_text(group, "case", &metadata.case_text)?;
+    write_text(group, CASE, &metadata.case_text)?;
     write_text(group, "case_fingerprint", &metadata.case_fingerprint)?;
     write_text(group, "mesh_id", &metadata.mesh_id)?;
     constant(group, "space_nodes", &metadata.space_nodes)?;
@@ -65,12 +68,18 @@ fn write_metadata(group: &Group, metadata: &Metadata) -> Result<()> {
     rest_mesh::write(group, &metadata.mesh)
 }
 
+/// Replaces the text of the case.
+pub(crate) fn replace_case(group: &Group, text: &str) -> Result<()> {
+    group.delete_attr(CASE)?;
+    write_text(group, CASE, text)
+}
+
 /// Reads what the file says about itself.
 pub(crate) fn read_metadata(group: &Group) -> Result<Metadata> {
     Ok(Metadata {
         creator: read_text(group, "creator")?,
         case_name: read_text(group, "case_name")?,
-        case_text: read_text(group, "case")?,
+        case_text: read_text(group, CASE)?,
         case_fingerprint: read_text(group, "case_fingerprint")?,
         mesh_id: read_text(group, "mesh_id")?,
         space_nodes: group.dataset("space_nodes")?.read_raw()?,

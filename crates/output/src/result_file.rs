@@ -41,6 +41,8 @@ pub struct ResultFile {
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
     copy: WorkingCopy,
+    /// The case with which a resumed run goes on, until it has replaced that in the file.
+    new_case: Option<String>,
 }
 
 /// The private file to which steps are appended.
@@ -71,23 +73,29 @@ impl ResultFile {
         Ok(result)
     }
 
-    /// Continues the result file of the directory after its last checkpoint, if its case has the fingerprint `case`.
+    /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in it that cannot go on as
+    /// `case`, a text that replaces the one in the file.
     ///
     /// # Errors
-    /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`] or [`OutputError::OtherCase`].
-    pub fn resume(directory: &RunDirectory, case: &str) -> Result<(Self, SolverState, Metadata), OutputError> {
+    /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`], or [`OutputError::OtherCase`] with what
+    /// `accept` says.
+    pub fn resume(
+        directory: &RunDirectory,
+        case: &str,
+        accept: impl FnOnce(&Metadata) -> Result<(), String>,
+    ) -> Result<(Self, SolverState), OutputError> {
         let path = directory.path().join(RESULT_FILE);
         let (metadata, state, layout) = read(&path)?;
-        if metadata.case_fingerprint != case {
-            return Err(OutputError::OtherCase { path, expected: case.to_owned(), found: metadata.case_fingerprint });
-        }
-        Ok((Self::new(directory, layout), state, metadata))
+        accept(&metadata).map_err(|difference| OutputError::OtherCase { path, difference })?;
+        let mut result = Self::new(directory, layout);
+        result.new_case = (metadata.case_text != case).then(|| case.to_owned());
+        Ok((result, state))
     }
 
     fn new(directory: &RunDirectory, layout: Layout) -> Self {
         let published = directory.path().join(RESULT_FILE);
         let (working, order) = (partial(&published), vtk_order(&layout.grid));
-        Self { published, working, layout, order, copy: WorkingCopy::None }
+        Self { published, working, layout, order, copy: WorkingCopy::None, new_case: None }
     }
 
     /// Path of the published file.
@@ -175,9 +183,18 @@ impl ResultFile {
             WorkingCopy::Failed => Err(self.write_error("an earlier step or checkpoint could not be written".into())),
             WorkingCopy::None => {
                 fs::copy(&self.published, &self.working).map_err(|source| file_error(&self.working, source))?;
-                hdf::options().open_rw(&self.working).map_err(|source| self.write_error(source))
+                self.open_copy().map_err(|source| self.write_error(source))
             }
         }
+    }
+
+    /// The copy of the published file, with the new case if there is one.
+    fn open_copy(&mut self) -> hdf5::Result<File> {
+        let file = hdf::options().open_rw(&self.working)?;
+        if let Some(case) = self.new_case.take() {
+            format::replace_case(&file.group(format::GROUP)?, &case)?;
+        }
+        Ok(file)
     }
 
     fn write_error(&self, source: hdf5::Error) -> OutputError {

@@ -8,7 +8,8 @@ use std::fs;
 
 use common::{CASE, append, contents, layout, metadata, noise, run, seal, state};
 use output::{
-    OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory, SolverState, Step, inspect, read_checkpoint,
+    Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory, SolverState, Step, inspect,
+    read_checkpoint,
 };
 
 /// NaN is not equal to itself: compare the bits.
@@ -50,7 +51,7 @@ fn a_reader_finds_each_step_while_the_run_goes_on() {
     assert!(!RunDirectory::is_held(directory.path()));
     let held = RunDirectory::open(directory.path()).unwrap();
     assert!(RunDirectory::is_held(directory.path()));
-    let (mut result, ..) = ResultFile::resume(&held, CASE).unwrap();
+    let (mut result, _) = ResultFile::resume(&held, "", |_| Ok(())).unwrap();
     let reader = ResultReader::open(&directory.path().join(RESULT_FILE)).unwrap();
     append(&mut result, 4);
     result.checkpoint(&state(4)).unwrap();
@@ -140,12 +141,20 @@ fn inspect_tells_what_the_file_holds() {
 #[test]
 fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();
-    let resume = |case: &str| ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), case).map(drop);
+    let resume = |case: &str| {
+        let accept = |found: &Metadata| match found.case_fingerprint == case {
+            true => Ok(()),
+            false => Err(format!("{} is not {case}", found.case_fingerprint)),
+        };
+        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), "order = 4", accept).map(drop)
+    };
     assert!(matches!(resume(CASE), Err(OutputError::NoCheckpoint { .. })));
     run(directory.path(), 0, 1, 1);
     assert!(resume(CASE).is_ok());
     let error = resume("another").unwrap_err();
-    assert!(matches!(&error, OutputError::OtherCase { expected, found, .. } if expected == "another" && found == CASE));
+    assert!(
+        matches!(&error, OutputError::OtherCase { difference, .. } if *difference == format!("{CASE} is not another"))
+    );
 
     let file = hdf5::File::open_rw(directory.path().join(RESULT_FILE)).unwrap();
     file.group("stsolve").unwrap().attr("format_version").unwrap().write_scalar(&99_i64).unwrap();
@@ -153,6 +162,18 @@ fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
     assert!(matches!(resume(CASE), Err(OutputError::Damaged { .. })), "a changed file has lost its seal");
     seal(&directory.path().join(RESULT_FILE));
     assert!(matches!(resume(CASE), Err(OutputError::Version { found: 99, .. })));
+}
+
+#[test]
+fn a_resumed_run_leaves_its_own_case() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), 0, 1, 1);
+    let held = RunDirectory::open(directory.path()).unwrap();
+    let (mut result, _) = ResultFile::resume(&held, "end = 2", |_| Ok(())).unwrap();
+    append(&mut result, 2);
+    result.checkpoint(&state(2)).unwrap();
+    let found = read_checkpoint(result.path()).unwrap().0;
+    assert_eq!(found, Metadata { case_text: "end = 2".to_owned(), ..metadata() });
 }
 
 #[test]

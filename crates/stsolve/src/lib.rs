@@ -36,11 +36,18 @@ use case::AnyCase;
 use cli::{Arguments, CaseArguments, Command, RunArguments};
 use failure::Failure;
 
+/// A program for one instruction set, on a machine that lacks it.
+const OTHER_MACHINE: &str = "this program was compiled for the instruction set of another machine alone (feature `this-machine`): compile it \
+                             here, `cargo build --release`";
+
 /// Does what the command line asks for.
 ///
 /// # Errors
 /// Bad input, or a solve that failed.
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    if !tensor::runs_here() {
+        return Err(Failure::bad_input(anyhow::anyhow!(OTHER_MACHINE)));
+    }
     match &arguments.command {
         Command::Check { case, json, probe } => commands::check(&read(case)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),

@@ -53,14 +53,35 @@ fn a_torn_checkpoint_is_refused() {
 fn the_checkpoint_of_another_case_is_refused() {
     let directory = finished();
     let todo = "resume with the case that started the run, or choose another output directory";
-    for change in ["flow.order=5", "time.step=0.05", "constants.stretch=0.2", "solver.newton_tolerance=1e-9"] {
-        assert_refused(&directory, "run", &[change], &["is the checkpoint of another case", todo]);
+    for (change, difference) in [
+        ("flow.order=5", "`flow.order` was 4 and is 5"),
+        ("time.step=0.05", "`time.step` was 0.1 and is 0.05"),
+        ("constants.stretch=0.2", "`constants.stretch` was"),
+        ("output.fields=[\"pressure\"]", "`output.fields` was"),
+    ] {
+        let parts = ["is the checkpoint of another case: ", difference, "`[solver]`", todo];
+        assert_refused(&directory, "run", &[change], &parts);
     }
 }
 
 #[test]
 fn a_run_of_the_mesh_alone_does_not_continue_one_with_a_flow() {
-    assert_refused(&finished(), "motion", &[], &["is the checkpoint of another case"]);
+    assert_refused(&finished(), "motion", &[], &["is the checkpoint of another case", "moved alone"]);
+}
+
+/// The end, the solver and what is written when may change; the result then holds the case with which it went on.
+#[test]
+fn a_run_goes_on_with_another_solver() {
+    let directory = finished();
+    let changes = ["time.end=0.4", "solver.newton_tolerance=1e-10", "solver.krylov_restart=7", "output.every=2"];
+    let set = [&SHORT[..], &changes].concat();
+    on_case(directory.path(), "run", "vortex", &set, "run", &["--resume"]).expect(0, &[]);
+    let result = directory.path().join("run/result.vtkhdf");
+    let case = output::read_checkpoint(&result).unwrap().0.case_text;
+    assert!(case.contains("newton_tolerance = 0.0000000001") && case.contains("end = 0.4"), "{case}");
+    assert_eq!(output::inspect(&result).unwrap().times.len(), 4, "the start, two slabs, the last of two more");
+    let log = fs::read_to_string(directory.path().join("run/log.jsonl")).unwrap();
+    assert!(log.contains("`solver.krylov_restart` was") && log.contains("and is 7"), "{log}");
 }
 
 #[test]

@@ -218,6 +218,17 @@ fn files_that_are_not_there_or_not_ours_are_refused() {
     let (code, _, stderr) = outcome(directory.path(), &["info", "text.vtkhdf"]);
     assert_eq!(code, 2);
     assert!(stderr.contains("text.vtkhdf"), "{stderr}");
+    std::fs::write(directory.path().join("case.toml"), "[mesh]").unwrap();
+    for (file, expected) in [
+        ("nowhere", "`nowhere` cannot be read: No such file"),
+        (".", "`./result.vtkhdf` cannot be read: No such file"),
+        ("case.toml", "`case.toml` is a case; `stsolve check case.toml` explains it"),
+        ("summary.json", "is neither the result of a run, `result.vtkhdf`, nor a mesh file"),
+    ] {
+        std::fs::write(directory.path().join("summary.json"), "{}").unwrap();
+        let (code, _, stderr) = outcome(directory.path(), &["info", file]);
+        assert!(code == 2 && stderr.contains(expected), "{file}: {stderr}");
+    }
 }
 
 #[test]

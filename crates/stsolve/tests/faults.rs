@@ -201,6 +201,44 @@ fn the_cause_of_a_seeded_fault_is_named() {
     assert!(named >= 12 && first >= 9, "{named} named, {first} of them first");
 }
 
+/// What stands in the folder `failure` of a run: the numbers, after a check that text and picture are there.
+fn numbers_of(run: &Path) -> Value {
+    let folder = run.join("failure");
+    let text = std::fs::read_to_string(folder.join("failure.md")).unwrap();
+    assert!(text.contains("## Worst cell") && text.contains("cell.svg"), "{text}");
+    assert!(std::fs::read_to_string(folder.join("cell.svg")).unwrap().contains("<polygon"));
+    serde_json::from_str(&std::fs::read_to_string(folder.join("failure.json")).unwrap()).unwrap()
+}
+
+/// A mesh alone goes on when a cell is inverted; what is known of the first such slab is kept.
+#[test]
+fn a_motion_that_inverts_a_cell_says_why() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[3,3]", "constants.stretch=1.5", "time.step=0.4", "time.end=2"];
+    let outcome = on_case(directory.path(), "motion", "vortex", &set, "run", &[]);
+    outcome
+        .expect(1, &["the mesh is not valid: cell ", "likely cause: the boundary moves further than the mesh follows"]);
+    let numbers = numbers_of(&directory.path().join("run"));
+    // det J falls below zero at t = 0.929, in the third slab.
+    assert_eq!((number(&numbers, "last_good_state.time"), number(&numbers, "last_good_state.slabs")), (0.8, 2.0));
+    assert!(number(&numbers, "evidence.mesh.smallest_det_j") < 0.0);
+    assert!(numbers["worst_cell"]["because"].as_str().unwrap().starts_with("det J / det J_0 is -"));
+}
+
+/// The load has no value beyond t = 0.0005, which is in the third slab.
+#[test]
+fn a_structure_whose_load_is_no_number_says_so() {
+    let directory = TempDir::new().unwrap();
+    let set =
+        ["structure.boundary.top={traction=[0,\"sqrt(0.0005-t)\"]}", "time.end=0.002", "structure.natural_modes=0"];
+    let outcome = on_case(directory.path(), "run", "cantilever", &set, "run", &[]);
+    outcome.expect(1, &["the run stopped at t = 0.0004", "likely cause: the formula of a load has no finite value"]);
+    let numbers = numbers_of(&directory.path().join("run"));
+    assert_eq!(numbers["causes"][0]["name"], "bad_load");
+    assert_eq!(number(&numbers, "last_good_state.slabs"), 2.0);
+    assert!(number(&numbers, "evidence.structure.waves_per_slab") > 1.0);
+}
+
 /// The folder belongs to the run that made it.
 #[test]
 fn a_run_that_succeeds_removes_what_the_last_one_has_left() {

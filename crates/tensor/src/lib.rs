@@ -10,14 +10,18 @@
 //! [`Real`] is what all of them can do. [`Over`] says that one number may be combined with another that carries fewer
 //! derivatives: a state that is differentiated on a mesh that is not.
 //!
+//! [`Arch`] runs a kernel with the instructions of the machine.
+//!
 //! Nothing here loops over cells or allocates.
 
+mod arch;
 mod counted;
 mod dual;
 mod lanes;
 mod real;
 mod small;
 
+pub use arch::{Arch, runs_here};
 pub use counted::{Counted, count_operations};
 pub use dual::Dual;
 pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};

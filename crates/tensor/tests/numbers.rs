@@ -1,7 +1,8 @@
 //! Lanes against scalars, duals against differences.
 #![allow(clippy::unwrap_used)]
 
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, Transcendental, WIDTH, cofactor, determinant, dot, zeroed};
 
 /// Uses every operation of `Real` once.

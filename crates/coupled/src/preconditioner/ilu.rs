@@ -8,7 +8,7 @@ use super::panel::{Multiply, padded};
 use basis::{TemporalModes, is_real};
 use fem::{Layout, Pool, SpaceJacobian};
 use rayon::prelude::*;
-use tensor::pulp::Arch;
+use tensor::Arch;
 
 /// Bytes of factors that a task of a sweep reads at least: levels are short, and to share their cells out costs something too.
 const GRAIN: usize = 1 << 16;

@@ -20,3 +20,4 @@ mod sparse_lu;
 pub use coarse::CoarseLevel;
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;
+pub use panel::padded;

@@ -98,7 +98,7 @@ fn multiply_rows<const C: usize, const R: usize, S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tensor::pulp::Arch;
+    use tensor::Arch;
 
     #[test]
     fn panels_of_any_width_are_multiplied_column_by_column() {

@@ -14,7 +14,8 @@ use crate::batches::Batches;
 use faer::Mat;
 use rayon::prelude::*;
 use std::ops::Range;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH};
 
 /// Columns that are factored together, and rows and columns of the blocks in which products are subtracted.

@@ -3,7 +3,8 @@
 use super::inner::{CellUnknowns, InnerFactor};
 use crate::batches::Batches;
 use rayon::prelude::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, zeroed};
 
 impl InnerFactor {

@@ -12,7 +12,8 @@ use super::{Lines, Operator};
 use basis::{Matrix, apply_all_axes_add, scratch_length};
 use rayon::prelude::*;
 use std::array::from_fn;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Pack, WIDTH, zeroed};
 
 /// One pair (a, b) of (diag K) in one batch.

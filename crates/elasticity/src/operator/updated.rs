@@ -12,7 +12,8 @@ use super::kernel::{Scratch, read_metric};
 use crate::Inversion;
 use crate::law::plus_identity;
 use rayon::prelude::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
 
 /// (updated) in one batch.

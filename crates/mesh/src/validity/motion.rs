@@ -4,8 +4,8 @@ use super::sweep::{BoundPack, Scratch, Sweep, Swept};
 use super::{Bound, SHARPNESS, SlabPoint, Validity, ValidityCheck};
 use crate::{Mesh, NodeNumbering};
 use rayon::prelude::*;
+use tensor::Arch;
 use tensor::WIDTH;
-use tensor::pulp::Arch;
 
 /// Proves bounds of det J / det J_0 for all cells of a mesh that moves.
 ///

@@ -1,7 +1,8 @@
 //! SIMD lanes against plain numbers.
 
 use super::*;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, Lanes, Pack, WIDTH};
 
 /// Evaluates all point functions at one point per lane, on duals over plain geometry as the Jacobian does.

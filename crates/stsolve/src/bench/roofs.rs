@@ -5,7 +5,8 @@ use super::subject::bytes;
 use newton_krylov::inner_product::xpay;
 use rayon::ThreadPool;
 use serde::Serialize;
-use tensor::pulp::{Arch, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 
 /// Peak and bandwidth, on one core and on all.
 #[derive(Clone, Copy, Debug, Serialize)]

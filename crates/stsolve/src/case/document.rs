@@ -1,7 +1,7 @@
 //! The TOML document of a case, every key and value with its place.
 
 use super::brackets;
-use super::error::{CaseError, Cause, Place};
+use super::error::{CaseError, Cause, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
@@ -146,10 +146,19 @@ impl Document {
         if let Ok(root) = self.tree() {
             descend(root.get_ref(), span.start, &mut key);
         }
+        if error.message().starts_with(ONE_OF_SEVERAL) {
+            key = self.outermost(key, span.start);
+        }
         let Found { value, names, .. } = self.find(&key);
         let value = value.map(|span| self.excerpt(&span));
         let cause = Cause::from_serde(error.message(), value.as_deref(), &names);
         Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
+    }
+
+    /// The first part of `key` that was written at `offset`, where the header of a table names several.
+    fn outermost(&self, key: Key, offset: usize) -> Key {
+        let mut parts = (1..=key.0.len()).map(|steps| Key(key.0[..steps].to_vec()));
+        parts.find(|part| self.find(part).key.start == offset).unwrap_or(key)
     }
 
     /// The text at `span`, on one line, cut if it is long.

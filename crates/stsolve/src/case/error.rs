@@ -4,6 +4,9 @@ use crate::expression::{ExpressionError, TableError};
 use std::fmt;
 use std::path::PathBuf;
 
+/// How the parser begins to say that a choice is not one.
+pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
+
 /// Something wrong with a case: where, the key and its value, what is wrong, what is accepted.
 #[derive(Debug)]
 pub struct CaseError {
@@ -188,7 +191,7 @@ impl Cause {
                 Cause::Type { found: format!("`{name}` alone"), accepted }
             }
             Some((found, expected)) => Cause::Type { found: found.to_owned(), accepted: plain_type(expected) },
-            None if message.starts_with("wanted exactly 1 element") => {
+            None if message.starts_with(ONE_OF_SEVERAL) => {
                 let found =
                     if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
                 let problem = format!("one choice is needed here, and only one: {found}");

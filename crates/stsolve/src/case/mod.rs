@@ -11,6 +11,7 @@
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | what can be wrong, and where |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
+//! | `continuation` | which cases may continue each other's runs |
 //! | `checked` | the case as the program needs it; no other code sees `raw` |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
@@ -20,6 +21,7 @@ mod boundary_motion;
 mod brackets;
 mod checked;
 mod checker;
+mod continuation;
 mod document;
 mod error;
 mod key;
@@ -31,6 +33,7 @@ mod vector;
 
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
+pub use continuation::{Difference, Differences, differences};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
 pub use raw::schema;

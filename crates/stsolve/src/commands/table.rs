@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
     title: String,
-    rows: Vec<(String, Value, &'static str)>,
+    rows: Vec<(String, Value, String)>,
 }
 
 impl Table {
@@ -15,8 +15,8 @@ impl Table {
     }
 
     /// Adds a row; `unit` or remark follows the value where people read it.
-    pub(super) fn row(&mut self, key: &str, value: impl Into<Value>, unit: &'static str) -> &mut Self {
-        self.rows.push((key.to_owned(), value.into(), unit));
+    pub(super) fn row(&mut self, key: &str, value: impl Into<Value>, unit: impl Into<String>) -> &mut Self {
+        self.rows.push((key.to_owned(), value.into(), unit.into()));
         self
     }
 
@@ -34,7 +34,7 @@ impl Table {
     /// The title, then the rows, keys and values aligned.
     pub(super) fn text(&self) -> String {
         let width = self.rows.iter().map(|(key, ..)| key.chars().count()).max().unwrap_or(0);
-        let line = |(key, value, unit): &(String, Value, &str)| {
+        let line = |(key, value, unit): &(String, Value, String)| {
             let padding = " ".repeat(width - key.chars().count());
             format!("  {key}{padding}  {} {unit}", plain(value)).trim_end().to_owned()
         };

@@ -95,6 +95,11 @@ impl Table {
         Ok(Table { t, y, slopes, ends })
     }
 
+    /// t_k and y_k.
+    pub fn points(&self) -> (&[f64], &[f64]) {
+        (&self.t, &self.y)
+    }
+
     /// The first and the last time.
     pub fn range(&self) -> (f64, f64) {
         (self.t[0], self.t[self.t.len() - 1])

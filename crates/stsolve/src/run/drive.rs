@@ -80,10 +80,8 @@ pub(super) trait Run {
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
-    /// Looks into the `error` with which a slab failed; `None` where nothing is known of it.
-    fn examine(&self, _error: &anyhow::Error) -> Option<Finding> {
-        None
-    }
+    /// Looks into the `error` with which a slab failed.
+    fn examine(&self, error: &anyhow::Error) -> Finding;
     /// Says how a run that has reached its end has ended.
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
 }
@@ -141,16 +139,10 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
 fn explained(run: &impl Run, error: anyhow::Error, case: &str, session: &Session, again: &str) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
-    let mut message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
-    if let Some(finding) = run.examine(&error) {
-        let story = Story { case, error: &error, time, slabs: state.slab, again };
-        message += &match failure::write(directory, &finding, &story) {
-            Ok((path, causes)) => failure::hint(&path, &causes),
-            // What has failed before matters more.
-            Err(unwritten) => format!("\n  {unwritten}"),
-        };
-    }
-    Failure::solve(error.context(message))
+    let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
+    let story = Story { case, error: &error, time, slabs: state.slab, again: Some(again) };
+    let hint = failure::tell(directory, &run.examine(&error), &story);
+    Failure::solve(error.context(message + &hint))
 }
 
 /// Begins a new run, be it one that starts where another one stands. Returns why that could not be done, if it could not.

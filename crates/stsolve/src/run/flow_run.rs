@@ -150,8 +150,8 @@ where
         summary::of_flow(self.case, self.flow, &self.march, books, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error) -> Option<Finding> {
-        Some(Failed::new(self.case, self.flow, &self.march, error).examine())
+    fn examine(&self, error: &anyhow::Error) -> Finding {
+        Failed::new(self.case, self.flow, &self.march, error).examine()
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

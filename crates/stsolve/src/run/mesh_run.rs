@@ -2,7 +2,7 @@
 
 use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
-use super::failure::{Finding, examine_mesh};
+use super::failure::{self, Finding, Story, examine_inverted, examine_mesh};
 use super::record::MeshView;
 use super::tally::FirstInvalid;
 use super::{build, checkpoint, history, summary};
@@ -33,12 +33,23 @@ pub fn move_mesh<const D: usize, const M: usize>(
     let mesh = MeshView::new(&mover.reference, &mover.numbering);
     let case = &Case { flow: None, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
-    drive::<D, M, _>(case, MeshRun { case, march }, &mesh, call)
+    drive::<D, M, _>(case, MeshRun { case, march, inverted: None }, &mesh, call)
 }
 
 struct MeshRun<'a, const D: usize> {
     case: &'a Case<D>,
     march: MeshMarch<D>,
+    /// The first slab in which a cell is inverted.
+    inverted: Option<Inverted>,
+}
+
+/// A slab in which a cell is inverted.
+struct Inverted {
+    finding: Finding,
+    /// Time at its bottom.
+    start: f64,
+    /// Slabs done before.
+    slabs: usize,
 }
 
 impl<const D: usize> Run for MeshRun<'_, D> {
@@ -51,7 +62,13 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         self.march.is_done()
     }
     fn advance(&mut self) -> anyhow::Result<MeshReport> {
-        Ok(self.march.advance()?)
+        let report = self.march.advance()?;
+        if report.first_invalid.is_some() && self.inverted.is_none() {
+            let (start, slabs, march) = (report.interval.start, report.slab - 1, &self.march);
+            let finding = examine_inverted(self.case, &march.mover, &march.state, &report);
+            self.inverted = finding.map(|finding| Inverted { finding, start, slabs });
+        }
+        Ok(report)
     }
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
         (vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new())
@@ -85,39 +102,57 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error) -> Option<Finding> {
-        Some(examine_mesh(self.case, &self.march.mover, &self.march.state, error))
+    fn examine(&self, error: &anyhow::Error) -> Finding {
+        examine_mesh(self.case, &self.march.mover, &self.march.state, error)
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
-        judge(books, session, self.march.state.time)
+        let Some(quality) = books.tally.quality else { return Ok(()) };
+        match books.tally.first_invalid {
+            Some(first) => Err(self.invalid(first, &quality, books, session)),
+            None => {
+                say_valid(&quality, self.march.state.time, books, session);
+                Ok(())
+            }
+        }
     }
 }
 
-/// Says what was proved.
-fn judge(books: &Books, session: &Session, time: f64) -> Result<(), Failure> {
-    let Some(quality) = books.tally.quality else { return Ok(()) };
-    let directory = session.directory.path().display();
-    let MeshQuality { lower_bound, sampled_min, cell, time: at, .. } = quality;
-    let at = rounded(at);
-    if let Some(first) = books.tally.first_invalid {
+impl<const D: usize> MeshRun<'_, D> {
+    /// The failure of a mesh that is invalid from `first` on, after all that is known of it is written.
+    fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, books: &Books, session: &Session) -> Failure {
+        let (MeshQuality { sampled_min, cell, time, .. }, directory) = (quality, session.directory.path());
         let sampled = match books.tally.first_invalid_sampled {
             Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded(time)),
             None => "nowhere at 2N Gauss points per direction".to_owned(),
         };
-        return Err(Failure::solve(anyhow::anyhow!(
+        let error = anyhow::anyhow!(
             "the mesh is not valid: cell {} is inverted or nearly so from t = {} on by proof, {sampled}; det J / det J_0 falls to \
-             {sampled_min:.6} in cell {cell} at t = {at}; results in {directory}",
+             {sampled_min:.6} in cell {cell} at t = {}; results in {}",
             first.cell,
             rounded(first.time),
-        )));
+            rounded(*time),
+            directory.display()
+        );
+        let Some(Inverted { finding, start, slabs }) = &self.inverted else { return Failure::solve(error) };
+        let case = &self.case.about.name;
+        let story = Story { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
+        let hint = failure::tell(directory, finding, &story);
+        Failure::solve(anyhow::anyhow!("{error}{hint}"))
     }
+}
+
+/// Says what was proved until `time`.
+fn say_valid(quality: &MeshQuality, time: f64, books: &Books, session: &Session) {
+    let directory = session.directory.path();
     books.progress.say(&format!(
-        "valid until t = {}: det J / det J_0 >= {lower_bound:.6} proved, smallest in cell {cell} near t = {at}; {:.1} s; results \
-         in {directory}; {}",
+        "valid until t = {}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
         rounded(time),
+        quality.lower_bound,
+        quality.cell,
+        rounded(quality.time),
         books.seconds(),
-        RunArguments::to_report(session.directory.path()),
+        directory.display(),
+        RunArguments::to_report(directory),
     ));
-    Ok(())
 }

@@ -13,6 +13,7 @@
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
 //! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
+//! | `resume` | whether a run may continue the one that left a checkpoint |
 //! | `restart` | a run that starts where another one stands |
 //! | `tally` | sums over the run |
 //! | `walls` | what walls feel |
@@ -29,6 +30,7 @@ mod mesh_run;
 mod probe;
 mod record;
 mod restart;
+mod resume;
 mod structure_run;
 mod summary;
 mod tally;

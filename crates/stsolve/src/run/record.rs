@@ -2,6 +2,7 @@
 
 use super::fields::{self, CellSample};
 use super::history::columns;
+use super::resume;
 use super::tally::Tally;
 use crate::case::Case;
 use crate::commands::Session;
@@ -80,12 +81,12 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         resume: bool,
         origin: Option<&SolverState>,
     ) -> Result<(Self, Option<SolverState>), Failure> {
-        let fingerprint = fingerprint(case);
+        let metadata = metadata(case, mesh);
         let (result, stored) = if resume {
-            let (result, stored, _) = ResultFile::resume(&session.directory, &fingerprint)?;
+            let accept = |found: &Metadata| resume::accept(found, &metadata);
+            let (result, stored) = ResultFile::resume(&session.directory, &metadata.case_text, accept)?;
             (result, Some(stored))
         } else {
-            let metadata = metadata(case, mesh, fingerprint);
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
         let before = stored.as_ref().or(origin);
@@ -228,7 +229,7 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
     Layout { grid: Grid { dimension: D, points_per_direction, cells }, fields, exact }
 }
 
-/// Of what a run must have in common with the one that it continues: the numbers of the case, and what is solved.
+/// Of what a run must have in common with the one that it continues: what lasts of the case, and what is solved.
 fn fingerprint<const D: usize>(case: &Case<D>) -> String {
     let solved = match (&case.flow, &case.structure) {
         (Some(_), _) => "mesh and flow",
@@ -236,15 +237,15 @@ fn fingerprint<const D: usize>(case: &Case<D>) -> String {
         (None, None) => "mesh",
     };
     // The mesh too: it may come from a file that has changed.
-    Checksum::default().text(&case.about.numerics).text(solved).numbers(case.mesh.coordinates()).to_string()
+    Checksum::default().text(&case.about.lasting).text(solved).numbers(case.mesh.coordinates()).to_string()
 }
 
-fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>, case_fingerprint: String) -> Metadata {
+fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>) -> Metadata {
     Metadata {
         creator: format!("stsolve {}", env!("CARGO_PKG_VERSION")),
         case_name: case.about.name.clone(),
         case_text: case.about.resolved.clone(),
-        case_fingerprint,
+        case_fingerprint: fingerprint(case),
         mesh_id: Checksum::default().numbers(case.mesh.coordinates()).to_string(),
         space_nodes: basis::gauss_lobatto(flow_order(case)).points,
         time_nodes: basis::RadauTime::new(case.time.order).nodes().to_vec(),

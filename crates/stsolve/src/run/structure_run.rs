@@ -2,6 +2,7 @@
 
 use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
+use super::failure::{Finding, examine_structure};
 use super::record::MeshView;
 use super::{build, checkpoint, history, summary};
 use crate::case::{Case, Structure};
@@ -27,11 +28,12 @@ pub fn run_structure<const D: usize, const M: usize>(
     let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
     let mesh = MeshView::new(&case.mesh, march.dynamics.structure().numbering());
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
-    drive::<D, M, _>(case, StructureRun { case, march, observed }, &mesh, call)
+    drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
 }
 
 struct StructureRun<'a, const D: usize> {
     case: &'a Case<D>,
+    structure: &'a Structure<D>,
     march: StructureMarch<D>,
     observed: Observed,
 }
@@ -110,6 +112,10 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
         let energy = self.march.energies().iter().sum();
         summary::of_structure(self.case, &self.march, energy, &self.observed.modes, books, stop)
+    }
+
+    fn examine(&self, error: &anyhow::Error) -> Finding {
+        examine_structure(self.case, self.structure, &self.march, error)
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

@@ -1,7 +1,8 @@
 //! Dense sampling of eight cells, by another route than the proof.
 
 use basis::{Lagrange, Matrix, apply_all_axes, contract, gauss_lobatto, scratch_length};
-use tensor::pulp::{Arch, Scalar, Simd, WithSimd};
+use tensor::Arch;
+use tensor::pulp::{Scalar, Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, cofactor, determinant, zeroed};
 
 /// The smallest det J / det J_0 on a dense grid with its ends.

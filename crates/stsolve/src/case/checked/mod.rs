@@ -20,6 +20,7 @@ pub use structure::{Structure, Support};
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker};
+use super::continuation::lasting;
 use super::document::Document;
 use super::error::CaseError;
 use super::key::Key;
@@ -69,10 +70,10 @@ pub struct About {
     pub name: String,
     /// One line that says what the case is.
     pub title: String,
-    /// The case in full, with all defaults, as it could be run again.
+    /// The case in full, with all defaults and what its tables hold, as it could be run again.
     pub resolved: String,
-    /// The part of `resolved` that the numbers depend on, up to the end time: equal for cases that may continue each other.
-    pub numerics: String,
+    /// The part of `resolved` that the states of a run depend on: equal for cases that may continue each other.
+    pub lasting: String,
     /// Every key that was left to its default, and the value taken.
     pub defaults: Vec<(String, String)>,
 }
@@ -136,7 +137,7 @@ impl<const D: usize> Case<D> {
         solver::check(checker, &raw.solver)?;
         let output = time::check_output(checker, &raw.output)?;
         Ok(Case {
-            about: About::new(checker, document, raw, &time),
+            about: About::new(checker, document, raw),
             mesh,
             motion,
             flow,
@@ -179,15 +180,14 @@ fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
 }
 
 impl About {
-    fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case, time: &Time) -> Self {
+    fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Self {
         let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
-        let time = raw::Time { end: 0.0, slabs: None, step: Some(time.step), ..raw.time.clone() };
-        let numerics = raw::Case { title: String::new(), output: raw::Output::default(), time, ..raw.clone() };
+        let whole = raw::Case { tables: tables::written_out(checker, &raw.tables), ..raw.clone() };
         About {
             name: name.into_owned(),
             title: raw.title.clone(),
-            resolved: as_toml(raw),
-            numerics: as_toml(&numerics),
+            resolved: as_toml(&whole),
+            lasting: as_toml(&lasting(&whole)),
             defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
         }
     }

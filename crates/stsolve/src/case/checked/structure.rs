@@ -32,6 +32,13 @@ pub struct Structure<const D: usize> {
     pub points: Vec<(String, [f64; D])>,
 }
 
+impl<const D: usize> Structure<D> {
+    /// The speed of shear waves, (mu / rho)^1/2 with the shear modulus mu = E / (2 (1 + nu)).
+    pub fn shear_speed(&self) -> f64 {
+        (0.5 * self.young_modulus / (1.0 + self.poisson_ratio) / self.density).sqrt()
+    }
+}
+
 /// How a boundary is supported or loaded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Support<const D: usize> {

@@ -5,6 +5,7 @@ use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw;
 use crate::expression::{Ends, Table};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 const ONE_OF_TWO: &str = "`t` and `values`, or `file`";
@@ -31,6 +32,20 @@ pub(in crate::case) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table)
         raw::Ends::Periodic => Ends::Periodic,
     };
     Table::new(t, values, ends).map_err(|error| checker.error(&values_key, Cause::Table(error)))
+}
+
+/// The tables, with what was read from files in its place.
+pub(in crate::case) fn written_out(
+    checker: &Checker<'_>,
+    raw: &BTreeMap<String, raw::Table>,
+) -> BTreeMap<String, raw::Table> {
+    let written = |(name, table): (&str, &Table)| {
+        let (t, values) = table.points();
+        let ends = raw.get(name)?.ends;
+        let table = raw::Table { t: Some(t.to_vec()), values: Some(values.to_vec()), file: None, column: None, ends };
+        Some((name.to_owned(), table))
+    };
+    checker.tables().filter_map(written).collect()
 }
 
 /// The first column of `file` and another one.

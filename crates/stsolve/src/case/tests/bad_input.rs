@@ -238,3 +238,16 @@ fn damaged_cases_are_refused_with_a_place_or_are_cases() {
     }
     assert!(refused > 400, "{refused} refused");
 }
+
+/// The header of a table names its way; the error is about the part that offers a choice.
+#[test]
+fn two_choices_are_named() {
+    let text = BASE
+        .replace("generate.box = {", "[mesh.generate.box]\n#")
+        .replace("[motion]\n", "lower = [0, 0]\nupper = [1, 1]\ncells = [1, 1]\n[motion]\n");
+    for (text, option) in [(text.as_str(), "mesh.generate.disk={}"), (BASE, "mesh.generate={box={},disk={}}")] {
+        let message = check_text(text, &[option]).unwrap_err().to_string();
+        let parts = ["`mesh.generate", "one choice is needed here", "there are `box`, `disk`"];
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}

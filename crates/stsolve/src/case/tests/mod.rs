@@ -8,6 +8,7 @@ use navier_stokes::{Boundary, ExactState, Riemann};
 use std::path::{Path, PathBuf};
 
 mod bad_input;
+mod continuation;
 mod meshes;
 mod motions;
 mod tables;
@@ -109,14 +110,6 @@ fn the_case_in_full_is_a_case_without_defaults() {
     assert_eq!(once.about.resolved, twice.about.resolved);
     assert_eq!((once.flow, once.time), (twice.flow, twice.time));
     assert!(twice.about.defaults.iter().all(|(key, _)| key == "flow.gas.gas_constant" || key == "flow.reference"));
-}
-
-#[test]
-fn cases_that_may_continue_each_other_agree_in_their_numerics() {
-    let numerics = |options: &[&str]| plane(BASE, options).about.numerics;
-    assert_eq!(numerics(&[]), numerics(&["time.end=5", "output.every=3", "title=longer"]));
-    assert_ne!(numerics(&[]), numerics(&["time.step=0.25"]));
-    assert_ne!(numerics(&[]), numerics(&["flow.riemann=hllc"]));
 }
 
 #[test]

@@ -6,8 +6,11 @@ use crate::cli::Probe;
 use crate::run::{MeshOverRun, Timing};
 use elasticity::Law;
 
-/// Newton steps of a slab, and Krylov iterations of a step, of a run without surprises.
-const TYPICAL: [f64; 2] = [3.0, 8.0];
+/// Newton steps of a slab of a run without surprises.
+const TYPICAL_STEPS: usize = 3;
+
+/// Krylov iterations of such a step.
+pub(super) const TYPICAL_ITERATIONS: usize = 8;
 
 /// Work up to which a probe takes some seconds: displacements times slabs, unknowns of a mesh in space, unknowns of the flow in a slab of
 /// two and of three dimensions.
@@ -39,8 +42,8 @@ fn chosen(probe: Probe, cheap: bool) -> bool {
 
 /// Seconds of the parts of a run, and of the whole.
 pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> Table {
-    let [newton, krylov] = TYPICAL;
-    let slab = newton * (2.0 * timing.residual + krylov * timing.iteration);
+    let (steps, iterations) = (TYPICAL_STEPS, TYPICAL_ITERATIONS);
+    let slab = steps as f64 * (2.0 * timing.residual + iterations as f64 * timing.iteration);
     let run = timing.setup + timing.preconditioner + case.time.slabs as f64 * slab;
     let mut table = Table::new("seconds, measured");
     table
@@ -48,7 +51,7 @@ pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> T
         .row("residual", timing.residual, "")
         .row("Krylov iteration", timing.iteration, "product and preconditioner")
         .row("making the preconditioner", timing.preconditioner, "now and then")
-        .row("a slab", slab, "if it takes 3 Newton steps of 8 iterations")
+        .row("a slab", slab, format!("if it takes {steps} Newton steps of {iterations} iterations"))
         .row("the run", run, "if all slabs do, and the preconditioner is made once")
         .row("threads", rayon::current_num_threads(), "");
     if case.solver.steady.is_some() {

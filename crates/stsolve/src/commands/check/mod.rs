@@ -5,11 +5,13 @@
 //! | `tables` | what is known of a case without trying |
 //! | `scales` | how fast and how far the mesh is moved |
 //! | `walls` | what the first cell at a wall resolves |
+//! | `memory` | the memory of a run, estimated |
 //! | `measured` | what is found out by trying |
 //! | `doubts` | choices that are allowed, and doubtful |
 
 mod doubts;
 mod measured;
+mod memory;
 mod scales;
 mod tables;
 mod walls;

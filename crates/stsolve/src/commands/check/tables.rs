@@ -2,6 +2,8 @@
 
 use super::super::table::Table;
 use super::Facts;
+use super::measured::TYPICAL_ITERATIONS;
+use super::memory::Memory;
 use crate::case::{About, Case, Flow, Motion, Structure, Support};
 use crate::run::elasticity_plan;
 use elasticity::{Law, Solver};
@@ -93,8 +95,6 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
 }
 
 fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> Table {
-    let shear_modulus = 0.5 * structure.young_modulus / (1.0 + structure.poisson_ratio);
-    let shear_speed = (shear_modulus / structure.density).sqrt();
     let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
     let mut table = Table::new("structure");
     table
@@ -102,7 +102,7 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
         .row("Poisson's ratio", structure.poisson_ratio, "")
         .row("density", structure.density, "")
         .row("mass", structure.density * case.mesh.volume(), "")
-        .row("speed of shear waves", shear_speed, "")
+        .row("speed of shear waves", structure.shear_speed(), "")
         .row("supported boundaries", count(|support| support.fixes() != [false; D]), "")
         .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
         .row("natural modes", structure.natural_modes, "");
@@ -172,17 +172,18 @@ fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Ta
 fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     let case = facts.case;
     let mesh = case.mesh_unknowns().unwrap_or(0);
-    let (per_cell, flow) = facts.flow_unknowns();
-    // Krylov: two vectors for each iteration up to the restart. Preconditioner of the flow: for each node in time the block of
-    // each cell, in single precision.
-    let krylov = 8 * 2 * case.solver.krylov_restart * (mesh + flow);
-    let preconditioner = 4 * flow * per_cell;
+    let (_, flow) = facts.flow_unknowns();
+    let memory = Memory::new(facts);
+    let megabytes = |bytes: usize| bytes as f64 / 1e6;
     let mut table = Table::new("unknowns and memory");
     table
         .row("flow unknowns", flow, "per slab")
         .row("mesh unknowns", mesh, "per slab")
-        .row("Krylov vectors", krylov as f64 / 1e6, "MB at most")
-        .row("preconditioner blocks", preconditioner as f64 / 1e6, "MB, estimated")
+        .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
+        .row("Jacobian blocks", megabytes(memory.jacobian), "MB")
+        .row("preconditioner", megabytes(memory.factors), "MB")
+        .row("vectors", megabytes(memory.vectors), format!("MB, with {TYPICAL_ITERATIONS} Krylov iterations"))
+        .row("Krylov vectors", megabytes(memory.most_krylov), "MB at most, with `solver.krylov_restart` iterations")
         .row("result file", facts.result_megabytes(), "MB, before compression");
     table
 }

@@ -5,10 +5,16 @@ mod mesh_file;
 use super::print;
 use super::table::Table;
 use crate::failure::Failure;
-use output::ResultInfo;
+use output::{RESULT_FILE, ResultInfo};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-/// Tells what the file at `path` holds: a mesh file, which begins with `$MeshFormat` or ends in .msh, or a result file.
+/// How an HDF5 file begins.
+const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Tells what the file at `path` holds: a mesh file, which begins with `$MeshFormat` or ends in .msh, or a result file; of a directory,
+/// the result file in it.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged or neither.
@@ -16,11 +22,27 @@ pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
     if mesh_file::is_one(path) {
         return mesh_file::info(path, json);
     }
+    let path = &if path.is_dir() { path.join(RESULT_FILE) } else { path.to_owned() };
+    if let Some(problem) = other_kind(path) {
+        return Err(Failure::bad_input(anyhow::anyhow!("`{}` {problem}", path.display())));
+    }
     let info = output::inspect(path)?;
     if json {
         return print(&serde_json::to_string_pretty(&info).map_err(Failure::bad_input)?);
     }
     print(&describe(path, &info))
+}
+
+/// What a file is that is no result, not even a damaged one.
+fn other_kind(path: &Path) -> Option<String> {
+    let named = |extension: &str| path.extension().is_some_and(|found| found == extension);
+    let mut beginning = Vec::new();
+    match File::open(path).and_then(|file| file.take(SIGNATURE.len() as u64).read_to_end(&mut beginning)) {
+        Err(error) => Some(format!("cannot be read: {error}")),
+        Ok(_) if beginning == SIGNATURE || named("vtkhdf") => None,
+        Ok(_) if named("toml") => Some(format!("is a case; `stsolve check {}` explains it", path.display())),
+        Ok(_) => Some(format!("is neither the result of a run, `{RESULT_FILE}`, nor a mesh file of Gmsh")),
+    }
 }
 
 fn describe(path: &Path, info: &ResultInfo) -> String {

@@ -29,8 +29,8 @@ pub struct Story<'a> {
     pub time: f64,
     /// The slabs done until then.
     pub slabs: usize,
-    /// The command that continues from there.
-    pub again: &'a str,
+    /// The command that continues from there; none if the run has gone on to its end.
+    pub again: Option<&'a str>,
 }
 
 /// Removes what an earlier run has left in `directory`.
@@ -46,11 +46,17 @@ pub fn clear(directory: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Writes the files into a folder of `directory`; returns the path of the text and the causes.
-///
-/// # Errors
-/// Files that cannot be written.
-pub fn write(directory: &Path, finding: &Finding, story: &Story<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
+/// Writes the files into a folder of `directory`; returns the likeliest cause and where more is told, for the end of a message.
+pub fn tell(directory: &Path, finding: &Finding, story: &Story<'_>) -> String {
+    match write(directory, finding, story) {
+        Ok((path, causes)) => hint(&path, &causes),
+        // What has failed before matters more.
+        Err(unwritten) => format!("\n  {unwritten}"),
+    }
+}
+
+/// The path of the text, and the causes.
+fn write(directory: &Path, finding: &Finding, story: &Story<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
     let folder = directory.join(FOLDER);
     std::fs::create_dir_all(&folder).map_err(|source| OutputError::File { path: folder.clone(), source })?;
     let causes = causes(&finding.evidence);
@@ -63,12 +69,11 @@ pub fn write(directory: &Path, finding: &Finding, story: &Story<'_>) -> Result<(
     Ok((path, causes))
 }
 
-/// The likeliest cause, and where more is told, for the end of a message.
-pub fn hint(path: &Path, causes: &[Cause]) -> String {
+fn hint(path: &Path, causes: &[Cause]) -> String {
     let likeliest = causes
         .first()
         .map_or_else(String::new, |cause| format!("\n  likely cause: {}\n  remedy: {}", cause.what, cause.remedy));
-    format!("{likeliest}\n  more causes, the worst cell, residuals: {}", path.display())
+    format!("{likeliest}\n  more causes, the worst cell: {}", path.display())
 }
 
 fn numbers(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
@@ -88,7 +93,8 @@ fn numbers(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
 
 fn text(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
     let Story { case, error, time, slabs, again } = story;
-    let mut text = format!("# `{case}` stopped at t = {time}, after {slabs} slabs\n\n");
+    let ended = if again.is_some() { "stopped at" } else { "is no longer good after" };
+    let mut text = format!("# `{case}` {ended} t = {time}, after {slabs} slabs\n\n");
     for message in error.chain() {
         let _ = writeln!(text, "* {message}");
     }
@@ -101,12 +107,21 @@ fn text(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
     }
     text += &worst_cell(finding);
     text += &residuals(finding);
-    let _ = write!(
-        text,
-        "\n## Last good state\n\nThe checkpoint in `../{RESULT_FILE}`, at t = {time}. With the settings of this run the next attempt \
-         starts from there:\n\n    {again}\n\nWith others the run begins anew; that removes this folder.\n"
-    );
+    text += &last_good_state(story);
     text
+}
+
+fn last_good_state(Story { time, again, .. }: &Story<'_>) -> String {
+    let next = match again {
+        Some(again) => format!(
+            "The checkpoint in `../{RESULT_FILE}`, at t = {time}. With the settings of this run the next attempt starts from there:\n\n    \
+             {again}\n\nWith another solver (`[solver]`) it does so too; with other changes the run begins anew, which removes this folder."
+        ),
+        None => format!(
+            "`../{RESULT_FILE}` holds it, at t = {time} or before, and what came after: the motion was followed to its end."
+        ),
+    };
+    format!("\n## Last good state\n\n{next}\n")
 }
 
 fn worst_cell(finding: &Finding) -> String {

@@ -6,6 +6,7 @@
 mod gas_rules;
 mod mesh_rules;
 mod solver_rules;
+mod structure_rules;
 #[cfg(test)]
 mod tests;
 
@@ -39,6 +40,13 @@ const OF_MESH: [Rule; 6] = [
     mesh_rules::nearly_incompressible,
 ];
 
+const OF_STRUCTURE: [Rule; 4] = [
+    structure_rules::bad_load,
+    structure_rules::long_slab,
+    structure_rules::slender_cells,
+    structure_rules::nearly_incompressible,
+];
+
 const OF_FLOW: [Rule; 11] = [
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
@@ -57,6 +65,7 @@ const OF_FLOW: [Rule; 11] = [
 pub fn causes(evidence: &Evidence) -> Vec<Cause> {
     let rules: &[Rule] = match evidence.gave_up {
         GaveUp::InvertedCell | GaveUp::Equilibrium => &OF_MESH,
+        GaveUp::Load | GaveUp::Structure => &OF_STRUCTURE,
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
         GaveUp::Other => &[],
     };

@@ -15,6 +15,8 @@ pub struct Evidence {
     pub mesh: Mesh,
     /// The gas, if there is one.
     pub gas: Option<Gas>,
+    /// The structure, if it is one.
+    pub structure: Option<Structure>,
 }
 
 /// What gave up.
@@ -23,8 +25,12 @@ pub struct Evidence {
 pub enum GaveUp {
     /// A cell is inverted, or not proved to be valid.
     InvertedCell,
-    /// The equilibrium of the mesh or of the structure was not found.
+    /// The equilibrium of the mesh was not found.
     Equilibrium,
+    /// A load on the structure is no number.
+    Load,
+    /// The equations of the structure.
+    Structure,
     /// There is no residual: the state is none of a gas.
     Inadmissible,
     /// Newton's method.
@@ -95,6 +101,26 @@ pub enum Motion {
     Elastic,
     /// Like an elastic body whose small cells, or those at walls, are stiffer.
     Graded,
+}
+
+/// The structure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Structure {
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Distances of nodes that a shear wave passes in the slab.
+    pub waves_per_slab: f64,
+    /// Where a load is no number, if one is.
+    pub bad_load: Option<BadLoad>,
+}
+
+/// A load that is no number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BadLoad {
+    /// The time.
+    pub time: f64,
+    /// A node that it acts on.
+    pub position: Vec<f64>,
 }
 
 /// The gas.

@@ -47,8 +47,9 @@ pub struct Verdict<'a> {
 
 impl WorstCell {
     /// The cell of a verdict, on the mesh displaced by `d`.
-    pub fn new<const D: usize>(mesh: &Mesh<D>, grid: &Grid<D>, d: &[f64], verdict: Verdict<'_>) -> Self {
+    pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], verdict: Verdict<'_>) -> Self {
         let Verdict { cell, because, quantity, values } = verdict;
+        let mesh = grid.mesh;
         let points = grid.positions(cell, d);
         let facets = mesh.boundary_facets().iter().filter(|facet| facet.side.cell == cell);
         let mut boundaries: Vec<String> = facets.map(|facet| mesh.boundary_names()[facet.boundary].clone()).collect();
@@ -59,6 +60,19 @@ impl WorstCell {
         let svg = Painting { grid, displacement: d, cells, label: quantity.to_owned(), values }.svg();
         WorstCell { cell, centre: points[points.len() / 2].to_vec(), boundaries, because, svg }
     }
+}
+
+/// The `cell` whose volume has changed most, by `because`, on the mesh displaced by `d`.
+pub fn squeezed<const D: usize>(grid: &Grid<D>, d: &[f64], cell: usize, because: String) -> WorstCell {
+    let values = |cell: usize| grid.volume_ratios(cell, d);
+    WorstCell::new(grid, d, Verdict { cell, because, quantity: "det J / det J_0", values: &values })
+}
+
+/// The cell where det J / det J_0 is smallest, and its value.
+pub fn most_squeezed<const D: usize>(grid: &Grid<D>, d: &[f64]) -> (usize, f64) {
+    let smallest = |cell: usize| grid.volume_ratios(cell, d).into_iter().fold(f64::INFINITY, f64::min);
+    let cells = (0..grid.cells()).map(|cell| (cell, smallest(cell)));
+    cells.fold((0, f64::INFINITY), |worst, found| if found.1 < worst.1 { found } else { worst })
 }
 
 /// A cell, then those across its faces; not those that are a period away.

@@ -1,12 +1,13 @@
 //! Cells seen from a grid of points that holds their corners, the middles of their faces and their centres.
 
-use coupled::MeshMover;
 use fem::Sampler;
-use mesh::CellMap;
+use mesh::{CellMap, Mesh, NodeNumbering};
 
 /// The grid, the same in every cell.
 pub struct Grid<'a, const D: usize> {
-    mover: &'a MeshMover<D>,
+    /// The mesh at rest.
+    pub mesh: &'a Mesh<D>,
+    numbering: &'a NodeNumbering,
     map: CellMap<D>,
     /// Values of flow and mesh at the points.
     pub sampler: Sampler<D>,
@@ -15,27 +16,38 @@ pub struct Grid<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Grid<'a, D> {
-    /// A grid that is finer than the nodes of flow and mesh.
-    pub fn new(mover: &'a MeshMover<D>, flow_order: usize) -> Self {
-        let order = mover.reference.order();
+    /// A grid that is finer than the nodes of the flow, if there is one, and of the mesh.
+    pub fn new(mesh: &'a Mesh<D>, numbering: &'a NodeNumbering, flow_order: usize) -> Self {
+        let order = mesh.order();
         let points = 2 * (flow_order.max(order) / 2) + 3;
         let line = basis::equidistant_points(points);
-        Grid { mover, map: CellMap::on_grid(order, &line), sampler: Sampler::new(flow_order, order, &line), points }
+        Grid {
+            mesh,
+            numbering,
+            map: CellMap::on_grid(order, &line),
+            sampler: Sampler::new(flow_order, order, &line),
+            points,
+        }
     }
 
     /// Cells of the mesh.
     pub fn cells(&self) -> usize {
-        self.mover.reference.n_cells()
+        self.mesh.n_cells()
+    }
+
+    /// The length of a field `[C0 node][component]`.
+    pub fn field_len(&self) -> usize {
+        D * self.numbering.count
     }
 
     /// A field `[C0 node][component]` at the nodes of a cell.
     fn on_cell(&self, cell: usize, field: &[f64]) -> Vec<f64> {
-        self.mover.numbering.cell(cell).iter().flat_map(|node| &field[node * D..(node + 1) * D]).copied().collect()
+        self.numbering.cell(cell).iter().flat_map(|node| &field[node * D..(node + 1) * D]).copied().collect()
     }
 
     /// The nodes of a cell displaced by `d`.
     fn displaced(&self, cell: usize, d: &[f64]) -> Vec<f64> {
-        let rest = self.mover.reference.cell_coordinates(cell);
+        let rest = self.mesh.cell_coordinates(cell);
         rest.iter().zip(self.on_cell(cell, d)).map(|(x, d)| x + d).collect()
     }
 
@@ -56,13 +68,13 @@ impl<'a, const D: usize> Grid<'a, D> {
 
     /// det J / det J_0 at the points.
     pub fn volume_ratios(&self, cell: usize, d: &[f64]) -> Vec<f64> {
-        let rest = self.map.determinants(self.mover.reference.cell_coordinates(cell));
+        let rest = self.map.determinants(self.mesh.cell_coordinates(cell));
         self.map.determinants(&self.displaced(cell, d)).iter().zip(rest).map(|(j, j_0)| j / j_0).collect()
     }
 
     /// The smallest over the largest det J in a cell at rest.
     pub fn evenness(&self, cell: usize) -> f64 {
-        let rest = self.map.determinants(self.mover.reference.cell_coordinates(cell));
+        let rest = self.map.determinants(self.mesh.cell_coordinates(cell));
         let (smallest, largest) = rest.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), j| (a.min(*j), b.max(*j)));
         smallest / largest
     }

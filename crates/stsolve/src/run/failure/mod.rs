@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `evidence` | what was measured, as plain numbers |
 //! | `diagnosis` | from evidence to causes in words, the likeliest first |
-//! | `of_flow`, `of_mesh` | the evidence of a run of mesh and flow, or of the mesh |
+//! | `of_flow`, `of_mesh`, `of_structure` | the evidence of a run of mesh and flow, of the mesh, of a structure |
 //! | `gas` | how the gas stands: thin, steep, at odds with its boundaries |
 //! | `grid` | cells seen from points |
 //! | `finding` | evidence, residuals and the worst cell |
@@ -19,9 +19,11 @@ mod gas;
 mod grid;
 mod of_flow;
 mod of_mesh;
+mod of_structure;
 mod picture;
 
-pub use bundle::{Story, clear, hint, write};
+pub use bundle::{Story, clear, tell};
 pub use finding::Finding;
 pub use of_flow::Failed;
-pub use of_mesh::examine as examine_mesh;
+pub use of_mesh::{examine as examine_mesh, examine_inverted};
+pub use of_structure::examine as examine_structure;

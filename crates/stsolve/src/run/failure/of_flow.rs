@@ -4,9 +4,9 @@ use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton};
 use super::finding::{Finding, Verdict, WorstCell};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
-use super::of_mesh;
+use super::of_mesh::{self, inverted};
 use crate::case::{Case, Flow, State};
-use coupled::{Interval, March, MarchError, MeshMover, MeshQuality, Remainder, SlabError};
+use coupled::{Interval, March, MarchError, MeshMover, Remainder, SlabError};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
@@ -43,7 +43,7 @@ where
 
     /// Looks into it.
     pub fn examine(&self) -> Finding {
-        let grid = Grid::new(self.mover(), self.flow.order);
+        let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
         let (gases, d) = (self.gases(&grid), &self.march.state.d);
         let Interval { start, end, halvings } = self.interval;
         let attempt =
@@ -61,6 +61,7 @@ where
                 newton: self.newton_error().map(|error| self.newton(error)),
                 mesh,
                 gas: Some(self.gas(&grid, &gases)),
+                structure: None,
             },
         }
     }
@@ -161,18 +162,10 @@ where
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
             SlabError::Mesh(_) => None,
-            SlabError::Invalid { quality } => Some(self.inverted_cell(grid, quality)),
+            SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { remainder: Some(remainder), .. } => self.unsolved_cell(grid, remainder),
             SlabError::Newton { .. } | SlabError::Guess(_) => Some(self.thinnest_cell(grid, gases)),
         }
-    }
-
-    fn inverted_cell(&self, grid: &Grid<D>, quality: &MeshQuality) -> WorstCell {
-        let d = self.displacement_at(quality.time);
-        let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, quality.time);
-        let values = |cell: usize| grid.volume_ratios(cell, &d);
-        let verdict = Verdict { cell: quality.cell, because, quantity: "det J / det J_0", values: &values };
-        WorstCell::new(&self.case.mesh, grid, &d, verdict)
     }
 
     fn unsolved_cell(&self, grid: &Grid<D>, remainder: &Remainder) -> Option<WorstCell> {
@@ -180,7 +173,7 @@ where
         let because = format!("its residual is {:.3e}, the largest", remainder.cells[cell]);
         let values = |cell: usize| vec![remainder.cells[cell].log10(); grid.points.pow(D as u32)];
         let verdict = Verdict { cell, because, quantity: "log10 of the residual of the flow", values: &values };
-        Some(WorstCell::new(&self.case.mesh, grid, &self.march.state.d, verdict))
+        Some(WorstCell::new(grid, &self.march.state.d, verdict))
     }
 
     fn thinnest_cell(&self, grid: &Grid<D>, gases: &Gases) -> WorstCell {
@@ -191,7 +184,7 @@ where
         };
         let values = |cell: usize| self.with_last(grid, |then| pressure(then, cell));
         let verdict = Verdict { cell: lowest.cell, because, quantity: "pressure", values: &values };
-        WorstCell::new(&self.case.mesh, grid, &self.march.state.d, verdict)
+        WorstCell::new(grid, &self.march.state.d, verdict)
     }
 
     /// The displacement that the last attempt had at time `t`.

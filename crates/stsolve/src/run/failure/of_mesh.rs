@@ -1,10 +1,10 @@
 //! What is found out about the mesh of a run that has failed.
 
 use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion};
-use super::finding::Finding;
+use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use crate::case::{self, Case, Stiffness};
-use coupled::{Interval, MarchError, MeshMover};
+use coupled::{Interval, MarchError, MeshMover, MeshQuality, MeshReport, State};
 
 /// The mesh of `case`, displaced by `d` before the slab that failed.
 pub fn mesh<const D: usize>(
@@ -14,16 +14,18 @@ pub fn mesh<const D: usize>(
     d: &[f64],
     interval: Interval,
 ) -> Mesh {
-    let cells = 0..grid.cells();
-    let ratios = cells.clone().flat_map(|cell| grid.volume_ratios(cell, d));
     let (motion, poisson_ratio) = kind(case);
+    Mesh { motion, travel: travel(mover, grid, d, interval), poisson_ratio, ..shape(grid, d) }
+}
+
+/// What is known of the cells, displaced by `d`, whatever moves them.
+pub fn shape<const D: usize>(grid: &Grid<D>, d: &[f64]) -> Mesh {
+    let cells = 0..grid.cells();
     Mesh {
-        motion,
-        smallest_det_j: ratios.fold(f64::INFINITY, f64::min),
-        travel: travel(mover, grid, d, interval),
-        aspect_ratio: cells.clone().map(|cell| case.mesh.aspect_ratio(cell)).fold(1.0, f64::max),
+        smallest_det_j: most_squeezed(grid, d).1,
+        aspect_ratio: cells.clone().map(|cell| grid.mesh.aspect_ratio(cell)).fold(1.0, f64::max),
         evenness: cells.map(|cell| grid.evenness(cell)).fold(1.0, f64::min),
-        poisson_ratio,
+        ..Mesh::default()
     }
 }
 
@@ -55,18 +57,50 @@ fn travel<const D: usize>(mover: &MeshMover<D>, grid: &Grid<D>, d: &[f64], inter
 }
 
 /// A run of the mesh alone that stopped with `error` in the slab after `state`.
-pub fn examine<const D: usize>(
-    case: &Case<D>,
-    mover: &MeshMover<D>,
-    state: &coupled::State,
-    error: &anyhow::Error,
-) -> Finding {
-    let grid = Grid::new(mover, mover.reference.order());
+pub fn examine<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &State, error: &anyhow::Error) -> Finding {
+    let grid = grid(mover);
     let whole = Interval { start: state.time, end: state.time + case.time.step, halvings: 0 };
     let interval = error.downcast_ref::<MarchError>().map_or(whole, |error| error.interval);
+    let (cell, smallest) = most_squeezed(&grid, &state.d);
+    let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", state.time);
+    Finding {
+        evidence: evidence(GaveUp::Equilibrium, state.slab, interval, mesh(case, mover, &grid, &state.d, interval)),
+        residuals: Vec::new(),
+        cell: Some(squeezed(&grid, &state.d, cell, because)),
+    }
+}
+
+/// The slab of `report`, which has led to `state`: a cell of the mesh alone is inverted in it.
+pub fn examine_inverted<const D: usize>(
+    case: &Case<D>,
+    mover: &MeshMover<D>,
+    state: &State,
+    report: &MeshReport,
+) -> Option<Finding> {
+    let (grid, past, MeshReport { interval, quality, .. }) = (grid(mover), state.past.as_ref()?, report);
+    let mut d = past.bottom.clone();
+    mover.slab_motion.displacement(past.dt, &past.bottom, &past.v, (quality.time - interval.start) / past.dt, &mut d);
+    let mut mesh = mesh(case, mover, &grid, &past.bottom, *interval);
+    mesh.smallest_det_j = quality.sampled_min;
+    Some(Finding {
+        evidence: evidence(GaveUp::InvertedCell, state.slab - 1, *interval, mesh),
+        residuals: Vec::new(),
+        cell: Some(inverted(&grid, &d, quality)),
+    })
+}
+
+/// The worst cell of a slab, on the mesh displaced by `d` at the time of `quality`.
+pub fn inverted<const D: usize>(grid: &Grid<D>, d: &[f64], quality: &MeshQuality) -> WorstCell {
+    let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, quality.time);
+    squeezed(grid, d, quality.cell, because)
+}
+
+fn grid<const D: usize>(mover: &MeshMover<D>) -> Grid<'_, D> {
+    Grid::new(&mover.reference, &mover.numbering, mover.reference.order())
+}
+
+fn evidence(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> Evidence {
     let Interval { start, end, halvings } = interval;
-    let attempt = Attempt { steady: false, slabs_done: state.slab, start, length: end - start, halvings };
-    let mesh = mesh(case, mover, &grid, &state.d, interval);
-    let evidence = Evidence { gave_up: GaveUp::Equilibrium, attempt, newton: None, mesh, gas: None };
-    Finding { evidence, residuals: Vec::new(), cell: None }
+    let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
+    Evidence { gave_up, attempt, newton: None, mesh, gas: None, structure: None }
 }

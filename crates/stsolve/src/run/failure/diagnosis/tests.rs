@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::run::failure::evidence::{Attempt, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton};
+use crate::run::failure::evidence::{
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, Structure,
+};
 
 /// Newton has failed, and nothing is suspicious.
 fn nothing_suspicious() -> Evidence {
@@ -28,6 +30,7 @@ fn nothing_suspicious() -> Evidence {
             quadrature: [6, 6],
             kick: 0.0,
         }),
+        structure: None,
     }
 }
 
@@ -96,6 +99,22 @@ fn a_fact_of_the_mesh_names_its_cause() {
     let mut evidence = nothing_suspicious();
     moves(&mut evidence, Motion::Prescribed, GaveUp::InvertedCell);
     assert_eq!(causes(&evidence)[0].name, "folding_formula");
+}
+
+#[test]
+fn a_fact_of_the_structure_names_its_cause() {
+    let first = |change: fn(&mut Structure, &mut Mesh), gave_up| {
+        first(|e| {
+            let mut structure = Structure { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
+            change(&mut structure, &mut e.mesh);
+            (e.gave_up, e.newton, e.gas, e.structure) = (gave_up, None, None, Some(structure));
+        })
+    };
+    let load = |s: &mut Structure, _: &mut Mesh| s.bad_load = Some(BadLoad { time: 0.5, position: vec![1.0, 0.0] });
+    assert_eq!(first(load, GaveUp::Load), "bad_load");
+    assert_eq!(first(|s, _| s.waves_per_slab = 1e6, GaveUp::Structure), "long_slab");
+    assert_eq!(first(|_, m| m.aspect_ratio = 1e5, GaveUp::Structure), "slender_cells");
+    assert_eq!(first(|s, _| s.poisson_ratio = 0.499_999, GaveUp::Structure), "nearly_incompressible");
 }
 
 #[test]

@@ -1,0 +1,45 @@
+//! `check` knows beforehand how much memory a run will take.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{finished, number, shipped, stsolve};
+use tempfile::TempDir;
+
+/// The estimate is within a fifth of what the process has needed: `name`, changed by `set`, which keeps it short.
+fn assert_estimate(name: &str, set: &[&str]) {
+    let directory = TempDir::new().unwrap();
+    let case = shipped(&format!("{name}.toml"));
+    let mut arguments = vec!["check", "--json", "--probe", "never", &case];
+    set.iter().for_each(|change| arguments.extend(["--set", change]));
+    let check: serde_json::Value = serde_json::from_str(&stsolve(directory.path(), &arguments).stdout).unwrap();
+    let estimate = check["unknowns and memory"]["memory of a run"].as_f64().unwrap();
+    let needed = 1e-6 * number(&finished(directory.path(), name, set), "cost.peak_memory_bytes");
+    println!("{name} {set:?}: estimated {estimate:.0} MB, needed {needed:.0} MB");
+    assert!((estimate / needed - 1.0).abs() < 0.2, "{name}: estimated {estimate} MB, needed {needed} MB");
+}
+
+#[test]
+fn of_the_vortex() {
+    assert_estimate("vortex", &["time.end=2"]);
+}
+
+/// Order 8: large blocks.
+#[test]
+fn of_the_deforming_cylinder() {
+    assert_estimate("cylinder_m1", &["time.slabs=8", "time.end=0.1"]);
+}
+
+/// Many cells, and a steady start.
+#[test]
+fn of_the_heaving_airfoil() {
+    assert_estimate("naca0012_heave", &["time.end=0.2"]);
+}
+
+/// Walls that hold the stream up: there is something to solve.
+#[test]
+fn in_three_dimensions() {
+    let set = ["mesh.generate.box.cells=[4,4,4]", "flow.order=4", "flow.boundary.others=slip_wall", "time.slabs=1"];
+    assert_estimate("free_stream_3d", &[&set[..], &["time.end=0.05"]].concat());
+}
