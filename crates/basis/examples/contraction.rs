@@ -23,7 +23,7 @@ impl WithSimd for Interpolate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for _ in 0..self.repetitions {
-            apply_all_axes(simd, self.matrices, COMPONENTS, self.input, self.output, self.scratch);
+            apply_all_axes(simd, self.matrices, COMPONENTS, self.input, self.output, self.scratch, false);
         }
     }
 }

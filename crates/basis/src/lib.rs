@@ -29,9 +29,9 @@ pub use lagrange::{Lagrange, equidistant_points};
 pub use matrix::Matrix;
 pub use modified::{ModifiedBasis, reversal_sign};
 pub use quadrature::{Rule, gauss, gauss_lobatto, right_radau};
-pub use sum_factorisation::{contract, contract_add};
+pub use sum_factorisation::contract;
 pub use temporal_modes::{TemporalModes, is_real};
-pub use tensor_product::{apply_all_axes, apply_all_axes_add, apply_axis, apply_axis_add, scratch_length};
+pub use tensor_product::{apply_all_axes, apply_axis, scratch_length};
 pub use time::RadauTime;
 
 #[cfg(test)]

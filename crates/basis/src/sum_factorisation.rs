@@ -4,32 +4,12 @@ use crate::Matrix;
 use pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real};
 
-/// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest.
+/// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest; with `add`, what `output` holds is
+/// added to the sum.
 ///
-/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Called from a kernel or from plain
-/// code alike: it enters the instruction set of `simd` by itself, and each number of columns is compiled once.
-pub fn contract<S: Simd>(simd: S, matrix: &Matrix, outer: usize, inner: usize, input: &[Pack], output: &mut [Pack]) {
-    in_shares(simd, matrix, outer, inner, input, output, false);
-}
-
-/// As [`contract`], but added to `output`.
-pub fn contract_add<S: Simd>(
-    simd: S,
-    matrix: &Matrix,
-    outer: usize,
-    inner: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-) {
-    in_shares(simd, matrix, outer, inner, input, output, true);
-}
-
-/// The most columns whose input is kept in registers.
-const MOST_COLUMNS: usize = 16;
-
-/// Takes more columns than that in equal shares: the first as asked, the others added.
-#[inline]
-fn in_shares<S: Simd>(
+/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Called from a kernel or from plain code alike: it
+/// enters the instruction set of `simd` by itself, and one compiled piece of code serves every size.
+pub fn contract<S: Simd>(
     simd: S,
     matrix: &Matrix,
     outer: usize,
@@ -38,135 +18,168 @@ fn in_shares<S: Simd>(
     output: &mut [Pack],
     add: bool,
 ) {
-    let whole = Shape { matrix, first: 0, outer, inner, add };
-    if matrix.cols() <= MOST_COLUMNS {
-        return contract_columns(simd, matrix.cols(), whole, input, output);
-    }
-    let shares = matrix.cols().div_ceil(MOST_COLUMNS);
-    for share in 0..shares {
-        let first = share * matrix.cols() / shares;
-        let columns = (share + 1) * matrix.cols() / shares - first;
-        contract_columns(simd, columns, Shape { first, add: add || share > 0, ..whole }, input, output);
-    }
+    simd.vectorize(Contraction { matrix, outer, inner, input, output, add });
 }
 
-/// What is contracted with what, apart from the data.
-#[derive(Clone, Copy)]
-struct Shape<'a> {
+struct Contraction<'a> {
     matrix: &'a Matrix,
-    /// The first of the columns that are taken.
-    first: usize,
     outer: usize,
     inner: usize,
-    /// Whether to add to the output. No type, or every kernel would be compiled twice.
-    add: bool,
-}
-
-#[inline]
-fn contract_columns<S: Simd>(simd: S, columns: usize, shape: Shape<'_>, input: &[Pack], output: &mut [Pack]) {
-    macro_rules! kernel_of {
-        ($($n:literal)*) => {
-            match columns {
-                $($n => simd.vectorize(Kernel::<$n> { shape, input, output }),)*
-                _ => unreachable!("a share has at most {MOST_COLUMNS} columns"),
-            }
-        };
-    }
-    kernel_of!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16)
-}
-
-/// The contraction over N columns, compiled for one instruction set.
-struct Kernel<'a, const N: usize> {
-    shape: Shape<'a>,
     input: &'a [Pack],
     output: &'a mut [Pack],
+    add: bool,
 }
 
-impl<const N: usize> WithSimd for Kernel<'_, N> {
+impl WithSimd for Contraction<'_> {
     type Output = ();
-    /// As many lines at a time as leave registers for their sums and an entry of the matrix, which is then read once for all.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Kernel { shape, input, output } = self;
-        let registers = S::REGISTER_COUNT;
-        if 8 * (N + 1) < registers {
-            lines::<S, N, 8>(simd, shape, input, output);
-        } else if 4 * (N + 1) < registers {
-            lines::<S, N, 4>(simd, shape, input, output);
-        } else if 3 * (N + 1) < registers {
-            lines::<S, N, 3>(simd, shape, input, output);
-        } else if 2 * (N + 1) < registers {
-            lines::<S, N, 2>(simd, shape, input, output);
+        let Contraction { matrix, outer, inner, input, output, add } = self;
+        if inner == 1 {
+            strips::<S, true>(simd, Lines { matrix, blocks: 1, count: outer, add }, input, output);
         } else {
-            lines::<S, N, 1>(simd, shape, input, output);
+            strips::<S, false>(simd, Lines { matrix, blocks: outer, count: inner, add }, input, output);
         }
     }
 }
 
-/// All lines along the contracted axis, B at a time: neighbours in i, and where i has fewer values than that, neighbours in o.
+/// The lines of a tensor along the contracted axis, in blocks, and what they are contracted with.
+///
+/// In the fastest axis (`IN_LINE` below) the lines of a block lie one after another, and there is one block; in the others they lie side
+/// by side.
+#[derive(Clone, Copy)]
+struct Lines<'a> {
+    matrix: &'a Matrix,
+    blocks: usize,
+    /// Lines of a block.
+    count: usize,
+    add: bool,
+}
+
+/// Shares the rows of the matrix equally among strips of at most five: H rows are multiplied with B lines at a time, so many that H B
+/// sums, H entries of the matrix and B entries of the lines are registers. So few loads keep the arithmetic units busy.
 #[inline(always)]
-fn lines<S: Simd, const N: usize, const B: usize>(simd: S, shape: Shape<'_>, input: &[Pack], output: &mut [Pack]) {
-    let Shape { matrix, first, outer, inner, .. } = shape;
-    let (rows, cols) = (matrix.rows(), matrix.cols());
-    let (length_in, length_out) = (cols * inner, rows * inner);
-    let together = if inner < B { outer - outer % B } else { 0 };
-    for o in (0..together).step_by(B) {
-        for i in 0..inner {
-            let (input, output) = (&input[o * length_in + first * inner..], &mut output[o * length_out..]);
-            multiply::<S, N, B>(simd, shape, i, input, length_in, output, length_out);
+fn strips<S: Simd, const IN_LINE: bool>(simd: S, lines: Lines<'_>, input: &[Pack], output: &mut [Pack]) {
+    let many_registers = S::REGISTER_COUNT > 16;
+    let rows = lines.matrix.rows();
+    let shares = rows.div_ceil(if many_registers { 5 } else { 2 });
+    let mut first = 0;
+    for share in 0..shares {
+        let height = (rows - first).div_ceil(shares - share);
+        match (many_registers, height) {
+            (true, 5) => strip::<S, IN_LINE, 5, 4>(simd, lines, first, input, output),
+            (true, 4) => strip::<S, IN_LINE, 4, 5>(simd, lines, first, input, output),
+            (true, 3) => strip::<S, IN_LINE, 3, 6>(simd, lines, first, input, output),
+            (true, 2) => strip::<S, IN_LINE, 2, 8>(simd, lines, first, input, output),
+            (true, _) => strip::<S, IN_LINE, 1, 8>(simd, lines, first, input, output),
+            (false, 2) => strip::<S, IN_LINE, 2, 4>(simd, lines, first, input, output),
+            (false, _) => strip::<S, IN_LINE, 1, 4>(simd, lines, first, input, output),
         }
-    }
-    for o in together..outer {
-        let input = &input[o * length_in + first * inner..];
-        let output = &mut output[o * length_out..];
-        let whole = inner - inner % B;
-        for i in (0..whole).step_by(B) {
-            multiply::<S, N, B>(simd, shape, i, input, 1, output, 1);
-        }
-        for i in whole..inner {
-            multiply::<S, N, 1>(simd, shape, i, input, 1, output, 1);
-        }
+        first += height;
     }
 }
 
-/// `output[r] = sum_c matrix[r][c] x[c]` for B lines from line `i`, `apart_in` and `apart_out` from each other, whose x stay in registers. The
-/// rows are independent of each other: the processor overlaps them by itself.
+/// H rows of the matrix from `first` on, times all lines.
 #[inline(always)]
-fn multiply<S: Simd, const N: usize, const B: usize>(
+fn strip<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
-    shape: Shape<'_>,
-    i: usize,
+    lines: Lines<'_>,
+    first: usize,
     input: &[Pack],
-    apart_in: usize,
     output: &mut [Pack],
-    apart_out: usize,
 ) {
-    let Shape { matrix, first, inner, add, .. } = shape;
+    let Lines { matrix, blocks, count, .. } = lines;
+    let mut rows = [matrix.row(first); H];
+    for h in 1..H {
+        rows[h] = matrix.row(first + h);
+    }
+    let whole = count - count % B;
+    for block in 0..blocks {
+        let input = &input[block * matrix.cols() * count..][..matrix.cols() * count];
+        let output = &mut output[block * matrix.rows() * count..][..matrix.rows() * count];
+        for line in (0..whole).step_by(B) {
+            tile::<S, IN_LINE, H, B>(simd, lines, &rows, [first, line], input, output);
+        }
+        macro_rules! rest {
+            ($($width:literal)*) => {
+                match count - whole {
+                    $($width => tile::<S, IN_LINE, H, $width>(simd, lines, &rows, [first, whole], input, output),)*
+                    _ => (),
+                }
+            };
+        }
+        rest!(1 2 3 4 5 6 7);
+    }
+}
+
+/// `rows` of the matrix times B lines, `first` naming the first of both.
+#[inline(always)]
+fn tile<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
+    simd: S,
+    lines: Lines<'_>,
+    rows: &[&[f64]; H],
+    first: [usize; 2],
+    input: &[Pack],
+    output: &mut [Pack],
+) {
     for part in 0..Lanes::<S>::PARTS {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut x = [[zero; B]; N];
-        for c in 0..N {
+        let sums = multiply::<S, IN_LINE, H, B>(simd, lines, rows, first[1], input, part);
+        store::<S, IN_LINE, H, B>(simd, lines, &sums, first, output, part);
+    }
+}
+
+/// sums[h][b] = sum_c rows[h][c] x_b[c], x_b the B lines from `line` on.
+#[inline(always)]
+fn multiply<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
+    simd: S,
+    Lines { matrix, count, .. }: Lines<'_>,
+    rows: &[&[f64]; H],
+    line: usize,
+    input: &[Pack],
+    part: usize,
+) -> [[Lanes<S>; B]; H] {
+    let (cols, zero) = (matrix.cols(), Lanes::splat(simd, 0.0));
+    let mut along = [input; B];
+    if IN_LINE {
+        for b in 0..B {
+            along[b] = &input[(line + b) * cols..][..cols];
+        }
+    }
+    let mut sums = [[zero; B]; H];
+    for c in 0..cols {
+        let mut x = [zero; B];
+        let beside = if IN_LINE { input } else { &input[c * count + line..][..B] };
+        for b in 0..B {
+            x[b] = Lanes::read(simd, if IN_LINE { &along[b][c] } else { &beside[b] }, part);
+        }
+        for h in 0..H {
+            let entry = Lanes::splat(simd, rows[h][c]);
             for b in 0..B {
-                x[c][b] = Lanes::read(simd, &input[i + c * inner + b * apart_in], part);
+                sums[h][b] = entry.mul_add(x[b], sums[h][b]);
             }
         }
-        for r in 0..matrix.rows() {
-            let (row, output) = (&matrix.values()[r * matrix.cols() + first..][..N], &mut output[i + r * inner..]);
-            let mut sums = [zero; B];
-            if add {
-                for b in 0..B {
-                    sums[b] = Lanes::read(simd, &output[b * apart_out], part);
-                }
-            }
-            for c in 0..N {
-                let entry = Lanes::splat(simd, row[c]);
-                for b in 0..B {
-                    sums[b] = entry.mul_add(x[c][b], sums[b]);
-                }
-            }
-            for b in 0..B {
-                sums[b].write(&mut output[b * apart_out], part);
-            }
+    }
+    sums
+}
+
+/// Writes the sums of a tile, or adds them.
+#[inline(always)]
+fn store<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
+    simd: S,
+    Lines { matrix, count, add, .. }: Lines<'_>,
+    sums: &[[Lanes<S>; B]; H],
+    [row, line]: [usize; 2],
+    output: &mut [Pack],
+    part: usize,
+) {
+    let (outer, inner) = if IN_LINE { (B, H) } else { (H, B) };
+    for k in 0..outer {
+        let start = if IN_LINE { (line + k) * matrix.rows() + row } else { (row + k) * count + line };
+        let output = &mut output[start..][..inner];
+        for l in 0..inner {
+            let sum = if IN_LINE { sums[l][k] } else { sums[k][l] };
+            let sum = if add { sum + Lanes::read(simd, &output[l], part) } else { sum };
+            sum.write(&mut output[l], part);
         }
     }
 }
@@ -199,8 +212,8 @@ mod tests {
         fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
             let start = testing::packs(self.outer * self.matrix.rows() * self.inner, 7);
             let (mut fresh, mut added) = (start.clone(), start);
-            contract(simd, self.matrix, self.outer, self.inner, self.input, &mut fresh);
-            contract_add(simd, self.matrix, self.outer, self.inner, self.input, &mut added);
+            contract(simd, self.matrix, self.outer, self.inner, self.input, &mut fresh, false);
+            contract(simd, self.matrix, self.outer, self.inner, self.input, &mut added, true);
             [fresh, added].concat()
         }
     }
@@ -217,7 +230,7 @@ mod tests {
     fn every_size_agrees_with_the_definition_on_every_instruction_set() {
         for (rows, cols) in (0..=34).flat_map(|rows| (0..=34).map(move |cols| (rows, cols))) {
             let matrix = Matrix::from_fn(rows, cols, |r, c| ((r + 3 * c) as f64).sin());
-            for (outer, inner) in [(1, 1), (3, 1), (1, 4), (2, 3)] {
+            for (outer, inner) in [(1, 1), (7, 1), (1, 4), (2, 3), (1, 15)] {
                 let input = testing::packs(outer * cols * inner, 1);
                 let case = Both { matrix: &matrix, outer, inner, input: &input };
                 testing::on_every_machine(&case, &expected(&case), 1e-13);

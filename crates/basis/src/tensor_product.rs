@@ -7,11 +7,12 @@
 //! and exact, to interpolate first and to differentiate at the points: one [`apply_axis`] with the derivative matrix of
 //! the Lagrange polynomials of the points.
 
-use crate::{Matrix, contract, contract_add};
+use crate::{Matrix, contract};
 use pulp::Simd;
 use tensor::Pack;
 
-/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1.
+/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1; with `add`, added to
+/// `output`.
 ///
 /// `input` holds components * prod cols packs, `output` components * prod rows, `scratch` at least [`scratch_length`].
 pub fn apply_all_axes<S: Simd>(
@@ -21,23 +22,10 @@ pub fn apply_all_axes<S: Simd>(
     input: &[Pack],
     output: &mut [Pack],
     scratch: &mut [Pack],
+    add: bool,
 ) {
     if let Some((last, input, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
-        contract(simd, last, components, inner, input, output);
-    }
-}
-
-/// As [`apply_all_axes`], but added to `output`.
-pub fn apply_all_axes_add<S: Simd>(
-    simd: S,
-    matrices: &[&Matrix],
-    components: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-    scratch: &mut [Pack],
-) {
-    if let Some((last, input, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
-        contract_add(simd, last, components, inner, input, output);
+        contract(simd, last, components, inner, input, output, add);
     }
 }
 
@@ -54,7 +42,7 @@ fn all_but_last_axis<'a, S: Simd>(
     for (axis, matrix) in others.iter().enumerate() {
         let outer = components * matrices[axis + 1..].iter().map(|m| m.cols()).product::<usize>();
         let (output, rest) = scratch.split_at_mut(outer * matrix.rows() * inner);
-        contract(simd, matrix, outer, inner, input, output);
+        contract(simd, matrix, outer, inner, input, output, false);
         inner *= matrix.rows();
         (input, scratch) = (output, rest);
     }
@@ -70,8 +58,8 @@ pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
     (1..matrices.len()).map(after).sum()
 }
 
-/// `matrix` along `axis` of a tensor for each of `components`. `extents` are those of the input, axis 0 first; the one
-/// of `axis` is the number of columns.
+/// `matrix` along `axis` of a tensor for each of `components`; with `add`, added to `output`. `extents` are those of the input, axis 0
+/// first; the one of `axis` is the number of columns.
 pub fn apply_axis<S: Simd>(
     simd: S,
     matrix: &Matrix,
@@ -80,23 +68,10 @@ pub fn apply_axis<S: Simd>(
     components: usize,
     input: &[Pack],
     output: &mut [Pack],
+    add: bool,
 ) {
     let (outer, inner) = around(axis, extents, components);
-    contract(simd, matrix, outer, inner, input, output);
-}
-
-/// As [`apply_axis`], but added to `output`.
-pub fn apply_axis_add<S: Simd>(
-    simd: S,
-    matrix: &Matrix,
-    axis: usize,
-    extents: &[usize],
-    components: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-) {
-    let (outer, inner) = around(axis, extents, components);
-    contract_add(simd, matrix, outer, inner, input, output);
+    contract(simd, matrix, outer, inner, input, output, add);
 }
 
 /// The numbers of entries outside and inside `axis`.
@@ -149,7 +124,7 @@ mod tests {
             let Interpolation(matrices, components, input) = self;
             let mut output = zeroed(components * matrices.iter().map(|m| m.rows()).product::<usize>());
             let mut scratch = zeroed(scratch_length(matrices, *components));
-            apply_all_axes(simd, matrices, *components, input, &mut output, &mut scratch);
+            apply_all_axes(simd, matrices, *components, input, &mut output, &mut scratch, false);
             output
         }
     }
@@ -183,9 +158,9 @@ mod tests {
         fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
             let AtPoints(axis, matrix, extents, input) = self;
             let mut output = zeroed(input.len());
-            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output);
+            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output, false);
             let fresh = output.clone();
-            apply_axis_add(simd, matrix, *axis, extents, 2, input, &mut output);
+            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output, true);
             (0..output.len()).for_each(|i| (0..WIDTH).for_each(|lane| output[i].0[lane] -= fresh[i].0[lane]));
             output
         }
@@ -210,8 +185,8 @@ mod tests {
             let Adjoint(matrices, input) = self;
             let mut output = zeroed(matrices.iter().map(|m| m.rows()).product());
             let mut scratch = zeroed(scratch_length(matrices, 1));
-            apply_all_axes_add(simd, matrices, 1, input, &mut output, &mut scratch);
-            apply_all_axes_add(simd, matrices, 1, input, &mut output, &mut scratch);
+            apply_all_axes(simd, matrices, 1, input, &mut output, &mut scratch, true);
+            apply_all_axes(simd, matrices, 1, input, &mut output, &mut scratch, true);
             output
         }
     }

@@ -151,7 +151,7 @@ impl FrozenFlow {
             interval: flow.interval(),
             bottom: bottom.to_vec(),
             velocities: velocities.to_vec(),
-            state: flow.linearisation().to_vec(),
+            state: flow.linearisation(),
             built_for,
             ordering,
         });

@@ -153,11 +153,18 @@ impl Cholesky {
 /// L_ee                       F_ee = L_ee L_ee^T
 /// L_be   F_bb - L_be L_be^T  L_be = F_be L_ee^{-T}
 /// ```
+///
+/// A pivot that is round-off of the diagonal of F_ee is refused: whether rounding leaves it positive is chance.
 pub(crate) fn eliminate_leading(matrix: MatMut<'_, f64>, count: usize) -> Result<(), ElasticityError> {
     let (mut f_ee, _, f_be, f_bb) = matrix.split_at_mut(count, count);
     let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(count, SEQUENTIAL, Spec::default()));
     let (stack, regularization) = (MemStack::new(&mut memory), LltRegularization::default());
+    let largest = (0..count).map(|k| f_ee[(k, k)]).fold(0.0, f64::max);
     cholesky_in_place(f_ee.as_mut(), regularization, SEQUENTIAL, stack, Spec::default()).map_err(not_definite)?;
+    let round_off = 10.0 * f64::EPSILON * count as f64 * largest;
+    if let Some(pivot) = (0..count).map(|k| f_ee[(k, k)].powi(2)).find(|pivot| *pivot < round_off) {
+        return Err(ElasticityError::NotDefinite { cause: format!("a pivot is {pivot:e} beside {largest:e}") });
+    }
     let mut l_eb = f_be.transpose_mut();
     solve_lower_triangular_in_place(f_ee.as_ref(), l_eb.as_mut(), SEQUENTIAL);
     let (lower, full, l_be) = (BlockStructure::TriangularLower, BlockStructure::Rectangular, l_eb.as_ref().transpose());
@@ -173,6 +180,7 @@ fn not_definite(cause: impl std::fmt::Debug) -> ElasticityError {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use faer::Mat;
 
     /// A chain of five nodes with 2 x 2 blocks, every block given in full, in both orders of its nodes.
     fn chain(diagonal: f64) -> BlockMatrix<2> {
@@ -207,5 +215,15 @@ mod tests {
     #[test]
     fn an_indefinite_matrix_is_an_error() {
         assert!(matches!(chain(1.0).factor(), Err(ElasticityError::NotDefinite { .. })));
+    }
+
+    /// With the entry 1/3 the matrix is singular, and then round-off decides on the sign of its second pivot.
+    #[test]
+    fn a_pivot_of_round_off_is_an_error() {
+        let matrix = |last: f64| Mat::from_fn(2, 2, |i, j| [[3.0, 1.0], [1.0, last]][i][j]);
+        for last in [1.0 / 3.0 - 1e-16, 1.0 / 3.0, 1.0 / 3.0 + 1e-16] {
+            assert!(matches!(eliminate_leading(matrix(last).as_mut(), 2), Err(ElasticityError::NotDefinite { .. })));
+        }
+        assert!(eliminate_leading(matrix(0.34).as_mut(), 2).is_ok());
     }
 }

@@ -157,7 +157,7 @@ impl<const D: usize> WithSimd for Interpolate<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Scratch { nodal, values, between } = self.scratch;
-        apply_all_axes(simd, &[self.matrix; D], D, nodal, values, between);
+        apply_all_axes(simd, &[self.matrix; D], D, nodal, values, between, false);
     }
 }
 
@@ -182,7 +182,7 @@ impl<const D: usize> WithSimd for Test<'_, D> {
                 weighted.write(value, part);
             }
         }
-        apply_all_axes(simd, &[self.matrix; D], D, values, self.result, between);
+        apply_all_axes(simd, &[self.matrix; D], D, values, self.result, between, false);
     }
 }
 

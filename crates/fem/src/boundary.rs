@@ -2,7 +2,8 @@
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{
-    DataAt, FacetContext, FacetPoint, facet_point, mesh_velocity, penalty, symmetric_term, times_normal, to_points,
+    DataAt, FacetContext, FacetPoint, facet_point, geometry_to_points, penalty, state_to_points, symmetric_term,
+    times_normal,
 };
 use crate::mode::{Mode, Values};
 use crate::point::{Place, flag, load, physical_gradient};
@@ -152,8 +153,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         let tables = context.tables;
         let points = tables.facet_points();
         let FacetScratch { sides, scratch: room, .. } = scratch;
-        to_points::<D, M, Values, S>(simd, tables, instant, position_row, law.is_viscous(), &mut sides[0], room);
-        mesh_velocity::<D, M, Values, S>(simd, tables, instant, scratch);
+        state_to_points::<D, M, Values, S>(simd, tables, instant, law.is_viscous(), &mut sides[0], room);
+        geometry_to_points::<D, M, Values, S>(simd, tables, instant, position_row, law.is_viscous(), 1, scratch);
         positions::<D, Values, S>(simd, tables, scratch);
         boundary_data::<D, M, Values, S>(simd, context, instant, data, scratch);
         scratch.through.fill(Pack::ZERO);

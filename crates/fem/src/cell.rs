@@ -34,12 +34,23 @@ pub struct CellContext<'a, const D: usize> {
     pub source: Option<SourceAt<'a>>,
 }
 
-/// The volume terms of a slab: reads `state` and `mesh` of the scratch, overwrites `residual`.
+/// What a batch of cells is given: a block of packs for the values, and a second one for the derivatives where there are any.
+#[derive(Clone, Copy)]
+pub struct Coefficients<'a> {
+    /// State in the slab, `[a][m][i]`.
+    pub state: &'a [&'a [Pack]],
+    /// Bottom position and velocities of the mesh, `[slot][d][i]`.
+    pub mesh: &'a [&'a [Pack]],
+}
+
+/// The volume terms of a slab: overwrites `residual` of the scratch.
 pub struct SlabCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
     pub law: &'c L,
     /// Shared data.
     pub context: &'c CellContext<'a, D>,
+    /// State and motion of these cells.
+    pub coefficients: Coefficients<'c>,
     /// This thread's packs.
     pub scratch: &'c mut CellScratch,
     /// Values or derivatives.
@@ -51,13 +62,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let SlabCells { law, context, scratch, .. } = self;
+        let SlabCells { law, context, coefficients, scratch, .. } = self;
         let tables = context.tables;
         let nodes = tables.orders.flow.pow(D as u32);
-        scratch.residual.fill(Pack::ZERO);
         scratch.violated = Pack::ZERO;
         for (q, instant) in tables.instants.iter().enumerate() {
-            at_instant::<D, M, K, S>(simd, tables, instant, &context.position_rows[q], scratch);
+            at_instant::<D, M, S>(simd, tables, instant, &context.position_rows[q], coefficients, scratch);
             space_terms::<D, M, L, K, S>(
                 simd,
                 law,
@@ -68,13 +78,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                 scratch,
             );
             let CellScratch { flux_now, moments_now, residual, scratch: room, .. } = &mut *scratch;
-            room.contract_add(simd, &instant.test, 1, M * nodes, flux_now, residual);
-            room.contract_add(simd, &instant.test_rate, 1, M * nodes, moments_now, residual);
+            room.contract(simd, &instant.test, 1, M * nodes, flux_now, residual, q > 0);
+            room.contract(simd, &instant.test_rate, 1, M * nodes, moments_now, residual, true);
         }
-        at_instant::<D, M, K, S>(simd, tables, &tables.top, &context.position_rows[tables.instants.len()], scratch);
+        let top_row = &context.position_rows[tables.instants.len()];
+        at_instant::<D, M, S>(simd, tables, &tables.top, top_row, coefficients, scratch);
         moments::<D, M, K, S>(simd, tables, scratch);
         let CellScratch { moments_now, residual, scratch: room, .. } = scratch;
-        room.contract_add(simd, &tables.top.test, 1, M * nodes, moments_now, residual);
+        room.contract(simd, &tables.top.test, 1, M * nodes, moments_now, residual, true);
     }
 }
 
@@ -122,20 +133,23 @@ impl<const D: usize, const M: usize> WithSimd for CellMoments<'_, '_, D, M> {
 
 /// State, position and velocity at one time of the slab.
 #[inline(always)]
-fn at_instant<const D: usize, const M: usize, K: Mode, S: Simd>(
+fn at_instant<const D: usize, const M: usize, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
     position_row: &Matrix,
+    coefficients: Coefficients,
     scratch: &mut CellScratch,
 ) {
-    let nodes = tables.orders.flow.pow(D as u32);
-    let mesh_nodes = tables.orders.mesh.pow(D as u32);
-    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
-    let CellScratch { state, state_now, mesh, position_now, velocity_now, scratch: room, .. } = scratch;
-    room.contract(simd, &instant.values, b, M * nodes, state, state_now);
-    room.contract(simd, position_row, g, D * mesh_nodes, mesh, position_now);
-    room.contract(simd, &instant.velocities, g, D * mesh_nodes, mesh, velocity_now);
+    let (len, mesh_len) = (M * tables.orders.flow.pow(D as u32), D * tables.orders.mesh.pow(D as u32));
+    let CellScratch { state_now, position_now, velocity_now, scratch: room, .. } = scratch;
+    for (b, state) in coefficients.state.iter().enumerate() {
+        room.contract(simd, &instant.values, 1, len, state, &mut state_now[b * len..], false);
+    }
+    for (b, mesh) in coefficients.mesh.iter().enumerate() {
+        room.contract(simd, position_row, 1, mesh_len, mesh, &mut position_now[b * mesh_len..], false);
+        room.contract(simd, &instant.velocities, 1, mesh_len, mesh, &mut velocity_now[b * mesh_len..], false);
+    }
 }
 
 /// Steps 1 to 4 of the volume terms at one time, planes by planes.
@@ -151,16 +165,14 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
 ) {
     let tables = context.tables;
     let viscous = law.is_viscous();
-    scratch.flux_now.fill(Pack::ZERO);
-    scratch.moments_now.fill(Pack::ZERO);
-    for planes in &tables.planes {
+    for (block, planes) in tables.planes.iter().enumerate() {
         to_points::<D, M, K, S>(simd, tables, planes, viscous, scratch); // 1. geometry and state at the points
         let with_source = source_at_points::<D, K, S>(simd, context, instant, planes, scratch); // 2. the source
         fluxes::<D, M, L, K, S>(simd, law, planes, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
         let parts = if with_source { Parts::Both } else { Parts::Gradients }; // 4. test
         let (lattice, room) = (flow_lattice::<D>(tables, planes), &mut scratch.scratch);
-        integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, room);
-        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, room);
+        integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, room, block > 0);
+        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, room, block > 0);
     }
 }
 
@@ -279,8 +291,7 @@ fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
 fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut CellScratch) {
     let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
     let CellScratch { jacobian, u, moments, moments_now, scratch: room, .. } = scratch;
-    moments_now.fill(Pack::ZERO);
-    for planes in &tables.planes {
+    for (block, planes) in tables.planes.iter().enumerate() {
         let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
         evaluate(simd, mesh, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
         evaluate(simd, flow, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
@@ -296,6 +307,6 @@ fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &T
                 }
             }
         }
-        integrate(simd, flow, M, Parts::Values, moments, &[], moments_now, room);
+        integrate(simd, flow, M, Parts::Values, moments, &[], moments_now, room, block > 0);
     }
 }

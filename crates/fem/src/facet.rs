@@ -73,16 +73,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let tables = context.tables;
         let viscous = law.is_viscous();
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
-        for side in &mut scratch.sides[..used] {
-            side.terms.fill(Pack::ZERO);
-        }
         scratch.violated = Pack::ZERO;
-        for (instant, row) in times.instants.iter().zip(times.position_rows) {
+        for (number, (instant, row)) in times.instants.iter().zip(times.position_rows).enumerate() {
             let weight = times.weight * instant.weight;
             for side in &mut scratch.sides[..used] {
-                to_points::<D, M, K, S>(simd, tables, instant, row, viscous, side, &mut scratch.scratch); // 1.
+                state_to_points::<D, M, K, S>(simd, tables, instant, viscous, side, &mut scratch.scratch); // 1.
             }
-            mesh_velocity::<D, M, K, S>(simd, tables, instant, scratch); // 2.
+            geometry_to_points::<D, M, K, S>(simd, tables, instant, row, viscous, used, scratch); // 2.
             match across {
                 Across::Cells => interior_points::<D, M, L, K, S>(simd, law, tables, weight, scratch), // 3.
                 Across::Boundary(number, data) => {
@@ -91,56 +88,67 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                 }
             }
             for side in &mut scratch.sides[..used] {
-                test::<D, M, S>(simd, tables, instant, viscous, side, &mut scratch.scratch); // 4.
+                test::<D, M, S>(simd, tables, instant, viscous, side, &mut scratch.scratch, number > 0); // 4.
             }
         }
     }
 }
 
-/// Step 1: state, gradients and Jacobian matrix of one side at the points.
+/// Step 1: state and gradients of one side at the points.
 #[inline(always)]
-pub(crate) fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    instant: &Instant,
+    viscous: bool,
+    side: &mut SideScratch,
+    room: &mut Scratch,
+) {
+    let (b, points) = (K::STATE_BLOCKS, tables.facet_points());
+    let nodes = tables.orders.flow.pow(D as u32 - 1);
+    let (lattice, kinds) = (Lattice::whole(&tables.flow, D - 1), if viscous { 2 } else { 1 });
+    let SideScratch { state, state_now, u, gradient, .. } = side;
+    room.contract(simd, &instant.values, kinds * b, M * nodes, state, state_now, false);
+    let parts = if viscous { Parts::Both } else { Parts::Values };
+    evaluate(simd, lattice, b * M, parts, state_now, u, gradient, room);
+    if viscous {
+        let (kind, leaving) = (&state_now[b * M * nodes..], &mut gradient[(D - 1) * b * M * points..]);
+        evaluate(simd, lattice, b * M, Parts::Values, kind, leaving, &mut [], room);
+    }
+}
+
+/// Step 2: mesh velocity at the points, and the Jacobian matrices of the `used` sides. Velocity and tangents are those of the facet, the
+/// same from both sides; the derivative along the axis that leaves is read by viscous terms only.
+#[inline(always)]
+pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     instant: &Instant,
     position_row: &Matrix,
     viscous: bool,
-    side: &mut SideScratch,
-    room: &mut Scratch,
-) {
-    let (b, g, points) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS, tables.facet_points());
-    let nodes = tables.orders.flow.pow(D as u32 - 1);
-    let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
-    let kinds = if viscous { 2 } else { 1 };
-    room.contract(simd, &instant.values, kinds * b, M * nodes, &side.state, &mut side.state_now);
-    room.contract(simd, position_row, kinds * g, D * mesh_nodes, &side.mesh, &mut side.position_now);
-    let (flow, mesh) = (Lattice::whole(&tables.flow, D - 1), Lattice::whole(&tables.mesh, D - 1));
-    let SideScratch { state_now, position_now, u, gradient, jacobian, .. } = side;
-    evaluate(simd, mesh, g * D, Parts::Gradients, position_now, &mut [], jacobian, room);
-    if viscous {
-        evaluate(simd, flow, b * M, Parts::Both, state_now, u, gradient, room);
-        let (kind, leaving) = (&state_now[b * M * nodes..], &mut gradient[(D - 1) * b * M * points..]);
-        evaluate(simd, flow, b * M, Parts::Values, kind, leaving, &mut [], room);
-        let (kind, leaving) = (&position_now[g * D * mesh_nodes..], &mut jacobian[(D - 1) * g * D * points..]);
-        evaluate(simd, mesh, g * D, Parts::Values, kind, leaving, &mut [], room);
-    } else {
-        evaluate(simd, flow, b * M, Parts::Values, state_now, u, &mut [], room);
-    }
-}
-
-/// Step 2: the mesh velocity at the points, the same from both sides.
-#[inline(always)]
-pub(crate) fn mesh_velocity<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    tables: &Tables<D>,
-    instant: &Instant,
+    used: usize,
     scratch: &mut FacetScratch,
 ) {
-    let g = K::GEOMETRY_BLOCKS;
+    let (components, points) = (K::GEOMETRY_BLOCKS * D, tables.facet_points());
     let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
+    let (lattice, g, inner) = (Lattice::whole(&tables.mesh, D - 1), K::GEOMETRY_BLOCKS, D * mesh_nodes);
     let FacetScratch { sides, velocity_now, v, scratch: room, .. } = scratch;
-    room.contract(simd, &instant.velocities, g, D * mesh_nodes, &sides[0].mesh, velocity_now);
-    evaluate(simd, Lattice::whole(&tables.mesh, D - 1), g * D, Parts::Values, velocity_now, v, &mut [], room);
+    let [minus, plus] = sides;
+    room.contract(simd, &instant.velocities, g, inner, &minus.mesh, velocity_now, false);
+    evaluate(simd, lattice, components, Parts::Values, velocity_now, v, &mut [], room);
+    room.contract(simd, position_row, g, inner, &minus.mesh, &mut minus.position_now, false);
+    evaluate(simd, lattice, components, Parts::Gradients, &minus.position_now, &mut [], &mut minus.jacobian, room);
+    if !viscous {
+        return;
+    }
+    let tangents = (D - 1) * components * points;
+    plus.jacobian[..tangents].copy_from_slice(&minus.jacobian[..tangents]);
+    for side in [minus, plus].into_iter().take(used) {
+        let SideScratch { mesh, position_now, jacobian, .. } = side;
+        let (kind, leaving) = (&mesh[g * position_row.cols() * inner..], &mut position_now[g * inner..]);
+        room.contract(simd, position_row, g, inner, kind, leaving, false);
+        evaluate(simd, lattice, components, Parts::Values, leaving, &mut jacobian[tangents..], &mut [], room);
+    }
 }
 
 /// The geometry of a facet point, seen from one side.
@@ -286,7 +294,7 @@ pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     }
 }
 
-/// Step 4: tests one side's terms in space and sends them to the time nodes.
+/// Step 4: tests one side's terms in space and sends them to the time nodes, where with `add` they join those of other times.
 #[inline(always)]
 fn test<const D: usize, const M: usize, S: Simd>(
     simd: S,
@@ -295,6 +303,7 @@ fn test<const D: usize, const M: usize, S: Simd>(
     viscous: bool,
     side: &mut SideScratch,
     room: &mut Scratch,
+    add: bool,
 ) {
     let points = tables.facet_points();
     let nodes = tables.orders.flow.pow(D as u32 - 1);
@@ -302,12 +311,10 @@ fn test<const D: usize, const M: usize, S: Simd>(
     let (lattice, kinds) = (Lattice::whole(&tables.flow, D - 1), if viscous { 2 } else { 1 });
     let (values, derivatives) = terms_now.split_at_mut(M * nodes);
     let parts = if viscous { Parts::Both } else { Parts::Values };
-    values.fill(Pack::ZERO);
-    integrate(simd, lattice, M, parts, tested, tested_gradient, values, room);
+    integrate(simd, lattice, M, parts, tested, tested_gradient, values, room, false);
     if viscous {
         let leaving = &tested_gradient[(D - 1) * M * points..];
-        derivatives.fill(Pack::ZERO);
-        integrate(simd, lattice, M, Parts::Values, leaving, &[], derivatives, room);
+        integrate(simd, lattice, M, Parts::Values, leaving, &[], derivatives, room, false);
     }
-    room.contract_add(simd, &instant.test, kinds, M * nodes, terms_now, terms);
+    room.contract(simd, &instant.test, kinds, M * nodes, terms_now, terms, add);
 }

@@ -58,7 +58,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`: one
-    /// block per entry of `state` and of `mesh`.
+    /// block per entry of `state` and of `mesh`. The position of the facet is read from the minus side alone.
     pub(crate) fn gather_sides(
         &self,
         along: Along,
@@ -76,12 +76,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             let permutations: [_; WIDTH] = from_fn(|lane| self.permutation(batch, lane, number));
             let flow = permutations.map(|permutation| permutation.map(|p| &p.flow[..]));
             let geometry = permutations.map(|permutation| permutation.map(|p| &p.mesh[..]));
-            for (traces, blocks, permutations, packs) in [
-                (state, along.state_blocks(), flow, &mut side.state),
-                (mesh, along.geometry_blocks(), geometry, &mut side.mesh),
+            for (traces, first_kind, blocks, permutations, packs) in [
+                (state, 0, along.state_blocks(), flow, &mut side.state),
+                (mesh, number, along.geometry_blocks(), geometry, &mut side.mesh),
             ] {
                 let len = traces[0].layout.kind_len();
-                for (kind, packs) in packs.chunks_exact_mut(blocks * len).enumerate().take(kinds) {
+                for (kind, packs) in packs.chunks_exact_mut(blocks * len).enumerate().take(kinds).skip(first_kind) {
                     for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
                         let sources = ends.map(|end| traces.of(end.cell, end.face, kind));
                         gather_traces(sources, permutations, packs, reordered);

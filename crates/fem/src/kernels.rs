@@ -4,7 +4,7 @@
 //! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
 
 use crate::boundary::FacetFlux;
-use crate::cell::{CellContext, CellMoments, SlabCells, SpaceCells};
+use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, Facets};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
@@ -61,7 +61,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     /// Whether the condition on boundary number `boundary` takes a prescribed state.
     fn takes_state(&self, boundary: usize) -> bool;
     /// The volume terms of a slab.
-    fn slab_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch);
+    fn slab_cells(&self, along: Along, context: &CellContext<D>, coefficients: Coefficients, scratch: &mut CellScratch);
     /// The terms of space alone, along a direction of the state.
     fn space_cells(&self, context: &CellContext<D>, instant: &Instant, scratch: &mut CellScratch);
     /// Moments of a state at one time.
@@ -76,7 +76,13 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         scratch: &mut FacetScratch,
     );
     /// Operations at points of one run of [`Self::slab_cells`], in all lanes: counted by running it in scalars.
-    fn count_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) -> u64;
+    fn count_cells(
+        &self,
+        along: Along,
+        context: &CellContext<D>,
+        coefficients: Coefficients,
+        scratch: &mut CellScratch,
+    ) -> u64;
     /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
     fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64;
     /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch.
@@ -121,14 +127,28 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         self.law.takes_state(self.conditions[boundary])
     }
 
-    fn slab_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) {
+    fn slab_cells(
+        &self,
+        along: Along,
+        context: &CellContext<D>,
+        coefficients: Coefficients,
+        scratch: &mut CellScratch,
+    ) {
         let law = &self.law;
         match along {
-            Along::Nothing => self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<Values> }),
-            Along::State => self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<AlongState> }),
-            Along::StateAndMesh => {
-                self.arch.dispatch(SlabCells { law, context, scratch, mode: PhantomData::<AlongStateAndMesh> })
+            Along::Nothing => {
+                self.arch.dispatch(SlabCells { law, context, coefficients, scratch, mode: PhantomData::<Values> })
             }
+            Along::State => {
+                self.arch.dispatch(SlabCells { law, context, coefficients, scratch, mode: PhantomData::<AlongState> })
+            }
+            Along::StateAndMesh => self.arch.dispatch(SlabCells {
+                law,
+                context,
+                coefficients,
+                scratch,
+                mode: PhantomData::<AlongStateAndMesh>,
+            }),
         }
     }
 
@@ -179,11 +199,20 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         }
     }
 
-    fn count_cells(&self, along: Along, context: &CellContext<D>, scratch: &mut CellScratch) -> u64 {
+    fn count_cells(
+        &self,
+        along: Along,
+        context: &CellContext<D>,
+        coefficients: Coefficients,
+        scratch: &mut CellScratch,
+    ) -> u64 {
         let law = &self.law;
         count_operations(|| match along {
-            Along::Nothing => SlabCells { law, context, scratch, mode: PhantomData::<CountedValues> }.with_simd(Scalar),
-            _ => SlabCells { law, context, scratch, mode: PhantomData::<CountedAlongState> }.with_simd(Scalar),
+            Along::Nothing => {
+                SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedValues> }.with_simd(Scalar)
+            }
+            _ => SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedAlongState> }
+                .with_simd(Scalar),
         })
     }
 

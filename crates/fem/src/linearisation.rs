@@ -147,10 +147,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn freeze(&self, s: f64) -> Frozen {
         let instant = Instant::of_space(&self.tables.time, s);
         let one = self.layout.at_one_time();
-        let mut state = vec![0.0; one.len()];
+        let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
         for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
             for cell in 0..one.cells {
-                let nodal = &self.linearisation()[self.layout.cell_at(cell, a)];
+                let nodal = &linearisation[self.layout.cell_at(cell, a)];
                 state[one.cell(cell)].iter_mut().zip(nodal).for_each(|(u, value)| *u += phi * value);
             }
         }

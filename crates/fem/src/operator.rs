@@ -1,7 +1,7 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
 use crate::batches::{FacetBatch, Facets, cells_of};
-use crate::cell::CellContext;
+use crate::cell::{CellContext, Coefficients};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
@@ -67,7 +67,6 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub(crate) position_rows: Vec<Matrix>,
     bottom_values: Vec<f64>,
     bottom_moments: Vec<f64>,
-    state: Vec<f64>,
     pub(crate) state_traces: Traces,
     direction_traces: Traces,
     pub(crate) mesh_traces: Traces,
@@ -108,7 +107,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             position_rows: Vec::new(),
             bottom_values: tables.time.values(0.0),
             bottom_moments: vec![0.0; layout.at_one_time().len()],
-            state: vec![0.0; layout.len()],
             state_traces: Traces::new(flow_traces, cells),
             direction_traces: Traces::new(flow_traces, cells),
             mesh_traces: Traces::new(mesh_traces, cells),
@@ -155,21 +153,18 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Sets the state at which Jacobian products are taken.
     pub fn linearise(&mut self, state: &[f64]) {
-        self.state.copy_from_slice(state);
         self.state_traces.take(&self.flow_faces, state, self.problem.kernels.is_viscous());
     }
 
     /// The state at which Jacobian products are taken.
-    pub fn linearisation(&self) -> &[f64] {
-        &self.state
+    pub fn linearisation(&self) -> Vec<f64> {
+        (0..self.layout.cells).flat_map(|cell| self.state_traces.coefficients_of(cell)).collect()
     }
 
     /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
-        self.run(Along::Nothing, None, out);
-        self.subtract_bottom(out);
-        match self.first_violation(out) {
+        match self.run(Along::Nothing, out) {
             None => Ok(()),
             Some(cell) => Err(self.describe_violation(cell)),
         }
@@ -178,7 +173,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
-        self.run(Along::State, Some(direction), out);
+        self.run(Along::State, out);
     }
 
     /// The derivative of the residual along directions of the state and of the mesh velocities.
@@ -186,7 +181,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
         self.mesh_direction.set_direction(velocities);
         self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, true);
-        self.run(Along::StateAndMesh, Some(direction), out);
+        self.run(Along::StateAndMesh, out);
     }
 
     /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `Instant::position_row`).
@@ -222,25 +217,32 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Facets, then cells: the terms of every facet are computed once and read by both its cells.
-    fn run(&mut self, along: Along, direction: Option<&[f64]>, out: &mut [f64]) {
+    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
+    /// not a number: violations are passed on this way, and arithmetic may make its own.
+    fn run(&mut self, along: Along, out: &mut [f64]) -> Option<usize> {
         let mut terms = std::mem::take(&mut self.terms);
         let facet_len = 2 * self.state_traces.layout.face_len();
         terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches).for_each(|(terms, batch)| {
             self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms));
         });
-        let cell_len = self.layout.cell_len();
+        let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
         out.par_chunks_mut(WIDTH * cell_len).enumerate().for_each(|(batch, out)| {
-            self.cells.with(|scratch| self.cell_batch(along, batch, direction, scratch, &terms, out));
+            self.cells.with(|scratch| self.cell_batch(along, batch, scratch, &terms, out));
+            for (lane, out) in out.chunks_exact(cell_len).enumerate() {
+                if !sums_to_a_number(out) {
+                    first.fetch_min(batch * WIDTH + lane, Ordering::Relaxed);
+                }
+            }
         });
         self.terms = terms;
+        Some(first.into_inner()).filter(|&cell| cell != usize::MAX)
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
     fn facet_batch(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
         let viscous = self.problem.kernels.is_viscous();
-        let state = &[&self.state_traces, &self.direction_traces][..along.state_blocks()];
-        let mesh = &[&self.mesh_traces, &self.mesh_direction_traces][..along.geometry_blocks()];
+        let state = &self.state_and_direction()[..along.state_blocks()];
+        let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
         self.gather_sides(along, state, mesh, batch, scratch);
         let number = self.tables.instants.len();
         let rows = &self.position_rows[..number];
@@ -270,26 +272,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Volume terms and facet terms of one batch of cells.
-    fn cell_batch(
-        &self,
-        along: Along,
-        batch: usize,
-        direction: Option<&[f64]>,
-        scratch: &mut CellScratch,
-        terms: &[f64],
-        out: &mut [f64],
-    ) {
-        let (layout, mesh_len) = (self.layout, self.mesh.cell_len());
-        let (cells, cell_len) = (cells_of(batch, layout.cells), layout.cell_len());
-        gather(cells.map(|c| &self.state[layout.cell(c)]), &mut scratch.state[..cell_len]);
-        if let Some(direction) = direction {
-            gather(cells.map(|c| &direction[layout.cell(c)]), &mut scratch.state[cell_len..2 * cell_len]);
-        }
-        gather(cells.map(|c| &self.mesh.data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[..mesh_len]);
-        if along.geometry_blocks() == 2 {
-            let data = &self.mesh_direction.data;
-            gather(cells.map(|c| &data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[mesh_len..2 * mesh_len]);
-        }
+    fn cell_batch(&self, along: Along, batch: usize, scratch: &mut CellScratch, terms: &[f64], out: &mut [f64]) {
+        let cell_len = self.layout.cell_len();
+        let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
+        let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
+        let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 prescribed::fill(field, along.geometry_blocks(), time, points, x, data);
@@ -302,14 +289,24 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             position_rows: &self.position_rows,
             source: self.problem.source.is_some().then_some(&fill),
         };
-        self.problem.kernels.slab_cells(along, &context, scratch);
-        self.lift(cells, terms, scratch);
+        self.problem.kernels.slab_cells(along, &context, Coefficients { state, mesh }, scratch);
+        self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
+            if along == Along::Nothing {
+                self.subtract_bottom(batch * WIDTH + lane, out);
+            }
             if scratch.violated.0[lane] != 0.0 {
                 out[0] = f64::NAN;
             }
         }
+    }
+
+    fn state_and_direction(&self) -> [&Traces; 2] {
+        [&self.state_traces, &self.direction_traces]
+    }
+    fn mesh_and_direction(&self) -> [&Traces; 2] {
+        [&self.mesh_traces, &self.mesh_direction_traces]
     }
 
     /// Adds the terms of the facets of a batch of cells to its residual.
@@ -329,27 +326,24 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// - phi_a(0) int_K w u_n J at t_n.
-    fn subtract_bottom(&self, out: &mut [f64]) {
-        let (layout, len) = (self.layout, self.layout.time_len());
-        out.par_chunks_mut(layout.cell_len()).zip(self.bottom_moments.par_chunks(len)).for_each(|(out, moments)| {
-            for (out, phi) in out.chunks_exact_mut(len).zip(&self.bottom_values) {
-                for (r, m) in out.iter_mut().zip(moments) {
-                    *r -= phi * m;
-                }
+    fn subtract_bottom(&self, cell: usize, out: &mut [f64]) {
+        let moments = &self.bottom_moments[self.layout.at_one_time().cell(cell)];
+        for (out, phi) in out.chunks_exact_mut(moments.len()).zip(&self.bottom_values) {
+            for (r, m) in out.iter_mut().zip(moments) {
+                *r -= phi * m;
             }
-        });
+        }
     }
+}
 
-    /// The first cell whose residual is not a number: violations are passed on this way, and arithmetic may make its own.
-    fn first_violation(&self, out: &[f64]) -> Option<usize> {
-        let first = AtomicUsize::new(usize::MAX);
-        out.par_chunks(self.layout.cell_len()).enumerate().for_each(|(cell, r)| {
-            if !r.iter().sum::<f64>().is_finite() {
-                first.fetch_min(cell, Ordering::Relaxed);
-            }
-        });
-        Some(first.into_inner()).filter(|&cell| cell != usize::MAX)
+/// Whether all of `r` is finite: then, and short of overflow only then, so are sums of it. Several, so that none waits for another.
+fn sums_to_a_number(r: &[f64]) -> bool {
+    let mut sums = [0.0; WIDTH];
+    let (chunks, rest) = r.as_chunks::<WIDTH>();
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, r)| *sum += r);
     }
+    sums.iter().chain(rest).sum::<f64>().is_finite()
 }
 
 fn trace_layout<const D: usize>(slots: usize, components: usize, order: usize) -> TraceLayout {

@@ -8,10 +8,6 @@ use tensor::{Pack, WIDTH, zeroed};
 ///
 /// `b` counts blocks (values, derivatives), `p` the points of a block of planes, `i` space nodes, `a` time nodes, `m` components of the state.
 pub struct CellScratch {
-    /// State in the slab, `[b][a][m][i]`.
-    pub state: Vec<Pack>,
-    /// Bottom position and velocities of the mesh, `[b][slot][d][i]`.
-    pub mesh: Vec<Pack>,
     /// Residual, `[a][m][i]`.
     pub residual: Vec<Pack>,
     /// State at one time, `[b][m][i]`.
@@ -49,8 +45,6 @@ impl CellScratch {
         let mesh_nodes = tables.orders.mesh.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
         CellScratch {
-            state: zeroed(2 * n_t * M * nodes),
-            mesh: zeroed(2 * (n_t + 1) * D * mesh_nodes),
             residual: zeroed(n_t * M * nodes),
             state_now: zeroed(2 * M * nodes),
             position_now: zeroed(2 * D * mesh_nodes),

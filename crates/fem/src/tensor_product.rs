@@ -1,7 +1,7 @@
 //! Values and gradients of tensor-product polynomials at quadrature points, and their transposes, in packs of cells.
 
 use crate::tables::Line;
-use basis::{Matrix, contract, contract_add};
+use basis::{Matrix, contract};
 use tensor::Pack;
 use tensor::pulp::Simd;
 
@@ -31,24 +31,10 @@ impl Scratch {
         inner: usize,
         input: &[Pack],
         output: &mut [Pack],
+        add: bool,
     ) {
         self.multiplications += multiplications(matrix, outer, inner);
-        contract(simd, matrix, outer, inner, input, output);
-    }
-
-    /// [`basis::contract_add`], counted.
-    #[inline(always)]
-    pub(crate) fn contract_add<S: Simd>(
-        &mut self,
-        simd: S,
-        matrix: &Matrix,
-        outer: usize,
-        inner: usize,
-        input: &[Pack],
-        output: &mut [Pack],
-    ) {
-        self.multiplications += multiplications(matrix, outer, inner);
-        contract_add(simd, matrix, outer, inner, input, output);
+        contract(simd, matrix, outer, inner, input, output, add);
     }
 }
 
@@ -149,14 +135,14 @@ pub fn evaluate<S: Simd>(
                 (true, _) => &mut gradients[(dimension - tensor) * size_out..(dimension - tensor + 1) * size_out],
             };
             *count += multiplications(matrix, outer, inner);
-            contract(simd, matrix, outer, inner, input, output);
+            contract(simd, matrix, outer, inner, input, output, false);
         }
         std::mem::swap(&mut from, &mut to);
     }
 }
 
-/// The transpose of [`evaluate`]: adds to `nodal[component][node]` the sum over points of `values[component][point]` times
-/// the test function and of `gradients[direction][component][point]` times its reference derivative in that direction.
+/// The transpose of [`evaluate`]: `nodal[component][node]` is the sum over points of `values[component][point]` times the test function
+/// and of `gradients[direction][component][point]` times its reference derivative in that direction; with `add`, that is added to it.
 #[inline(always)]
 pub fn integrate<S: Simd>(
     simd: S,
@@ -167,6 +153,7 @@ pub fn integrate<S: Simd>(
     gradients: &[Pack],
     nodal: &mut [Pack],
     scratch: &mut Scratch,
+    add: bool,
 ) {
     let (dimension, with_gradients) = (lattice.dimension, parts != Parts::Values);
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
@@ -179,7 +166,7 @@ pub fn integrate<S: Simd>(
         for tensor in 0..=(if with_gradients { dimension - 1 - axis } else { 0 }) {
             let output =
                 if last { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
-            let mut fresh = !last;
+            let mut joins = last && add;
             if !(first && tensor == 0 && parts == Parts::Gradients) {
                 let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
@@ -189,33 +176,15 @@ pub fn integrate<S: Simd>(
                     (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };
                 *count += multiplications(&line.values_transposed, outer, inner);
-                send(simd, &line.values_transposed, outer, inner, input, output, fresh);
-                fresh = false;
+                contract(simd, &line.values_transposed, outer, inner, input, output, joins);
+                joins = true;
             }
             if tensor == 0 && with_gradients {
                 let input = if first { derivative(0) } else { &from[size_in..2 * size_in] };
                 *count += multiplications(&line.derivatives_transposed, outer, inner);
-                send(simd, &line.derivatives_transposed, outer, inner, input, output, fresh);
+                contract(simd, &line.derivatives_transposed, outer, inner, input, output, joins);
             }
         }
         std::mem::swap(&mut from, &mut to);
-    }
-}
-
-/// Contracts into `output`, overwriting it when it is fresh.
-#[inline(always)]
-fn send<S: Simd>(
-    simd: S,
-    matrix: &Matrix,
-    outer: usize,
-    inner: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-    fresh: bool,
-) {
-    if fresh {
-        contract(simd, matrix, outer, inner, input, output);
-    } else {
-        contract_add(simd, matrix, outer, inner, input, output);
     }
 }

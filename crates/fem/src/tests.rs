@@ -33,7 +33,7 @@ impl WithSimd for BothSides<'_> {
         let (mut values, mut gradients, mut back) = (zeroed(f.len()), zeroed(g.len()), zeroed(u.len()));
         let lattice = Lattice::whole(self.line, d);
         evaluate(simd, lattice, components, Parts::Both, &u, &mut values, &mut gradients, &mut room);
-        integrate(simd, lattice, components, Parts::Both, &f, &g, &mut back, &mut room);
+        integrate(simd, lattice, components, Parts::Both, &f, &g, &mut back, &mut room, false);
         let (value, gradient) = (inner_product(&values, &f), inner_product(&gradients, &g));
         [std::array::from_fn(|lane| value[lane] + gradient[lane]), inner_product(&u, &back)]
     }

@@ -4,7 +4,7 @@ use crate::batches::cells_of;
 use crate::gather::{gather, scatter};
 use crate::pool::Pool;
 use crate::tables::Line;
-use basis::{Matrix, contract, contract_add};
+use basis::{Matrix, contract};
 use mesh::{axis_and_side, face_nodes};
 use rayon::prelude::*;
 use tensor::Arch;
@@ -144,7 +144,7 @@ impl WithSimd for Extract<'_> {
                     .copy_from_slice(&self.coefficients[from..from + face.inner]);
             }
             if self.both {
-                contract(simd, face.row, face.outer, face.inner, self.coefficients, derivatives);
+                contract(simd, face.row, face.outer, face.inner, self.coefficients, derivatives, false);
             }
         }
     }
@@ -175,7 +175,7 @@ impl WithSimd for Lift<'_> {
                 }
             }
             if self.both {
-                contract_add(simd, face.column, face.outer, face.inner, derivatives, self.coefficients);
+                contract(simd, face.column, face.outer, face.inner, derivatives, self.coefficients, true);
             }
         }
     }
@@ -188,33 +188,43 @@ pub struct Traces {
     /// The numbers.
     pub data: Vec<f64>,
     cells: usize,
-    scratch: Pool<Scratch>,
-}
-
-/// Packs of one batch of cells: coefficients and their traces.
-struct Scratch {
-    coefficients: Vec<Pack>,
-    traces: Vec<Pack>,
+    /// The coefficients, `[batch][slot][component][node]`.
+    packs: Vec<Pack>,
+    /// Traces of one batch.
+    scratch: Pool<Vec<Pack>>,
 }
 
 impl Traces {
     /// Room for the traces of `cells` cells.
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
-        let room = || Scratch { coefficients: zeroed(layout.coefficients()), traces: zeroed(layout.cell_len()) };
-        Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, scratch: Pool::new(room) }
+        let packs = zeroed(cells.div_ceil(WIDTH) * layout.coefficients());
+        let scratch = Pool::new(|| zeroed(layout.cell_len()));
+        Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, packs, scratch }
     }
 
     /// Takes the traces of `coefficients[cell][slot][component][node]`; derivatives only where `both`.
     pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], both: bool) {
-        let (layout, scratch, len) = (self.layout, &self.scratch, self.layout.coefficients());
-        let batches = self.data.par_chunks_mut(WIDTH * layout.cell_len()).enumerate();
-        batches.for_each(|(batch, data)| {
-            scratch.with(|Scratch { coefficients: packs, traces }| {
-                gather(cells_of(batch, self.cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
+        let Traces { layout, ref mut data, cells, ref mut packs, ref scratch } = *self;
+        let len = layout.coefficients();
+        let batches = data.par_chunks_mut(WIDTH * layout.cell_len()).zip(packs.par_chunks_mut(len)).enumerate();
+        batches.for_each(|(batch, (data, packs))| {
+            scratch.with(|traces| {
+                gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
                 maps.extract(layout.slots * layout.components, packs, both, traces);
                 scatter(traces, layout.cell_len(), data);
             });
         });
+    }
+
+    /// The coefficients of a batch of cells, `[slot][component][node]`.
+    pub fn coefficients(&self, batch: usize) -> &[Pack] {
+        let len = self.layout.coefficients();
+        &self.packs[batch * len..(batch + 1) * len]
+    }
+
+    /// The coefficients of a cell, `[slot][component][node]`.
+    pub fn coefficients_of(&self, cell: usize) -> impl Iterator<Item = f64> {
+        self.coefficients(cell / WIDTH).iter().map(move |pack| pack.0[cell % WIDTH])
     }
 
     /// One kind on one face.

@@ -1,9 +1,7 @@
 //! How many floating-point operations the kernels do.
 
-use crate::batches::cells_of;
-use crate::cell::CellContext;
+use crate::cell::{CellContext, Coefficients};
 use crate::facet::FacetContext;
-use crate::gather::gather;
 use crate::kernels::{Along, Times};
 use crate::operator::SlabOperator;
 use tensor::WIDTH;
@@ -21,16 +19,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Of the first batch of cells, with the state as its own direction.
     fn cell_operations(&self, along: Along) -> u64 {
         let (dt, start) = (self.interval().1, self.interval().0);
-        let (len, mesh_len) = (self.layout.cell_len(), self.mesh.cell_len());
         let context = CellContext { tables: &self.tables, dt, start, position_rows: &self.position_rows, source: None };
+        let state = [self.state_traces.coefficients(0); 2];
+        let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {
-            let cells = cells_of(0, self.layout.cells);
-            for block in scratch.state.chunks_exact_mut(len).take(along.state_blocks()) {
-                gather(cells.map(|c| &self.linearisation()[self.layout.cell(c)]), block);
-            }
-            gather(cells.map(|c| &self.mesh.data[c * mesh_len..(c + 1) * mesh_len]), &mut scratch.mesh[..mesh_len]);
             let before = scratch.scratch.multiplications;
-            let at_points = self.problem.kernels.count_cells(along, &context, scratch);
+            let at_points = self.problem.kernels.count_cells(along, &context, Coefficients { state, mesh }, scratch);
             at_points + in_lanes(scratch.scratch.multiplications - before)
         })
     }

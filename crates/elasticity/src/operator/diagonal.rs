@@ -9,7 +9,7 @@
 //! and phi_k,a phi_k,b is a product over the axes: it is summed as a value is.
 
 use super::{Lines, Operator};
-use basis::{Matrix, apply_all_axes_add, scratch_length};
+use basis::{Matrix, apply_all_axes, scratch_length};
 use rayon::prelude::*;
 use std::array::from_fn;
 use tensor::Arch;
@@ -32,7 +32,7 @@ impl<const D: usize> WithSimd for Term<'_, D> {
     fn with_simd<S: Simd>(self, simd: S) {
         let lines = self.functions.each_ref();
         let mut between = zeroed(scratch_length(&lines, D));
-        apply_all_axes_add(simd, &lines, D, self.coefficients, self.diagonal, &mut between);
+        apply_all_axes(simd, &lines, D, self.coefficients, self.diagonal, &mut between, true);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Lines, Operator};
 use crate::law::PointLaw;
-use basis::{apply_all_axes, apply_axis, apply_axis_add, scratch_length};
+use basis::{apply_all_axes, apply_axis, scratch_length};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, WIDTH, dot, zeroed};
@@ -139,13 +139,12 @@ impl<const D: usize> Operator<D> {
         let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, block);
         // 3. against the reference gradients of the test functions
         let values = &mut values[..block];
-        apply_axis(simd, differentiate_transposed, 0, &extents, D, &gradients[..block], values);
-        for a in 1..D {
+        for a in 0..D {
             let gradients = &gradients[a * M::BLOCKS * block..][..block];
-            apply_axis_add(simd, differentiate_transposed, a, &extents, D, gradients, values);
+            apply_axis(simd, differentiate_transposed, a, &extents, D, gradients, values, a > 0);
         }
         // 4. from points to nodes
-        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between);
+        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between, false);
         smallest
     }
 
@@ -178,10 +177,10 @@ fn reference_gradients<S: Simd, const D: usize>(
 ) {
     let (components, extents) = (blocks * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
-    apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between);
+    apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);
     for a in 0..D {
         let gradient = &mut gradients[a * length..][..length];
-        apply_axis(simd, &lines.differentiate, a, &extents, components, values, gradient);
+        apply_axis(simd, &lines.differentiate, a, &extents, components, values, gradient, false);
     }
 }
 

@@ -42,12 +42,21 @@ impl<const D: usize> Sweep<D> {
             work.nodes.len() / self.time_values.cols(),
             &work.nodes,
             &mut work.in_time,
+            false,
         );
         let length = work.columns.len() / D;
         for (j, column) in work.columns.chunks_exact_mut(length).enumerate() {
             let mut matrices = [&self.values; D];
             matrices[j] = &self.derivatives;
-            apply_all_axes(simd, &matrices, self.time_values.rows() * D, &work.in_time, column, &mut work.between);
+            apply_all_axes(
+                simd,
+                &matrices,
+                self.time_values.rows() * D,
+                &work.in_time,
+                column,
+                &mut work.between,
+                false,
+            );
         }
     }
 
@@ -111,8 +120,8 @@ impl<const D: usize> Sweep<D> {
         let mut matrices = [&part.matrices[0]; 4];
         part.matrices.iter().enumerate().for_each(|(axis, matrix)| matrices[axis] = matrix);
         let Scratch { values, coefficients, reference, reference_coefficients, between, .. } = work;
-        apply_all_axes(simd, &matrices[..=D], 1, values, coefficients, between);
-        apply_all_axes(simd, &matrices[..D], 1, reference, reference_coefficients, between);
+        apply_all_axes(simd, &matrices[..=D], 1, values, coefficients, between, false);
+        apply_all_axes(simd, &matrices[..D], 1, reference, reference_coefficients, between, false);
         let in_space = &self.kept[..D];
         for register in 0..Lanes::<S>::PARTS {
             let read = |pack: &Pack| Lanes::read(simd, pack, register);

@@ -52,7 +52,7 @@ impl<const D: usize> Oracle<D> {
     fn visit(&self, positions: &[Pack], mut visit: impl FnMut(usize, &[Pack])) {
         let (n, length) = (self.rows.len(), positions.len() / self.times.cols());
         let mut nodes = zeroed(length * self.times.rows());
-        contract(Scalar, &self.times, 1, length, positions, &mut nodes);
+        contract(Scalar, &self.times, 1, length, positions, &mut nodes, false);
         let points = n.pow(D as u32 - 1);
         let mut work = SliceWork::new::<D>(&self.along[0], length, points);
         for nodes in nodes.chunks_exact(length) {
@@ -101,12 +101,12 @@ impl<const D: usize> WithSimd for Slice<'_, D> {
         let SliceWork { across, columns, ratios, scratch } = work;
         let points = ratios.len();
         for k in 0..2 {
-            contract(simd, &oracle.rows[slice][k], D, across[k].len() / D, nodes, &mut across[k]);
+            contract(simd, &oracle.rows[slice][k], D, across[k].len() / D, nodes, &mut across[k], false);
         }
         for (j, column) in columns.chunks_exact_mut(D * points).enumerate() {
             let mut matrices = [&oracle.along[0]; D];
             matrices[j] = &oracle.along[usize::from(j < last)];
-            apply_all_axes(simd, &matrices[..last], D, &across[usize::from(j == last)], column, scratch);
+            apply_all_axes(simd, &matrices[..last], D, &across[usize::from(j == last)], column, scratch, false);
         }
         for q in 0..points {
             for part in 0..Lanes::<S>::PARTS {
