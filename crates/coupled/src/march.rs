@@ -2,12 +2,13 @@
 
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
-use crate::slab_problem::{Counts, Remainder, SlabProblem};
+use crate::slab_problem::{Counts, Remainder, SlabProblem, inadmissible};
 use crate::state::{Interval, Past, State};
-use fem::FluxesAt;
+use fem::{FluxesAt, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
+use std::array::from_fn;
 
 /// The first guess of a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +98,9 @@ pub enum SlabError {
     /// Neither the extrapolated nor the constant guess is a state.
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),
+    /// The slab is solved by what is no state at its top: the equations see what lies between, and the top only from below.
+    #[error("the equations have a solution that is not admissible at the top of the slab")]
+    Top(#[source] Inadmissible),
     /// Newton failed.
     #[error("the equations of flow and mesh are not solved{}", largest_in(remainder.as_deref()))]
     Newton {
@@ -235,6 +239,7 @@ impl<const D: usize, const M: usize> March<D, M> {
         };
         let report = solved.map_err(|source| self.cause(&z, interval, source))?;
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
+        self.check_top(&z, interval)?;
         let jump = self.jump(&z);
         Ok(Solved { newton: report, quality, jump, z })
     }
@@ -255,6 +260,19 @@ impl<const D: usize, const M: usize> March<D, M> {
     fn check_mesh(&self, v: &[f64], interval: Interval) -> Result<MeshQuality, SlabError> {
         let quality = self.problem.mover.quality(&self.state.d, v, interval);
         if quality.is_valid() { Ok(quality) } else { Err(SlabError::Invalid { quality }) }
+    }
+
+    /// Whether the flow is admissible at the nodes of the slab's top, where the next one begins.
+    fn check_top(&self, z: &[f64], interval: Interval) -> Result<(), SlabError> {
+        let (layout, kernels) = (self.problem.flow.layout, &self.problem.flow.problem.kernels);
+        let u = &z[self.problem.flow_range()];
+        let at = |cell: usize, i: usize| from_fn(|m| u[layout.index(cell, layout.time_order - 1, m, i)]);
+        let nodes = (0..layout.cells).flat_map(|cell| (0..layout.nodes).map(move |i| (cell, i)));
+        let found = nodes.map(|(cell, i)| (cell, kernels.inadmissible(&at(cell, i))));
+        let Some((cell, (quantity, value))) = found.filter_map(|(cell, what)| Some((cell, what?))).next() else {
+            return Ok(());
+        };
+        Err(SlabError::Top(inadmissible(Violation { quantity, value, cell, time: interval.end })))
     }
 
     /// The state at the bottom, at every time node.

@@ -350,7 +350,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     }
 }
 
-fn inadmissible(violation: Violation) -> Inadmissible {
+pub(crate) fn inadmissible(violation: Violation) -> Inadmissible {
     let Violation { quantity, value, cell, time } = violation;
     Inadmissible { quantity: quantity.to_string(), value, location: format!("in cell {cell} at t = {time}") }
 }

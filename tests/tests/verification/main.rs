@@ -5,6 +5,7 @@ mod boundary_flux;
 mod coarse_level;
 mod large_rotation;
 mod slab_operator;
+mod top_of_slab;
 mod valid_steps;
 mod viscous;
 mod vortex;

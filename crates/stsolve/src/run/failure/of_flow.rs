@@ -89,7 +89,7 @@ where
             None => GaveUp::Other,
             Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
             Some(SlabError::Invalid { .. }) => GaveUp::InvertedCell,
-            Some(SlabError::Guess(_)) => GaveUp::Inadmissible,
+            Some(SlabError::Guess(_) | SlabError::Top(_)) => GaveUp::Inadmissible,
             Some(SlabError::Newton { source, .. }) => match **source {
                 newton::Error::Inadmissible { .. } => GaveUp::Inadmissible,
                 newton::Error::Krylov { .. } => GaveUp::LinearSolver,
@@ -164,7 +164,7 @@ where
             SlabError::Mesh(_) => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { remainder: Some(remainder), .. } => self.unsolved_cell(grid, remainder),
-            SlabError::Newton { .. } | SlabError::Guess(_) => Some(self.thinnest_cell(grid, gases)),
+            SlabError::Newton { .. } | SlabError::Guess(_) | SlabError::Top(_) => Some(self.thinnest_cell(grid, gases)),
         }
     }
 
