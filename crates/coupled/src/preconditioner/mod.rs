@@ -9,11 +9,14 @@
 //! replaced by its block ILU(0), and all of them are swept at once.
 
 mod blocks;
+mod couplings;
 mod face_traces;
 mod factor;
 mod ilu;
+mod inverse;
 mod ordering;
 mod panel;
+mod sweeps;
 
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;
