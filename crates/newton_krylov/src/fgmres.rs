@@ -10,11 +10,13 @@
 
 mod least_squares;
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use crate::inner_product::{InnerProduct, add_combination, copy, scale, scaled_copy, xpay};
 use crate::operator::LinearSystem;
 use least_squares::LeastSquares;
+
+/// A vector is made orthogonal once more where this part of it, or less, is left: otherwise what is left is orthogonal to ten times
+/// the round-off. A good preconditioner leaves less than 1 / sqrt(2), the usual bar, in most iterations.
+const CANCELLED: f64 = 0.1;
 
 /// The settings of [`solve`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,7 +225,8 @@ fn cycle(
 /// w := (w - V h) / |w - V h| with h = (V, w), which goes to the new column of H. Returns |w - V h|: zero if w lies in the
 /// span of V up to round-off, `None` if it is not finite.
 ///
-/// Classical Gram-Schmidt, repeated where it cancelled much (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976).
+/// Classical Gram-Schmidt, repeated where it cancelled much (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976), see
+/// [`CANCELLED`].
 fn orthonormalise(
     inner_product: &dyn InnerProduct,
     v: &[Vec<f64>],
@@ -238,7 +241,7 @@ fn orthonormalise(
         let minus_h = least_squares.subtract_from_column(|h| inner_product.dots(v, w, partial, h));
         add_combination(minus_h, v, w);
         norm = inner_product.norm(w);
-        if norm > FRAC_1_SQRT_2 * before {
+        if norm > CANCELLED * before {
             break;
         }
     }

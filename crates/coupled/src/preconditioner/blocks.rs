@@ -1,7 +1,7 @@
 //! The graph of cells and the blocks on it, as the factorisation sees them.
 
 use faer::Mat;
-use fem::{SpaceJacobian, TraceSpace};
+use fem::SpaceJacobian;
 
 /// How a cell couples to a neighbour: A_ik = T_f^T B T_g, i this cell, k the neighbour.
 #[derive(Clone, Copy, Debug)]
@@ -49,31 +49,4 @@ pub fn diagonal_block(jacobian: &SpaceJacobian, cell: usize, dt: f64, lambda: f6
         let m = if i / nodes == j / nodes { mass[i % nodes * nodes + j % nodes] } else { 0.0 };
         lambda * m + dt * a[i * n + j]
     })
-}
-
-/// T X T^T for a square matrix X over a cell: the traces of X on `face`, both ways. X column-major.
-pub fn traces_of<E>(traces: &TraceSpace, face: usize, n: usize, x: impl Fn(usize, usize) -> E) -> Vec<E>
-where
-    E: Copy + std::ops::Mul<f64, Output = E> + std::ops::AddAssign + From<f64>,
-{
-    let t = traces.len();
-    let mut half = vec![E::from(0.0); t * n];
-    for row in 0..t {
-        let (offset, functional) = traces.functional(face, row);
-        for column in 0..n {
-            for &(node, weight) in functional {
-                half[row * n + column] += x(offset + node, column) * weight;
-            }
-        }
-    }
-    let mut both = vec![E::from(0.0); t * t];
-    for row in 0..t {
-        for column in 0..t {
-            let (offset, functional) = traces.functional(face, column);
-            for &(node, weight) in functional {
-                both[row * t + column] += half[row * n + offset + node] * weight;
-            }
-        }
-    }
-    both
 }

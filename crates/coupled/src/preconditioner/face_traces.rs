@@ -1,8 +1,8 @@
-//! Traces on the faces of a cell in single precision, for the sweeps.
+//! Traces on the faces of a cell in single precision.
 
 use fem::TraceSpace;
 
-/// The traces on a face in single precision: number k is the sum of `weight * x[coefficient]` over `entries[..ends[k]]` from
+/// The traces T on a face in single precision: number k is the sum of `weight * x[coefficient]` over `entries[..ends[k]]` from
 /// where the one before ends.
 pub struct FaceTraces {
     ends: Vec<usize>,
@@ -21,13 +21,18 @@ impl FaceTraces {
         FaceTraces { ends, entries }
     }
 
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
     /// For every trace its entries.
     fn functionals(&self) -> impl Iterator<Item = &[(u32, f32)]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.entries[start..end])
     }
 
-    /// The traces of `x`.
+    /// T x.
     pub fn take(&self, x: &[f32], traces: &mut [f32]) {
         for (trace, functional) in traces.iter_mut().zip(self.functionals()) {
             *trace = functional.iter().map(|&(i, weight)| weight * x[i as usize]).sum();
@@ -41,4 +46,44 @@ impl FaceTraces {
             functional.iter().for_each(|&(i, weight)| x[i as usize] -= weight * sent);
         }
     }
+
+    /// T X T^T for a matrix X whose columns, one every `stride` numbers, are of length `n`. The result is row-major.
+    pub fn of_matrix(&self, x: &[f32], n: usize, stride: usize) -> Vec<f32> {
+        let right = transposed(&self.combined(x, n, stride), n);
+        self.combined(&right, self.len(), self.len())
+    }
+
+    /// X T^T: sums of columns of X.
+    fn combined(&self, x: &[f32], n: usize, stride: usize) -> Vec<f32> {
+        let mut sums = vec![0.0; n * self.len()];
+        for (sum, functional) in sums.chunks_exact_mut(n).zip(self.functionals()) {
+            functional.iter().for_each(|&(j, weight)| add(weight, &x[j as usize * stride..][..n], sum));
+        }
+        sums
+    }
+
+    /// X -= T^T B T for such a matrix X, and B column-major.
+    pub fn subtract_lifted(&self, b: &[f32], n: usize, stride: usize, x: &mut [f32]) {
+        let mut lifted = vec![0.0; n];
+        for (b, functional) in b.chunks_exact(self.len()).zip(self.functionals()) {
+            lifted.fill(0.0);
+            self.subtract(1.0, b, &mut lifted);
+            functional.iter().for_each(|&(j, weight)| add(weight, &lifted, &mut x[j as usize * stride..][..n]));
+        }
+    }
+}
+
+/// y += factor x.
+fn add(factor: f32, x: &[f32], y: &mut [f32]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// The transpose of a matrix of columns of length `n`.
+fn transposed(x: &[f32], n: usize) -> Vec<f32> {
+    let columns = x.len() / n;
+    let mut rows = vec![0.0; x.len()];
+    for (j, column) in x.chunks_exact(n).enumerate() {
+        column.iter().enumerate().for_each(|(i, x)| rows[i * columns + j] = *x);
+    }
+    rows
 }

@@ -1,124 +1,163 @@
-//! The block ILU(0) of lambda M + dt A.
+//! The block ILU(0) of lambda M + dt A for all shifts lambda.
 //!
 //! ```text
 //! D_i = lambda M_i + dt A_ii - sum_{k before i} dt^2 A_ik D_k^{-1} A_ki                                             (d-ilu)
 //! ```
 //!
 //! Cells of a quadrilateral or hexahedral mesh that are neighbours share no third neighbour, so that only the diagonal
-//! changes; around an irregular vertex the fill is dropped. Complex matrices are pairs of real ones.
+//! changes; around an irregular vertex the fill is dropped. All is done in single precision, in which D^{-1} is stored.
 
-use super::blocks::{Link, coupling_block, diagonal_block, traces_of};
+use super::blocks::{Link, coupling_block};
+use super::face_traces::FaceTraces;
+use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
-use super::panel::padded;
+use super::panel::{ALIGNMENT, Panels, padded};
 use basis::is_real;
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, MatRef, c64};
-use fem::SpaceJacobian;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par, c64};
+use fem::{Pool, SpaceJacobian};
 use rayon::prelude::*;
+use tensor::Arch;
 
-/// Real parts of a matrix: one, or two for a complex one.
-type Parts = Vec<Mat<f64>>;
+/// What the factors are made of.
+pub struct Elimination<'a> {
+    /// A and M.
+    pub jacobian: &'a SpaceJacobian,
+    /// The neighbours of every cell.
+    pub links: &'a [Vec<Link>],
+    /// The order of elimination.
+    pub ordering: &'a Ordering,
+    /// The traces on every face.
+    pub faces: &'a [FaceTraces],
+    /// The length of the slab.
+    pub dt: f64,
+    /// The shifts lambda.
+    pub shifts: &'a [c64],
+}
 
-/// What the elimination of a cell subtracts from a later one: a matrix in the traces of one of its faces, row-major parts.
+/// What the elimination of a cell subtracts from D of a later one: a matrix in the traces of one of its faces.
 struct Update {
     position: usize,
+    mode: usize,
     face: usize,
-    parts: Vec<Vec<f64>>,
+    /// Column-major parts.
+    parts: Vec<Vec<f32>>,
 }
 
-/// Numbers stored per cell for a mode: parts of D^{-1}, columns padded.
-pub fn stored_len(block: usize, lambda: c64) -> usize {
-    padded(block) * block * if is_real(lambda) { 1 } else { 2 }
-}
-
-/// D_i^{-1} of all cells in single precision, by position, each part column-major with padded columns.
-pub fn factorise(jacobian: &SpaceJacobian, links: &[Vec<Link>], ordering: &Ordering, dt: f64, lambda: c64) -> Vec<f32> {
-    let (n, len) = (jacobian.block, stored_len(jacobian.block, lambda));
-    let mut stored = vec![0.0; len * links.len()];
-    let mut updates: Vec<Vec<Update>> = (0..links.len()).map(|_| Vec::new()).collect();
-    let mut start = 0;
-    for &end in &ordering.level_ends {
-        let level = stored[start * len..end * len].par_chunks_exact_mut(len).enumerate();
-        let new: Vec<Vec<Update>> = level
-            .map(|(i, stored)| {
-                let cell = ordering.cells[start + i];
-                let inverse = inverse(&diagonal(jacobian, cell, dt, lambda, &updates[start + i]));
-                store(&inverse, n, stored);
-                fill(jacobian, &links[cell], ordering, start + i, dt, &inverse)
-            })
-            .collect();
-        for update in new.into_iter().flatten() {
-            updates[update.position].push(update);
-        }
-        updates[start..end].iter_mut().for_each(|done| *done = Vec::new());
-        start = end;
+impl Elimination<'_> {
+    /// The blocks D of a mode.
+    pub fn shape(jacobian: &SpaceJacobian, shift: c64) -> Shape {
+        Shape { n: jacobian.block, parts: if is_real(shift) { 1 } else { 2 } }
     }
-    stored
-}
 
-/// D_i by (d-ilu).
-fn diagonal(jacobian: &SpaceJacobian, cell: usize, dt: f64, lambda: c64, updates: &[Update]) -> Parts {
-    let n = jacobian.block;
-    let mut parts = vec![diagonal_block(jacobian, cell, dt, lambda.re)];
-    if !is_real(lambda) {
-        parts.push(diagonal_block(jacobian, cell, 0.0, lambda.im));
-    }
-    let mut lifted = vec![0.0; n * n];
-    for (number, part) in parts.iter_mut().enumerate() {
-        lifted.fill(0.0);
-        for update in updates {
-            jacobian.traces.add_lifted(update.face, &update.parts[number], &mut lifted);
-        }
-        *part -= MatRef::from_row_major_slice(&lifted, n, n);
-    }
-    parts
-}
-
-fn inverse(parts: &Parts) -> Parts {
-    let n = parts[0].nrows();
-    match &parts[..] {
-        [real] => vec![real.partial_piv_lu().inverse()],
-        [re, im, ..] => {
-            let inverse = Mat::from_fn(n, n, |i, j| c64::new(re[(i, j)], im[(i, j)])).partial_piv_lu().inverse();
-            vec![Mat::from_fn(n, n, |i, j| inverse[(i, j)].re), Mat::from_fn(n, n, |i, j| inverse[(i, j)].im)]
-        }
-        [] => Vec::new(),
-    }
-}
-
-fn store(parts: &Parts, n: usize, stored: &mut [f32]) {
-    for (part, stored) in parts.iter().zip(stored.chunks_exact_mut(padded(n) * n)) {
-        for (j, column) in stored.chunks_exact_mut(padded(n)).enumerate() {
-            (0..n).for_each(|i| column[i] = part[(i, j)] as f32);
+    /// D_i^{-1} of all modes in [`Panels`], cell by cell in the order of positions.
+    pub fn factorise(&self, inverses: &mut [f32]) {
+        let cells = self.links.len();
+        let len = inverses.len() / cells;
+        let scratch = Pool::new(Vec::new);
+        let mut updates: Vec<Vec<Update>> = (0..cells).map(|_| Vec::new()).collect();
+        let mut start = 0;
+        for &end in &self.ordering.level_ends {
+            let level = inverses[start * len..end * len].par_chunks_exact_mut(len).enumerate();
+            let new: Vec<Vec<Update>> = level
+                .map(|(i, stored)| scratch.with(|block| self.cell(start + i, &updates[start + i], block, stored)))
+                .collect();
+            for update in new.into_iter().flatten() {
+                updates[update.position].push(update);
+            }
+            updates[start..end].iter_mut().for_each(|done| *done = Vec::new());
+            start = end;
         }
     }
+
+    /// Stores the inverses of the cell at `position`; returns what it subtracts from later ones.
+    fn cell(&self, position: usize, updates: &[Update], block: &mut Vec<f32>, mut stored: &mut [f32]) -> Vec<Update> {
+        let mut new = Vec::new();
+        for (mode, &shift) in self.shifts.iter().enumerate() {
+            let shape = Self::shape(self.jacobian, shift);
+            self.diagonal(position, shift, block);
+            for update in updates.iter().filter(|update| update.mode == mode) {
+                for (part, update_part) in update.parts.iter().enumerate() {
+                    let d = &mut block[part * padded(shape.n)..];
+                    self.faces[update.face].subtract_lifted(update_part, shape.n, shape.stride(), d);
+                }
+            }
+            invert(Arch::new(), shape, block);
+            let (now, rest) = std::mem::take(&mut stored).split_at_mut(shape.len());
+            store(shape, block, now);
+            stored = rest;
+            self.fill(position, mode, shape, block, &mut new);
+        }
+        new
+    }
+
+    /// lambda M + dt A_ii of the cell at `position`.
+    fn diagonal(&self, position: usize, shift: c64, block: &mut Vec<f32>) {
+        let shape = Self::shape(self.jacobian, shift);
+        let (n, nodes, cell) = (shape.n, self.jacobian.traces.nodes, self.ordering.cells[position]);
+        let (rows, stride) = (padded(n), shape.stride());
+        block.clear();
+        block.resize(shape.len(), 0.0);
+        let a = &self.jacobian.diagonal[cell * n * n..(cell + 1) * n * n];
+        // A is row-major: some rows at a time, so that both sides are read and written in lines.
+        for first in (0..n).step_by(ALIGNMENT) {
+            for (j, column) in block.chunks_exact_mut(stride).enumerate() {
+                (first..n.min(first + ALIGNMENT)).for_each(|i| column[i] = (self.dt * a[i * n + j]) as f32);
+            }
+        }
+        let mass = &self.jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
+        for (j, column) in block.chunks_exact_mut(stride).enumerate() {
+            let (component, m) = (j / nodes * nodes, &mass[j % nodes * nodes..][..nodes]);
+            for (part, lambda) in [shift.re, shift.im].into_iter().take(shape.parts).enumerate() {
+                let d = &mut column[part * rows + component..][..nodes];
+                d.iter_mut().zip(m).for_each(|(d, m)| *d += (lambda * m) as f32);
+            }
+        }
+    }
+
+    /// dt^2 A_jk D_k^{-1} A_kj for the later neighbours j of the cell k at `position`.
+    fn fill(&self, position: usize, mode: usize, shape: Shape, inverse: &[f32], new: &mut Vec<Update>) {
+        let links = &self.links[self.ordering.cells[position]];
+        for link in links.iter().filter(|link| self.ordering.positions[link.cell] > position) {
+            let there = single(coupling_block(self.jacobian, *link));
+            let back = single(coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link }));
+            let part = |part: usize| {
+                let inverse = &inverse[part * padded(shape.n)..];
+                self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
+            };
+            new.push(Update {
+                position: self.ordering.positions[link.cell],
+                mode,
+                face: link.other_face,
+                parts: (0..shape.parts).map(part).collect(),
+            });
+        }
+    }
+
+    /// dt^2 times the product of three row-major matrices in traces; column-major.
+    fn product(&self, back: &[f32], inner: &[f32], there: &[f32]) -> Vec<f32> {
+        let t = self.jacobian.traces.len();
+        let [back, inner, there] = [back, inner, there].map(|matrix| MatRef::from_row_major_slice(matrix, t, t));
+        let (mut half, mut product) = (vec![0.0; t * t], vec![0.0; t * t]);
+        let scale = (self.dt * self.dt) as f32;
+        let mut half = MatMut::from_column_major_slice_mut(&mut half, t, t);
+        matmul(half.as_mut(), Accum::Replace, back, inner, scale, Par::Seq);
+        let target = MatMut::from_column_major_slice_mut(&mut product, t, t);
+        matmul(target, Accum::Replace, half.as_ref(), there, 1.0, Par::Seq);
+        product
+    }
 }
 
-/// dt^2 A_jk D_k^{-1} A_kj for the later neighbours j of the cell k at `position`.
-fn fill(
-    jacobian: &SpaceJacobian,
-    links: &[Link],
-    ordering: &Ordering,
-    position: usize,
-    dt: f64,
-    inverse: &Parts,
-) -> Vec<Update> {
-    let t = jacobian.traces.len();
-    let later = links.iter().filter(|link| ordering.positions[link.cell] > position);
-    let update = |link: &Link| {
-        let there = coupling_block(jacobian, *link);
-        let back = coupling_block(jacobian, Link { side: 1 - link.side, ..*link });
-        let (there, back) = (MatRef::from_row_major_slice(there, t, t), MatRef::from_row_major_slice(back, t, t));
-        let part = |inverse: &Mat<f64>| {
-            let inner = traces_of(&jacobian.traces, link.face, jacobian.block, |i, j| inverse[(i, j)]);
-            let product = back * MatRef::from_row_major_slice(&inner, t, t) * there;
-            (0..t * t).map(|i| dt * dt * product[(i / t, i % t)]).collect()
-        };
-        Update {
-            position: ordering.positions[link.cell],
-            face: link.other_face,
-            parts: inverse.iter().map(part).collect(),
+fn single(matrix: &[f64]) -> Vec<f32> {
+    matrix.iter().map(|a| *a as f32).collect()
+}
+
+/// Copies a block, `[column][part][padded row]`, into panels.
+fn store(shape: Shape, block: &[f32], stored: &mut [f32]) {
+    let panels = Panels { rows: padded(shape.n), columns: shape.n, parts: shape.parts };
+    for (j, column) in block.chunks_exact(shape.stride()).enumerate() {
+        for (part, column) in column.chunks_exact(panels.rows).enumerate() {
+            panels.put(stored, j, part, column);
         }
-    };
-    later.map(update).collect()
+    }
 }

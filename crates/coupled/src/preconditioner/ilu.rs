@@ -1,11 +1,14 @@
-//! The sweeps of the factored modes, all at once.
+//! The preconditioner: modes are separated, swept and joined.
 
 use super::blocks::{Link, links};
+use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
-use super::factor::{factorise, stored_len};
+use super::factor::Elimination;
+use super::inverse::Shape;
 use super::ordering::{Ordering, minimum_discarded_fill};
-use super::panel::{Multiply, padded};
-use basis::{TemporalModes, is_real};
+use super::panel::padded;
+use basis::TemporalModes;
+use faer::c64;
 use fem::{Layout, Pool, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::Arch;
@@ -19,21 +22,21 @@ const GRAIN: usize = 1 << 16;
 /// iteration that uses it works in double, and loses nothing.
 pub struct FlowPreconditioner {
     layout: Layout,
-    modes: TemporalModes,
-    jacobian: SpaceJacobian,
+    pub(super) modes: TemporalModes,
+    pub(super) jacobian: SpaceJacobian,
     links: Vec<Vec<Link>>,
-    ordering: Ordering,
-    /// Couplings in single precision, `[minus_plus, plus_minus]`, column-major with padded columns.
-    couplings: Vec<[Vec<f32>; 2]>,
-    inverses: Vec<Vec<f32>>,
+    pub(super) ordering: Ordering,
+    pub(super) couplings: Couplings,
+    /// D^{-1} of all modes, cell by cell in the order of positions.
+    inverses: Vec<f32>,
     /// How traces are taken and sent back, for every face of a cell.
-    faces: Vec<FaceTraces>,
-    dt: f64,
-    arch: Arch,
-    scratch: Pool<Scratch>,
+    pub(super) faces: Vec<FaceTraces>,
+    pub(super) dt: f64,
+    pub(super) arch: Arch,
+    pub(super) scratch: Pool<Scratch>,
     /// Right-hand sides and results, `[position][column][padded row]`.
-    panel: Vec<f32>,
-    result: Vec<f32>,
+    pub(super) panel: Vec<f32>,
+    pub(super) result: Vec<f32>,
 }
 
 impl FlowPreconditioner {
@@ -49,13 +52,12 @@ impl FlowPreconditioner {
     ) -> Self {
         let links = links(&jacobian, layout.cells);
         let ordering = ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, dt, modes.mean_shift()));
-        let t = jacobian.traces.len();
-        let couplings =
-            (jacobian.couplings.par_iter()).map(|c| [single(&c.minus_plus, t), single(&c.plus_minus, t)]).collect();
+        let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let size = layout.cells * columns * rows;
-        let room = || vec![0.0; columns * padded(t)];
+        let room = || vec![0.0; columns * couplings.rows()];
+        let scratch = Pool::new(|| Scratch { taken: room(), sent: room() });
         let mut preconditioner = FlowPreconditioner {
             layout,
             modes,
@@ -66,7 +68,7 @@ impl FlowPreconditioner {
             faces: (0..faces).map(|face| FaceTraces::new(&jacobian.traces, face)).collect(),
             dt,
             arch: Arch::new(),
-            scratch: Pool::new(|| Scratch { taken: room(), sent: room(), turned: vec![0.0; 2 * rows] }),
+            scratch,
             panel: vec![0.0; size],
             result: vec![0.0; size],
             jacobian,
@@ -78,8 +80,29 @@ impl FlowPreconditioner {
     /// Factors anew for another slab length or damping, around the same Jacobian.
     pub fn refactor(&mut self, dt: f64, damping: f64) {
         self.dt = dt;
-        let factor = |lambda: &faer::c64| factorise(&self.jacobian, &self.links, &self.ordering, dt, lambda + damping);
-        self.inverses = self.modes.eigenvalues.iter().map(factor).collect();
+        let len: usize = self.shapes().map(Shape::len).sum();
+        self.inverses.resize(len * self.layout.cells, 0.0);
+        let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
+        let elimination = Elimination {
+            jacobian: &self.jacobian,
+            links: &self.links,
+            ordering: &self.ordering,
+            faces: &self.faces,
+            dt,
+            shifts: &shifts,
+        };
+        elimination.factorise(&mut self.inverses);
+    }
+
+    /// The blocks of the modes.
+    pub(super) fn shapes(&self) -> impl Iterator<Item = Shape> {
+        self.modes.eigenvalues.iter().map(|lambda| Elimination::shape(&self.jacobian, *lambda))
+    }
+
+    /// D^{-1} of all modes at `position`.
+    pub(super) fn inverses(&self, position: usize) -> &[f32] {
+        let len = self.inverses.len() / self.layout.cells;
+        &self.inverses[position * len..(position + 1) * len]
     }
 
     /// The order of elimination.
@@ -99,15 +122,22 @@ impl FlowPreconditioner {
 
     /// Bytes held by factors and couplings.
     pub fn bytes(&self) -> usize {
-        let couplings: usize = self.couplings.iter().flatten().map(Vec::len).sum();
-        self.swept_bytes() + 8 * (self.jacobian.diagonal.len() + self.jacobian.mass.len()) + 8 * couplings
+        let couplings: usize = self.jacobian.couplings.iter().map(|c| c.minus_plus.len() + c.plus_minus.len()).sum();
+        let double = self.jacobian.diagonal.len() + self.jacobian.mass.len() + couplings;
+        self.couplings.bytes() + size_of_val(&self.inverses[..]) + 8 * double
     }
 
-    /// Bytes that an application reads: factors and couplings in single precision.
+    /// Bytes that an application reads, all in single precision: couplings once, factors in both sweeps.
     pub fn swept_bytes(&self) -> usize {
-        let couplings: usize = self.couplings.iter().flatten().map(Vec::len).sum();
-        let factors: usize = self.inverses.iter().map(Vec::len).sum();
-        4 * (couplings + factors)
+        self.couplings.bytes() + 2 * size_of_val(&self.inverses[..])
+    }
+
+    /// Floating-point operations of the products with blocks in an application: two for a number of a real block and column, four for
+    /// one of a complex factor.
+    pub fn operations(&self) -> usize {
+        let factors: usize = self.shapes().map(|shape| 2 * shape.parts * shape.len()).sum();
+        let couplings = self.couplings.bytes() / size_of::<f32>();
+        2 * factors * self.layout.cells + 2 * self.modes.forward.rows() * couplings
     }
 
     /// z = P^{-1} r.
@@ -124,13 +154,12 @@ impl FlowPreconditioner {
     }
 
     /// Cells of a level that a thread takes at least.
-    fn cells_per_task(&self) -> usize {
-        let factors: usize = self.inverses.iter().map(Vec::len).sum();
-        GRAIN.div_ceil(4 * factors / self.layout.cells)
+    pub(super) fn cells_per_task(&self) -> usize {
+        GRAIN.div_ceil(size_of_val(self.inverses(0)))
     }
 
     /// Length of one cell's panel.
-    fn panel_len(&self) -> usize {
+    pub(super) fn panel_len(&self) -> usize {
         self.modes.forward.rows() * padded(self.jacobian.block)
     }
 
@@ -165,106 +194,10 @@ impl FlowPreconditioner {
             }
         });
     }
-
-    /// z_i = D_i^{-1} (c_i - sum_{k before i} dt A_ik z_k), level by level.
-    fn forward_sweep(&mut self) {
-        let (len, grain) = (self.panel_len(), self.cells_per_task());
-        let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
-        let mut start = 0;
-        for &end in &self.ordering.level_ends {
-            let (done, rest) = result.split_at_mut(start * len);
-            let rows = rest[..(end - start) * len]
-                .par_chunks_exact_mut(len)
-                .zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(grain).for_each(|(i, (z, c))| {
-                let position = start + i;
-                self.subtract(position, |k| (k < position).then(|| &done[k * len..(k + 1) * len]), c);
-                z.fill(0.0);
-                self.add_inverse(position, c, z);
-            });
-            start = end;
-        }
-        (self.panel, self.result) = (panel, result);
-    }
-
-    /// x_i = z_i - D_i^{-1} sum_{k after i} dt A_ik x_k, from the last level to the first.
-    fn backward_sweep(&mut self) {
-        let (len, grain) = (self.panel_len(), self.cells_per_task());
-        let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
-        for (level, &end) in self.ordering.level_ends.iter().enumerate().rev() {
-            let start = if level == 0 { 0 } else { self.ordering.level_ends[level - 1] };
-            let (before, done) = result.split_at_mut(end * len);
-            let rows =
-                before[start * len..].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(grain).for_each(|(i, (x, c))| {
-                let position = start + i;
-                c.fill(0.0);
-                if self.subtract(position, |k| (k >= end).then(|| &done[(k - end) * len..(k - end + 1) * len]), c) {
-                    self.add_inverse(position, c, x);
-                }
-            });
-        }
-        (self.panel, self.result) = (panel, result);
-    }
-
-    /// c -= sum dt A_ik x_k over the neighbours k whose x is given by `neighbour`; whether there was any.
-    fn subtract<'a>(&self, position: usize, neighbour: impl Fn(usize) -> Option<&'a [f32]>, c: &mut [f32]) -> bool {
-        let (rows, columns) = (padded(self.jacobian.block), self.modes.forward.rows());
-        let t = padded(self.jacobian.traces.len());
-        let mut any = false;
-        self.scratch.with(|Scratch { taken, sent, .. }| {
-            for link in &self.links[self.ordering.cells[position]] {
-                let Some(x) = neighbour(self.ordering.positions[link.cell]) else { continue };
-                any = true;
-                for (x, taken) in x.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
-                    self.faces[link.other_face].take(x, taken);
-                }
-                sent.fill(0.0);
-                let matrix = &self.couplings[link.coupling][link.side];
-                self.arch.dispatch(Multiply { matrix, rows: t, columns, x: taken, y: sent });
-                for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
-                    self.faces[link.face].subtract(self.dt as f32, sent, c);
-                }
-            }
-        });
-        any
-    }
-
-    /// x += D^{-1} c, mode by mode.
-    fn add_inverse(&self, position: usize, c: &[f32], x: &mut [f32]) {
-        let (n, rows) = (self.jacobian.block, padded(self.jacobian.block));
-        let mut first = 0;
-        for (lambda, inverses) in self.modes.eigenvalues.iter().zip(&self.inverses) {
-            let (len, columns) = (stored_len(n, *lambda), if is_real(*lambda) { 1 } else { 2 });
-            let inverse = &inverses[position * len..(position + 1) * len];
-            let range = first * rows..(first + columns) * rows;
-            let (c, x) = (&c[range.clone()], &mut x[range]);
-            self.arch.dispatch(Multiply { matrix: &inverse[..rows * n], rows, columns, x: c, y: x });
-            if columns == 2 {
-                // i (re + i im) = - im + i re
-                self.scratch.with(|Scratch { turned, .. }| {
-                    turned[rows..].copy_from_slice(&c[..rows]);
-                    turned[..rows].iter_mut().zip(&c[rows..]).for_each(|(turned, im)| *turned = -im);
-                    self.arch.dispatch(Multiply { matrix: &inverse[rows * n..], rows, columns, x: turned, y: x });
-                });
-            }
-            first += columns;
-        }
-    }
 }
 
-/// Room for the traces of a panel, `[column][padded trace]`, and for a complex column.
-struct Scratch {
-    taken: Vec<f32>,
-    sent: Vec<f32>,
-    turned: Vec<f32>,
-}
-
-/// A row-major square matrix of order `n` in single precision, column-major with padded columns.
-fn single(matrix: &[f64], n: usize) -> Vec<f32> {
-    let mut stored = vec![0.0; padded(n) * n];
-    for (j, column) in stored.chunks_exact_mut(padded(n)).enumerate() {
-        (0..n).for_each(|i| column[i] = matrix[i * n + j] as f32);
-    }
-    stored
+/// Room for the traces of a panel, `[column][padded trace]`.
+pub(super) struct Scratch {
+    pub(super) taken: Vec<f32>,
+    pub(super) sent: Vec<f32>,
 }

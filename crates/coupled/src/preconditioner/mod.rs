@@ -10,12 +10,15 @@
 
 mod blocks;
 mod coarse;
+mod couplings;
 mod face_traces;
 mod factor;
 mod ilu;
+mod inverse;
 mod ordering;
 mod panel;
 mod sparse_lu;
+mod sweeps;
 
 pub use coarse::CoarseLevel;
 pub use ilu::FlowPreconditioner;

@@ -1,26 +1,60 @@
 //! Products of stored single-precision blocks with vectors, in SIMD.
+//!
+//! A block lies in panels of [`PANEL`] rows, `[panel][column][part][row]`, so that it is read from memory in one stream; its rows
+//! are padded to whole registers, and parts are its real and, of a complex block, its imaginary part.
 
 use tensor::pulp::{Simd, WithSimd};
 
 /// Rows are padded to a multiple of this.
 pub const ALIGNMENT: usize = 16;
 
+/// Rows of a panel: a few registers of sums for every column that is multiplied.
+pub const PANEL: usize = 4 * ALIGNMENT;
+
 /// `n` rounded up to whole registers of any machine.
 pub fn padded(n: usize) -> usize {
     n.div_ceil(ALIGNMENT) * ALIGNMENT
 }
 
-/// Columns of a panel that are multiplied in one go, at most.
+/// How a block is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Panels {
+    /// Its rows, a multiple of [`ALIGNMENT`].
+    pub rows: usize,
+    /// Its columns.
+    pub columns: usize,
+    /// 1 if it is real, 2 if it is complex.
+    pub parts: usize,
+}
+
+impl Panels {
+    /// Numbers stored.
+    pub fn len(self) -> usize {
+        self.rows * self.columns * self.parts
+    }
+
+    /// Stores a part of column `j`, all rows of it or the first ones.
+    pub fn put(self, matrix: &mut [f32], j: usize, part: usize, column: &[f32]) {
+        for (panel, values) in column.chunks(PANEL).enumerate() {
+            let first = panel * PANEL;
+            let height = PANEL.min(self.rows - first);
+            let start = (first * self.columns + j * height) * self.parts + part * height;
+            matrix[start..start + values.len()].copy_from_slice(values);
+        }
+    }
+}
+
+/// Columns that are multiplied in one go, at most.
 const COLUMNS: usize = 4;
 
-/// y_c += A x_c for the columns c of a panel: A column-major with `rows` rows (a multiple of [`ALIGNMENT`]), x
-/// `[column][..]` with room for `x.len() / columns` numbers each, of which A takes the first, and y `[column][row]`.
+/// y_c += A x_c for `columns` columns c: A a real block of [`Panels`] with `rows` rows, x `[column][..]` with room for
+/// `x.len() / columns` numbers each, of which A takes the first, and y `[column][row]`.
 pub struct Multiply<'a> {
     /// A.
     pub matrix: &'a [f32],
     /// Rows of A.
     pub rows: usize,
-    /// Columns of the panel.
+    /// Columns of x and y.
     pub columns: usize,
     /// x.
     pub x: &'a [f32],
@@ -40,48 +74,60 @@ impl WithSimd for Multiply<'_> {
             let count = (columns - first).min(COLUMNS);
             let (x, y) = (&x[first * x_len..(first + count) * x_len], &mut y[first * rows..(first + count) * rows]);
             match count {
-                1 => multiply::<1, 4, S>(simd, matrix, x, y),
-                2 => multiply::<2, 4, S>(simd, matrix, x, y),
-                3 => multiply::<3, 2, S>(simd, matrix, x, y),
-                _ => multiply::<COLUMNS, 2, S>(simd, matrix, x, y),
+                1 => multiply::<1, S>(simd, matrix, x, y),
+                2 => multiply::<2, S>(simd, matrix, x, y),
+                3 => multiply::<3, S>(simd, matrix, x, y),
+                _ => multiply::<COLUMNS, S>(simd, matrix, x, y),
             }
             first += count;
         }
     }
 }
 
-/// [`Multiply`] for C columns, R registers of rows at a time, then one at a time.
+/// [`Multiply`] for C columns, as many registers of rows at a time as the machine has room for.
 #[inline(always)]
-fn multiply<const C: usize, const R: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut [f32]) {
-    let (registers, _) = S::as_simd_f32s(matrix);
+fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut [f32]) {
+    let (matrix, _) = S::as_simd_f32s(matrix);
     let (y, _) = S::as_mut_simd_f32s(y);
-    let height = y.len() / C;
-    let mut row = 0;
-    while row + R <= height {
-        multiply_rows::<C, R, S>(simd, registers, row, x, y);
-        row += R;
-    }
-    while row < height {
-        multiply_rows::<C, 1, S>(simd, registers, row, x, y);
-        row += 1;
+    let (rows, panel) = (y.len() / C, PANEL / S::F32_LANES);
+    let columns = matrix.len() / rows;
+    let mut first = 0;
+    while first < rows {
+        let height = panel.min(rows - first);
+        let stored = &matrix[first * columns..(first + height) * columns];
+        let mut row = 0;
+        while row + 4 <= height && S::F32_LANES >= 16 {
+            multiply_rows::<C, 4, S>(simd, stored, [first, row, height], x, y);
+            row += 4;
+        }
+        while row + 2 <= height {
+            multiply_rows::<C, 2, S>(simd, stored, [first, row, height], x, y);
+            row += 2;
+        }
+        while row < height {
+            multiply_rows::<C, 1, S>(simd, stored, [first, row, height], x, y);
+            row += 1;
+        }
+        first += height;
     }
 }
 
-/// The same for registers `row` to `row + R`, which stay in registers: each of A is read once for all columns.
+/// The same for registers `row` to `row + R` of the panel of `height` that begins with register `first`: each of A is read once for
+/// all columns.
 #[inline(always)]
 fn multiply_rows<const C: usize, const R: usize, S: Simd>(
     simd: S,
-    registers: &[S::f32s],
-    row: usize,
+    panel: &[S::f32s],
+    [first, row, height]: [usize; 3],
     x: &[f32],
     y: &mut [S::f32s],
 ) {
-    let (height, x_len) = (y.len() / C, x.len() / C);
+    let (rows, x_len) = (y.len() / C, x.len() / C);
     let mut sums = [[simd.splat_f32s(0.0); R]; C];
     for c in 0..C {
-        sums[c].copy_from_slice(&y[c * height + row..c * height + row + R]);
+        sums[c].copy_from_slice(&y[c * rows + first + row..][..R]);
     }
-    for (column, a) in registers.chunks_exact(height).enumerate() {
+    for (column, a) in panel.chunks_exact(height).enumerate() {
         let a = &a[row..row + R];
         for c in 0..C {
             let x = simd.splat_f32s(x[c * x_len + column]);
@@ -91,32 +137,133 @@ fn multiply_rows<const C: usize, const R: usize, S: Simd>(
         }
     }
     for c in 0..C {
-        y[c * height + row..c * height + row + R].copy_from_slice(&sums[c]);
+        y[c * rows + first + row..][..R].copy_from_slice(&sums[c]);
     }
+}
+
+/// y += A x for a complex block A of [`Panels`], x and y `[part][row]`.
+pub struct MultiplyComplex<'a> {
+    /// A.
+    pub matrix: &'a [f32],
+    /// x.
+    pub x: &'a [f32],
+    /// y.
+    pub y: &'a mut [f32],
+}
+
+impl WithSimd for MultiplyComplex<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (matrix, _) = S::as_simd_f32s(self.matrix);
+        let (y, _) = S::as_mut_simd_f32s(self.y);
+        let (rows, panel) = (y.len() / 2, PANEL / S::F32_LANES);
+        let columns = matrix.len() / (2 * rows);
+        let mut first = 0;
+        while first < rows {
+            let height = panel.min(rows - first);
+            let stored = &matrix[2 * first * columns..2 * (first + height) * columns];
+            let mut row = 0;
+            while row + 4 <= height && S::F32_LANES >= 16 {
+                multiply_complex_rows::<4, S>(simd, stored, [first, row, height], self.x, y);
+                row += 4;
+            }
+            while row + 2 <= height {
+                multiply_complex_rows::<2, S>(simd, stored, [first, row, height], self.x, y);
+                row += 2;
+            }
+            while row < height {
+                multiply_complex_rows::<1, S>(simd, stored, [first, row, height], self.x, y);
+                row += 1;
+            }
+            first += height;
+        }
+    }
+}
+
+/// [`multiply_rows`] of a complex block.
+#[inline(always)]
+fn multiply_complex_rows<const R: usize, S: Simd>(
+    simd: S,
+    panel: &[S::f32s],
+    [first, row, height]: [usize; 3],
+    x: &[f32],
+    y: &mut [S::f32s],
+) {
+    let rows = y.len() / 2;
+    let (x_re, x_im) = x.split_at(x.len() / 2);
+    let (mut re, mut im) = ([simd.splat_f32s(0.0); R], [simd.splat_f32s(0.0); R]);
+    re.copy_from_slice(&y[first + row..][..R]);
+    im.copy_from_slice(&y[rows + first + row..][..R]);
+    for (column, a) in panel.chunks_exact(2 * height).enumerate() {
+        let (a_re, a_im) = (&a[row..row + R], &a[height + row..height + row + R]);
+        let (x, i_x) = (simd.splat_f32s(x_re[column]), simd.splat_f32s(x_im[column]));
+        let minus_i_x = simd.splat_f32s(-x_im[column]);
+        for r in 0..R {
+            re[r] = simd.mul_add_f32s(a_im[r], minus_i_x, simd.mul_add_f32s(a_re[r], x, re[r]));
+            im[r] = simd.mul_add_f32s(a_im[r], x, simd.mul_add_f32s(a_re[r], i_x, im[r]));
+        }
+    }
+    y[first + row..][..R].copy_from_slice(&re);
+    y[rows + first + row..][..R].copy_from_slice(&im);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::c32;
     use tensor::Arch;
 
+    /// A whole number, so that sums are exact in any order.
+    fn number(i: usize) -> f32 {
+        ((7 * i + 3) % 11) as f32 - 5.0
+    }
+
+    /// The block of which part p has the entries number(i + 3 j + 5 p).
+    fn stored(panels: Panels, n: usize) -> Vec<f32> {
+        let mut matrix = vec![0.0; panels.len()];
+        for (j, part) in (0..panels.columns).flat_map(|j| (0..panels.parts).map(move |part| (j, part))) {
+            let column: Vec<f32> = (0..n).map(|i| number(i + 3 * j + 5 * part)).collect();
+            panels.put(&mut matrix, j, part, &column);
+        }
+        matrix
+    }
+
     #[test]
-    fn panels_of_any_width_are_multiplied_column_by_column() {
-        let number = |i: usize| ((7 * i + 3) % 11) as f32 - 5.0;
+    fn real_blocks_of_any_width_multiply_column_by_column() {
         for (n, columns) in [(1, 1), (16, 2), (20, 3), (64, 4), (100, 5), (37, 9)] {
             let rows = padded(n);
-            let matrix: Vec<f32> = (0..rows * n).map(|i| if i % rows < n { number(i) } else { 0.0 }).collect();
+            let matrix = stored(Panels { rows, columns: n, parts: 1 }, n);
             let x: Vec<f32> = (0..rows * columns).map(|i| number(i + 1)).collect();
             let mut y: Vec<f32> = (0..rows * columns).map(|i| number(i + 2)).collect();
-            let expected: Vec<f32> = (0..rows * columns)
-                .map(|i| {
-                    let (column, row) = (i / rows, i % rows);
-                    // Whole numbers: exact in any order.
-                    y[i] + (0..n).map(|k| matrix[k * rows + row] * x[column * rows + k]).sum::<f32>()
-                })
-                .collect();
+            let product = |row: usize, x: &[f32]| (0..n).map(|j| number(row + 3 * j) * x[j]).sum::<f32>();
+            let expected = (0..rows * columns).map(|i| {
+                let (column, row) = (i / rows, i % rows);
+                y[i] + if row < n { product(row, &x[column * rows..]) } else { 0.0 }
+            });
+            let expected: Vec<f32> = expected.collect();
             Arch::new().dispatch(Multiply { matrix: &matrix, rows, columns, x: &x, y: &mut y });
             assert_eq!(y, expected, "{n} x {columns}");
+        }
+    }
+
+    #[test]
+    fn complex_blocks_multiply_as_complex_numbers() {
+        for n in [1, 20, 64, 100] {
+            let rows = padded(n);
+            let matrix = stored(Panels { rows, columns: n, parts: 2 }, n);
+            let x: Vec<f32> = (0..2 * rows).map(|i| number(i + 1)).collect();
+            let mut y: Vec<f32> = (0..2 * rows).map(|i| number(i + 2)).collect();
+            let a = |i: usize, j: usize| c32::new(number(i + 3 * j), number(i + 3 * j + 5));
+            let expected = (0..n).map(|i| {
+                let product: c32 = (0..n).map(|j| a(i, j) * c32::new(x[j], x[rows + j])).sum();
+                product + c32::new(y[i], y[rows + i])
+            });
+            let expected: Vec<c32> = expected.collect();
+            Arch::new().dispatch(MultiplyComplex { matrix: &matrix, x: &x, y: &mut y });
+            let computed: Vec<c32> = (0..n).map(|i| c32::new(y[i], y[rows + i])).collect();
+            assert_eq!(computed, expected, "order {n}");
         }
     }
 }

@@ -1,0 +1,85 @@
+//! The off-diagonal blocks in single precision, in the order in which the sweeps read them.
+
+use super::blocks::{Link, coupling_block};
+use super::ordering::Ordering;
+use super::panel::{Panels, padded};
+use fem::SpaceJacobian;
+use rayon::prelude::*;
+
+/// What a sweep does with a neighbour of a cell: A_ik = T_f^T B T_g, i the cell, k the neighbour.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// The position of the neighbour.
+    pub neighbour: usize,
+    /// The face f of the cell.
+    pub face: usize,
+    /// The face g of the neighbour.
+    pub other_face: usize,
+    /// The number of the block B.
+    block: usize,
+}
+
+/// The steps of both sweeps and their blocks.
+pub struct Couplings {
+    panels: Panels,
+    blocks: Vec<f32>,
+    /// For every position the steps to earlier positions, and those to later ones.
+    earlier: Vec<Vec<Step>>,
+    later: Vec<Vec<Step>>,
+}
+
+impl Couplings {
+    /// The couplings of `jacobian` along the `links` of every cell.
+    pub fn new(jacobian: &SpaceJacobian, links: &[Vec<Link>], ordering: &Ordering) -> Self {
+        let t = jacobian.traces.len();
+        let panels = Panels { rows: padded(t), columns: t, parts: 1 };
+        let mut order = Vec::new();
+        let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
+        let mut blocks = vec![0.0; panels.len() * order.len()];
+        blocks.par_chunks_exact_mut(panels.len()).zip(order).for_each(|(block, link)| {
+            let b = coupling_block(jacobian, link);
+            let mut column = vec![0.0; t];
+            for j in 0..t {
+                (0..t).for_each(|i| column[i] = b[i * t + j] as f32);
+                panels.put(block, j, 0, &column);
+            }
+        });
+        Couplings { panels, blocks, earlier, later }
+    }
+
+    /// The steps at `position` to earlier positions.
+    pub fn earlier(&self, position: usize) -> &[Step] {
+        &self.earlier[position]
+    }
+    /// The steps at `position` to later positions.
+    pub fn later(&self, position: usize) -> &[Step] {
+        &self.later[position]
+    }
+    /// The block B of a step, in [`Panels`].
+    pub fn block(&self, step: &Step) -> &[f32] {
+        &self.blocks[step.block * self.panels.len()..(step.block + 1) * self.panels.len()]
+    }
+    /// Padded rows of a block.
+    pub fn rows(&self) -> usize {
+        self.panels.rows
+    }
+    /// Bytes of all blocks.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.blocks[..])
+    }
+}
+
+/// The steps of one sweep. Their links are appended to `order`: they tell the numbers of blocks.
+fn steps(links: &[Vec<Link>], ordering: &Ordering, later: bool, order: &mut Vec<Link>) -> Vec<Vec<Step>> {
+    let mut steps = Vec::with_capacity(links.len());
+    for (position, &cell) in ordering.cells.iter().enumerate() {
+        let wanted = links[cell].iter().filter(|link| (ordering.positions[link.cell] > position) == later);
+        let step = |link: &Link| {
+            order.push(*link);
+            let neighbour = ordering.positions[link.cell];
+            Step { neighbour, face: link.face, other_face: link.other_face, block: order.len() - 1 }
+        };
+        steps.push(wanted.map(step).collect());
+    }
+    steps
+}
