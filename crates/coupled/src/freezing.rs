@@ -181,12 +181,15 @@ impl FrozenFlow {
         // The old one goes first: two at a time would double the memory.
         (self.preconditioner, self.coarse) = (None, None);
         let (modes, jacobian) = (TemporalModes::new(&flow.tables.time), flow.space_jacobian(0.5));
-        let lambda = modes.eigenvalues[0].re + damping;
-        let sweeps = FlowPreconditioner::new(flow.layout, modes, jacobian, dt, damping, ordering);
-        if self.steady {
-            // Without a coarse level, where its matrix is singular, the sweeps do alone.
-            self.coarse = CoarseLevel::new(&sweeps, flow.layout, flow.tables.orders.flow, dt, lambda).ok();
-        }
+        let (layout, order) = (flow.layout, flow.tables.orders.flow);
+        let sweeps = if self.steady {
+            let (sweeps, coarse) =
+                FlowPreconditioner::of_steady_flow(layout, modes, jacobian, (dt, damping), ordering, order);
+            self.coarse = coarse;
+            sweeps
+        } else {
+            FlowPreconditioner::new(layout, modes, jacobian, dt, damping, ordering)
+        };
         self.preconditioner.insert(sweeps)
     }
 }

@@ -1,6 +1,7 @@
 //! The preconditioner: modes are separated, swept and joined.
 
 use super::blocks::{Link, links};
+use super::coarse::CoarseLevel;
 use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
@@ -50,6 +51,38 @@ impl FlowPreconditioner {
         damping: f64,
         ordering: Option<Ordering>,
     ) -> Self {
+        let mut preconditioner = Self::unfactored(layout, modes, jacobian, ordering, dt);
+        preconditioner.refactor(dt, damping);
+        preconditioner
+    }
+
+    /// The same of a steady flow, whose one mode has a coarse level too; that is left out where its matrix is singular. `order` nodes
+    /// per direction.
+    pub fn of_steady_flow(
+        layout: Layout,
+        modes: TemporalModes,
+        jacobian: SpaceJacobian,
+        (dt, damping): (f64, f64),
+        ordering: Option<Ordering>,
+        order: usize,
+    ) -> (Self, Option<CoarseLevel>) {
+        let lambda = modes.eigenvalues[0].re + damping;
+        let mut preconditioner = Self::unfactored(layout, modes, jacobian, ordering, dt);
+        let (mut inverses, unfactored) = (Vec::new(), &preconditioner);
+        let factorise = || unfactored.factorise(dt, damping, &mut inverses);
+        let ((), coarse) = rayon::join(factorise, || CoarseLevel::new(unfactored, layout, order, dt, lambda));
+        preconditioner.inverses = inverses;
+        (preconditioner, coarse.ok())
+    }
+
+    /// All but the factors.
+    fn unfactored(
+        layout: Layout,
+        modes: TemporalModes,
+        jacobian: SpaceJacobian,
+        ordering: Option<Ordering>,
+        dt: f64,
+    ) -> Self {
         let links = links(&jacobian, layout.cells);
         let ordering = ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, dt, modes.mean_shift()));
         let couplings = Couplings::new(&jacobian, &links, &ordering);
@@ -58,7 +91,7 @@ impl FlowPreconditioner {
         let size = layout.cells * columns * rows;
         let room = || vec![0.0; columns * couplings.rows()];
         let scratch = Pool::new(|| Scratch { taken: room(), sent: room() });
-        let mut preconditioner = FlowPreconditioner {
+        FlowPreconditioner {
             layout,
             modes,
             links,
@@ -72,16 +105,20 @@ impl FlowPreconditioner {
             panel: vec![0.0; size],
             result: vec![0.0; size],
             jacobian,
-        };
-        preconditioner.refactor(dt, damping);
-        preconditioner
+        }
     }
 
     /// Factors anew for another slab length or damping, around the same Jacobian.
     pub fn refactor(&mut self, dt: f64, damping: f64) {
         self.dt = dt;
+        let mut inverses = std::mem::take(&mut self.inverses);
+        self.factorise(dt, damping, &mut inverses);
+        self.inverses = inverses;
+    }
+
+    fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<f32>) {
         let len: usize = self.shapes().map(Shape::len).sum();
-        self.inverses.resize(len * self.layout.cells, 0.0);
+        inverses.resize(len * self.layout.cells, 0.0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let elimination = Elimination {
             jacobian: &self.jacobian,
@@ -91,7 +128,7 @@ impl FlowPreconditioner {
             dt,
             shifts: &shifts,
         };
-        elimination.factorise(&mut self.inverses);
+        elimination.factorise(inverses);
     }
 
     /// The blocks of the modes.
