@@ -1,42 +1,20 @@
 //! The stiffness operator of the mesh, the set-up of its solver, and a solve to 1e-10.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use elasticity::{ElasticMesh, ElasticityError, Material, Stiffness};
+use elasticity::{ElasticMesh, ElasticityError, Material, Plan, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
 /// A curved box whose boundary is held.
-pub(super) struct Elastic<const D: usize> {
+pub(super) struct ElasticBox<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
     material: Material,
     constrained: Vec<bool>,
-    elastic: ElasticMesh<D>,
-    moved: Vec<f64>,
-    out: Vec<f64>,
 }
 
-impl<const D: usize> Elastic<D> {
-    fn set_up(
-        mesh: &Mesh<D>,
-        numbering: &NodeNumbering,
-        material: Material,
-        constrained: &[bool],
-    ) -> Result<ElasticMesh<D>, ElasticityError> {
-        ElasticMesh::new(mesh, numbering, material, Stiffness::InverseJacobian { power: 1.0 }, constrained)
-    }
-
-    /// A displacement of the boundary.
-    fn boundary(elastic: &ElasticMesh<D>) -> Vec<f64> {
-        let moved = |(x, held): (&[f64; D], &bool)| {
-            if *held { x.map(|x_i| (3.0 * x_i).sin() * x[0]) } else { [0.0; D] }
-        };
-        elastic.coordinates().iter().zip(elastic.constrained()).flat_map(moved).collect()
-    }
-}
-
-impl<const D: usize> Build for Elastic<D> {
-    /// About 10^5 unknowns.
-    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+impl<const D: usize> ElasticBox<D> {
+    /// Of about 10^5 unknowns.
+    pub(super) fn new(size: Size) -> anyhow::Result<Self> {
         let (order, intervals) = (size.order, size.nodes(226, 33) - 1);
         let cells = ((intervals as f64 / (order - 1) as f64).round() as usize).max(2);
         let curving = Curving::Wavy { amplitude: 0.02 };
@@ -46,10 +24,48 @@ impl<const D: usize> Build for Elastic<D> {
         let numbering = NodeNumbering::new(&mesh, order);
         let mut constrained = vec![false; numbering.count];
         (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
-        let material = Material::new(1.0, 0.4)?;
-        let elastic = Self::set_up(&mesh, &numbering, material, &constrained)?;
-        let (moved, out) = (Self::boundary(&elastic), vec![0.0; elastic.length()]);
-        Ok(Some(Elastic { mesh, numbering, material, constrained, elastic, moved, out }))
+        Ok(ElasticBox { mesh, numbering, material: Material::new(1.0, 0.4)?, constrained })
+    }
+
+    /// What `solver` would be and take.
+    pub(super) fn plan(&self, solver: Solver) -> Plan {
+        Plan::new(&self.mesh, &self.numbering, &self.constrained, solver)
+    }
+
+    /// Everything up to the first solve.
+    pub(super) fn set_up(&self, solver: Solver) -> Result<ElasticMesh<D>, ElasticityError> {
+        let stiffness = Stiffness::InverseJacobian { power: 1.0 };
+        ElasticMesh::with_solver(&self.mesh, &self.numbering, self.material, stiffness, &self.constrained, solver)
+    }
+
+    /// The same again, of what was set up before.
+    pub(super) fn set_up_again(&self, solver: Solver) -> ElasticMesh<D> {
+        self.set_up(solver).unwrap_or_else(|error| unreachable!("it was set up before: {error}"))
+    }
+}
+
+/// A displacement of the boundary.
+pub(super) fn boundary<const D: usize>(elastic: &ElasticMesh<D>) -> Vec<f64> {
+    let moved = |(x, held): (&[f64; D], &bool)| {
+        if *held { x.map(|x_i| (3.0 * x_i).sin() * x[0]) } else { [0.0; D] }
+    };
+    elastic.coordinates().iter().zip(elastic.constrained()).flat_map(moved).collect()
+}
+
+/// The box with the solver that suits its size.
+pub(super) struct Elastic<const D: usize> {
+    of: ElasticBox<D>,
+    elastic: ElasticMesh<D>,
+    moved: Vec<f64>,
+    out: Vec<f64>,
+}
+
+impl<const D: usize> Build for Elastic<D> {
+    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+        let of = ElasticBox::new(size)?;
+        let elastic = of.set_up(Solver::Automatic)?;
+        let (moved, out) = (boundary(&elastic), vec![0.0; elastic.length()]);
+        Ok(Some(Elastic { of, elastic, moved, out }))
     }
 }
 
@@ -61,21 +77,16 @@ impl<const D: usize> Subject for Elastic<D> {
         let metric = bytes(self.elastic.metric_length());
         vec![
             Work { kernel: "elasticity operator", unknowns, flops: Some(flops), bytes: bytes(2 * n) + metric },
-            Work { kernel: "elasticity preconditioner", unknowns, flops: None, bytes: bytes(2 * n) + solver },
             Work { kernel: "elasticity set-up", unknowns, flops: None, bytes: solver },
             Work { kernel: "elasticity solve", unknowns, flops: None, bytes: bytes(2 * n) + solver },
         ]
     }
 
     fn run(&mut self, number: usize) {
-        let Elastic { mesh, numbering, material, constrained, elastic, moved, out } = self;
+        let Elastic { of, elastic, moved, out } = self;
         match number {
             0 => elastic.apply(moved, out),
-            1 => elastic.precondition(moved, out),
-            2 => {
-                *elastic = Self::set_up(mesh, numbering, *material, constrained)
-                    .unwrap_or_else(|error| unreachable!("it was set up before: {error}"));
-            }
+            1 => *elastic = of.set_up_again(Solver::Automatic),
             _ => {
                 out.copy_from_slice(moved);
                 elastic.extend(out, 1e-10).unwrap_or_else(|error| unreachable!("a box is solved: {error}"));

@@ -4,11 +4,12 @@
 //! |---|---|
 //! | `roofs` | what the machine can do: fused multiply-adds per second, bytes per second |
 //! | `subject` | what is measured, and how much work it is |
-//! | `elastic`, `flow`, `preconditioner`, `vectors` | the subjects |
+//! | `elastic`, `elastic_solvers`, `flow`, `preconditioner`, `vectors` | the subjects |
 //! | `stopwatch` | the best of many short bursts |
 //! | `measurement` | what comes out: rows for people, JSON for programs |
 
 mod elastic;
+mod elastic_solvers;
 mod flow;
 mod measurement;
 mod preconditioner;
@@ -22,6 +23,7 @@ use crate::commands::print;
 use crate::failure::Failure;
 use crate::terminal::Terminal;
 use elastic::Elastic;
+use elastic_solvers::ElasticSolvers;
 use flow::Flow;
 use measurement::{Growth, Measurement, Report};
 use preconditioner::Preconditioned;
@@ -82,10 +84,21 @@ fn measure(
         (Group::Elasticity, _) => of::<Elastic<3>>(size, pools, arguments),
         (Group::Flow, 2) => of::<Flow<2, 4>>(size, pools, arguments),
         (Group::Flow, _) => of::<Flow<3, 5>>(size, pools, arguments),
-        (Group::Preconditioner, 2) => of::<Preconditioned<2, 4>>(size, pools, arguments),
-        (Group::Preconditioner, _) => of::<Preconditioned<3, 5>>(size, pools, arguments),
+        (Group::Preconditioner, 2) => both::<Preconditioned<2, 4>, ElasticSolvers<2>>(size, pools, arguments),
+        (Group::Preconditioner, _) => both::<Preconditioned<3, 5>, ElasticSolvers<3>>(size, pools, arguments),
         (Group::Vectors, _) => of::<Vectors>(size, pools, arguments),
     }
+}
+
+/// The rows of two subjects.
+fn both<A: Build, B: Build>(
+    size: Size,
+    pools: &[ThreadPool; 2],
+    arguments: &BenchArguments,
+) -> Result<Vec<Measurement>, Failure> {
+    let mut rows = of::<A>(size, pools, arguments)?;
+    rows.extend(of::<B>(size, pools, arguments)?);
+    Ok(rows)
 }
 
 /// One subject for one thread and one for all, measured in turns: what disturbs one disturbs the other.

@@ -3,7 +3,7 @@
 use super::flow::{DT, Flow};
 use super::subject::{Build, Size, Subject, Work, bytes};
 use basis::TemporalModes;
-use coupled::preconditioner::FlowPreconditioner;
+use coupled::preconditioner::{FlowPreconditioner, Ordering};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
 /// Bytes of the blocks of A that are set up, at most: the factors take about as much again.
@@ -19,10 +19,11 @@ pub(super) struct Preconditioned<const D: usize, const M: usize> {
     out: Vec<f64>,
 }
 
-fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>) -> FlowPreconditioner {
+/// The blocks and their factors. A run finds the order of elimination once and gives it to all further set-ups.
+fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>, ordering: Option<Ordering>) -> FlowPreconditioner {
     let operator = &flow.operator;
     let modes = TemporalModes::new(&operator.tables.time);
-    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, None)
+    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, ordering)
 }
 
 impl<const D: usize, const M: usize> Build for Preconditioned<D, M>
@@ -35,7 +36,7 @@ where
         let wanted = size.even_cells(96, 12);
         let Some(cells) = (2..=wanted).rev().find(fits).filter(|_| block <= LARGEST_BLOCK) else { return Ok(None) };
         let flow = Flow::<D, M>::on(cells, size)?;
-        let (preconditioner, out) = (set_up(&flow), vec![0.0; flow.state.len()]);
+        let (preconditioner, out) = (set_up(&flow, None), vec![0.0; flow.state.len()]);
         Ok(Some(Preconditioned { flow, preconditioner, out }))
     }
 }
@@ -43,14 +44,17 @@ where
 impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
     fn work(&self) -> Vec<Work> {
         let state = self.flow.state.len();
-        let (vectors, stored) = (bytes(2 * state), self.preconditioner.swept_bytes() as f64);
-        let work = |kernel, bytes| Work { kernel, unknowns: state as f64, flops: None, bytes };
-        vec![work("preconditioner set-up", stored), work("preconditioner", vectors + stored)]
+        let unknowns = state as f64;
+        let (read, operations) = (self.preconditioner.swept_bytes() as f64, self.preconditioner.operations() as f64);
+        vec![
+            Work { kernel: "preconditioner set-up", unknowns, flops: None, bytes: self.preconditioner.bytes() as f64 },
+            Work { kernel: "preconditioner", unknowns, flops: Some(operations), bytes: bytes(2 * state) + read },
+        ]
     }
 
     fn run(&mut self, number: usize) {
         match number {
-            0 => self.preconditioner = set_up(&self.flow),
+            0 => self.preconditioner = set_up(&self.flow, Some(self.preconditioner.ordering().clone())),
             _ => self.preconditioner.apply(&self.flow.state, &mut self.out),
         }
     }

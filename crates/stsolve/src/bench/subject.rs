@@ -5,11 +5,11 @@ use clap::ValueEnum;
 /// Kernels that are measured together, in turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Group {
-    /// The stiffness operator of the mesh, its set-up and its solve.
+    /// The stiffness operator of the mesh, the set-up of its solver, and a solve.
     Elasticity,
     /// Residual and exact Jacobian products of the flow.
     Flow,
-    /// Set-up and application of the preconditioner of the flow.
+    /// Set-up and application of the preconditioner of the flow, and of each solver of the mesh.
     Preconditioner,
     /// The work of FGMRES on vectors.
     Vectors,
