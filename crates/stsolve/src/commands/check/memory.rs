@@ -14,8 +14,8 @@ const PROGRAM: usize = 27_000_000;
 /// traces of the operator.
 const VECTORS: usize = 26;
 
-/// Numbers per entry of a block while it is inverted: real and imaginary part, what neighbours subtract, the complex matrix, its factors,
-/// its inverse, and that in parts.
+/// Numbers in single precision per entry of a block while it is inverted, for a thread: its parts, panels of their rows, and what they hand on
+/// to neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
 
 /// Numbers in factors and working space of the coarse level of a steady flow, over b^2 n log2 n for n cells of b coarse unknowns: 27 to 29 on
@@ -107,7 +107,7 @@ fn factors<const D: usize>(facts: &Facts<'_, D>, time_order: usize) -> usize {
     let Blocks { cell, traces, .. } = Blocks::new(flow);
     let stored =
         mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
-    4 * stored + 8 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
+    4 * (stored + rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell)
 }
 
 /// The direct solver of the coarse level.
