@@ -181,8 +181,13 @@ fn by_side<'a>(
 ) -> impl Iterator<Item = (&'a mut [f64], &'a mut [f64], &'a mut [f64])> {
     let (length, rows) = (x.len() / count, skeleton.len() / count);
     let vectors = x.chunks_exact_mut(length).zip(swept.chunks_exact_mut(length));
-    // Without skeleton there are no rows to visit.
-    vectors.zip(skeleton.chunks_exact_mut(rows.max(1))).map(|((x, swept), skeleton)| (x, swept, skeleton))
+    // By hand: where all nodes of the skeleton are constrained there are no rows, which chunks would take for no right-hand sides.
+    let mut rest = skeleton;
+    vectors.map(move |(x, swept)| {
+        let (skeleton, others) = std::mem::take(&mut rest).split_at_mut(rows);
+        rest = others;
+        (x, swept, skeleton)
+    })
 }
 
 impl SolveWork {

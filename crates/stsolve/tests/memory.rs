@@ -8,6 +8,7 @@ use common::{finished, number, shipped, stsolve};
 use tempfile::TempDir;
 
 /// The estimate is within a fifth of what the process has needed: `name`, changed by `set`, which keeps it short.
+#[allow(clippy::print_stdout)]
 fn assert_estimate(name: &str, set: &[&str]) {
     let directory = TempDir::new().unwrap();
     let case = shipped(&format!("{name}.toml"));

@@ -21,9 +21,9 @@ use rayon::prelude::*;
 /// with 27,000 it takes as long as a hundred iterations.
 const AFFORDABLE: usize = 12_000;
 
-/// Coarse functions of one component per direction: 2 of degree 1, or constants where those are all there is or cost too much.
-fn functions_per_direction(layout: Layout, components: usize, dimension: u32, order: usize) -> usize {
-    let linear = layout.cells * components * 2_usize.pow(dimension);
+/// Coarse functions of one component per direction on a mesh of so many cells, with a flow of this `order`: 2 of degree 1, or constants where those are all there is or cost too much.
+pub fn functions_per_direction(cells: usize, components: usize, dimension: u32, order: usize) -> usize {
+    let linear = cells * components * 2_usize.pow(dimension);
     if order > 2 && (dimension < 3 || linear <= AFFORDABLE) { 2 } else { 1 }
 }
 
@@ -73,7 +73,7 @@ impl CoarseLevel {
     ) -> Result<Self, LuError> {
         let (jacobian, links) = (sweeps.jacobian(), sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
-        let functions = functions_per_direction(layout, components, dimension, order);
+        let functions = functions_per_direction(layout.cells, components, dimension, order);
         let prolongation = prolongation(dimension, order, functions);
         let p = over_components(&prolongation, components);
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);

@@ -20,7 +20,7 @@ mod panel;
 mod sparse_lu;
 mod sweeps;
 
-pub use coarse::CoarseLevel;
+pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
 pub use ilu::FlowPreconditioner;
 pub use ordering::Ordering;
 pub use panel::padded;

@@ -61,6 +61,13 @@ fn every_solver_agrees_with_a_dense_factorisation() {
     }
 }
 
+/// All free nodes of a single cell are inside of it: nothing is left of the skeleton.
+#[test]
+fn every_solver_agrees_with_a_dense_factorisation_on_a_single_cell() {
+    agrees_with_dense(&unit_box([1, 1], 4, 0.0), 4);
+    agrees_with_dense(&unit_box([1, 1, 1], 4, 0.0), 4);
+}
+
 /// Nodes of one cell on both sides of a periodic boundary are one node.
 #[test]
 fn every_solver_agrees_with_a_dense_factorisation_on_a_periodic_strip_one_cell_long() {

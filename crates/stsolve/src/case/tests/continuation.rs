@@ -41,7 +41,6 @@ fn what_the_state_means_may_not() {
     for option in [
         "time.order=1",
         "time.step=0.25",
-        "time.start=0.1",
         "flow.order=5",
         "flow.riemann=hllc",
         "flow.quadrature=double",
@@ -77,7 +76,7 @@ fn a_difference_tells_both_values() {
 fn what_a_table_holds_counts() {
     let directory = tempfile::tempdir().unwrap();
     let (case, way) = (directory.path().join("case.toml"), directory.path().join("way.csv"));
-    let moved = "motion.boundary.left.displacement=[\"way(t)\",0]";
+    let moved = "motion.boundary.left.displacement=[\"way(t)*y*(1-y)\",0]";
     let text = BASE.to_owned() + "[tables.way]\nfile = \"way.csv\"\nends = \"at_rest\"\n";
     let about = |table: &str| {
         std::fs::write(&way, table).unwrap();

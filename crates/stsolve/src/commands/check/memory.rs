@@ -2,8 +2,9 @@
 
 use super::Facts;
 use super::measured::TYPICAL_ITERATIONS;
+use crate::case::Flow;
 use crate::run::elasticity_plan;
-use coupled::preconditioner::padded;
+use coupled::preconditioner::{coarse_functions_per_direction, padded};
 use navier_stokes::Viscosity;
 
 /// What the program takes before a case is large: its code, libraries, and the buffers of the result file.
@@ -13,9 +14,13 @@ const PROGRAM: usize = 27_000_000;
 /// traces of the operator.
 const VECTORS: usize = 26;
 
-/// Numbers per entry of a block while it is inverted: real and imaginary part, what neighbours subtract, the complex matrix, its factors,
-/// its inverse, and that in parts.
+/// Numbers in single precision per entry of a block while it is inverted, for a thread: its parts, panels of their rows, and what they hand on
+/// to neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
+
+/// Numbers in factors and working space of the coarse level of a steady flow, over b^2 n log2 n for n cells of b coarse unknowns: 27 to 29 on
+/// the meshes of the shipped airfoils and cylinders.
+const COARSE_FILL: f64 = 28.0;
 
 /// Bytes of the parts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +35,8 @@ pub(super) struct Memory {
     pub(super) most_krylov: usize,
     /// The solver of the mesh.
     pub(super) mesh: usize,
+    /// What the search for the steady flow takes, where the run begins with it; its preconditioner goes before that of the slabs comes.
+    pub(super) steady: Option<usize>,
 }
 
 impl Memory {
@@ -39,11 +46,16 @@ impl Memory {
         let (_, flow) = facts.flow_unknowns();
         let vector = 8 * (flow + case.mesh_unknowns().unwrap_or(0));
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
-        let (jacobian, factors) = blocks(facts);
+        let vectors = vector * (VECTORS + krylov_vectors(restart.min(TYPICAL_ITERATIONS)));
+        let (time_order, jacobian) = (case.time.order, jacobian(facts));
         Memory {
             jacobian,
-            factors,
-            vectors: vector * (VECTORS + krylov_vectors(restart.min(TYPICAL_ITERATIONS))),
+            factors: factors(facts, time_order),
+            vectors,
+            steady: case
+                .solver
+                .steady
+                .map(|_| jacobian + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
             most_krylov: vector * krylov_vectors(restart),
             mesh: elasticity_plan(case).map_or(0, |plan| plan.bytes),
         }
@@ -51,7 +63,8 @@ impl Memory {
 
     /// The largest memory of a run that goes as most do.
     pub(super) fn peak(&self) -> usize {
-        PROGRAM + self.jacobian + self.factors + self.vectors + self.mesh
+        let slab = self.jacobian + self.factors + self.vectors;
+        PROGRAM + self.mesh + slab.max(self.steady.unwrap_or(0))
     }
 }
 
@@ -60,21 +73,48 @@ fn krylov_vectors(iterations: usize) -> usize {
     2 * iterations + 1
 }
 
-/// The bytes of Jacobian and factors, with b the unknowns of a cell at one time, t the traces of a face:
-///
-/// ```text
-/// Jacobian:  b^2 and (nodes)^2 for a cell; while it is made, t^2 for rows and columns of either side of a facet
-/// factors:   b^2 for a cell and time node, 2 t^2 for a facet, in single precision; what inverts a block, for a thread
-/// ```
-fn blocks<const D: usize>(facts: &Facts<'_, D>) -> (usize, usize) {
-    let Some(flow) = &facts.case.flow else { return (0, 0) };
-    let (mesh, threads) = (&facts.case.mesh, rayon::current_num_threads());
-    let nodes = flow.order.pow(D as u32);
-    let (block, _) = facts.flow_unknowns();
-    let kinds = if flow.law.gas.viscosity() == Viscosity::Inviscid { 1 } else { 2 };
-    let traces = kinds * (D + 2) * nodes / flow.order;
-    let (cells, interior, boundary) = (mesh.n_cells(), mesh.interior_facets().len(), mesh.boundary_facets().len());
-    let jacobian = cells * (block * block + nodes * nodes) + (4 * interior + boundary) * traces * traces;
-    let factors = cells * facts.case.time.order * block * padded(block) + 2 * interior * traces * padded(traces);
-    (8 * jacobian, 4 * factors + 8 * threads * NUMBERS_TO_INVERT * block * block)
+/// The sizes of the blocks of a flow.
+struct Blocks {
+    /// Unknowns of a cell at one time.
+    cell: usize,
+    /// Nodes of a cell.
+    nodes: usize,
+    /// Traces of a face.
+    traces: usize,
+}
+
+impl Blocks {
+    fn new<const D: usize>(flow: &Flow<D>) -> Self {
+        let (nodes, kinds) =
+            (flow.order.pow(D as u32), 1 + usize::from(flow.law.gas.viscosity() != Viscosity::Inviscid));
+        Blocks { cell: (D + 2) * nodes, nodes, traces: kinds * (D + 2) * nodes / flow.order }
+    }
+}
+
+/// In double precision the square of a cell's unknowns and of its nodes; while they are made, that of the traces of a facet, for rows and
+/// columns of either side.
+fn jacobian<const D: usize>(facts: &Facts<'_, D>) -> usize {
+    let (mesh, Some(flow)) = (&facts.case.mesh, &facts.case.flow) else { return 0 };
+    let Blocks { cell, nodes, traces } = Blocks::new(flow);
+    let pairs = 4 * mesh.interior_facets().len() + mesh.boundary_facets().len();
+    8 * (mesh.n_cells() * (cell * cell + nodes * nodes) + pairs * traces * traces)
+}
+
+/// In single precision the square of a cell's unknowns for each time node, and that of the traces for either side of a facet; what inverts a
+/// block, for a thread.
+fn factors<const D: usize>(facts: &Facts<'_, D>, time_order: usize) -> usize {
+    let (mesh, Some(flow)) = (&facts.case.mesh, &facts.case.flow) else { return 0 };
+    let Blocks { cell, traces, .. } = Blocks::new(flow);
+    let stored =
+        mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
+    4 * (stored + rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell)
+}
+
+/// The direct solver of the coarse level.
+fn coarse_level<const D: usize>(facts: &Facts<'_, D>) -> usize {
+    let (mesh, Some(flow)) = (&facts.case.mesh, &facts.case.flow) else { return 0 };
+    let (cells, components) = (mesh.n_cells(), D + 2);
+    let functions = coarse_functions_per_direction(cells, components, D as u32, flow.order).pow(D as u32);
+    let block = (components * functions) as f64;
+    (8.0 * COARSE_FILL * block.powi(2) * cells as f64 * (cells as f64).log2()) as usize
 }

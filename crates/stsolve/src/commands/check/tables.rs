@@ -183,8 +183,11 @@ fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
         .row("Jacobian blocks", megabytes(memory.jacobian), "MB")
         .row("preconditioner", megabytes(memory.factors), "MB")
         .row("vectors", megabytes(memory.vectors), format!("MB, with {TYPICAL_ITERATIONS} Krylov iterations"))
-        .row("Krylov vectors", megabytes(memory.most_krylov), "MB at most, with `solver.krylov_restart` iterations")
-        .row("result file", facts.result_megabytes(), "MB, before compression");
+        .row("Krylov vectors", megabytes(memory.most_krylov), "MB at most, with `solver.krylov_restart` iterations");
+    if let Some(steady) = memory.steady {
+        table.row("steady flow", megabytes(steady), "MB, in the place of these, with its coarse level");
+    }
+    table.row("result file", facts.result_megabytes(), "MB, before compression");
     table
 }
 

@@ -136,7 +136,11 @@ fn worst_cell(finding: &Finding) -> String {
     )
 }
 
+/// Of a flow; mesh and structure alone have no equations that Newton's method solves.
 fn residuals(finding: &Finding) -> String {
+    if finding.evidence.gas.is_none() {
+        return String::new();
+    }
     let mut text = "\n## Residual of each equation at last\n\n".to_owned();
     if finding.residuals.is_empty() {
         text += "There is none: the slab has failed before its equations could be evaluated.\n";

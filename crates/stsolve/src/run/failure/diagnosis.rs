@@ -40,12 +40,8 @@ const OF_MESH: [Rule; 6] = [
     mesh_rules::nearly_incompressible,
 ];
 
-const OF_STRUCTURE: [Rule; 4] = [
-    structure_rules::bad_load,
-    structure_rules::long_slab,
-    structure_rules::slender_cells,
-    structure_rules::nearly_incompressible,
-];
+const OF_STRUCTURE: [Rule; 3] =
+    [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
 
 const OF_FLOW: [Rule; 11] = [
     gas_rules::near_vacuum,
@@ -65,7 +61,8 @@ const OF_FLOW: [Rule; 11] = [
 pub fn causes(evidence: &Evidence) -> Vec<Cause> {
     let rules: &[Rule] = match evidence.gave_up {
         GaveUp::InvertedCell | GaveUp::Equilibrium => &OF_MESH,
-        GaveUp::Load | GaveUp::Structure => &OF_STRUCTURE,
+        GaveUp::Load => &[structure_rules::bad_load],
+        GaveUp::Structure => &OF_STRUCTURE,
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
         GaveUp::Other => &[],
     };

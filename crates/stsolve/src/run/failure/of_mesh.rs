@@ -4,6 +4,7 @@ use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use crate::case::{self, Case, Stiffness};
+use crate::progress::rounded;
 use coupled::{Interval, MarchError, MeshMover, MeshQuality, MeshReport, State};
 
 /// The mesh of `case`, displaced by `d` before the slab that failed.
@@ -62,7 +63,7 @@ pub fn examine<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &Sta
     let whole = Interval { start: state.time, end: state.time + case.time.step, halvings: 0 };
     let interval = error.downcast_ref::<MarchError>().map_or(whole, |error| error.interval);
     let (cell, smallest) = most_squeezed(&grid, &state.d);
-    let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", state.time);
+    let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", rounded(state.time));
     Finding {
         evidence: evidence(GaveUp::Equilibrium, state.slab, interval, mesh(case, mover, &grid, &state.d, interval)),
         residuals: Vec::new(),
@@ -91,7 +92,7 @@ pub fn examine_inverted<const D: usize>(
 
 /// The worst cell of a slab, on the mesh displaced by `d` at the time of `quality`.
 pub fn inverted<const D: usize>(grid: &Grid<D>, d: &[f64], quality: &MeshQuality) -> WorstCell {
-    let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, quality.time);
+    let because = format!("det J / det J_0 is {:.3e} there at t = {}", quality.sampled_min, rounded(quality.time));
     squeezed(grid, d, quality.cell, because)
 }
 
