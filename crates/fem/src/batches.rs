@@ -89,6 +89,9 @@ fn faces_to_facets(batches: &[FacetBatch], faces: usize, per_cell: usize) -> Vec
     of_face
 }
 
+/// The most batches that a thread takes at a time: so few that no thread waits long for the last one, which would put it to sleep.
+pub const BATCHES_PER_TASK: usize = 4;
+
 /// The cells of batch `batch`, the last one repeated where there are fewer than [`WIDTH`].
 pub fn cells_of(batch: usize, cells: usize) -> [usize; WIDTH] {
     std::array::from_fn(|lane| (batch * WIDTH + lane).min(cells - 1))

@@ -1,6 +1,6 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
-use crate::batches::{FacetBatch, Facets, cells_of};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, Facets, cells_of};
 use crate::cell::{CellContext, Coefficients};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
@@ -222,11 +222,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn run(&mut self, along: Along, out: &mut [f64]) -> Option<usize> {
         let mut terms = std::mem::take(&mut self.terms);
         let facet_len = 2 * self.state_traces.layout.face_len();
-        terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches).for_each(|(terms, batch)| {
+        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches);
+        facets.with_max_len(BATCHES_PER_TASK).for_each(|(terms, batch)| {
             self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms));
         });
         let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
-        out.par_chunks_mut(WIDTH * cell_len).enumerate().for_each(|(batch, out)| {
+        let cells = out.par_chunks_mut(WIDTH * cell_len).enumerate();
+        cells.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
             self.cells.with(|scratch| self.cell_batch(along, batch, scratch, &terms, out));
             for (lane, out) in out.chunks_exact(cell_len).enumerate() {
                 if !sums_to_a_number(out) {

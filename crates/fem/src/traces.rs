@@ -1,6 +1,6 @@
 //! Traces of cell coefficients on faces, and the way back.
 
-use crate::batches::cells_of;
+use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
 use crate::pool::Pool;
 use crate::tables::Line;
@@ -207,7 +207,7 @@ impl Traces {
         let Traces { layout, ref mut data, cells, ref mut packs, ref scratch } = *self;
         let len = layout.coefficients();
         let batches = data.par_chunks_mut(WIDTH * layout.cell_len()).zip(packs.par_chunks_mut(len)).enumerate();
-        batches.for_each(|(batch, (data, packs))| {
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (data, packs))| {
             scratch.with(|traces| {
                 gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
                 maps.extract(layout.slots * layout.components, packs, both, traces);
