@@ -52,6 +52,12 @@ impl<'a> Checker<'a> {
         Err(self.combination(key, &format!("a table cannot be called `{name}`"), FREE_NAME))
     }
 
+    /// The constants that formulas may contain, in words: one of them may be what is wrong with a formula. Empty if there are none.
+    pub(super) fn constants_in_words(&self) -> String {
+        let constants: Vec<_> = self.names.constants().map(|(name, value)| format!("{name} = {value}")).collect();
+        if constants.is_empty() { String::new() } else { format!("; the constants are {}", constants.join(", ")) }
+    }
+
     /// The tables that formulas may contain, by name.
     pub(super) fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
         self.names.tables()

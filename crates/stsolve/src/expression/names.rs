@@ -126,6 +126,12 @@ impl Names {
         free
     }
 
+    /// The constants that were defined, with their values.
+    pub fn constants(&self) -> impl Iterator<Item = (&str, f64)> {
+        let defined = self.constants.iter().filter(|(name, _)| *name != "pi");
+        defined.map(|(name, value)| (name.as_str(), *value))
+    }
+
     /// Defines a function of one argument by its `table`; false as [`Names::define`].
     pub fn define_table(&mut self, name: &str, table: Table) -> bool {
         let free = self.is_free(name);

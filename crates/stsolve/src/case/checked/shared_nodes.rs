@@ -75,16 +75,17 @@ impl<const D: usize> SharedNodes<'_, D> {
     fn conflict(&self, key: &Key, first: First<D>, second: First<D>, t: f64) -> Box<crate::case::CaseError> {
         let name = |boundary: usize| &self.mesh.boundary_names()[boundary];
         let (a, b) = (plain(&first.d), plain(&second.d));
+        let constants = self.checker.constants_in_words();
         if first.boundary == second.boundary {
             let (from, other) = (first.x, second.x);
             let problem = format!(
-                "the displacement is not periodic: {from:?} and {other:?} are one node of the mesh, but move by {a} and by {b} until t = {t}"
+                "the displacement is not periodic: {from:?} and {other:?} are one node of the mesh, but move by {a} and by {b} until t = {t}{constants}"
             );
             return self.checker.combination(key, &problem, "a displacement with the period of the mesh");
         }
         let (one, other) = (name(first.boundary), name(second.boundary));
         let problem = format!(
-            "boundaries `{one}` and `{other}` share the node at {:?}, but until t = {t} `{one}` moves it by {a} and `{other}` by {b}",
+            "boundaries `{one}` and `{other}` share the node at {:?}, but until t = {t} `{one}` moves it by {a} and `{other}` by {b}{constants}",
             second.x
         );
         let remedy = "motions that agree where boundaries meet: the same formulas for both, or a formula in x, y, z that is that of the other one there";

@@ -247,7 +247,7 @@ fn two_choices_are_named() {
         .replace("[motion]\n", "lower = [0, 0]\nupper = [1, 1]\ncells = [1, 1]\n[motion]\n");
     for (text, option) in [(text.as_str(), "mesh.generate.disk={}"), (BASE, "mesh.generate={box={},disk={}}")] {
         let message = check_text(text, &[option]).unwrap_err().to_string();
-        let parts = ["`mesh.generate", "one choice is needed here", "there are `box`, `disk`"];
+        let parts = ["mesh.generate", "one choice is needed here", "there are `box`, `disk`"];
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
 }
