@@ -182,7 +182,9 @@ impl FrozenFlow {
         (self.preconditioner, self.coarse) = (None, None);
         let (modes, jacobian) = (TemporalModes::new(&flow.tables.time), flow.space_jacobian(0.5));
         let (layout, order) = (flow.layout, flow.tables.orders.flow);
-        let sweeps = if self.steady {
+        // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to
+        // lead to a solution of the discrete equations that no flow has.
+        let sweeps = if self.steady && damping == 0.0 {
             let (sweeps, coarse) =
                 FlowPreconditioner::of_steady_flow(layout, modes, jacobian, (dt, damping), ordering, order);
             self.coarse = coarse;

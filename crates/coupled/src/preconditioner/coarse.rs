@@ -5,8 +5,8 @@
 //! ```
 //!
 //! with the polynomials of degree 1 in every cell as coarse space, P their values at the nodes, and the sweeps S of the factored mode.
-//! B P is kept, so that a product with B costs no more than the few columns of P. On the airfoil of the heaving cases the steady flow
-//! then takes 44 iterations instead of 178, with constants as coarse space 107.
+//! B P is kept, so that a product with B costs no more than the few columns of P. On the airfoil of the heaving cases the last four steps,
+//! which pseudo-time does not damp, then take 29 iterations instead of 117.
 
 use super::blocks::{Link, coupling_block, diagonal_block};
 use super::ilu::FlowPreconditioner;
