@@ -4,8 +4,9 @@
 //! another slab length or pseudo-time needs new factors of its modes only.
 
 use crate::preconditioner::{CoarseLevel, FlowPreconditioner, Ordering};
-use crate::wear::FrozenInSlab;
+use crate::wear::{FREEZING, FrozenInSlab};
 use basis::TemporalModes;
+use faer::sparse::linalg::LuError;
 use fem::SlabOperator;
 
 /// A slab length, or a damping, that differs by this part needs new factors.
@@ -43,7 +44,8 @@ pub enum Update {
 pub struct FrozenFlow {
     /// Set to have the Jacobian frozen at the next update.
     pub stale: bool,
-    /// Whether the flow is steady: its Jacobian is frozen at every update, and has a coarse level.
+    /// Whether the flow is steady: its Jacobian is frozen at every update that damps, and else where it has served for as many iterations
+    /// as it has cost. It has a coarse level then.
     pub steady: bool,
     /// When more iterations than these are done in a slab, the Jacobian is frozen at the next update.
     pub patience: usize,
@@ -117,16 +119,16 @@ impl FrozenFlow {
         velocities: &[f64],
         rate: f64,
     ) -> Update {
-        self.stale |= self.applications > self.patience;
+        self.stale |= self.applications > self.patience || self.steady && self.has_served(rate);
         let (_, dt) = flow.interval();
         let built_for = (dt, dt * rate);
         let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
         match (&mut self.preconditioner, &mut self.frozen) {
-            (Some(preconditioner), Some(frozen)) if !self.stale && !self.steady => {
+            (Some(preconditioner), Some(frozen)) if !self.stale => {
                 if !change(frozen.built_for.0, built_for.0) && !change(frozen.built_for.1, built_for.1) {
                     return Update::Kept;
                 }
-                preconditioner.refactor(built_for.0, built_for.1);
+                preconditioner.factor(built_for.0, built_for.1);
                 frozen.built_for = built_for;
                 Update::Refactored
             }
@@ -135,6 +137,12 @@ impl FrozenFlow {
                 Update::Frozen
             }
         }
+    }
+
+    /// Whether the Jacobian of a steady flow, damped by `rate`, has paid for itself, or was damped.
+    fn has_served(&self, rate: f64) -> bool {
+        let damped = rate > 0.0 || self.frozen.as_ref().is_some_and(|frozen| frozen.built_for.1 > 0.0);
+        damped || self.applications >= FREEZING
     }
 
     /// Freezes the flow's Jacobian here, with the order of elimination of the first time.
@@ -178,20 +186,41 @@ impl FrozenFlow {
         (dt, damping): (f64, f64),
         ordering: Option<Ordering>,
     ) -> &FlowPreconditioner {
-        // The old one goes first: two at a time would double the memory.
-        (self.preconditioner, self.coarse) = (None, None);
-        let (modes, jacobian) = (TemporalModes::new(&flow.tables.time), flow.space_jacobian(0.5));
-        let (layout, order) = (flow.layout, flow.tables.orders.flow);
+        let preconditioner = match self.preconditioner.take() {
+            Some(mut old) => {
+                old.replace_jacobian(|jacobian| flow.update_space_jacobian(0.5, jacobian));
+                old
+            }
+            None => {
+                let modes = TemporalModes::new(&flow.tables.time);
+                FlowPreconditioner::unfactored(flow.layout, modes, flow.space_jacobian(0.5), dt, ordering)
+            }
+        };
+        let preconditioner = self.preconditioner.insert(preconditioner);
         // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to
         // lead to a solution of the discrete equations that no flow has.
-        let sweeps = if self.steady && damping == 0.0 {
-            let (sweeps, coarse) =
-                FlowPreconditioner::of_steady_flow(layout, modes, jacobian, (dt, damping), ordering, order);
-            self.coarse = coarse;
-            sweeps
+        if self.steady && damping == 0.0 {
+            let old = self.coarse.take();
+            let coarse = |sweeps: &FlowPreconditioner| coarse_level(old, sweeps, flow, dt);
+            self.coarse = preconditioner.factor_beside(dt, damping, coarse).ok();
         } else {
-            FlowPreconditioner::new(layout, modes, jacobian, dt, damping, ordering)
-        };
-        self.preconditioner.insert(sweeps)
+            self.coarse = None;
+            preconditioner.factor(dt, damping);
+        }
+        preconditioner
+    }
+}
+
+/// The coarse level of an undamped steady flow, in the memory of an `old` one.
+fn coarse_level<const D: usize, const M: usize>(
+    old: Option<CoarseLevel>,
+    sweeps: &FlowPreconditioner,
+    flow: &SlabOperator<D, M>,
+    dt: f64,
+) -> Result<CoarseLevel, LuError> {
+    let lambda = TemporalModes::new(&flow.tables.time).eigenvalues[0].re;
+    match old {
+        Some(mut coarse) => coarse.update(sweeps, dt, lambda).map(|()| coarse),
+        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow, dt, lambda),
     }
 }

@@ -10,7 +10,7 @@
 //! excess is taken to be twice the last.
 
 /// B: 20 to 27 iterations on a heaving airfoil at N_s = 4 to 6 and N_t = 3.
-const FREEZING: usize = 20;
+pub const FREEZING: usize = 20;
 
 /// Where a Jacobian did not last for the slab after its own, so many slabs begin with a new one before the next is put to the test.
 const EAGER: usize = 4;

@@ -10,6 +10,7 @@ use crate::batches::{FacetBatch, cells_of};
 use crate::cell::CellContext;
 use crate::gather::gather;
 use crate::kernels::{Along, Times};
+use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Instant;
@@ -24,7 +25,7 @@ pub struct Coupling {
     pub cells: [usize; 2],
     /// Their faces.
     pub faces: [usize; 2],
-    /// Row minus, column plus: `[trace][trace]`, row-major.
+    /// Row minus, column plus: `[column trace][row trace]`.
     pub minus_plus: Vec<f64>,
     /// Row plus, column minus.
     pub plus_minus: Vec<f64>,
@@ -34,9 +35,9 @@ pub struct Coupling {
 pub struct SpaceJacobian {
     /// Unknowns of a cell at one time: components times nodes.
     pub block: usize,
-    /// A_ii, `[cell][row][column]`.
+    /// A_ii, `[cell][column][row]`.
     pub diagonal: Vec<f64>,
-    /// int w phi J, the same for every component, `[cell][row][column]` over nodes.
+    /// int w phi J, the same for every component, `[cell][column][row]` over nodes.
     pub mass: Vec<f64>,
     /// Couplings across the interior facets.
     pub couplings: Vec<Coupling>,
@@ -89,17 +90,17 @@ impl TraceSpace {
         trace / self.face_nodes * self.face_nodes + permutation[trace % self.face_nodes]
     }
 
-    /// Adds T^T B T to a square matrix over a cell's coefficients: B in traces of `face`, row-major.
+    /// Adds T^T B T to a square matrix over a cell's coefficients: B in traces of `face`, both by columns.
     pub fn add_lifted(&self, face: usize, b: &[f64], matrix: &mut [f64]) {
         let block = self.components * self.nodes;
         let mut lifted = vec![0.0; block];
-        for (row, b) in b.chunks_exact(self.len()).enumerate() {
+        for (column, b) in b.chunks_exact(self.len()).enumerate() {
             lifted.fill(0.0);
-            for (column, value) in b.iter().enumerate() {
-                let (offset, functional) = self.functional(face, column);
+            for (row, value) in b.iter().enumerate() {
+                let (offset, functional) = self.functional(face, row);
                 functional.iter().for_each(|&(node, weight)| lifted[offset + node] += weight * value);
             }
-            let (offset, functional) = self.functional(face, row);
+            let (offset, functional) = self.functional(face, column);
             for &(node, weight) in functional {
                 let start = (offset + node) * block;
                 matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += weight * l);
@@ -119,23 +120,36 @@ struct Frozen {
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The blocks at position `s` of the slab, in the state and on the mesh last set.
     pub fn space_jacobian(&self, s: f64) -> SpaceJacobian {
+        let (block, Layout { cells, nodes, .. }) = (self.layout.time_len(), self.layout);
+        let mut jacobian = SpaceJacobian {
+            block,
+            diagonal: vec![0.0; cells * block * block],
+            mass: vec![0.0; cells * nodes * nodes],
+            couplings: Vec::new(),
+            traces: TraceSpace::new(&self.flow_faces, 2 * D, M, nodes, self.problem.kernels.is_viscous()),
+        };
+        self.update_space_jacobian(s, &mut jacobian);
+        jacobian
+    }
+
+    /// [`Self::space_jacobian`] in the memory of an earlier one of this operator: pages that are new cost as much as what is written there.
+    pub fn update_space_jacobian(&self, s: f64, jacobian: &mut SpaceJacobian) {
         let frozen = self.freeze(s);
-        let block = self.layout.time_len();
-        let traces = TraceSpace::new(&self.flow_faces, 2 * D, M, self.layout.nodes, self.problem.kernels.is_viscous());
-        let (mut diagonal, mass) = self.cell_blocks(&frozen);
+        let SpaceJacobian { block, diagonal, mass, couplings, traces } = jacobian;
+        self.cell_blocks(&frozen, diagonal, mass);
+        couplings.clear();
         let batches = self.facets.batches.par_iter();
         let facets: Vec<FacetBlocks> =
-            batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, &traces)).collect();
+            batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, traces)).collect();
         let first = self.first_of_batches();
-        diagonal.par_chunks_mut(block * block).enumerate().for_each(|(cell, diagonal)| {
+        diagonal.par_chunks_mut(*block * *block).enumerate().for_each(|(cell, diagonal)| {
             for face in 0..2 * D {
                 let (slot, side) = self.facets.of_face[cell * 2 * D + face];
                 let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
                 traces.add_lifted(face, &facets[facet].own[side as usize], diagonal);
             }
         });
-        let couplings = facets.into_iter().filter_map(|f| f.coupling).collect();
-        SpaceJacobian { block, diagonal, mass, couplings, traces }
+        couplings.extend(facets.into_iter().filter_map(|f| f.coupling));
     }
 
     /// For each batch of facets, the number of facets before it.
@@ -167,15 +181,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Volume part of A_ii, and the mass matrices.
-    fn cell_blocks(&self, frozen: &Frozen) -> (Vec<f64>, Vec<f64>) {
+    fn cell_blocks(&self, frozen: &Frozen, diagonal: &mut [f64], mass: &mut [f64]) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
-        let mut diagonal = vec![0.0; self.layout.cells * block * block];
-        let mut mass = vec![0.0; self.layout.cells * nodes * nodes];
         let batches = diagonal.par_chunks_mut(WIDTH * block * block).zip(mass.par_chunks_mut(WIDTH * nodes * nodes));
         batches.enumerate().for_each(|(batch, (diagonal, mass))| {
             self.cells.with(|scratch| self.cell_batch_blocks(batch, frozen, scratch, diagonal, mass));
         });
-        (diagonal, mass)
     }
 
     fn cell_batch_blocks(
@@ -261,7 +272,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// Blocks of one facet, rows and columns in traces.
+/// Blocks of one facet in traces, by columns.
 struct FacetBlocks {
     /// Row and column of the same side.
     own: [Vec<f64>; 2],
@@ -299,9 +310,9 @@ impl FacetBlocks {
                 (false, _, Some(coupling)) => &mut coupling.plus_minus,
                 (false, _, None) => return,
             };
-            for row in 0..traces.len() {
-                let value = scratch.sides[row_side].terms[row].0[lane];
-                target[traces.permuted(row, lattices[row_side]) * traces.len() + column] = value;
+            let target = &mut target[column * traces.len()..][..traces.len()];
+            for (row, term) in scratch.sides[row_side].terms[..traces.len()].iter().enumerate() {
+                target[traces.permuted(row, lattices[row_side])] = term.0[lane];
             }
         }
     }
@@ -309,8 +320,7 @@ impl FacetBlocks {
 
 fn write_column(packs: &[Pack], n: usize, column: usize, out: &mut [f64]) {
     for (lane, out) in out.chunks_exact_mut(n * n).enumerate() {
-        for row in 0..n {
-            out[row * n + column] = packs[row].0[lane];
-        }
+        let out = &mut out[column * n..][..n];
+        out.iter_mut().zip(packs).for_each(|(out, pack)| *out = pack.0[lane]);
     }
 }

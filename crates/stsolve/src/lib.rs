@@ -49,15 +49,30 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::bad_input(anyhow::anyhow!(OTHER_MACHINE)));
     }
     match &arguments.command {
-        Command::Check { case, json, probe } => commands::check(&read(case)?, *json, *probe),
+        Command::Check { case, json, probe } => {
+            let case = read(case)?;
+            in_pool(|| commands::check(&case, *json, *probe))
+        }
         Command::Info { file, json } => commands::info(file, *json),
         Command::Report { directory } => report::report(directory),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),
-        Command::Run(arguments) => run::run(&read_for(arguments)?, arguments),
-        Command::Motion(arguments) => run::motion(&read_for(arguments)?, arguments),
+        Command::Run(arguments) => {
+            let case = read_for(arguments)?;
+            in_pool(|| run::run(&case, arguments))
+        }
+        Command::Motion(arguments) => {
+            let case = read_for(arguments)?;
+            in_pool(|| run::motion(&case, arguments))
+        }
     }
+}
+
+/// Does `work` on a thread of the pool. From outside every parallel loop would wake one of them and wait for it to wake this one, which
+/// costs some loops as much as they do.
+fn in_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    rayon::scope(|_| work())
 }
 
 /// The case of a command that computes. Its mesh is made by the threads asked for, so they come first.

@@ -224,11 +224,11 @@ where
     let mut blocks = vec![0.0; state.len()];
     for cell in 0..operator.layout.cells {
         for i in 0..n {
-            let row = &a.diagonal[(cell * n + i) * n..(cell * n + i + 1) * n];
-            blocks[cell * n + i] += dt * row.iter().zip(&x[cell * n..]).map(|(a, x)| a * x).sum::<f64>();
-            let mass = &a.mass[(cell * nodes + i % nodes) * nodes..][..nodes];
+            let row = a.diagonal[cell * n * n + i..].iter().step_by(n).take(n);
+            blocks[cell * n + i] += dt * row.zip(&x[cell * n..]).map(|(a, x)| a * x).sum::<f64>();
+            let mass = a.mass[cell * nodes * nodes + i % nodes..].iter().step_by(nodes);
             let component = &x[cell * n + i / nodes * nodes..][..nodes];
-            blocks[cell * n + i] += mass.iter().zip(component).map(|(m, x)| m * x).sum::<f64>();
+            blocks[cell * n + i] += mass.zip(component).map(|(m, x)| m * x).sum::<f64>();
         }
     }
     for coupling in &a.couplings {
@@ -240,7 +240,7 @@ where
             };
             let traces: Vec<f64> = (0..t).map(trace).collect();
             for k in 0..t {
-                let value: f64 = b[k * t..(k + 1) * t].iter().zip(&traces).map(|(b, t)| b * t).sum();
+                let value: f64 = b[k..].iter().step_by(t).zip(&traces).map(|(b, t)| b * t).sum();
                 let (offset, functional) = a.traces.functional(coupling.faces[row], k);
                 for &(node, w) in functional {
                     blocks[coupling.cells[row] * n + offset + node] += dt * w * value;

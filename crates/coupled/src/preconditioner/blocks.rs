@@ -34,7 +34,7 @@ pub fn links(jacobian: &SpaceJacobian, cells: usize) -> Vec<Vec<Link>> {
     links
 }
 
-/// The block B of `link`: rows traces of this cell, columns traces of the neighbour, row-major.
+/// The block B of `link`: rows traces of this cell, columns traces of the neighbour, by columns.
 pub fn coupling_block(jacobian: &SpaceJacobian, link: Link) -> &[f64] {
     let coupling = &jacobian.couplings[link.coupling];
     if link.side == 0 { &coupling.minus_plus } else { &coupling.plus_minus }
@@ -46,7 +46,7 @@ pub fn diagonal_block(jacobian: &SpaceJacobian, cell: usize, dt: f64, lambda: f6
     let a = &jacobian.diagonal[cell * n * n..(cell + 1) * n * n];
     let mass = &jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
     Mat::from_fn(n, n, |i, j| {
-        let m = if i / nodes == j / nodes { mass[i % nodes * nodes + j % nodes] } else { 0.0 };
-        lambda * m + dt * a[i * n + j]
+        let m = if i / nodes == j / nodes { mass[j % nodes * nodes + i % nodes] } else { 0.0 };
+        lambda * m + dt * a[j * n + i]
     })
 }

@@ -50,10 +50,15 @@ struct CoupledImage {
 pub struct CoarseLevel {
     layout: Layout,
     prolongation: Matrix,
+    /// P of a cell, all components.
+    p: Mat<f64>,
+    /// T_f P.
+    traces: Vec<Mat<f64>>,
     /// B_ii P of every cell.
     images: Vec<Mat<f64>>,
     /// B_ik P of every cell.
     coupled: Vec<Vec<CoupledImage>>,
+    matrix: BlockMatrix,
     factors: SparseLu,
     coefficients: Vec<f64>,
     rest: Vec<f64>,
@@ -77,26 +82,52 @@ impl CoarseLevel {
         let prolongation = prolongation(dimension, order, functions);
         let p = over_components(&prolongation, components);
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
-        let traces: Vec<Mat<f64>> = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
-        let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &p;
-        let images: Vec<Mat<f64>> = (0..layout.cells).into_par_iter().map(image).collect();
-        let t = jacobian.traces.len();
+        let traces = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
+        let matrix = BlockMatrix::new(p.ncols(), links);
+        let mut coarse = CoarseLevel {
+            layout,
+            prolongation,
+            traces,
+            images: Vec::new(),
+            coupled: Vec::new(),
+            factors: SparseLu::new(&matrix)?,
+            matrix,
+            coefficients: vec![0.0; layout.cells * p.ncols()],
+            rest: vec![0.0; layout.len()],
+            p,
+        };
+        coarse.update(sweeps, dt, lambda)?;
+        Ok(coarse)
+    }
+
+    /// The same with the A that `sweeps` have now.
+    ///
+    /// # Errors
+    /// If the coarse matrix is singular.
+    pub fn update(&mut self, sweeps: &FlowPreconditioner, dt: f64, lambda: f64) -> Result<(), LuError> {
+        let (jacobian, t, traces) = (sweeps.jacobian(), sweeps.jacobian().traces.len(), &self.traces);
+        let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
+        self.images = (0..self.layout.cells).into_par_iter().map(image).collect();
         let coupled_image = |link: &Link| {
-            let block = MatRef::from_row_major_slice(coupling_block(jacobian, *link), t, t);
+            let block = MatRef::from_column_major_slice(coupling_block(jacobian, *link), t, t);
             CoupledImage { link: *link, image: faer::Scale(dt) * (block * &traces[link.other_face]) }
         };
-        let coupled: Vec<Vec<CoupledImage>> = links.par_iter().map(|l| l.iter().map(coupled_image).collect()).collect();
-        let mut matrix = BlockMatrix::new(p.ncols(), links);
-        for (cell, (image, coupled)) in images.iter().zip(&coupled).enumerate() {
-            let own = p.transpose() * image;
-            matrix.add(cell, cell, |i, j| own[(i, j)]);
+        self.coupled = sweeps.links().par_iter().map(|links| links.iter().map(coupled_image).collect()).collect();
+        self.assemble();
+        self.factors.factor(&self.matrix)
+    }
+
+    /// P^T B P.
+    fn assemble(&mut self) {
+        self.matrix.clear();
+        for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
+            let own = self.p.transpose() * image;
+            self.matrix.add(cell, cell, |i, j| own[(i, j)]);
             for CoupledImage { link, image } in coupled {
-                let block = traces[link.face].transpose() * image;
-                matrix.add(cell, link.cell, |i, j| block[(i, j)]);
+                let block = self.traces[link.face].transpose() * image;
+                self.matrix.add(cell, link.cell, |i, j| block[(i, j)]);
             }
         }
-        let (coefficients, rest) = (vec![0.0; layout.cells * p.ncols()], vec![0.0; layout.len()]);
-        Ok(CoarseLevel { layout, prolongation, images, coupled, factors: matrix.factor()?, coefficients, rest })
     }
 
     /// z by (two-level).

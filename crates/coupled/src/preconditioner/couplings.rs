@@ -23,6 +23,8 @@ pub struct Step {
 pub struct Couplings {
     panels: Panels,
     blocks: Vec<f32>,
+    /// The link of every block.
+    links: Vec<Link>,
     /// For every position the steps to earlier positions, and those to later ones.
     earlier: Vec<Vec<Step>>,
     later: Vec<Vec<Step>>,
@@ -35,16 +37,22 @@ impl Couplings {
         let panels = Panels { rows: padded(t), columns: t, parts: 1 };
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
-        let mut blocks = vec![0.0; panels.len() * order.len()];
-        blocks.par_chunks_exact_mut(panels.len()).zip(order).for_each(|(block, link)| {
-            let b = coupling_block(jacobian, link);
+        let blocks = vec![0.0; panels.len() * order.len()];
+        let mut couplings = Couplings { panels, blocks, links: order, earlier, later };
+        couplings.update(jacobian);
+        couplings
+    }
+
+    /// The couplings of another `jacobian` along the same links.
+    pub fn update(&mut self, jacobian: &SpaceJacobian) {
+        let (panels, t) = (self.panels, jacobian.traces.len());
+        self.blocks.par_chunks_exact_mut(panels.len()).zip(&self.links).for_each(|(block, link)| {
             let mut column = vec![0.0; t];
-            for j in 0..t {
-                (0..t).for_each(|i| column[i] = b[i * t + j] as f32);
+            for (j, b) in coupling_block(jacobian, *link).chunks_exact(t).enumerate() {
+                column.iter_mut().zip(b).for_each(|(column, b)| *column = *b as f32);
                 panels.put(block, j, 0, &column);
             }
         });
-        Couplings { panels, blocks, earlier, later }
     }
 
     /// The steps at `position` to earlier positions.

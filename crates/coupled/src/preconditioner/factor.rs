@@ -11,12 +11,13 @@ use super::blocks::{Link, coupling_block};
 use super::face_traces::FaceTraces;
 use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
-use super::panel::{ALIGNMENT, Panels, padded};
+use super::panel::{Panels, padded};
+use super::wavefront::wavefront;
 use basis::is_real;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
 use fem::{Pool, SpaceJacobian};
-use rayon::prelude::*;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tensor::Arch;
 
 /// What the factors are made of.
@@ -37,6 +38,8 @@ pub struct Elimination<'a> {
 
 /// What the elimination of a cell subtracts from D of a later one: a matrix in the traces of one of its faces.
 struct Update {
+    /// The positions of the two.
+    from: usize,
     position: usize,
     mode: usize,
     face: usize,
@@ -55,19 +58,19 @@ impl Elimination<'_> {
         let cells = self.links.len();
         let len = inverses.len() / cells;
         let scratch = Pool::new(Vec::new);
-        let mut updates: Vec<Vec<Update>> = (0..cells).map(|_| Vec::new()).collect();
-        let mut start = 0;
-        for &end in &self.ordering.level_ends {
-            let level = inverses[start * len..end * len].par_chunks_exact_mut(len).enumerate();
-            let new: Vec<Vec<Update>> = level
-                .map(|(i, stored)| scratch.with(|block| self.cell(start + i, &updates[start + i], block, stored)))
-                .collect();
-            for update in new.into_iter().flatten() {
-                updates[update.position].push(update);
-            }
-            updates[start..end].iter_mut().for_each(|done| *done = Vec::new());
-            start = end;
-        }
+        let stored: Vec<Mutex<&mut [f32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
+        let updates: Vec<Mutex<Vec<Update>>> = (0..cells).map(|_| Mutex::default()).collect();
+        let needs = |position: usize| {
+            let links = self.links[self.ordering.cells[position]].iter();
+            links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < position)
+        };
+        wavefront(cells, self.ordering.widest_level(), needs, |position| {
+            let mut mine = std::mem::take(&mut *lock(&updates[position]));
+            // As they came, they would be added in an order of chance.
+            mine.sort_by_key(|update| update.from);
+            let new = scratch.with(|block| self.cell(position, &mine, block, &mut lock(&stored[position])));
+            new.into_iter().for_each(|update| lock(&updates[update.position]).push(update));
+        });
     }
 
     /// Stores the inverses of the cell at `position`; returns what it subtracts from later ones.
@@ -98,15 +101,10 @@ impl Elimination<'_> {
         let (rows, stride) = (padded(n), shape.stride());
         block.clear();
         block.resize(shape.len(), 0.0);
-        let a = &self.jacobian.diagonal[cell * n * n..(cell + 1) * n * n];
-        // A is row-major: some rows at a time, so that both sides are read and written in lines.
-        for first in (0..n).step_by(ALIGNMENT) {
-            for (j, column) in block.chunks_exact_mut(stride).enumerate() {
-                (first..n.min(first + ALIGNMENT)).for_each(|i| column[i] = (self.dt * a[i * n + j]) as f32);
-            }
-        }
+        let a = self.jacobian.diagonal[cell * n * n..(cell + 1) * n * n].chunks_exact(n);
         let mass = &self.jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
-        for (j, column) in block.chunks_exact_mut(stride).enumerate() {
+        for (j, (column, a)) in block.chunks_exact_mut(stride).zip(a).enumerate() {
+            column.iter_mut().zip(a).for_each(|(column, a)| *column = (self.dt * a) as f32);
             let (component, m) = (j / nodes * nodes, &mass[j % nodes * nodes..][..nodes]);
             for (part, lambda) in [shift.re, shift.im].into_iter().take(shape.parts).enumerate() {
                 let d = &mut column[part * rows + component..][..nodes];
@@ -126,6 +124,7 @@ impl Elimination<'_> {
                 self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
             };
             new.push(Update {
+                from: position,
                 position: self.ordering.positions[link.cell],
                 mode,
                 face: link.other_face,
@@ -134,10 +133,11 @@ impl Elimination<'_> {
         }
     }
 
-    /// dt^2 times the product of three row-major matrices in traces; column-major.
+    /// dt^2 times the product of three matrices in traces, the inner one row-major; column-major.
     fn product(&self, back: &[f32], inner: &[f32], there: &[f32]) -> Vec<f32> {
         let t = self.jacobian.traces.len();
-        let [back, inner, there] = [back, inner, there].map(|matrix| MatRef::from_row_major_slice(matrix, t, t));
+        let [back, there] = [back, there].map(|matrix| MatRef::from_column_major_slice(matrix, t, t));
+        let inner = MatRef::from_row_major_slice(inner, t, t);
         let (mut half, mut product) = (vec![0.0; t * t], vec![0.0; t * t]);
         let scale = (self.dt * self.dt) as f32;
         let mut half = MatMut::from_column_major_slice_mut(&mut half, t, t);
@@ -146,6 +146,10 @@ impl Elimination<'_> {
         matmul(target, Accum::Replace, half.as_ref(), there, 1.0, Par::Seq);
         product
     }
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn single(matrix: &[f64]) -> Vec<f32> {

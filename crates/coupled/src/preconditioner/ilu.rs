@@ -1,21 +1,18 @@
 //! The preconditioner: modes are separated, swept and joined.
 
 use super::blocks::{Link, links};
-use super::coarse::CoarseLevel;
 use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
 use super::inverse::Shape;
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::padded;
+use super::sweeps::Shared;
 use basis::TemporalModes;
 use faer::c64;
 use fem::{Layout, Pool, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::Arch;
-
-/// Bytes of factors that a task of a sweep reads at least: levels are short, and to share their cells out costs something too.
-const GRAIN: usize = 1 << 16;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
@@ -35,9 +32,8 @@ pub struct FlowPreconditioner {
     pub(super) dt: f64,
     pub(super) arch: Arch,
     pub(super) scratch: Pool<Scratch>,
-    /// Right-hand sides and results, `[position][column][padded row]`.
-    pub(super) panel: Vec<f32>,
-    pub(super) result: Vec<f32>,
+    /// Right-hand sides and results at every position.
+    pub(super) swept: Vec<Shared>,
 }
 
 impl FlowPreconditioner {
@@ -51,44 +47,24 @@ impl FlowPreconditioner {
         damping: f64,
         ordering: Option<Ordering>,
     ) -> Self {
-        let mut preconditioner = Self::unfactored(layout, modes, jacobian, ordering, dt);
-        preconditioner.refactor(dt, damping);
+        let mut preconditioner = Self::unfactored(layout, modes, jacobian, dt, ordering);
+        preconditioner.factor(dt, damping);
         preconditioner
     }
 
-    /// The same of a steady flow, whose one mode has a coarse level too; that is left out where its matrix is singular. `order` nodes
-    /// per direction.
-    pub fn of_steady_flow(
-        layout: Layout,
-        modes: TemporalModes,
-        jacobian: SpaceJacobian,
-        (dt, damping): (f64, f64),
-        ordering: Option<Ordering>,
-        order: usize,
-    ) -> (Self, Option<CoarseLevel>) {
-        let lambda = modes.eigenvalues[0].re + damping;
-        let mut preconditioner = Self::unfactored(layout, modes, jacobian, ordering, dt);
-        let (mut inverses, unfactored) = (Vec::new(), &preconditioner);
-        let factorise = || unfactored.factorise(dt, damping, &mut inverses);
-        let ((), coarse) = rayon::join(factorise, || CoarseLevel::new(unfactored, layout, order, dt, lambda));
-        preconditioner.inverses = inverses;
-        (preconditioner, coarse.ok())
-    }
-
     /// All but the factors.
-    fn unfactored(
+    pub fn unfactored(
         layout: Layout,
         modes: TemporalModes,
         jacobian: SpaceJacobian,
-        ordering: Option<Ordering>,
         dt: f64,
+        ordering: Option<Ordering>,
     ) -> Self {
         let links = links(&jacobian, layout.cells);
         let ordering = ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, dt, modes.mean_shift()));
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
-        let size = layout.cells * columns * rows;
         let room = || vec![0.0; columns * couplings.rows()];
         let scratch = Pool::new(|| Scratch { taken: room(), sent: room() });
         FlowPreconditioner {
@@ -102,18 +78,29 @@ impl FlowPreconditioner {
             dt,
             arch: Arch::new(),
             scratch,
-            panel: vec![0.0; size],
-            result: vec![0.0; size],
+            swept: (0..layout.cells).map(|_| Shared::new(columns * rows)).collect(),
             jacobian,
         }
     }
 
-    /// Factors anew for another slab length or damping, around the same Jacobian.
-    pub fn refactor(&mut self, dt: f64, damping: f64) {
+    /// Puts another Jacobian, which `update` makes of the old one, in its place. Factors are those of the old one still.
+    pub fn replace_jacobian(&mut self, update: impl FnOnce(&mut SpaceJacobian)) {
+        update(&mut self.jacobian);
+        self.couplings.update(&self.jacobian);
+    }
+
+    /// Factors the modes of a slab of length `dt`, damped by `damping` = dt / dtau.
+    pub fn factor(&mut self, dt: f64, damping: f64) {
+        self.factor_beside(dt, damping, |_| ());
+    }
+
+    /// The same while `other` works with the Jacobian, too.
+    pub fn factor_beside<T: Send>(&mut self, dt: f64, damping: f64, other: impl FnOnce(&Self) -> T + Send) -> T {
         self.dt = dt;
         let mut inverses = std::mem::take(&mut self.inverses);
-        self.factorise(dt, damping, &mut inverses);
+        let ((), result) = rayon::join(|| self.factorise(dt, damping, &mut inverses), || other(self));
         self.inverses = inverses;
+        result
     }
 
     fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<f32>) {
@@ -185,27 +172,16 @@ impl FlowPreconditioner {
             return;
         }
         self.split_into_modes(r, 1.0 / scale);
-        self.forward_sweep();
-        self.backward_sweep();
+        self.sweep();
         self.join_modes(scale, z);
-    }
-
-    /// Cells of a level that a thread takes at least.
-    pub(super) fn cells_per_task(&self) -> usize {
-        GRAIN.div_ceil(size_of_val(self.inverses(0)))
-    }
-
-    /// Length of one cell's panel.
-    pub(super) fn panel_len(&self) -> usize {
-        self.modes.forward.rows() * padded(self.jacobian.block)
     }
 
     /// c = (Q^{-1} W^{-1} (x) I) r, scaled so that single precision does not underflow.
     fn split_into_modes(&mut self, r: &[f64], scale: f64) {
-        let (n, len) = (self.jacobian.block, self.panel_len());
+        let n = self.jacobian.block;
         let (layout, forward, cells) = (self.layout, &self.modes.forward, &self.ordering.cells);
-        self.panel.par_chunks_exact_mut(len).zip(cells).with_min_len(16).for_each(|(panel, &cell)| {
-            for (column, panel) in panel.chunks_exact_mut(padded(n)).enumerate() {
+        self.swept.par_iter_mut().zip(cells).with_min_len(16).for_each(|(swept, &cell)| {
+            for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(n)).enumerate() {
                 panel.fill(0.0);
                 for a in 0..layout.time_order {
                     let weight = forward[(column, a)] * scale;
@@ -218,13 +194,13 @@ impl FlowPreconditioner {
 
     /// z = (Q (x) I) c.
     fn join_modes(&self, scale: f64, z: &mut [f64]) {
-        let (n, len) = (self.jacobian.block, self.panel_len());
+        let n = self.jacobian.block;
         let (layout, backward, positions) = (self.layout, &self.modes.backward, &self.ordering.positions);
         z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
-            let panel = &self.result[positions[cell] * len..(positions[cell] + 1) * len];
+            let swept = self.swept[positions[cell]].read();
             for (a, z) in z.chunks_exact_mut(n).enumerate() {
                 z.fill(0.0);
-                for (column, panel) in panel.chunks_exact(padded(n)).enumerate() {
+                for (column, panel) in swept.result.chunks_exact(padded(n)).enumerate() {
                     let weight = backward[(a, column)] * scale;
                     z.iter_mut().zip(panel).for_each(|(z, c)| *z += weight * f64::from(*c));
                 }

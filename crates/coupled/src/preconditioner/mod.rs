@@ -19,6 +19,7 @@ mod ordering;
 mod panel;
 mod sparse_lu;
 mod sweeps;
+mod wavefront;
 
 pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
 pub use ilu::FlowPreconditioner;

@@ -19,6 +19,14 @@ pub struct Ordering {
     pub level_ends: Vec<usize>,
 }
 
+impl Ordering {
+    /// Cells of the widest level: no more of them can be worked on at a time.
+    pub fn widest_level(&self) -> usize {
+        let starts = std::iter::once(0).chain(self.level_ends.iter().copied());
+        starts.zip(&self.level_ends).map(|(start, end)| end - start).max().unwrap_or(0)
+    }
+}
+
 /// The order for lambda M + dt A with one real lambda.
 pub fn minimum_discarded_fill(jacobian: &SpaceJacobian, links: &[Vec<Link>], dt: f64, lambda: f64) -> Ordering {
     let strengths: Vec<Vec<f64>> =
@@ -33,14 +41,13 @@ fn strengths(jacobian: &SpaceJacobian, links: &[Link], cell: usize, dt: f64, lam
     let norm = |link: &Link| {
         let b = coupling_block(jacobian, *link);
         let mut lifted = vec![0.0; n * t];
-        for row in 0..t {
-            let (offset, functional) = jacobian.traces.functional(link.face, row);
-            for &(node, weight) in functional {
-                let target = &mut lifted[(offset + node) * t..(offset + node + 1) * t];
-                target.iter_mut().zip(&b[row * t..]).for_each(|(l, b)| *l += dt * weight * b);
+        for (lifted, b) in lifted.chunks_exact_mut(n).zip(b.chunks_exact(t)) {
+            for (row, b) in b.iter().enumerate() {
+                let (offset, functional) = jacobian.traces.functional(link.face, row);
+                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += dt * weight * b);
             }
         }
-        let lifted = faer::MatRef::from_row_major_slice(&lifted, n, t);
+        let lifted = faer::MatRef::from_column_major_slice(&lifted, n, t);
         (&inverse * lifted).norm_l2()
     };
     links.iter().map(norm).collect()

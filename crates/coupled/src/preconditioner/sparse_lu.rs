@@ -50,25 +50,18 @@ impl BlockMatrix {
         }
     }
 
-    /// A = P L U Q.
-    ///
-    /// # Errors
-    /// If A is singular, or memory runs out.
-    pub fn factor(&self) -> Result<SparseLu, LuError> {
+    /// Makes it zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
         let n = self.columns.len() - 1;
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);
-        let symbolic = factorize_symbolic_lu(pattern, Default::default())?;
-        let mut numeric = NumericLu::new();
-        let scratch = symbolic.factorize_numeric_lu_scratch::<f64>(SEQUENTIAL, Spec::default());
-        let (mut memory, matrix) = (MemBuffer::new(scratch), SparseColMatRef::new(pattern, &self.values));
-        let stack = MemStack::new(&mut memory);
-        symbolic.factorize_numeric_lu(&mut numeric, matrix, SEQUENTIAL, stack, Spec::default())?;
-        let memory = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, SEQUENTIAL));
-        Ok(SparseLu { symbolic, numeric, memory })
+        SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows)
     }
 }
 
-/// The factors of a [`BlockMatrix`].
+/// The factors of a [`BlockMatrix`], A = P L U Q.
 pub struct SparseLu {
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
@@ -76,6 +69,28 @@ pub struct SparseLu {
 }
 
 impl SparseLu {
+    /// Finds the order of elimination for matrices with the pattern of `matrix`. Nothing is factored.
+    ///
+    /// # Errors
+    /// If memory runs out.
+    pub fn new(matrix: &BlockMatrix) -> Result<Self, LuError> {
+        let symbolic = factorize_symbolic_lu(matrix.pattern(), Default::default())?;
+        let factoring = symbolic.factorize_numeric_lu_scratch::<f64>(SEQUENTIAL, Spec::default());
+        let solving = symbolic.solve_in_place_scratch::<f64>(1, SEQUENTIAL);
+        Ok(SparseLu { symbolic, numeric: NumericLu::new(), memory: MemBuffer::new(factoring.or(solving)) })
+    }
+
+    /// Factors `matrix`, in the memory of what was factored before.
+    ///
+    /// # Errors
+    /// If it is singular, or memory runs out.
+    pub fn factor(&mut self, matrix: &BlockMatrix) -> Result<(), LuError> {
+        let values = SparseColMatRef::new(matrix.pattern(), &matrix.values);
+        let stack = MemStack::new(&mut self.memory);
+        self.symbolic.factorize_numeric_lu(&mut self.numeric, values, SEQUENTIAL, stack, Spec::default())?;
+        Ok(())
+    }
+
     /// x = A^{-1} x.
     pub fn solve(&mut self, x: &mut [f64]) {
         let x = MatMut::from_column_major_slice_mut(x, x.len(), 1);

@@ -3,59 +3,83 @@
 use super::couplings::Step;
 use super::ilu::{FlowPreconditioner, Scratch};
 use super::panel::{Multiply, MultiplyComplex, padded};
-use rayon::prelude::*;
+use super::wavefront::wavefront;
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+
+/// What the sweeps keep of a cell, `[column][padded row]`.
+pub(super) struct Swept {
+    /// The right-hand side c.
+    pub(super) right_side: Vec<f32>,
+    /// z, and then x.
+    pub(super) result: Vec<f32>,
+}
+
+/// [`Swept`] of one cell. Threads never meet here: each writes its own cell, and reads cells that are done.
+pub(super) struct Shared(RwLock<Swept>);
+
+impl Shared {
+    /// Room for `len` numbers.
+    pub(super) fn new(len: usize) -> Self {
+        Shared(RwLock::new(Swept { right_side: vec![0.0; len], result: vec![0.0; len] }))
+    }
+    pub(super) fn get(&mut self) -> &mut Swept {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+    pub(super) fn read(&self) -> RwLockReadGuard<'_, Swept> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+    fn write(&self) -> RwLockWriteGuard<'_, Swept> {
+        self.0.write().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 impl FlowPreconditioner {
-    /// z_i = D_i^{-1} (c_i - sum_{k before i} dt A_ik z_k), level by level.
-    pub(super) fn forward_sweep(&mut self) {
-        let (len, grain) = (self.panel_len(), self.cells_per_task());
-        let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
-        let mut start = 0;
-        for &end in &self.ordering.level_ends {
-            let (done, rest) = result.split_at_mut(start * len);
-            let rows = rest[..(end - start) * len]
-                .par_chunks_exact_mut(len)
-                .zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(grain).for_each(|(i, (z, c))| {
-                let position = start + i;
-                self.subtract(self.couplings.earlier(position), done, 0, c);
-                z.fill(0.0);
-                self.add_inverse(position, c, z);
-            });
-            start = end;
-        }
-        (self.panel, self.result) = (panel, result);
+    /// The forward sweep, position by position, and the backward sweep, from the last position to the first.
+    pub(super) fn sweep(&self) {
+        let cells = self.swept.len();
+        // Number k is position k of the forward sweep, or position 2 `cells` - 1 - k of the backward sweep.
+        let number_back = |position: usize| 2 * cells - 1 - position;
+        let needs = |k: usize| {
+            let forward = k < cells;
+            let steps = if forward { self.couplings.earlier(k) } else { self.couplings.later(number_back(k)) };
+            let neighbours = steps.iter().map(|step| step.neighbour);
+            let own = (!forward).then(|| number_back(k));
+            neighbours.map(move |neighbour| if forward { neighbour } else { number_back(neighbour) }).chain(own)
+        };
+        wavefront(2 * cells, self.ordering.widest_level(), needs, |k| {
+            if k < cells { self.eliminate(k) } else { self.substitute(number_back(k)) }
+        });
     }
 
-    /// x_i = z_i - D_i^{-1} sum_{k after i} dt A_ik x_k, from the last level to the first.
-    pub(super) fn backward_sweep(&mut self) {
-        let (len, grain) = (self.panel_len(), self.cells_per_task());
-        let (mut panel, mut result) = (std::mem::take(&mut self.panel), std::mem::take(&mut self.result));
-        for (level, &end) in self.ordering.level_ends.iter().enumerate().rev() {
-            let start = if level == 0 { 0 } else { self.ordering.level_ends[level - 1] };
-            let (before, done) = result.split_at_mut(end * len);
-            let rows =
-                before[start * len..].par_chunks_exact_mut(len).zip(panel[start * len..].par_chunks_exact_mut(len));
-            rows.enumerate().with_min_len(grain).for_each(|(i, (x, c))| {
-                let steps = self.couplings.later(start + i);
-                if !steps.is_empty() {
-                    c.fill(0.0);
-                    self.subtract(steps, done, end, c);
-                    self.add_inverse(start + i, c, x);
-                }
-            });
-        }
-        (self.panel, self.result) = (panel, result);
+    /// z_i = D_i^{-1} (c_i - sum_{k before i} dt A_ik z_k).
+    fn eliminate(&self, position: usize) {
+        let mut here = self.swept[position].write();
+        let Swept { right_side, result } = &mut *here;
+        self.subtract(self.couplings.earlier(position), right_side);
+        result.fill(0.0);
+        self.add_inverse(position, right_side, result);
     }
 
-    /// c -= sum dt A_ik x_k over the neighbours k of `steps`; `done` holds x from position `first` on.
-    fn subtract(&self, steps: &[Step], done: &[f32], first: usize, c: &mut [f32]) {
-        let (rows, columns, len) = (padded(self.jacobian.block), self.modes.forward.rows(), self.panel_len());
+    /// x_i = z_i - D_i^{-1} sum_{k after i} dt A_ik x_k.
+    fn substitute(&self, position: usize) {
+        let steps = self.couplings.later(position);
+        if !steps.is_empty() {
+            let mut here = self.swept[position].write();
+            let Swept { right_side, result } = &mut *here;
+            right_side.fill(0.0);
+            self.subtract(steps, right_side);
+            self.add_inverse(position, right_side, result);
+        }
+    }
+
+    /// c -= sum dt A_ik x_k over the neighbours k of `steps`.
+    fn subtract(&self, steps: &[Step], c: &mut [f32]) {
+        let (rows, columns) = (padded(self.jacobian.block), self.modes.forward.rows());
         let t = self.couplings.rows();
         self.scratch.with(|Scratch { taken, sent }| {
             for step in steps {
-                let x = &done[(step.neighbour - first) * len..][..len];
-                for (x, taken) in x.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
+                let neighbour = self.swept[step.neighbour].read();
+                for (x, taken) in neighbour.result.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
                     self.faces[step.other_face].take(x, taken);
                 }
                 sent.fill(0.0);

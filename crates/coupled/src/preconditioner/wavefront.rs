@@ -1,0 +1,93 @@
+//! Work on cells that wait for each other: every thread takes the next one in order, and waits for what that needs.
+//!
+//! What others wait for is taken already, and the first of those that are not done waits for nothing: no number of threads, and no
+//! thread that comes late, can make all of them wait. A barrier after each level of cells would cost more than the work on short ones.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// A thread looks at a flag so often before it lets others have its core.
+const SPINS: usize = 1000;
+
+/// Does `work(k)` for all k in 0..`count`, each after those that `needs(k)` names, which are less than k. No more than `width` threads
+/// take part.
+pub fn wavefront<N: IntoIterator<Item = usize>>(
+    count: usize,
+    width: usize,
+    needs: impl Fn(usize) -> N + Sync,
+    work: impl Fn(usize) + Sync,
+) {
+    let next = AtomicUsize::new(0);
+    let flags: Vec<AtomicBool> = (0..count).map(|_| AtomicBool::new(false)).collect();
+    let take_part = || {
+        let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+        for k in numbers.take_while(|k| *k < count) {
+            let _done = Done(&flags[k]);
+            needs(k).into_iter().for_each(|other| wait_for(&flags[other]));
+            work(k);
+        }
+    };
+    let threads = rayon::current_num_threads().min(width);
+    if threads < 2 {
+        return take_part();
+    }
+    rayon::scope(|scope| {
+        (1..threads).for_each(|_| scope.spawn(|_| take_part()));
+        take_part();
+    });
+}
+
+/// Raises a flag at the end of the work, even of work that panics: nobody is to wait for ever.
+struct Done<'a>(&'a AtomicBool);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+fn wait_for(flag: &AtomicBool) {
+    let mut spins = 0;
+    while !flag.load(Ordering::Acquire) {
+        spins += 1;
+        if spins % SPINS == 0 { std::thread::yield_now() } else { std::hint::spin_loop() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// Every number needs some smaller ones.
+    fn needs(k: usize) -> impl Iterator<Item = usize> {
+        [1, 3, 7].into_iter().filter_map(move |back| k.checked_sub(back))
+    }
+
+    #[test]
+    fn all_is_done_once_and_after_what_it_needs() {
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let log = Mutex::new(Vec::new());
+            pool.install(|| wavefront(200, 4, needs, |k| log.lock().expect("no work panics").push(k)));
+            let log = log.into_inner().expect("no work panics");
+            let place = |k: usize| log.iter().position(|&other| other == k).expect("all are done");
+            assert_eq!(log.len(), 200);
+            assert!((0..200).all(|k| needs(k).all(|before| place(before) < place(k))), "{threads} threads");
+        }
+    }
+
+    /// Two at a time in one pool: threads that wait in one may be those that the other is to be done by.
+    #[test]
+    fn several_share_a_pool() {
+        let sum = AtomicUsize::new(0);
+        let one = || wavefront(500, 4, needs, |k| drop(sum.fetch_add(k, Ordering::Relaxed)));
+        rayon::join(|| rayon::join(one, one), || rayon::join(one, one));
+        assert_eq!(sum.into_inner(), 4 * 499 * 500 / 2);
+    }
+
+    #[test]
+    fn work_that_panics_does_not_make_others_wait() {
+        let broken = || wavefront(50, 4, needs, |k| assert!(k != 20, "broken"));
+        assert!(std::panic::catch_unwind(broken).is_err());
+    }
+}
