@@ -93,22 +93,25 @@ fn strip<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     for h in 1..H {
         rows[h] = matrix.row(first + h);
     }
-    let whole = count - count % B;
+    // Tiles of equal width: the sums of a narrow one would wait for each other.
+    let tiles = count.div_ceil(B);
     for block in 0..blocks {
         let input = &input[block * matrix.cols() * count..][..matrix.cols() * count];
         let output = &mut output[block * matrix.rows() * count..][..matrix.rows() * count];
-        for line in (0..whole).step_by(B) {
-            tile::<S, IN_LINE, H, B>(simd, lines, &rows, [first, line], input, output);
+        let mut line = 0;
+        for tile in 0..tiles {
+            let width = (count - line).div_ceil(tiles - tile);
+            macro_rules! of_width {
+                ($($width:literal)*) => {
+                    match width {
+                        $($width => self::tile::<S, IN_LINE, H, $width>(simd, lines, &rows, [first, line], input, output),)*
+                        _ => self::tile::<S, IN_LINE, H, B>(simd, lines, &rows, [first, line], input, output),
+                    }
+                };
+            }
+            of_width!(1 2 3 4 5 6 7);
+            line += width;
         }
-        macro_rules! rest {
-            ($($width:literal)*) => {
-                match count - whole {
-                    $($width => tile::<S, IN_LINE, H, $width>(simd, lines, &rows, [first, whole], input, output),)*
-                    _ => (),
-                }
-            };
-        }
-        rest!(1 2 3 4 5 6 7);
     }
 }
 
