@@ -6,7 +6,6 @@
 use crate::preconditioner::{CoarseLevel, FlowPreconditioner, Ordering};
 use crate::wear::{FREEZING, FrozenInSlab};
 use basis::TemporalModes;
-use faer::sparse::linalg::LuError;
 use fem::SlabOperator;
 
 /// A slab length, or a damping, that differs by this part needs new factors.
@@ -202,7 +201,7 @@ impl FrozenFlow {
         if self.steady && damping == 0.0 {
             let old = self.coarse.take();
             let coarse = |sweeps: &FlowPreconditioner| coarse_level(old, sweeps, flow, dt);
-            self.coarse = preconditioner.factor_beside(dt, damping, coarse).ok();
+            self.coarse = preconditioner.factor_beside(dt, damping, coarse);
         } else {
             self.coarse = None;
             preconditioner.factor(dt, damping);
@@ -211,16 +210,16 @@ impl FrozenFlow {
     }
 }
 
-/// The coarse level of an undamped steady flow, in the memory of an `old` one.
+/// The coarse level of an undamped steady flow, in the memory of an `old` one; None where its matrix is singular, or too large.
 fn coarse_level<const D: usize, const M: usize>(
     old: Option<CoarseLevel>,
     sweeps: &FlowPreconditioner,
     flow: &SlabOperator<D, M>,
     dt: f64,
-) -> Result<CoarseLevel, LuError> {
+) -> Option<CoarseLevel> {
     let lambda = TemporalModes::new(&flow.tables.time).eigenvalues[0].re;
     match old {
-        Some(mut coarse) => coarse.update(sweeps, dt, lambda).map(|()| coarse),
-        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow, dt, lambda),
+        Some(coarse) => coarse.updated(sweeps, dt, lambda),
+        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow, dt, lambda).ok().flatten(),
     }
 }

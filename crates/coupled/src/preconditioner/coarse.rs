@@ -12,7 +12,7 @@ use super::blocks::{Link, coupling_block, diagonal_block};
 use super::ilu::FlowPreconditioner;
 use super::sparse_lu::{BlockMatrix, SparseLu};
 use basis::{Lagrange, Matrix};
-use faer::sparse::linalg::LuError;
+use faer::sparse::FaerError;
 use faer::{Mat, MatRef};
 use fem::{Layout, TraceSpace};
 use rayon::prelude::*;
@@ -68,14 +68,14 @@ impl CoarseLevel {
     /// The coarse level of lambda M + dt A, with the A of `sweeps`, which have one mode; `order` nodes per direction.
     ///
     /// # Errors
-    /// If the coarse matrix is singular.
+    /// If memory runs out.
     pub fn new(
         sweeps: &FlowPreconditioner,
         layout: Layout,
         order: usize,
         dt: f64,
         lambda: f64,
-    ) -> Result<Self, LuError> {
+    ) -> Result<Option<Self>, FaerError> {
         let (jacobian, links) = (sweeps.jacobian(), sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);
@@ -84,7 +84,7 @@ impl CoarseLevel {
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
         let matrix = BlockMatrix::new(p.ncols(), links);
-        let mut coarse = CoarseLevel {
+        let coarse = CoarseLevel {
             layout,
             prolongation,
             traces,
@@ -96,15 +96,11 @@ impl CoarseLevel {
             rest: vec![0.0; layout.len()],
             p,
         };
-        coarse.update(sweeps, dt, lambda)?;
-        Ok(coarse)
+        Ok(coarse.updated(sweeps, dt, lambda))
     }
 
-    /// The same with the A that `sweeps` have now.
-    ///
-    /// # Errors
-    /// If the coarse matrix is singular.
-    pub fn update(&mut self, sweeps: &FlowPreconditioner, dt: f64, lambda: f64) -> Result<(), LuError> {
+    /// The same with the A that `sweeps` have now; None if the coarse matrix is singular.
+    pub fn updated(mut self, sweeps: &FlowPreconditioner, dt: f64, lambda: f64) -> Option<Self> {
         let (jacobian, t, traces) = (sweeps.jacobian(), sweeps.jacobian().traces.len(), &self.traces);
         let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
         self.images = (0..self.layout.cells).into_par_iter().map(image).collect();
@@ -114,7 +110,7 @@ impl CoarseLevel {
         };
         self.coupled = sweeps.links().par_iter().map(|links| links.iter().map(coupled_image).collect()).collect();
         self.assemble();
-        self.factors.factor(&self.matrix)
+        self.factors.factor(&self.matrix).then_some(self)
     }
 
     /// P^T B P.
@@ -122,10 +118,10 @@ impl CoarseLevel {
         self.matrix.clear();
         for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
             let own = self.p.transpose() * image;
-            self.matrix.add(cell, cell, |i, j| own[(i, j)]);
+            self.matrix.add(cell, cell, &own);
             for CoupledImage { link, image } in coupled {
                 let block = self.traces[link.face].transpose() * image;
-                self.matrix.add(cell, link.cell, |i, j| block[(i, j)]);
+                self.matrix.add(cell, link.cell, &block);
             }
         }
     }

@@ -13,6 +13,7 @@ mod coarse;
 mod couplings;
 mod face_traces;
 mod factor;
+mod fronts;
 mod ilu;
 mod inverse;
 mod ordering;

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn several_share_a_pool() {
         let sum = AtomicUsize::new(0);
-        let one = || wavefront(500, 4, needs, |k| drop(sum.fetch_add(k, Ordering::Relaxed)));
+        let one = || wavefront(500, 4, needs, |k| _ = sum.fetch_add(k, Ordering::Relaxed));
         rayon::join(|| rayon::join(one, one), || rayon::join(one, one));
         assert_eq!(sum.into_inner(), 4 * 499 * 500 / 2);
     }

@@ -1,5 +1,6 @@
 //! Checks that several sections of a case need. Every method names the key that an error points at.
 
+use super::choices::choices;
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
@@ -229,14 +230,13 @@ impl<'a> Checker<'a> {
         boundaries: &[String],
     ) -> Checked<Vec<(Key, &'b T)>> {
         self.known_boundaries(key, given, boundaries)?;
-        let entry = |boundary: &String| {
-            let missing = || self.error(key, Cause::NoCondition { name: boundary.clone(), kind });
-            given
-                .get(name_of(given, boundary))
-                .map(|value| (key.child(name_of(given, boundary)), value))
-                .ok_or_else(missing)
-        };
-        boundaries.iter().map(entry).collect()
+        let entry = |boundary: &String| given.get_key_value(name_of(given, boundary));
+        let names: Vec<String> = boundaries.iter().filter(|boundary| entry(boundary).is_none()).cloned().collect();
+        if !names.is_empty() {
+            let choices = choices(&key.child("others"));
+            return Err(self.error(key, Cause::NoCondition { names, kind, choices }));
+        }
+        Ok(boundaries.iter().filter_map(entry).map(|(name, value)| (key.child(name), value)).collect())
     }
 
     /// The same where boundaries need no entry.

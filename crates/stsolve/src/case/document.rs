@@ -1,6 +1,7 @@
 //! The TOML document of a case, every key and value with its place.
 
 use super::brackets;
+use super::choices::choices;
 use super::error::{CaseError, Cause, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
 use serde::de::DeserializeOwned;
@@ -151,7 +152,7 @@ impl Document {
         }
         let Found { value, names, .. } = self.find(&key);
         let value = value.map(|span| self.excerpt(&span));
-        let cause = Cause::from_serde(error.message(), value.as_deref(), &names);
+        let cause = Cause::from_serde(error.message(), value.as_deref(), &names, &choices(&key));
         Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
     }
 

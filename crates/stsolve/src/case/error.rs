@@ -89,12 +89,14 @@ pub enum Cause {
         dimension: usize,
     },
     /// A boundary of the mesh without a condition.
-    #[error("boundary `{name}` of the mesh has no {kind}")]
+    #[error("{}", without(.names, .kind))]
     NoCondition {
-        /// The boundary.
-        name: String,
-        /// What it lacks: a condition of the flow, a motion.
+        /// The boundaries.
+        names: Vec<String>,
+        /// What they lack: a condition of the flow, a motion.
         kind: &'static str,
+        /// Some that there are.
+        choices: Vec<String>,
     },
     /// A key that is needed because of another one, or keys that exclude each other.
     #[error("{problem}")]
@@ -176,7 +178,8 @@ impl CaseError {
 impl Cause {
     /// The cause of a `message` of serde about `value`, or about a table with these `names`. Of an unknown name, the message
     /// lists what is known, all between backticks.
-    pub(super) fn from_serde(message: &str, value: Option<&str>, names: &[String]) -> Self {
+    /// `choices` are those of the schema.
+    pub(super) fn from_serde(message: &str, value: Option<&str>, names: &[String], choices: &[String]) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
@@ -195,7 +198,10 @@ impl Cause {
                 let found =
                     if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
                 let problem = format!("one choice is needed here, and only one: {found}");
-                Cause::Combination { problem, accepted: "a table with a single key, the choice".to_owned() }
+                Cause::Combination {
+                    problem,
+                    accepted: format!("a table with a single key, the choice: {}", quoted(choices)),
+                }
             }
             None if message.ends_with("value was too large") => Cause::OutOfRange {
                 quantity: "the whole number".to_owned(),
@@ -214,8 +220,10 @@ impl Cause {
                 Some(accepted.clone())
             }
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
-            Cause::NoCondition { name, .. } => Some(format!(
-                "a key `{name}` in this table, or `others` for all boundaries that are not named; none where the mesh is `periodic`"
+            Cause::NoCondition { names, choices, .. } => Some(format!(
+                "a key {} in this table, or `others` for all boundaries that are not named: {}; none where the mesh is `periodic`",
+                quoted(names),
+                quoted(choices)
             )),
             Cause::Mesh(mesh::MeshError::Inverted { .. }) => {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
@@ -250,6 +258,12 @@ fn plain_type(expected: &str) -> String {
         _ if expected.starts_with("string or table") => "a name in quotes, or a table".to_owned(),
         _ => expected.to_owned(),
     }
+}
+
+/// What boundaries lack, as a sentence.
+fn without(names: &[String], kind: &str) -> String {
+    let (boundaries, have) = if names.len() == 1 { ("boundary", "has") } else { ("boundaries", "have") };
+    format!("{boundaries} {} of the mesh {have} no {kind}", quoted(names))
 }
 
 /// `a`, `b`, `c`

@@ -21,6 +21,7 @@ mod boundary_motion;
 mod brackets;
 mod checked;
 mod checker;
+mod choices;
 mod continuation;
 mod document;
 mod error;

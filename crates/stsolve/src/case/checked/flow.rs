@@ -62,6 +62,10 @@ pub(super) fn check<const D: usize>(
         state.as_ref().map(|state| states::check::<D>(checker, &key.child(name), state, gas)).transpose()
     };
     let (exact, initial) = (state("exact", &raw.exact)?, state("initial", &raw.initial)?);
+    let Some(start_state) = initial.as_ref().or(exact.as_ref()).map(|typical| typical.state.clone()) else {
+        let accepted = "a key `initial`, or `exact` from which it is taken";
+        return Err(checker.combination(&key, "there is no initial state", accepted));
+    };
     let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
     let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
     let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
@@ -70,14 +74,7 @@ pub(super) fn check<const D: usize>(
     if initial.is_none() && exact.is_some() {
         checker.note_default(&key.child("initial"), "flow.exact");
     }
-    let Some(initial) = initial.map(|typical| typical.state).or_else(|| exact.clone()) else {
-        return Err(checker.combination(
-            &key,
-            "there is no initial state",
-            "a key `initial`, or `exact` from which it is taken",
-        ));
-    };
-    check_initial(checker, &key, &initial, mesh, start)?;
+    check_initial(checker, &key, &start_state, mesh, start)?;
     if raw.source.is_some() && exact.is_none() {
         let problem = "a manufactured source needs a solution to be made for";
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
@@ -94,7 +91,7 @@ pub(super) fn check<const D: usize>(
         reference_speed,
         reference_length,
         quadrature,
-        initial,
+        initial: start_state,
         uniform_velocity,
         exact,
         manufactured,

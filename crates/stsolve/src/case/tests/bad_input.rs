@@ -45,8 +45,8 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "left = { adiabatic_wall = { slide = [1] } }",
         &["adiabatic_wall.slide = [1]`", "2 entries"],
     ),
-    ("others = {", "", &["`flow.boundary`", "boundary `right` of the mesh has no flow condition", "`others`"]),
-    ("others = \"fixed\"", "", &["`motion.boundary`", "boundary `right` of the mesh has no motion"]),
+    ("others = {", "", &["`flow.boundary`", "boundaries `right`, ", "of the mesh have no flow condition", "`others`"]),
+    ("others = \"fixed\"", "", &["`motion.boundary`", "boundaries `right`, ", "of the mesh have no motion"]),
     ("elasticity =", "elasticity = { poisson_ratio = 0.5 }", &["`motion.elasticity.poisson_ratio = 0.5`", "below 0.5"]),
     (
         "elasticity =",
@@ -248,6 +248,18 @@ fn two_choices_are_named() {
     for (text, option) in [(text.as_str(), "mesh.generate.disk={}"), (BASE, "mesh.generate={box={},disk={}}")] {
         let message = check_text(text, &[option]).unwrap_err().to_string();
         let parts = ["mesh.generate", "one choice is needed here", "there are `box`, `disk`"];
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}
+
+/// Who does not know the choices is told.
+#[test]
+fn choices_are_listed_where_none_is_made() {
+    let none = check_text(&BASE.replace("generate.box = {", "generate = {}\n#"), &[]).unwrap_err().to_string();
+    let no_motion = check_text(&BASE.replace("others = \"fixed\"", ""), &[]).unwrap_err().to_string();
+    for (message, parts) in
+        [(none, ["there is none", "`box`", "`airfoil`"]), (no_motion, ["`others`", "`fixed`", "`rigid`"])]
+    {
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
 }
