@@ -3,7 +3,7 @@
 use super::flow::{DT, Flow};
 use super::subject::{Build, Size, Subject, Work, bytes};
 use basis::TemporalModes;
-use coupled::preconditioner::{FlowPreconditioner, Ordering};
+use coupled::preconditioner::FlowPreconditioner;
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
 /// Bytes of the blocks of A that are set up, at most: the factors take about as much again.
@@ -19,11 +19,11 @@ pub(super) struct Preconditioned<const D: usize, const M: usize> {
     out: Vec<f64>,
 }
 
-/// The blocks and their factors. A run finds the order of elimination once and gives it to all further set-ups.
-fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>, ordering: Option<Ordering>) -> FlowPreconditioner {
+/// The blocks and their factors.
+fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>) -> FlowPreconditioner {
     let operator = &flow.operator;
     let modes = TemporalModes::new(&operator.tables.time);
-    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, ordering)
+    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, None)
 }
 
 impl<const D: usize, const M: usize> Build for Preconditioned<D, M>
@@ -36,7 +36,7 @@ where
         let wanted = size.even_cells(96, 12);
         let Some(cells) = (2..=wanted).rev().find(fits).filter(|_| block <= LARGEST_BLOCK) else { return Ok(None) };
         let flow = Flow::<D, M>::on(cells, size)?;
-        let (preconditioner, out) = (set_up(&flow, None), vec![0.0; flow.state.len()]);
+        let (preconditioner, out) = (set_up(&flow), vec![0.0; flow.state.len()]);
         Ok(Some(Preconditioned { flow, preconditioner, out }))
     }
 }
@@ -54,7 +54,11 @@ impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
 
     fn run(&mut self, number: usize) {
         match number {
-            0 => self.preconditioner = set_up(&self.flow, Some(self.preconditioner.ordering().clone())),
+            // As a run does again and again: in the order of elimination and the memory of the first time.
+            0 => {
+                self.preconditioner.replace_jacobian(|a| self.flow.operator.update_space_jacobian(0.5, a));
+                self.preconditioner.factor(DT, 0.0);
+            }
             _ => self.preconditioner.apply(&self.flow.state, &mut self.out),
         }
     }

@@ -18,9 +18,9 @@ const VECTORS: usize = 26;
 /// to neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
 
-/// Numbers in factors and working space of the coarse level of a steady flow, over b^2 n log2 n for n cells of b coarse unknowns: 27 to 29 on
-/// the meshes of the shipped airfoils and cylinders.
-const COARSE_FILL: f64 = 28.0;
+/// Numbers in factors and working space of the coarse level of a steady flow, over b^2 n log2 n for n cells of b coarse unknowns: 6 to 11 on
+/// airfoils and cylinders of 250 to 3600 cells.
+const COARSE_FILL: f64 = 9.5;
 
 /// Bytes of the parts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
