@@ -175,6 +175,8 @@ impl FrozenFlow {
         flow.begin_slab(start, dt, &vec![0.0; flow.layout.at_one_time().len()], &frozen.bottom);
         flow.set_mesh(&frozen.velocities);
         flow.linearise(&frozen.state);
+        // One that is there may have another order of elimination.
+        self.preconditioner = None;
         self.build(flow, frozen.built_for, Some(frozen.ordering.clone()));
         self.frozen = Some(frozen);
     }
