@@ -270,7 +270,7 @@ def main():
 
 Made by `scripts/airfoil_study.py`. I is the vertical impulse of the fluid on the airfoil, W its work, chord, density and speed 1. Newton
 steps and Krylov iterations are means over the slabs; seconds are those of the whole run on two cores, steady start included. Nodes are those of
-the flow in space. {arguments.note}
+the flow in space.{' ' if arguments.note else ''}{arguments.note}
 """
     print("\n".join([introduction, *sections]), end="")
 

@@ -9,7 +9,7 @@
 //! in the mean. That mean falls as long as the next excess is less than it; a frozen Jacobian ages faster and faster, so that the next
 //! excess is taken to be twice the last.
 
-/// B: 20 to 27 iterations on a heaving airfoil at N_s = 4 to 6 and N_t = 3.
+/// B: 15 to 27 iterations on a heaving airfoil at N_s = 4 to 8 and N_t = 3.
 pub const FREEZING: usize = 20;
 
 /// Where a Jacobian did not last for the slab after its own, so many slabs begin with a new one before the next is put to the test.
