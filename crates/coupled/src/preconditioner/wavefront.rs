@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const SPINS: usize = 1000;
 
 /// Does `work(k)` for all k in 0..`count`, each after those that `needs(k)` names, which are less than k. No more than `width` threads
-/// take part.
+/// take part. `work` must not run parallel loops: a thread that waits for one may begin another k, which needs the one that it is at.
 pub fn wavefront<N: IntoIterator<Item = usize>>(
     count: usize,
     width: usize,
