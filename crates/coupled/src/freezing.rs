@@ -202,7 +202,7 @@ impl FrozenFlow {
         // lead to a solution of the discrete equations that no flow has.
         if self.steady && damping == 0.0 {
             let old = self.coarse.take();
-            let coarse = |sweeps: &FlowPreconditioner| coarse_level(old, sweeps, flow, dt);
+            let coarse = |sweeps: &FlowPreconditioner| coarse_level(old, sweeps, flow);
             self.coarse = preconditioner.factor_beside(dt, damping, coarse);
         } else {
             self.coarse = None;
@@ -217,11 +217,9 @@ fn coarse_level<const D: usize, const M: usize>(
     old: Option<CoarseLevel>,
     sweeps: &FlowPreconditioner,
     flow: &SlabOperator<D, M>,
-    dt: f64,
 ) -> Option<CoarseLevel> {
-    let lambda = TemporalModes::new(&flow.tables.time).eigenvalues[0].re;
     match old {
-        Some(coarse) => coarse.updated(sweeps, dt, lambda),
-        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow, dt, lambda).ok().flatten(),
+        Some(coarse) => coarse.updated(sweeps),
+        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow).ok().flatten(),
     }
 }

@@ -46,7 +46,7 @@ where
     let modes = TemporalModes::new(&RadauTime::new(1));
     let mut sweeps = FlowPreconditioner::new(layout, modes, operator.space_jacobian(0.5), dt, 0.0, None);
     let mut coarse =
-        CoarseLevel::new(&sweeps, layout, N, dt, 1.0).expect("memory suffices").expect("the coarse matrix is regular");
+        CoarseLevel::new(&sweeps, layout, N).expect("memory suffices").expect("the coarse matrix is regular");
     let mut found = vec![0.0; z.len()];
     coarse.apply(&mut sweeps, &r, &mut found);
     relative_difference(&found, &z)

@@ -65,17 +65,11 @@ pub struct CoarseLevel {
 }
 
 impl CoarseLevel {
-    /// The coarse level of lambda M + dt A, with the A of `sweeps`, which have one mode; `order` nodes per direction.
+    /// The coarse level of lambda M + dt A, with dt, A and the one mode of `sweeps`, undamped; `order` nodes per direction.
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(
-        sweeps: &FlowPreconditioner,
-        layout: Layout,
-        order: usize,
-        dt: f64,
-        lambda: f64,
-    ) -> Result<Option<Self>, FaerError> {
+    pub fn new(sweeps: &FlowPreconditioner, layout: Layout, order: usize) -> Result<Option<Self>, FaerError> {
         let (jacobian, links) = (sweeps.jacobian(), sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);
@@ -96,11 +90,12 @@ impl CoarseLevel {
             rest: vec![0.0; layout.len()],
             p,
         };
-        Ok(coarse.updated(sweeps, dt, lambda))
+        Ok(coarse.updated(sweeps))
     }
 
-    /// The same with the A that `sweeps` have now; None if the coarse matrix is singular.
-    pub fn updated(mut self, sweeps: &FlowPreconditioner, dt: f64, lambda: f64) -> Option<Self> {
+    /// The same with the dt and the A that `sweeps` have now; None if the coarse matrix is singular.
+    pub fn updated(mut self, sweeps: &FlowPreconditioner) -> Option<Self> {
+        let (dt, lambda) = (sweeps.dt, sweeps.modes.eigenvalues[0].re);
         let (jacobian, t, traces) = (sweeps.jacobian(), sweeps.jacobian().traces.len(), &self.traces);
         let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
         self.images = (0..self.layout.cells).into_par_iter().map(image).collect();

@@ -3,9 +3,10 @@
 //! A row is eliminated when few others are linked to it (approximate minimum degree, Amestoy, Davis & Duff 1996). Rows that change the
 //! same later ones make a front (Duff & Reid 1983); it takes what the fronts before it have left in its rows.
 
+use super::ordering::inverse;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
-use faer::sparse::{FaerError, SymbolicSparseColMat};
+use faer::sparse::{FaerError, Pair, SymbolicSparseColMat};
 use std::ops::Range;
 
 /// Rows that are eliminated together, by their positions in the order of elimination.
@@ -62,9 +63,8 @@ impl Fronts {
 
 fn minimum_degree(neighbours: &[Vec<usize>]) -> Result<Vec<usize>, FaerError> {
     let n = neighbours.len();
-    let links: Vec<_> =
-        neighbours.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |&j| (i, j))).collect();
-    let pairs: Vec<_> = links.iter().map(|&(row, col)| faer::sparse::Pair { row, col }).collect();
+    let pair = |row: usize| neighbours[row].iter().map(move |&col| Pair { row, col });
+    let pairs: Vec<_> = (0..n).flat_map(pair).collect();
     let (pattern, _) =
         SymbolicSparseColMat::<usize>::try_new_from_indices(n, n, &pairs).map_err(|_| FaerError::OutOfMemory)?;
     let (mut order, mut positions) = (vec![0; n], vec![0; n]);
@@ -72,12 +72,6 @@ fn minimum_degree(neighbours: &[Vec<usize>]) -> Result<Vec<usize>, FaerError> {
     let stack = MemStack::new(&mut memory);
     amd::order_maybe_unsorted(&mut order, &mut positions, pattern.as_ref(), amd::Control::default(), stack)?;
     Ok(order)
-}
-
-fn inverse(order: &[usize]) -> Vec<usize> {
-    let mut positions = vec![0; order.len()];
-    order.iter().enumerate().for_each(|(position, &row)| positions[row] = position);
-    positions
 }
 
 /// For every position the later ones that its elimination changes: its neighbours, and those of what was eliminated before it.

@@ -84,10 +84,16 @@ fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
     order
 }
 
+/// The position of each entry of an order.
+pub(super) fn inverse(order: &[usize]) -> Vec<usize> {
+    let mut positions = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(position, &entry)| positions[entry] = position);
+    positions
+}
+
 /// Sorts positions into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
 fn by_level(order: &[usize], links: &[Vec<Link>]) -> Ordering {
-    let mut rank = vec![0; order.len()];
-    order.iter().enumerate().for_each(|(position, &cell)| rank[cell] = position);
+    let rank = inverse(order);
     let mut level = vec![0_usize; order.len()];
     for &cell in order {
         let before = links[cell].iter().filter(|link| rank[link.cell] < rank[cell]);
@@ -95,8 +101,7 @@ fn by_level(order: &[usize], links: &[Vec<Link>]) -> Ordering {
     }
     let mut cells = order.to_vec();
     cells.sort_by_key(|&cell| level[cell]);
-    let mut positions = vec![0; order.len()];
-    cells.iter().enumerate().for_each(|(position, &cell)| positions[cell] = position);
+    let positions = inverse(&cells);
     let levels = level.iter().max().map_or(0, |max| max + 1);
     let level_ends = (0..levels).map(|l| cells.partition_point(|&cell| level[cell] <= l)).collect();
     Ordering { cells, positions, level_ends }

@@ -152,7 +152,7 @@ impl Document {
         }
         let Found { value, names, .. } = self.find(&key);
         let value = value.map(|span| self.excerpt(&span));
-        let cause = Cause::from_serde(error.message(), value.as_deref(), &names, &choices(&key));
+        let cause = Cause::from_serde(error.message(), value.as_deref(), &names, || choices(&key));
         Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
     }
 

@@ -179,7 +179,12 @@ impl Cause {
     /// The cause of a `message` of serde about `value`, or about a table with these `names`. Of an unknown name, the message
     /// lists what is known, all between backticks.
     /// `choices` are those of the schema.
-    pub(super) fn from_serde(message: &str, value: Option<&str>, names: &[String], choices: &[String]) -> Self {
+    pub(super) fn from_serde(
+        message: &str,
+        value: Option<&str>,
+        names: &[String],
+        choices: impl FnOnce() -> Vec<String>,
+    ) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
             if let (true, Some(name)) = (message.starts_with(start), names.next()) {
@@ -200,7 +205,7 @@ impl Cause {
                 let problem = format!("one choice is needed here, and only one: {found}");
                 Cause::Combination {
                     problem,
-                    accepted: format!("a table with a single key, the choice: {}", quoted(choices)),
+                    accepted: format!("a table with a single key, the choice: {}", quoted(&choices())),
                 }
             }
             None if message.ends_with("value was too large") => Cause::OutOfRange {

@@ -245,9 +245,12 @@ fn two_choices_are_named() {
     let text = BASE
         .replace("generate.box = {", "[mesh.generate.box]\n#")
         .replace("[motion]\n", "lower = [0, 0]\nupper = [1, 1]\ncells = [1, 1]\n[motion]\n");
-    for (text, option) in [(text.as_str(), "mesh.generate.disk={}"), (BASE, "mesh.generate={box={},disk={}}")] {
+    for (text, option, place) in [
+        (text.as_str(), "mesh.generate.disk={}", "`mesh.generate`"),
+        (BASE, "mesh.generate={box={},disk={}}", "--set mesh.generate="),
+    ] {
         let message = check_text(text, &[option]).unwrap_err().to_string();
-        let parts = ["mesh.generate", "one choice is needed here", "there are `box`, `disk`"];
+        let parts = [place, "one choice is needed here", "there are `box`, `disk`"];
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
 }

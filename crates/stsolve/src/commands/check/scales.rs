@@ -35,16 +35,15 @@ impl MotionScales {
         let (start, dt) = (case.time.start, (case.time.end - case.time.start) / instants as f64);
         let mut scales = MotionScales::default();
         for (node, x, field) in nodes.iter().step_by(stride) {
-            let at = |instant: f64| field.displacement(*node, x, start + instant * dt);
-            let path: Vec<[f64; D]> = (0..=instants).map(|i| at(i as f64)).collect();
-            let speed_at_start = speed(&at(0.0), &at(MOMENT), MOMENT * dt);
-            scales = scales.larger(&MotionScales { speed_at_start, ..MotionScales::of_path(&path, dt) });
+            let path = |instant: f64| field.displacement(*node, x, start + instant * dt);
+            scales = scales.larger(&MotionScales::of_path(path, instants, dt));
         }
         (scales.amplitude > 0.0).then_some(scales)
     }
 
-    /// What a path, its instants `dt` apart, tells of the run as a whole.
-    fn of_path<const D: usize>(path: &[[f64; D]], dt: f64) -> Self {
+    /// Of a path, the displacement as a function of the number of the instant; these are `dt` apart, the last is number `instants`.
+    fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], instants: usize, dt: f64) -> Self {
+        let path: Vec<[f64; D]> = (0..=instants).map(|i| at(i as f64)).collect();
         let extent = |axis: usize| {
             let along = path.iter().map(|d| d[axis]);
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
@@ -52,7 +51,7 @@ impl MotionScales {
         MotionScales {
             amplitude: 0.5 * (0..D).map(extent).fold(0.0, f64::max),
             speed: path.windows(2).map(|pair| speed(&pair[0], &pair[1], dt)).fold(0.0, f64::max),
-            speed_at_start: 0.0,
+            speed_at_start: speed(&at(0.0), &at(MOMENT), MOMENT * dt),
         }
     }
 
@@ -79,9 +78,9 @@ mod tests {
     #[test]
     fn the_frequency_of_a_harmonic_motion_is_found() {
         let (amplitude, omega, dt) = (0.3, 2.5, 0.01);
-        let path: Vec<[f64; 2]> = (0..600).map(|i| [0.1, amplitude * (omega * f64::from(i) * dt).sin()]).collect();
-        let scales = MotionScales::of_path(&path, dt);
+        let scales = MotionScales::of_path(|i| [0.1, amplitude * (omega * i * dt).sin()], 599, dt);
         assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{scales:?}");
         assert!((scales.frequency() / omega - 1.0).abs() < 1e-3, "{scales:?}");
+        assert!((scales.speed_at_start / (amplitude * omega) - 1.0).abs() < 1e-3, "{scales:?}");
     }
 }
