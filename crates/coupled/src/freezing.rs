@@ -3,7 +3,7 @@
 //! One Jacobian serves many slabs: it is frozen where none is there or where the iterations have grown too much since. In between,
 //! another slab length or pseudo-time needs new factors of its modes only.
 
-use crate::preconditioner::{CoarseLevel, FlowPreconditioner, Ordering};
+use crate::preconditioner::{CoarseLevel, FlowPreconditioner, LinePreconditioner, Ordering};
 use crate::wear::{FREEZING, FrozenInSlab};
 use basis::TemporalModes;
 use fem::SlabOperator;
@@ -39,10 +39,26 @@ pub enum Update {
     Frozen,
 }
 
+/// The preconditioners of the flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Block ILU(0), cells with all their unknowns as blocks: for slabs and flows of any kind.
+    Blocks,
+    /// [`LinePreconditioner`], for short slabs. Steady flows take blocks all the same.
+    Lines,
+}
+
+enum Preconditioner {
+    Blocks(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
+    Lines(LinePreconditioner),
+}
+
 /// The preconditioner of the flow and what it is made of.
 pub struct FrozenFlow {
     /// Set to have the Jacobian frozen at the next update.
     pub stale: bool,
+    /// What kind of preconditioner is made next.
+    pub method: Method,
     /// Whether the flow is steady: its Jacobian is frozen at every update that damps, and else where it has served for as many iterations
     /// as it has cost. It has a coarse level then.
     pub steady: bool,
@@ -51,8 +67,7 @@ pub struct FrozenFlow {
     /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
     applications: usize,
     in_slab: FrozenInSlab,
-    preconditioner: Option<FlowPreconditioner>,
-    coarse: Option<CoarseLevel>,
+    preconditioner: Option<Preconditioner>,
     frozen: Option<Frozen>,
 }
 
@@ -61,12 +76,12 @@ impl Default for FrozenFlow {
     fn default() -> Self {
         FrozenFlow {
             stale: false,
+            method: Method::Blocks,
             steady: false,
             patience: usize::MAX,
             applications: 0,
             in_slab: FrozenInSlab::No,
             preconditioner: None,
-            coarse: None,
             frozen: None,
         }
     }
@@ -92,16 +107,21 @@ impl FrozenFlow {
     /// z = P^{-1} r; r itself as long as there is no preconditioner.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         self.applications += 1;
-        match (&mut self.preconditioner, &mut self.coarse) {
-            (Some(preconditioner), Some(coarse)) => coarse.apply(preconditioner, r, z),
-            (Some(preconditioner), None) => preconditioner.apply(r, z),
-            (None, _) => z.copy_from_slice(r),
+        match &mut self.preconditioner {
+            Some(Preconditioner::Blocks(sweeps, Some(coarse))) => coarse.apply(sweeps, r, z),
+            Some(Preconditioner::Blocks(sweeps, None)) => sweeps.apply(r, z),
+            Some(Preconditioner::Lines(lines)) => lines.apply(r, z),
+            None => z.copy_from_slice(r),
         }
     }
 
     /// Bytes held by the preconditioner.
     pub fn bytes(&self) -> usize {
-        self.preconditioner.as_ref().map_or(0, FlowPreconditioner::bytes)
+        match &self.preconditioner {
+            Some(Preconditioner::Blocks(sweeps, _)) => sweeps.bytes(),
+            Some(Preconditioner::Lines(lines)) => lines.bytes(),
+            None => 0,
+        }
     }
 
     /// What the preconditioner is made of.
@@ -127,7 +147,10 @@ impl FrozenFlow {
                 if !change(frozen.built_for.0, built_for.0) && !change(frozen.built_for.1, built_for.1) {
                     return Update::Kept;
                 }
-                preconditioner.factor(built_for.0, built_for.1);
+                match preconditioner {
+                    Preconditioner::Blocks(sweeps, _) => sweeps.factor(built_for.0, built_for.1),
+                    Preconditioner::Lines(lines) => lines.factor(built_for.0, built_for.1),
+                }
                 frozen.built_for = built_for;
                 Update::Refactored
             }
@@ -153,7 +176,7 @@ impl FrozenFlow {
         built_for: (f64, f64),
     ) {
         let ordering = self.frozen.take().map(|frozen| frozen.ordering);
-        let ordering = self.build(flow, built_for, ordering).ordering().clone();
+        let ordering = self.build(flow, built_for, ordering);
         self.frozen = Some(Frozen {
             interval: flow.interval(),
             bottom: bottom.to_vec(),
@@ -181,34 +204,66 @@ impl FrozenFlow {
         self.frozen = Some(frozen);
     }
 
+    /// Makes the preconditioner of the Jacobian of `flow`; returns its order of elimination, which lines have not.
     fn build<const D: usize, const M: usize>(
+        &mut self,
+        flow: &SlabOperator<D, M>,
+        built_for: (f64, f64),
+        ordering: Option<Ordering>,
+    ) -> Ordering {
+        if self.method == Method::Lines && !self.steady {
+            self.preconditioner = Some(Preconditioner::Lines(lines(self.preconditioner.take(), flow, built_for)));
+            return Ordering::none();
+        }
+        let (sweeps, coarse) = self.blocks(flow, built_for, ordering);
+        let ordering = sweeps.ordering().clone();
+        self.preconditioner = Some(Preconditioner::Blocks(sweeps, coarse));
+        ordering
+    }
+
+    fn blocks<const D: usize, const M: usize>(
         &mut self,
         flow: &SlabOperator<D, M>,
         (dt, damping): (f64, f64),
         ordering: Option<Ordering>,
-    ) -> &FlowPreconditioner {
-        let preconditioner = match self.preconditioner.take() {
-            Some(mut old) => {
+    ) -> (Box<FlowPreconditioner>, Option<Box<CoarseLevel>>) {
+        let (mut sweeps, old) = match self.preconditioner.take() {
+            Some(Preconditioner::Blocks(mut old, coarse)) => {
                 old.replace_jacobian(|jacobian| flow.update_space_jacobian(0.5, jacobian));
-                old
+                (old, coarse)
             }
-            None => {
+            _ => {
                 let modes = TemporalModes::new(&flow.tables.time);
-                FlowPreconditioner::unfactored(flow.layout, modes, flow.space_jacobian(0.5), dt, ordering)
+                let ordering = ordering.filter(|ordering| ordering.cells.len() == flow.layout.cells);
+                let jacobian = flow.space_jacobian(0.5);
+                (Box::new(FlowPreconditioner::unfactored(flow.layout, modes, jacobian, dt, ordering)), None)
             }
         };
-        let preconditioner = self.preconditioner.insert(preconditioner);
         // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to
         // lead to a solution of the discrete equations that no flow has.
-        if self.steady && damping == 0.0 {
-            let old = self.coarse.take();
-            let coarse = |sweeps: &FlowPreconditioner| coarse_level(old, sweeps, flow);
-            self.coarse = preconditioner.factor_beside(dt, damping, coarse);
-        } else {
-            self.coarse = None;
-            preconditioner.factor(dt, damping);
+        if !self.steady || damping != 0.0 {
+            sweeps.factor(dt, damping);
+            return (sweeps, None);
         }
-        preconditioner
+        let coarse = sweeps.factor_beside(dt, damping, |sweeps| coarse_level(old.map(|old| *old), sweeps, flow));
+        (sweeps, coarse.map(Box::new))
+    }
+}
+
+/// The preconditioner by lines, in the memory of an old one if it is such.
+fn lines<const D: usize, const M: usize>(
+    old: Option<Preconditioner>,
+    flow: &SlabOperator<D, M>,
+    (dt, damping): (f64, f64),
+) -> LinePreconditioner {
+    let jacobian = flow.line_jacobian(0.5);
+    match old {
+        Some(Preconditioner::Lines(mut lines)) => {
+            lines.replace_jacobian(jacobian);
+            lines.factor(dt, damping);
+            lines
+        }
+        _ => LinePreconditioner::new(flow.layout, TemporalModes::new(&flow.tables.time), jacobian, dt, damping),
     }
 }
 

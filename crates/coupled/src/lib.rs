@@ -18,7 +18,7 @@ mod transfer;
 mod wear;
 pub mod weights;
 
-pub use freezing::{Frozen, FrozenFlow, Update};
+pub use freezing::{Frozen, FrozenFlow, Method, Update};
 pub use initial::interpolate;
 pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, SlabError, SlabReport, chain};
 pub use mesh_march::{MeshMarch, MeshReport};

@@ -223,9 +223,9 @@ impl<const D: usize, const M: usize> March<D, M> {
         }
         let mut z = v[..self.problem.mesh_len()].to_vec();
         z.extend(self.constant_guess());
-        let references = self.references(&z)?;
+        let (references, norm) = self.references(&z)?;
         if self.settings.predictor != Predictor::Constant {
-            self.improve_guess(&mut z, dt);
+            self.improve_guess(&mut z, norm, dt);
         }
         let settings = &self.settings.newton;
         let solved = match self.settings.jacobian {
@@ -288,20 +288,20 @@ impl<const D: usize, const M: usize> March<D, M> {
         guess
     }
 
-    /// Norms of the residual at the guess: what relative tolerances refer to. For the mesh it is the spacing
-    /// of nodes.
-    fn references(&mut self, z: &[f64]) -> Result<Vec<f64>, Inadmissible> {
+    /// Norms of the residual at the guess: of each field, what relative tolerances refer to (for the mesh it is the spacing of nodes), and
+    /// of all.
+    fn references(&mut self, z: &[f64]) -> Result<(Vec<f64>, f64), Inadmissible> {
         let mut r = vec![0.0; z.len()];
         self.problem.residual(z, &mut r)?;
         let mut norms = self.problem.field_norms(&r);
         if self.problem.mesh_len() > 0 {
             norms[0] = 1.0;
         }
-        Ok(norms)
+        Ok((norms, self.problem.inner_product().norm(&r)))
     }
 
-    /// Replaces the flow's guess by the polynomial of the slab before, if that has the smaller residual.
-    fn improve_guess(&mut self, z: &mut [f64], dt: f64) {
+    /// Replaces the flow's guess, whose residual has the norm `norm`, by the polynomial of the slab before, if that has the smaller one.
+    fn improve_guess(&mut self, z: &mut [f64], norm: f64, dt: f64) {
         let Some(past) = &self.state.past else { return };
         let (layout, range) = (self.problem.flow.layout, self.problem.flow_range());
         let mut candidate = z.to_vec();
@@ -316,11 +316,9 @@ impl<const D: usize, const M: usize> March<D, M> {
                 }
             }
         }
-        let mut norm = |z: &[f64]| -> f64 {
-            let mut r = vec![0.0; z.len()];
-            self.problem.residual(z, &mut r).map_or(f64::INFINITY, |()| self.problem.inner_product().norm(&r))
-        };
-        if norm(&candidate) < norm(z) {
+        let mut r = vec![0.0; z.len()];
+        let admissible = self.problem.residual(&candidate, &mut r).is_ok();
+        if admissible && self.problem.inner_product().norm(&r) < norm {
             z.copy_from_slice(&candidate);
         }
     }

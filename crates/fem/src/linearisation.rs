@@ -7,12 +7,12 @@
 //! All entries are derivatives by duals along unit directions, of the kernels that make the residual.
 
 use crate::batches::{FacetBatch, cells_of};
-use crate::cell::CellContext;
+use crate::cell::{CellContext, SourceAt};
 use crate::gather::gather;
 use crate::kernels::{Along, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
-use crate::scratch::{CellScratch, FacetScratch};
+use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::tables::Instant;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
@@ -57,7 +57,7 @@ pub struct TraceSpace {
 }
 
 impl TraceSpace {
-    fn new(maps: &FaceMaps, faces: usize, components: usize, nodes: usize, viscous: bool) -> Self {
+    pub(crate) fn new(maps: &FaceMaps, faces: usize, components: usize, nodes: usize, viscous: bool) -> Self {
         let functionals: Vec<_> = (0..faces).map(|face| maps.functionals(face, viscous)).collect();
         let kinds = if viscous { 2 } else { 1 };
         TraceSpace { kinds, components, face_nodes: functionals[0].len() / kinds, nodes, functionals }
@@ -110,11 +110,11 @@ impl TraceSpace {
 }
 
 /// What is fixed while blocks are computed.
-struct Frozen {
+pub(crate) struct Frozen {
     instant: Instant,
     rows: Vec<Matrix>,
     state: Vec<f64>,
-    traces: Traces,
+    pub(crate) traces: Traces,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -153,12 +153,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// For each batch of facets, the number of facets before it.
-    fn first_of_batches(&self) -> Vec<usize> {
+    pub(crate) fn first_of_batches(&self) -> Vec<usize> {
         let counts = self.facets.batches.iter().map(|batch| batch.count);
         counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect()
     }
 
-    fn freeze(&self, s: f64) -> Frozen {
+    pub(crate) fn freeze(&self, s: f64) -> Frozen {
         let instant = Instant::of_space(&self.tables.time, s);
         let one = self.layout.at_one_time();
         let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
@@ -198,32 +198,42 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         mass: &mut [f64],
     ) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
-        let cells = cells_of(batch, self.layout.cells);
-        gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
-        let slot = self.mesh.slot_len();
-        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
-        for (lane, cell) in cells.into_iter().enumerate() {
-            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_now[..slot]);
-            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_now[..slot]);
-        }
-        let fill = |_: f64, _: usize, _: &[Pack], data: &mut [Pack]| data.fill(Pack::ZERO); // a source does not depend on the state
-        let (start, dt) = self.interval();
-        let context = CellContext {
-            tables: &self.tables,
-            dt,
-            start,
-            position_rows: &frozen.rows,
-            source: self.problem.source.is_some().then_some(&fill),
-        };
+        self.gather_frozen(batch, frozen, scratch);
         for column in 0..block {
-            scratch.state_now[block..2 * block].fill(Pack::ZERO);
-            scratch.state_now[block + column] = Pack([1.0; WIDTH]);
-            self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
+            self.along_cells(frozen, scratch, |direction| direction[column] = Pack([1.0; WIDTH]));
             write_column(&scratch.flux_now, block, column, diagonal);
             if column < nodes {
                 write_column(&scratch.moments_now, nodes, column, mass);
             }
         }
+    }
+
+    /// Reads state and mesh of a batch of cells.
+    pub(crate) fn gather_frozen(&self, batch: usize, frozen: &Frozen, scratch: &mut CellScratch) {
+        let (block, slot) = (self.layout.time_len(), self.mesh.slot_len());
+        let cells = cells_of(batch, self.layout.cells);
+        gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
+        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
+        for (lane, cell) in cells.into_iter().enumerate() {
+            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_now[..slot]);
+            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_now[..slot]);
+        }
+    }
+
+    /// Runs the cell kernel on a batch that has been gathered, along the direction `[m][node]` that `set` makes of zeros.
+    pub(crate) fn along_cells(&self, frozen: &Frozen, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
+        let (block, (start, dt)) = (self.layout.time_len(), self.interval());
+        let direction = &mut scratch.state_now[block..2 * block];
+        direction.fill(Pack::ZERO);
+        set(direction);
+        let context = CellContext {
+            tables: &self.tables,
+            dt,
+            start,
+            position_rows: &frozen.rows,
+            source: self.problem.source.is_some().then_some(&no_source as SourceAt),
+        };
+        self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
     }
 
     /// The blocks of a batch of facets in traces.
@@ -260,16 +270,36 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         scratch: &mut FacetScratch,
     ) {
         let len = frozen.traces.layout.kind_len();
+        let (kind, number) = traces.split(column[1]);
+        self.along_facets(batch, frozen, scratch, |sides| {
+            sides[column[0]].state[(2 * kind + 1) * len + number] = Pack([1.0; WIDTH]);
+        });
+    }
+
+    /// Runs the facet kernel on a batch that has been gathered, along the direction that `set` makes of zeros: `[kind][b][m][face node]`
+    /// with b = 1 in the state of each side.
+    pub(crate) fn along_facets(
+        &self,
+        batch: &FacetBatch,
+        frozen: &Frozen,
+        scratch: &mut FacetScratch,
+        set: impl FnOnce(&mut [SideScratch; 2]),
+    ) {
+        let len = frozen.traces.layout.kind_len();
         // Of each kind, the values and then the direction.
         for kind in scratch.sides.iter_mut().flat_map(|side| side.state.chunks_exact_mut(2 * len).take(2)) {
             kind[len..].fill(Pack::ZERO);
         }
-        let (kind, number) = traces.split(column[1]);
-        scratch.sides[column[0]].state[(2 * kind + 1) * len + number] = Pack([1.0; WIDTH]);
+        set(&mut scratch.sides);
         let instants = std::slice::from_ref(&frozen.instant);
         let times = Times { instants, position_rows: &frozen.rows, weight: 1.0 };
         self.facet_kernel(Along::State, batch, &times, scratch);
     }
+}
+
+/// A source does not depend on the state.
+fn no_source(_: f64, _: usize, _: &[Pack], data: &mut [Pack]) {
+    data.fill(Pack::ZERO);
 }
 
 /// Blocks of one facet in traces, by columns.

@@ -41,6 +41,15 @@ fn an_elastic_predictor_resumes_after_a_rebuilt_preconditioner() {
     assert_eq!(builds, [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0], "a rebuild before and after the interruption");
 }
 
+/// A preconditioner by directions is made anew now and then as well.
+#[test]
+fn a_preconditioner_by_lines_resumes() {
+    let changes = ["solver.preconditioner=lines"];
+    let directory = assert_interruption_leaves_no_trace(&changes, "2", "2.8");
+    let builds = column(&directory.path().join("1"), "preconditioner_builds");
+    assert!(builds[1..].contains(&1.0) && builds.contains(&0.0), "{builds:?}");
+}
+
 /// Three Newton steps are not always enough here: slabs are halved, each time with a new preconditioner.
 #[test]
 fn an_extrapolating_predictor_resumes_after_halved_slabs() {

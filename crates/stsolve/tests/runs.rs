@@ -111,8 +111,8 @@ fn vortices_are_as_accurate_as_they_say() {
     assert_stated_errors("vortex", [7.4e-5, 1.49e-3, 1.36e-3]);
     assert_stated_errors("vortex_sinusoidal", [3.6e-5, 5.8e-4, 6.1e-4]);
     // A twentieth of the period, at a lower order.
-    let start = ["flow.order=6", "flow.quadrature.points=6", "time.end=1"];
-    assert_errors("vortex_period", &start, [5.5e-4, 2.7e-3, 8.1e-3]);
+    let start = ["flow.order=12", "flow.quadrature.points=12", "time.end=1"];
+    assert_errors("vortex_period", &start, [2.73e-5, 9.44e-5, 3.03e-4]);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 mod boundary_flux;
 mod coarse_level;
 mod large_rotation;
+mod lines;
 mod slab_operator;
 mod top_of_slab;
 mod valid_steps;

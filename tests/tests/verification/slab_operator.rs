@@ -43,7 +43,7 @@ where
     (operator, state)
 }
 
-fn uniform_coefficients<const D: usize, const M: usize>(
+pub(crate) fn uniform_coefficients<const D: usize, const M: usize>(
     operator: &Operator<D, M>,
     state: &[f64; M],
     slots: usize,

@@ -5,6 +5,7 @@ use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
 use super::inverse::Shape;
+use super::modal::{join, split};
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::padded;
 use super::sweeps::Shared;
@@ -178,32 +179,24 @@ impl FlowPreconditioner {
 
     /// c = (Q^{-1} W^{-1} (x) I) r, scaled so that single precision does not underflow.
     fn split_into_modes(&mut self, r: &[f64], scale: f64) {
-        let n = self.jacobian.block;
-        let (layout, forward, cells) = (self.layout, &self.modes.forward, &self.ordering.cells);
+        let (block, layout, modes, cells) = (self.jacobian.block, self.layout, &self.modes, &self.ordering.cells);
         self.swept.par_iter_mut().zip(cells).with_min_len(16).for_each(|(swept, &cell)| {
-            for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(n)).enumerate() {
-                panel.fill(0.0);
-                for a in 0..layout.time_order {
-                    let weight = forward[(column, a)] * scale;
-                    let r = &r[layout.cell_at(cell, a)];
-                    panel.iter_mut().zip(r).for_each(|(c, r)| *c += (weight * r) as f32);
-                }
+            for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(block)).enumerate() {
+                let (c, padding) = panel.split_at_mut(block);
+                split(modes, layout, cell, column, scale, r, c);
+                padding.fill(0.0);
             }
         });
     }
 
     /// z = (Q (x) I) c.
     fn join_modes(&self, scale: f64, z: &mut [f64]) {
-        let n = self.jacobian.block;
-        let (layout, backward, positions) = (self.layout, &self.modes.backward, &self.ordering.positions);
-        z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
-            let swept = self.swept[positions[cell]].read();
-            for (a, z) in z.chunks_exact_mut(n).enumerate() {
-                z.fill(0.0);
-                for (column, panel) in swept.result.chunks_exact(padded(n)).enumerate() {
-                    let weight = backward[(a, column)] * scale;
-                    z.iter_mut().zip(panel).for_each(|(z, c)| *z += weight * f64::from(*c));
-                }
+        let rows = padded(self.jacobian.block);
+        z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
+            z.fill(0.0);
+            let swept = self.swept[self.ordering.positions[cell]].read();
+            for (column, panel) in swept.result.chunks_exact(rows).enumerate() {
+                join(&self.modes, column, scale, panel, z);
             }
         });
     }

@@ -74,7 +74,7 @@ fn take_rows(shape: Shape, start: usize, pivots: &[usize], a: &mut [f32]) -> Vec
 }
 
 /// The columns of `panel` as a real matrix: parts of rows by parts of columns.
-fn as_real(shape: Shape, panel: &[f32]) -> Vec<f32> {
+pub fn as_real(shape: Shape, panel: &[f32]) -> Vec<f32> {
     let (stride, rows) = (shape.stride(), padded(shape.n));
     let count = panel.len() / stride;
     let panels = Panels { rows: stride, columns: shape.parts * count, parts: 1 };

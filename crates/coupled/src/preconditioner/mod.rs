@@ -16,6 +16,8 @@ mod factor;
 mod fronts;
 mod ilu;
 mod inverse;
+mod lines;
+mod modal;
 mod ordering;
 mod panel;
 mod sparse_lu;
@@ -24,5 +26,6 @@ mod wavefront;
 
 pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
 pub use ilu::FlowPreconditioner;
+pub use lines::LinePreconditioner;
 pub use ordering::Ordering;
 pub use panel::padded;

@@ -20,6 +20,11 @@ pub struct Ordering {
 }
 
 impl Ordering {
+    /// That of a preconditioner that eliminates no cell.
+    pub fn none() -> Self {
+        Ordering { cells: Vec::new(), positions: Vec::new(), level_ends: vec![0] }
+    }
+
     /// Cells of the widest level: no more of them can be worked on at a time.
     pub fn widest_level(&self) -> usize {
         let starts = std::iter::once(0).chain(self.level_ends.iter().copied());

@@ -26,7 +26,7 @@ use elastic::Elastic;
 use elastic_solvers::ElasticSolvers;
 use flow::Flow;
 use measurement::{Growth, Measurement, Report};
-use preconditioner::Preconditioned;
+use preconditioner::{ByLines, Preconditioned};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use roofs::Machine;
 pub use subject::Group;
@@ -84,20 +84,25 @@ fn measure(
         (Group::Elasticity, _) => of::<Elastic<3>>(size, pools, arguments),
         (Group::Flow, 2) => of::<Flow<2, 4>>(size, pools, arguments),
         (Group::Flow, _) => of::<Flow<3, 5>>(size, pools, arguments),
-        (Group::Preconditioner, 2) => both::<Preconditioned<2, 4>, ElasticSolvers<2>>(size, pools, arguments),
-        (Group::Preconditioner, _) => both::<Preconditioned<3, 5>, ElasticSolvers<3>>(size, pools, arguments),
+        (Group::Preconditioner, 2) => {
+            three::<Preconditioned<2, 4>, ByLines<2, 4>, ElasticSolvers<2>>(size, pools, arguments)
+        }
+        (Group::Preconditioner, _) => {
+            three::<Preconditioned<3, 5>, ByLines<3, 5>, ElasticSolvers<3>>(size, pools, arguments)
+        }
         (Group::Vectors, _) => of::<Vectors>(size, pools, arguments),
     }
 }
 
-/// The rows of two subjects.
-fn both<A: Build, B: Build>(
+/// The rows of three subjects.
+fn three<A: Build, B: Build, C: Build>(
     size: Size,
     pools: &[ThreadPool; 2],
     arguments: &BenchArguments,
 ) -> Result<Vec<Measurement>, Failure> {
     let mut rows = of::<A>(size, pools, arguments)?;
     rows.extend(of::<B>(size, pools, arguments)?);
+    rows.extend(of::<C>(size, pools, arguments)?);
     Ok(rows)
 }
 

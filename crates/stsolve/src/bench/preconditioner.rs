@@ -1,9 +1,9 @@
-//! Set-up and application of the preconditioner of the flow.
+//! Set-up and application of the preconditioners of the flow.
 
-use super::flow::{DT, Flow};
+use super::flow::{DT, Flow, PLANE_NODES, SPACE_NODES};
 use super::subject::{Build, Size, Subject, Work, bytes};
 use basis::TemporalModes;
-use coupled::preconditioner::FlowPreconditioner;
+use coupled::preconditioner::{FlowPreconditioner, LinePreconditioner};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
 /// Bytes of the blocks of A that are set up, at most: the factors take about as much again.
@@ -60,6 +60,51 @@ impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
                 self.preconditioner.factor(DT, 0.0);
             }
             _ => self.preconditioner.apply(&self.flow.state, &mut self.out),
+        }
+    }
+}
+
+/// An operator with its preconditioner by directions.
+pub(super) struct ByLines<const D: usize, const M: usize> {
+    flow: Flow<D, M>,
+    lines: LinePreconditioner,
+    out: Vec<f64>,
+}
+
+impl<const D: usize, const M: usize> Build for ByLines<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    fn build(size: Size) -> anyhow::Result<Option<Self>> {
+        let flow = Flow::<D, M>::on(size.even_cells(PLANE_NODES, SPACE_NODES), size)?;
+        let (operator, modes) = (&flow.operator, TemporalModes::new(&flow.operator.tables.time));
+        let lines = LinePreconditioner::new(operator.layout, modes, operator.line_jacobian(0.5), DT, 0.0);
+        Ok(Some(ByLines { out: vec![0.0; flow.state.len()], lines, flow }))
+    }
+}
+
+impl<const D: usize, const M: usize> Subject for ByLines<D, M> {
+    fn work(&self) -> Vec<Work> {
+        let state = self.flow.state.len();
+        let (unknowns, held) = (state as f64, self.lines.bytes() as f64);
+        vec![
+            Work { kernel: "lines set-up", unknowns, flops: None, bytes: held },
+            Work {
+                kernel: "lines",
+                unknowns,
+                flops: Some(self.lines.operations() as f64),
+                bytes: bytes(2 * state) + held,
+            },
+        ]
+    }
+
+    fn run(&mut self, number: usize) {
+        match number {
+            0 => {
+                self.lines.replace_jacobian(self.flow.operator.line_jacobian(0.5));
+                self.lines.factor(DT, 0.0);
+            }
+            _ => self.lines.apply(&self.flow.state, &mut self.out),
         }
     }
 }

@@ -1,7 +1,11 @@
 //! From a checked case to the problem of the numerics.
 
-use crate::case::{Case, Flow, Jacobian, Motion, Predictor, State, Stiffness, Structure, Support, Vector};
-use coupled::{BoundaryField, BoundaryMotion, March, MeshMotion, MeshMover, SlabProblem, StructureMarch, Supports};
+use crate::case::{
+    Case, Flow, Jacobian, Motion, Preconditioner, Predictor, State, Stiffness, Structure, Support, Vector,
+};
+use coupled::{
+    BoundaryField, BoundaryMotion, March, MeshMotion, MeshMover, Method, SlabProblem, StructureMarch, Supports,
+};
 use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction, WallDistance,
 };
@@ -134,7 +138,12 @@ where
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    Ok(March::new(SlabProblem::new(operator, mover), u, settings(case)))
+    let mut problem = SlabProblem::new(operator, mover);
+    problem.frozen_flow.method = match case.solver.preconditioner {
+        Preconditioner::Blocks => Method::Blocks,
+        Preconditioner::Lines => Method::Lines,
+    };
+    Ok(March::new(problem, u, settings(case)))
 }
 
 /// The problem of the steady flow of a case, on the mesh at rest.

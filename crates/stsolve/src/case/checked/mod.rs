@@ -12,7 +12,7 @@ mod structure;
 mod tables;
 mod time;
 
-pub use super::raw::{Field, Jacobian, Predictor, PseudoTime, Solver, Steady};
+pub use super::raw::{Field, Jacobian, Preconditioner, Predictor, PseudoTime, Solver, Steady};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};

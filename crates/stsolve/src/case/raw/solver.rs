@@ -22,6 +22,8 @@ pub struct Solver {
     pub krylov_restart: usize,
     /// How the Jacobian acts on a vector.
     pub jacobian: Jacobian,
+    /// What keeps the number of Krylov iterations low.
+    pub preconditioner: Preconditioner,
     /// The first guess of a slab.
     pub predictor: Predictor,
     /// Pseudo-time that damps the first Newton steps of a slab.
@@ -44,6 +46,7 @@ impl Default for Solver {
             krylov_iterations: newton.krylov.max_iterations,
             krylov_restart: newton.krylov.restart,
             jacobian: Jacobian::Exact,
+            preconditioner: Preconditioner::Blocks,
             predictor: Predictor::Elastic,
             pseudo_time: PseudoTime::default(),
             slab_halvings: 6,
@@ -60,6 +63,17 @@ pub enum Jacobian {
     Exact,
     /// By differences of residuals; for comparison.
     FiniteDifference,
+}
+
+/// What keeps the number of Krylov iterations low.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preconditioner {
+    /// Block ILU(0), cells with all their unknowns as blocks: for slabs, flows and meshes of any kind.
+    Blocks,
+    /// Every cell alone, one direction after the other: costs next to nothing at any order, in memory either, and serves slabs so short that
+    /// the gas crosses no more than about a cell. Not for steady flows, which keep to blocks.
+    Lines,
 }
 
 /// The first guess of a slab.

@@ -2,7 +2,7 @@
 
 use super::Facts;
 use super::measured::TYPICAL_ITERATIONS;
-use crate::case::Flow;
+use crate::case::{Flow, Preconditioner};
 use crate::run::elasticity_plan;
 use coupled::preconditioner::{coarse_functions_per_direction, padded};
 use navier_stokes::Viscosity;
@@ -47,15 +47,16 @@ impl Memory {
         let vector = 8 * (flow + case.mesh_unknowns().unwrap_or(0));
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
         let vectors = vector * (VECTORS + krylov_vectors(restart.min(TYPICAL_ITERATIONS)));
-        let (time_order, jacobian) = (case.time.order, jacobian(facts));
+        let (time_order, blocks) = (case.time.order, jacobian(facts));
+        let (jacobian, factors_of_slab) = match case.solver.preconditioner {
+            Preconditioner::Blocks => (blocks, factors(facts, time_order)),
+            Preconditioner::Lines => lines(facts, time_order),
+        };
         Memory {
             jacobian,
-            factors: factors(facts, time_order),
+            factors: factors_of_slab,
             vectors,
-            steady: case
-                .solver
-                .steady
-                .map(|_| jacobian + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
+            steady: case.solver.steady.map(|_| blocks + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
             most_krylov: vector * krylov_vectors(restart),
             mesh: elasticity_plan(case).map_or(0, |plan| plan.bytes),
         }
@@ -108,6 +109,15 @@ fn factors<const D: usize>(facts: &Facts<'_, D>, time_order: usize) -> usize {
     let stored =
         mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
     4 * (stored + rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell)
+}
+
+/// Of the preconditioner by directions: in double precision, for every axis of a cell, the squares of the unknowns and of the nodes of a line;
+/// in single precision the former, padded, once for a real mode and four times for a complex pair.
+fn lines<const D: usize>(facts: &Facts<'_, D>, time_order: usize) -> (usize, usize) {
+    let (mesh, Some(flow)) = (&facts.case.mesh, &facts.case.flow) else { return (0, 0) };
+    let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);
+    let matrices = time_order % 2 + 4 * (time_order / 2);
+    (8 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
 }
 
 /// The direct solver of the coarse level.

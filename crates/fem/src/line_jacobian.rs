@@ -1,0 +1,157 @@
+//! The Jacobian of the operator of space along the lines of each cell: what preconditioners by directions are made of.
+//!
+//! Restricted to functions of one reference coordinate, constant along the others, the volume terms of a cell and the terms of the two
+//! faces that end its lines make an operator of one dimension:
+//!
+//! ```text
+//! L_k = P_k^T (A_cell + A_2k + A_2k+1) P_k,    m_k = P_k^T M P_k,    (P_k c)(xi) = sum_i c_i phi_i(xi_k)             (lines)
+//! ```
+//!
+//! with the derivatives of a face with respect to the cell's own trace alone.
+
+use crate::batches::FacetBatch;
+use crate::kernels::Along;
+use crate::linearisation::{Frozen, TraceSpace};
+use crate::operator::SlabOperator;
+use crate::scratch::{CellScratch, FacetScratch};
+use crate::traces::FaceMaps;
+use rayon::prelude::*;
+use tensor::{Pack, WIDTH};
+
+/// (lines) of all cells at one time.
+pub struct LineJacobian {
+    /// Axes of a cell.
+    pub dimension: usize,
+    /// Nodes of a line.
+    pub nodes: usize,
+    /// Unknowns of a line: components times nodes.
+    pub block: usize,
+    /// L_k, `[cell][axis][column][row]` over `[component][node]`.
+    pub operators: Vec<f64>,
+    /// m_k, the same for every component, `[cell][axis][column][row]` over nodes.
+    pub masses: Vec<f64>,
+}
+
+impl LineJacobian {
+    /// L_k of a cell.
+    pub fn operator(&self, cell: usize, axis: usize) -> &[f64] {
+        part(&self.operators, cell * self.dimension + axis, self.block)
+    }
+    /// m_k of a cell.
+    pub fn mass(&self, cell: usize, axis: usize) -> &[f64] {
+        part(&self.masses, cell * self.dimension + axis, self.nodes)
+    }
+}
+
+/// Square matrix number `number` of order `n`.
+fn part(matrices: &[f64], number: usize, n: usize) -> &[f64] {
+    &matrices[number * n * n..(number + 1) * n * n]
+}
+
+/// A facet's derivatives with respect to the mean of each trace of one side, tested with the mean of that side: `[column][row]` over
+/// kinds and components; of the minus and of the plus side.
+type OwnBlocks = [Vec<f64>; 2];
+
+impl<const D: usize, const M: usize> SlabOperator<D, M> {
+    /// (lines) at position `s` of the slab, in the state and on the mesh last set.
+    pub fn line_jacobian(&self, s: f64) -> LineJacobian {
+        let (cells, nodes) = (self.layout.cells, self.tables.orders.flow);
+        let block = M * nodes;
+        let mut operators = vec![0.0; cells * D * block * block];
+        let mut masses = vec![0.0; cells * D * nodes * nodes];
+        let frozen = self.freeze(s);
+        let batches = operators.par_chunks_mut(WIDTH * D * block * block);
+        batches.zip(masses.par_chunks_mut(WIDTH * D * nodes * nodes)).enumerate().for_each(
+            |(batch, (operators, masses))| {
+                self.cells.with(|scratch| self.lines_of_cells(batch, &frozen, scratch, operators, masses));
+            },
+        );
+        let line =
+            TraceSpace::new(&FaceMaps::new(&self.tables.flow, 1), 2, M, nodes, self.problem.kernels.is_viscous());
+        let batches = self.facets.batches.par_iter();
+        let facets: Vec<OwnBlocks> = batches.flat_map_iter(|batch| self.ends_of_lines(batch, &frozen, &line)).collect();
+        let first = self.first_of_batches();
+        operators.par_chunks_mut(block * block).enumerate().for_each(|(number, operator)| {
+            for end in 0..2 {
+                let (slot, side) = self.facets.of_face[2 * number + end];
+                let facet = first[slot as usize / WIDTH] + slot as usize % WIDTH;
+                line.add_lifted(end, &facets[facet][side as usize], operator);
+            }
+        });
+        LineJacobian { dimension: D, nodes, block, operators, masses }
+    }
+
+    /// The place on its line along `axis` of node `node` of a cell.
+    fn on_line(&self, axis: usize, node: usize) -> usize {
+        node / self.tables.orders.flow.pow(axis as u32) % self.tables.orders.flow
+    }
+
+    /// Volume part of L_k, and m_k.
+    fn lines_of_cells(
+        &self,
+        batch: usize,
+        frozen: &Frozen,
+        scratch: &mut CellScratch,
+        operators: &mut [f64],
+        masses: &mut [f64],
+    ) {
+        let (n, nodes) = (self.tables.orders.flow, self.layout.nodes);
+        self.gather_frozen(batch, frozen, scratch);
+        for (axis, column) in (0..D).flat_map(|axis| (0..M * n).map(move |column| (axis, column))) {
+            let (component, i) = (column / n, column % n);
+            self.along_cells(frozen, scratch, |direction| {
+                let direction = &mut direction[component * nodes..(component + 1) * nodes];
+                let on_line = direction.iter_mut().enumerate().filter(|(node, _)| self.on_line(axis, *node) == i);
+                on_line.for_each(|(_, value)| *value = Pack([1.0; WIDTH]));
+            });
+            let number = axis * M * n + column;
+            self.add_sums(axis, &scratch.flux_now[..M * nodes], number, operators);
+            if component == 0 {
+                self.add_sums(axis, &scratch.moments_now[..nodes], axis * n + i, masses);
+            }
+        }
+    }
+
+    /// Tests with functions of one coordinate: sums over the nodes of equal place, as column `column` of every cell.
+    fn add_sums(&self, axis: usize, tested: &[Pack], column: usize, matrices: &mut [f64]) {
+        let (n, nodes) = (self.tables.orders.flow, self.layout.nodes);
+        let rows = tested.len() / nodes * n;
+        for (lane, matrices) in matrices.chunks_exact_mut(D * rows * rows).enumerate() {
+            let sums = &mut matrices[column * rows..(column + 1) * rows];
+            for (i, tested) in tested.iter().enumerate() {
+                sums[i / nodes * n + self.on_line(axis, i % nodes)] += tested.0[lane];
+            }
+        }
+    }
+
+    /// The own blocks of the facets of a batch.
+    fn ends_of_lines(&self, batch: &FacetBatch, frozen: &Frozen, line: &TraceSpace) -> Vec<OwnBlocks> {
+        let traces = line.len();
+        let mut blocks: Vec<OwnBlocks> = vec![[vec![0.0; traces * traces], vec![0.0; traces * traces]]; batch.count];
+        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        self.facet_scratch.with(|scratch| {
+            self.gather_sides(Along::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            for (side, column) in (0..sides).flat_map(|side| (0..traces).map(move |column| (side, column))) {
+                self.along_mean_trace(batch, frozen, [side, column], scratch);
+                let terms = scratch.sides[side].terms.chunks_exact(frozen.traces.layout.face_nodes);
+                for (row, terms) in terms.take(traces).enumerate() {
+                    for (lane, blocks) in blocks.iter_mut().enumerate() {
+                        blocks[side][column * traces + row] = terms.iter().map(|term| term.0[lane]).sum();
+                    }
+                }
+            }
+        });
+        blocks
+    }
+
+    /// Runs the facet kernel along trace `column[1]` of side `column[0]`, the same at all nodes of the face.
+    fn along_mean_trace(&self, batch: &FacetBatch, frozen: &Frozen, column: [usize; 2], scratch: &mut FacetScratch) {
+        let [side, number] = column;
+        let (len, nodes) = (frozen.traces.layout.kind_len(), frozen.traces.layout.face_nodes);
+        let (kind, component) = (number / M, number % M);
+        self.along_facets(batch, frozen, scratch, |sides| {
+            let start = (2 * kind + 1) * len + component * nodes;
+            sides[side].state[start..start + nodes].fill(Pack([1.0; WIDTH]));
+        });
+    }
+}
