@@ -3,12 +3,12 @@
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{
     DataAt, FacetContext, FacetPoint, facet_point, geometry_to_points, penalty, state_to_points, symmetric_term,
-    times_normal,
+    times_normal, to_instants,
 };
 use crate::mode::{Mode, Values};
 use crate::point::{Place, flag, load, physical_gradient};
 use crate::scratch::{FacetScratch, through_len};
-use crate::tables::{Instant, Tables};
+use crate::tables::{InTime, Instant, Of, Tables};
 use crate::tensor_product::{Lattice, Parts, evaluate};
 use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
@@ -20,28 +20,23 @@ pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     context: &FacetContext<D>,
     instant: &Instant,
+    of: Of,
     data: Option<DataAt>,
     scratch: &mut FacetScratch,
 ) {
     let Some(data) = data else { return };
-    positions::<D, K, S>(simd, context.tables, scratch);
+    positions::<D, K, S>(simd, context.tables, of, scratch);
     data(context.start + context.dt * instant.s, &scratch.x, &mut scratch.data);
 }
 
 #[inline(always)]
-fn positions<const D: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut FacetScratch) {
+fn positions<const D: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, of: Of, scratch: &mut FacetScratch) {
     let FacetScratch { sides, x, scratch: room, .. } = scratch;
-    let components = K::GEOMETRY_BLOCKS * D;
-    evaluate(
-        simd,
-        Lattice::whole(&tables.mesh, D - 1),
-        components,
-        Parts::Values,
-        &sides[0].position_now,
-        x,
-        &mut [],
-        room,
-    );
+    let (lattice, points) = (Lattice::whole(&tables.mesh, D - 1), tables.facet_points());
+    for b in 0..K::GEOMETRY_BLOCKS {
+        let position = of.block(&sides[0].position_at, b, D * lattice.nodes());
+        evaluate(simd, lattice, D, Parts::Values, position, &mut x[b * D * points..], &mut [], room);
+    }
 }
 
 /// The numerical flux out of the domain at a point, in its two parts, per area.
@@ -152,11 +147,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         let FacetFlux { law, condition, context, instant, position_row, data, scratch } = self;
         let tables = context.tables;
         let points = tables.facet_points();
-        let FacetScratch { sides, scratch: room, .. } = scratch;
-        state_to_points::<D, M, Values, S>(simd, tables, instant, law.is_viscous(), &mut sides[0], room);
-        geometry_to_points::<D, M, Values, S>(simd, tables, instant, position_row, law.is_viscous(), 1, scratch);
-        positions::<D, Values, S>(simd, tables, scratch);
-        boundary_data::<D, M, Values, S>(simd, context, instant, data, scratch);
+        let (viscous, of) = (law.is_viscous(), Of::ALONE);
+        let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
+        to_instants::<D, M, Values, S>(simd, tables, in_time, viscous, 1, scratch);
+        let FacetScratch { sides, scratch: room, .. } = &mut *scratch;
+        state_to_points::<D, M, Values, S>(simd, tables, of, viscous, &mut sides[0], room);
+        geometry_to_points::<D, M, Values, S>(simd, tables, of, viscous, 1, scratch);
+        positions::<D, Values, S>(simd, tables, of, scratch);
+        boundary_data::<D, M, Values, S>(simd, context, instant, of, data, scratch);
         scratch.through.fill(Pack::ZERO);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {

@@ -10,7 +10,7 @@ use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::CellScratch;
-use crate::tables::{Instant, Planes, Tables};
+use crate::tables::{Instant, Of, Planes, Tables};
 use crate::tensor_product::{Lattice, Parts, evaluate, integrate};
 use basis::Matrix;
 use std::marker::PhantomData;
@@ -28,8 +28,8 @@ pub struct CellContext<'a, const D: usize> {
     pub dt: f64,
     /// Time at the bottom of the slab.
     pub start: f64,
-    /// Rows that give positions at the Gauss points in time, and at the top.
-    pub position_rows: &'a [Matrix],
+    /// Positions at the Gauss points in time and last at the top, `[instant][slot]`.
+    pub positions: &'a Matrix,
     /// The source s, if there is one.
     pub source: Option<SourceAt<'a>>,
 }
@@ -66,31 +66,21 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let tables = context.tables;
         let nodes = tables.orders.flow.pow(D as u32);
         scratch.violated = Pack::ZERO;
-        for (q, instant) in tables.instants.iter().enumerate() {
-            at_instant::<D, M, S>(simd, tables, instant, &context.position_rows[q], coefficients, scratch);
-            space_terms::<D, M, L, K, S>(
-                simd,
-                law,
-                context,
-                instant,
-                context.dt * instant.weight,
-                instant.weight,
-                scratch,
-            );
-            let CellScratch { flux_now, moments_now, residual, scratch: room, .. } = &mut *scratch;
-            room.contract(simd, &instant.test, 1, M * nodes, flux_now, residual, q > 0);
-            room.contract(simd, &instant.test_rate, 1, M * nodes, moments_now, residual, true);
+        to_instants::<D, M, S>(simd, context, coefficients, scratch);
+        let count = tables.instants.len() + 1;
+        for (number, instant) in tables.instants.iter().enumerate() {
+            let weights = [context.dt * instant.weight, instant.weight];
+            space_terms::<D, M, L, K, S>(simd, law, context, instant, Of { number, count }, weights, scratch);
         }
-        let top_row = &context.position_rows[tables.instants.len()];
-        at_instant::<D, M, S>(simd, tables, &tables.top, top_row, coefficients, scratch);
-        moments::<D, M, K, S>(simd, tables, scratch);
-        let CellScratch { moments_now, residual, scratch: room, .. } = scratch;
-        room.contract(simd, &tables.top.test, 1, M * nodes, moments_now, residual, true);
+        moments::<D, M, K, S>(simd, tables, Of { number: count - 1, count }, scratch);
+        let CellScratch { flux_at, moments_at, residual, scratch: room, .. } = scratch;
+        room.contract(simd, &tables.test, 1, M * nodes, flux_at, residual, false);
+        room.contract(simd, &tables.test_rate, 1, M * nodes, moments_at, residual, true);
     }
 }
 
-/// The terms of space alone at one time: reads `state_now`, `position_now`, `velocity_now`, overwrites `flux_now` (scaled
-/// by `flux_weight`) and `moments_now` (scaled by `moment_weight`).
+/// The terms of space alone at one time: reads `state_at`, `position_at` and `velocity_at` of one instant, overwrites `flux_at` and `moments_at` of
+/// instant 0.
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
     pub law: &'c L,
@@ -110,11 +100,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.scratch.violated = Pack::ZERO;
-        space_terms::<D, M, L, K, S>(simd, self.law, self.context, self.instant, 1.0, 1.0, self.scratch);
+        space_terms::<D, M, L, K, S>(simd, self.law, self.context, self.instant, Of::ALONE, [1.0; 2], self.scratch);
     }
 }
 
-/// Moments int w u J of a state at one time: reads `state_now` and `position_now`, overwrites `moments_now`.
+/// Moments int w u J of a state at one time: reads `state_at` and `position_at` of one instant, overwrites `moments_at` of instant 0.
 pub struct CellMoments<'a, 'c, const D: usize, const M: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
@@ -127,52 +117,55 @@ impl<const D: usize, const M: usize> WithSimd for CellMoments<'_, '_, D, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        moments::<D, M, crate::mode::Values, S>(simd, self.tables, self.scratch);
+        moments::<D, M, crate::mode::Values, S>(simd, self.tables, Of::ALONE, self.scratch);
     }
 }
 
-/// State, position and velocity at one time of the slab.
+/// State and position at all instants and at the top, velocity at all instants.
 #[inline(always)]
-fn at_instant<const D: usize, const M: usize, S: Simd>(
+fn to_instants<const D: usize, const M: usize, S: Simd>(
     simd: S,
-    tables: &Tables<D>,
-    instant: &Instant,
-    position_row: &Matrix,
+    context: &CellContext<D>,
     coefficients: Coefficients,
     scratch: &mut CellScratch,
 ) {
+    let tables = context.tables;
     let (len, mesh_len) = (M * tables.orders.flow.pow(D as u32), D * tables.orders.mesh.pow(D as u32));
-    let CellScratch { state_now, position_now, velocity_now, scratch: room, .. } = scratch;
+    let count = tables.instants.len() + 1;
+    let CellScratch { state_at, position_at, velocity_at, scratch: room, .. } = scratch;
     for (b, state) in coefficients.state.iter().enumerate() {
-        room.contract(simd, &instant.values, 1, len, state, &mut state_now[b * len..], false);
+        room.contract(simd, &tables.values_and_top, 1, len, state, &mut state_at[b * count * len..], false);
     }
     for (b, mesh) in coefficients.mesh.iter().enumerate() {
-        room.contract(simd, position_row, 1, mesh_len, mesh, &mut position_now[b * mesh_len..], false);
-        room.contract(simd, &instant.velocities, 1, mesh_len, mesh, &mut velocity_now[b * mesh_len..], false);
+        let start = b * count * mesh_len;
+        room.contract(simd, context.positions, 1, mesh_len, mesh, &mut position_at[start..], false);
+        room.contract(simd, &tables.velocities, 1, mesh_len, mesh, &mut velocity_at[start..], false);
     }
 }
 
-/// Steps 1 to 4 of the volume terms at one time, planes by planes.
+/// Steps 1 to 4 of the volume terms at one instant, planes by planes: fluxes and moments with their weights.
 #[inline(always)]
 fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
     simd: S,
     law: &L,
     context: &CellContext<D>,
     instant: &Instant,
-    flux_weight: f64,
-    moment_weight: f64,
+    of: Of,
+    weights: [f64; 2],
     scratch: &mut CellScratch,
 ) {
-    let tables = context.tables;
-    let viscous = law.is_viscous();
+    let (tables, viscous) = (context.tables, law.is_viscous());
+    let len = M * tables.orders.flow.pow(D as u32);
     for (block, planes) in tables.planes.iter().enumerate() {
-        to_points::<D, M, K, S>(simd, tables, planes, viscous, scratch); // 1. geometry and state at the points
-        let with_source = source_at_points::<D, K, S>(simd, context, instant, planes, scratch); // 2. the source
-        fluxes::<D, M, L, K, S>(simd, law, planes, flux_weight, moment_weight, scratch, viscous, with_source); // 3.
+        to_points::<D, M, K, S>(simd, tables, planes, of, viscous, scratch); // 1. geometry and state at the points
+        let with_source = source_at_points::<D, K, S>(simd, context, instant, planes, of, scratch); // 2. the source
+        fluxes::<D, M, L, K, S>(simd, law, planes, weights, scratch, viscous, with_source); // 3.
         let parts = if with_source { Parts::Both } else { Parts::Gradients }; // 4. test
         let (lattice, room) = (flow_lattice::<D>(tables, planes), &mut scratch.scratch);
-        integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, &mut scratch.flux_now, room, block > 0);
-        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], &mut scratch.moments_now, room, block > 0);
+        let (flux_at, moments_at) =
+            (&mut scratch.flux_at[of.number * len..], &mut scratch.moments_at[of.number * len..]);
+        integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, flux_at, room, block > 0);
+        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], moments_at, room, block > 0);
     }
 }
 
@@ -194,16 +187,41 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     planes: &Planes,
+    of: Of,
     viscous: bool,
     scratch: &mut CellScratch,
 ) {
-    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
     let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
-    let CellScratch { jacobian, v, u, gradient, scratch: room, .. } = scratch;
-    evaluate(simd, mesh, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
-    evaluate(simd, mesh, g * D, Parts::Values, &scratch.velocity_now, v, &mut [], room);
+    jacobian_to_points::<D, K, S>(simd, mesh, of, planes, scratch);
+    let CellScratch { v, u, gradient, scratch: room, .. } = scratch;
+    let (points, mesh_len) = (planes.weights.len(), D * mesh.nodes());
+    for b in 0..K::GEOMETRY_BLOCKS {
+        let velocity = of.block(&scratch.velocity_at, b, mesh_len);
+        evaluate(simd, mesh, D, Parts::Values, velocity, &mut v[b * D * points..], &mut [], room);
+    }
     let parts = if viscous { Parts::Both } else { Parts::Values };
-    evaluate(simd, flow, b * M, parts, &scratch.state_now, u, gradient, room);
+    for b in 0..K::STATE_BLOCKS {
+        let state = of.block(&scratch.state_at, b, M * flow.nodes());
+        let gradient = &mut gradient[b * D * M * points..];
+        evaluate(simd, flow, M, parts, state, &mut u[b * M * points..], gradient, room);
+    }
+}
+
+/// Jacobian matrices at the points.
+#[inline(always)]
+fn jacobian_to_points<const D: usize, K: Mode, S: Simd>(
+    simd: S,
+    mesh: Lattice,
+    of: Of,
+    planes: &Planes,
+    scratch: &mut CellScratch,
+) {
+    let CellScratch { jacobian, position_at, scratch: room, .. } = scratch;
+    for b in 0..K::GEOMETRY_BLOCKS {
+        let position = of.block(position_at, b, D * mesh.nodes());
+        let jacobian = &mut jacobian[b * D * D * planes.weights.len()..];
+        evaluate(simd, mesh, D, Parts::Gradients, position, &mut [], jacobian, room);
+    }
 }
 
 /// Evaluates the source at the points, if there is one.
@@ -213,13 +231,17 @@ fn source_at_points<const D: usize, K: Mode, S: Simd>(
     context: &CellContext<D>,
     instant: &Instant,
     planes: &Planes,
+    of: Of,
     scratch: &mut CellScratch,
 ) -> bool {
     let Some(source) = context.source else { return false };
     let CellScratch { x, scratch: room, .. } = scratch;
-    let (mesh, components) = (mesh_lattice::<D>(context.tables, planes), K::GEOMETRY_BLOCKS * D);
-    evaluate(simd, mesh, components, Parts::Values, &scratch.position_now, x, &mut [], room);
-    source(context.start + context.dt * instant.s, planes.weights.len(), x, &mut scratch.source);
+    let (mesh, points) = (mesh_lattice::<D>(context.tables, planes), planes.weights.len());
+    for b in 0..K::GEOMETRY_BLOCKS {
+        let position = of.block(&scratch.position_at, b, D * mesh.nodes());
+        evaluate(simd, mesh, D, Parts::Values, position, &mut x[b * D * points..], &mut [], room);
+    }
+    source(context.start + context.dt * instant.s, points, x, &mut scratch.source);
     true
 }
 
@@ -229,8 +251,7 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
     simd: S,
     law: &L,
     planes: &Planes,
-    flux_weight: f64,
-    moment_weight: f64,
+    [flux_weight, moment_weight]: [f64; 2],
     scratch: &mut CellScratch,
     viscous: bool,
     with_source: bool,
@@ -286,15 +307,23 @@ fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
     }
 }
 
-/// Moments of the state at one time, int w u J.
+/// Moments of the state at one instant, int w u J.
 #[inline(always)]
-fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, scratch: &mut CellScratch) {
-    let (b, g) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS);
-    let CellScratch { jacobian, u, moments, moments_now, scratch: room, .. } = scratch;
+fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    of: Of,
+    scratch: &mut CellScratch,
+) {
+    let len = M * tables.orders.flow.pow(D as u32);
     for (block, planes) in tables.planes.iter().enumerate() {
         let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
-        evaluate(simd, mesh, g * D, Parts::Gradients, &scratch.position_now, &mut [], jacobian, room);
-        evaluate(simd, flow, b * M, Parts::Values, &scratch.state_now, u, &mut [], room);
+        jacobian_to_points::<D, K, S>(simd, mesh, of, planes, scratch);
+        let CellScratch { state_at, jacobian, u, moments, moments_at, scratch: room, .. } = &mut *scratch;
+        for b in 0..K::STATE_BLOCKS {
+            let u = &mut u[b * M * planes.weights.len()..];
+            evaluate(simd, flow, M, Parts::Values, of.block(state_at, b, len), u, &mut [], room);
+        }
         let points = planes.weights.len();
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
@@ -307,6 +336,7 @@ fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(simd: S, tables: &T
                 }
             }
         }
-        integrate(simd, flow, M, Parts::Values, moments, &[], moments_now, room, block > 0);
+        let moments_at = &mut moments_at[of.number * len..];
+        integrate(simd, flow, M, Parts::Values, moments, &[], moments_at, room, block > 0);
     }
 }

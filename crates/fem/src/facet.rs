@@ -16,9 +16,8 @@ use crate::kernels::Times;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::{FacetScratch, SideScratch};
-use crate::tables::{Instant, Tables};
+use crate::tables::{InTime, Of, Tables};
 use crate::tensor_product::{Lattice, Parts, Scratch, evaluate, integrate};
-use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real, norm};
@@ -74,80 +73,122 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let viscous = law.is_viscous();
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
         scratch.violated = Pack::ZERO;
-        for (number, (instant, row)) in times.instants.iter().zip(times.position_rows).enumerate() {
+        to_instants::<D, M, K, S>(simd, tables, times.in_time, viscous, used, scratch); // 1.
+        for (number, instant) in times.instants.iter().enumerate() {
             let weight = times.weight * instant.weight;
+            let of = Of { number, count: times.instants.len() };
             for side in &mut scratch.sides[..used] {
-                state_to_points::<D, M, K, S>(simd, tables, instant, viscous, side, &mut scratch.scratch); // 1.
+                state_to_points::<D, M, K, S>(simd, tables, of, viscous, side, &mut scratch.scratch); // 2.
             }
-            geometry_to_points::<D, M, K, S>(simd, tables, instant, row, viscous, used, scratch); // 2.
+            geometry_to_points::<D, M, K, S>(simd, tables, of, viscous, used, scratch);
             match across {
                 Across::Cells => interior_points::<D, M, L, K, S>(simd, law, tables, weight, scratch), // 3.
                 Across::Boundary(number, data) => {
-                    boundary_data::<D, M, K, S>(simd, context, instant, *data, scratch);
+                    boundary_data::<D, M, K, S>(simd, context, instant, of, *data, scratch);
                     boundary_points::<D, M, L, K, S>(simd, law, conditions[*number], tables, weight, scratch);
                 }
             }
             for side in &mut scratch.sides[..used] {
-                test::<D, M, S>(simd, tables, instant, viscous, side, &mut scratch.scratch, number > 0); // 4.
+                test::<D, M, S>(simd, tables, of, viscous, side, &mut scratch.scratch); // 4.
             }
+        }
+        let kinds = if viscous { 2 } else { 1 };
+        let len = M * tables.orders.flow.pow(D as u32 - 1);
+        for SideScratch { terms, terms_at, .. } in &mut scratch.sides[..used] {
+            scratch.scratch.contract(simd, times.test, kinds, len, terms_at, terms, false); // 5.
         }
     }
 }
 
-/// Step 1: state and gradients of one side at the points.
+/// Step 1: traces at all times, from those at time nodes and slots.
 #[inline(always)]
-pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+pub(crate) fn to_instants<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    instant: &Instant,
-    viscous: bool,
-    side: &mut SideScratch,
-    room: &mut Scratch,
-) {
-    let (b, points) = (K::STATE_BLOCKS, tables.facet_points());
-    let nodes = tables.orders.flow.pow(D as u32 - 1);
-    let (lattice, kinds) = (Lattice::whole(&tables.flow, D - 1), if viscous { 2 } else { 1 });
-    let SideScratch { state, state_now, u, gradient, .. } = side;
-    room.contract(simd, &instant.values, kinds * b, M * nodes, state, state_now, false);
-    let parts = if viscous { Parts::Both } else { Parts::Values };
-    evaluate(simd, lattice, b * M, parts, state_now, u, gradient, room);
-    if viscous {
-        let (kind, leaving) = (&state_now[b * M * nodes..], &mut gradient[(D - 1) * b * M * points..]);
-        evaluate(simd, lattice, b * M, Parts::Values, kind, leaving, &mut [], room);
-    }
-}
-
-/// Step 2: mesh velocity at the points, and the Jacobian matrices of the `used` sides. Velocity and tangents are those of the facet, the
-/// same from both sides; the derivative along the axis that leaves is read by viscous terms only.
-#[inline(always)]
-pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    tables: &Tables<D>,
-    instant: &Instant,
-    position_row: &Matrix,
+    InTime { values, velocities, positions }: InTime,
     viscous: bool,
     used: usize,
     scratch: &mut FacetScratch,
 ) {
-    let (components, points) = (K::GEOMETRY_BLOCKS * D, tables.facet_points());
-    let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
-    let (lattice, g, inner) = (Lattice::whole(&tables.mesh, D - 1), K::GEOMETRY_BLOCKS, D * mesh_nodes);
-    let FacetScratch { sides, velocity_now, v, scratch: room, .. } = scratch;
-    let [minus, plus] = sides;
-    room.contract(simd, &instant.velocities, g, inner, &minus.mesh, velocity_now, false);
-    evaluate(simd, lattice, components, Parts::Values, velocity_now, v, &mut [], room);
-    room.contract(simd, position_row, g, inner, &minus.mesh, &mut minus.position_now, false);
-    evaluate(simd, lattice, components, Parts::Gradients, &minus.position_now, &mut [], &mut minus.jacobian, room);
-    if !viscous {
-        return;
+    let (b, g, kinds) = (K::STATE_BLOCKS, K::GEOMETRY_BLOCKS, if viscous { 2 } else { 1 });
+    let len = M * tables.orders.flow.pow(D as u32 - 1);
+    let mesh_len = D * tables.orders.mesh.pow(D as u32 - 1);
+    let FacetScratch { sides, velocity_at, scratch: room, .. } = scratch;
+    room.contract(simd, velocities, g, mesh_len, &sides[0].mesh, velocity_at, false);
+    for (number, SideScratch { state, state_at, mesh, position_at, .. }) in sides[..used].iter_mut().enumerate() {
+        room.contract(simd, values, kinds * b, len, state, state_at, false);
+        // Position and tangents are those of minus; the plus side has derivatives along its leaving axis only.
+        let (kinds, first) = (if viscous { 2 } else { 1 }, number);
+        let (from, to) = (first * g * positions.cols() * mesh_len, first * g * positions.rows() * mesh_len);
+        if first < kinds {
+            let outer = (kinds - first) * g;
+            room.contract(simd, positions, outer, mesh_len, &mesh[from..], &mut position_at[to..], false);
+        }
     }
-    let tangents = (D - 1) * components * points;
-    plus.jacobian[..tangents].copy_from_slice(&minus.jacobian[..tangents]);
-    for side in [minus, plus].into_iter().take(used) {
-        let SideScratch { mesh, position_now, jacobian, .. } = side;
-        let (kind, leaving) = (&mesh[g * position_row.cols() * inner..], &mut position_now[g * inner..]);
-        room.contract(simd, position_row, g, inner, kind, leaving, false);
-        evaluate(simd, lattice, components, Parts::Values, leaving, &mut jacobian[tangents..], &mut [], room);
+}
+
+/// Step 2: state and gradients of one side at the points.
+#[inline(always)]
+pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    of: Of,
+    viscous: bool,
+    side: &mut SideScratch,
+    room: &mut Scratch,
+) {
+    let (lattice, points) = (Lattice::whole(&tables.flow, D - 1), tables.facet_points());
+    let SideScratch { state_at, u, gradient, .. } = side;
+    let (parts, len) = (if viscous { Parts::Both } else { Parts::Values }, M * lattice.nodes());
+    for b in 0..K::STATE_BLOCKS {
+        let (u, gradient) = (&mut u[b * M * points..], &mut gradient[b * D * M * points..]);
+        evaluate(simd, lattice, M, parts, of.block(state_at, b, len), u, gradient, room);
+        if viscous {
+            let (kind, leaving) = (of.block(state_at, K::STATE_BLOCKS + b, len), &mut gradient[(D - 1) * M * points..]);
+            evaluate(simd, lattice, M, Parts::Values, kind, leaving, &mut [], room);
+        }
+    }
+}
+
+/// Step 2, too: mesh velocity at the points, and the Jacobian matrices of the `used` sides. Velocity and tangents are those of the facet,
+/// the same from both sides; the derivative along the axis that leaves is read by viscous terms only.
+#[inline(always)]
+pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    of: Of,
+    viscous: bool,
+    used: usize,
+    scratch: &mut FacetScratch,
+) {
+    let (lattice, points) = (Lattice::whole(&tables.mesh, D - 1), tables.facet_points());
+    let (len, tangents, matrices) = (D * lattice.nodes(), (D - 1) * D * points, D * D * points);
+    let FacetScratch { sides: [minus, plus], velocity_at, v, scratch: room, .. } = scratch;
+    for b in 0..K::GEOMETRY_BLOCKS {
+        evaluate(
+            simd,
+            lattice,
+            D,
+            Parts::Values,
+            of.block(velocity_at, b, len),
+            &mut v[b * D * points..],
+            &mut [],
+            room,
+        );
+        let (position, jacobian) = (of.block(&minus.position_at, b, len), &mut minus.jacobian[b * matrices..]);
+        evaluate(simd, lattice, D, Parts::Gradients, position, &mut [], jacobian, room);
+        if viscous {
+            plus.jacobian[b * matrices..][..tangents].copy_from_slice(&jacobian[..tangents]);
+        }
+    }
+    if viscous {
+        for SideScratch { position_at, jacobian, .. } in [minus, plus].into_iter().take(used) {
+            for b in 0..K::GEOMETRY_BLOCKS {
+                let kind = of.block(position_at, K::GEOMETRY_BLOCKS + b, len);
+                let leaving = &mut jacobian[b * matrices + tangents..];
+                evaluate(simd, lattice, D, Parts::Values, kind, leaving, &mut [], room);
+            }
+        }
     }
 }
 
@@ -294,27 +335,24 @@ pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     }
 }
 
-/// Step 4: tests one side's terms in space and sends them to the time nodes, where with `add` they join those of other times.
+/// Step 4: tests one side's terms in space, at one instant.
 #[inline(always)]
 fn test<const D: usize, const M: usize, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    instant: &Instant,
+    Of { number, count }: Of,
     viscous: bool,
     side: &mut SideScratch,
     room: &mut Scratch,
-    add: bool,
 ) {
-    let points = tables.facet_points();
-    let nodes = tables.orders.flow.pow(D as u32 - 1);
-    let SideScratch { terms, terms_now, tested, tested_gradient, .. } = side;
-    let (lattice, kinds) = (Lattice::whole(&tables.flow, D - 1), if viscous { 2 } else { 1 });
-    let (values, derivatives) = terms_now.split_at_mut(M * nodes);
+    let (points, lattice) = (tables.facet_points(), Lattice::whole(&tables.flow, D - 1));
+    let len = M * tables.orders.flow.pow(D as u32 - 1);
+    let SideScratch { terms_at, tested, tested_gradient, .. } = side;
+    let (values, derivatives) = terms_at[number * len..].split_at_mut(count * len);
     let parts = if viscous { Parts::Both } else { Parts::Values };
     integrate(simd, lattice, M, parts, tested, tested_gradient, values, room, false);
     if viscous {
         let leaving = &tested_gradient[(D - 1) * M * points..];
         integrate(simd, lattice, M, Parts::Values, leaving, &[], derivatives, room, false);
     }
-    room.contract(simd, &instant.test, kinds, M * nodes, terms_now, terms, add);
 }

@@ -9,7 +9,7 @@ use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, Facets};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
-use crate::tables::{Instant, Tables};
+use crate::tables::{InTime, Instant, Tables};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::Arch;
@@ -42,8 +42,10 @@ impl Along {
 pub struct Times<'a> {
     /// The times.
     pub instants: &'a [Instant],
-    /// The row of positions at each of them.
-    pub position_rows: &'a [Matrix],
+    /// From time nodes and slots to them.
+    pub in_time: InTime<'a>,
+    /// phi_a at these times, `[a][time]`.
+    pub test: &'a Matrix,
     /// Weight of the terms at all of them: dt in a slab, 1 in space alone.
     pub weight: f64,
 }

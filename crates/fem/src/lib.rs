@@ -54,7 +54,7 @@ pub use moving_mesh::MovingMesh;
 pub use operator::{Problem, SlabOperator, Violation};
 pub use pool::Pool;
 pub use sampler::{Sampler, squared_errors};
-pub use tables::{Instant, Line, Orders, Quadrature, Tables};
+pub use tables::{InTime, Instant, Line, Orders, Quadrature, Tables};
 
 #[cfg(test)]
 mod tests;

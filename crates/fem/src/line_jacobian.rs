@@ -105,9 +105,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                 on_line.for_each(|(_, value)| *value = Pack([1.0; WIDTH]));
             });
             let number = axis * M * n + column;
-            self.add_sums(axis, &scratch.flux_now[..M * nodes], number, operators);
+            self.add_sums(axis, &scratch.flux_at[..M * nodes], number, operators);
             if component == 0 {
-                self.add_sums(axis, &scratch.moments_now[..nodes], axis * n + i, masses);
+                self.add_sums(axis, &scratch.moments_at[..nodes], axis * n + i, masses);
             }
         }
     }

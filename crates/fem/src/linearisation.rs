@@ -13,7 +13,7 @@ use crate::kernels::{Along, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
-use crate::tables::Instant;
+use crate::tables::{InTime, Instant};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use rayon::prelude::*;
@@ -112,7 +112,8 @@ impl TraceSpace {
 /// What is fixed while blocks are computed.
 pub(crate) struct Frozen {
     instant: Instant,
-    rows: Vec<Matrix>,
+    row: Matrix,
+    test: Matrix,
     state: Vec<f64>,
     pub(crate) traces: Traces,
 }
@@ -177,7 +178,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let mut traces = Traces::new(layout, one.cells);
         traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
-        Frozen { rows: vec![instant.position_row(self.interval().1)], instant, state, traces }
+        Frozen { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
     }
 
     /// Volume part of A_ii, and the mass matrices.
@@ -201,9 +202,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.gather_frozen(batch, frozen, scratch);
         for column in 0..block {
             self.along_cells(frozen, scratch, |direction| direction[column] = Pack([1.0; WIDTH]));
-            write_column(&scratch.flux_now, block, column, diagonal);
+            write_column(&scratch.flux_at, block, column, diagonal);
             if column < nodes {
-                write_column(&scratch.moments_now, nodes, column, mass);
+                write_column(&scratch.moments_at, nodes, column, mass);
             }
         }
     }
@@ -212,25 +213,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub(crate) fn gather_frozen(&self, batch: usize, frozen: &Frozen, scratch: &mut CellScratch) {
         let (block, slot) = (self.layout.time_len(), self.mesh.slot_len());
         let cells = cells_of(batch, self.layout.cells);
-        gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_now[..block]);
-        let (row, velocity) = (frozen.rows[0].row(0), frozen.instant.velocities.row(0));
+        gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_at[..block]);
+        let (row, velocity) = (frozen.row.row(0), frozen.instant.velocities.row(0));
         for (lane, cell) in cells.into_iter().enumerate() {
-            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_now[..slot]);
-            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_now[..slot]);
+            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_at[..slot]);
+            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_at[..slot]);
         }
     }
 
     /// Runs the cell kernel on a batch that has been gathered, along the direction `[m][node]` that `set` makes of zeros.
     pub(crate) fn along_cells(&self, frozen: &Frozen, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
         let (block, (start, dt)) = (self.layout.time_len(), self.interval());
-        let direction = &mut scratch.state_now[block..2 * block];
+        let direction = &mut scratch.state_at[block..2 * block];
         direction.fill(Pack::ZERO);
         set(direction);
         let context = CellContext {
             tables: &self.tables,
             dt,
             start,
-            position_rows: &frozen.rows,
+            positions: &frozen.row,
             source: self.problem.source.is_some().then_some(&no_source as SourceAt),
         };
         self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
@@ -292,7 +293,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
         set(&mut scratch.sides);
         let instants = std::slice::from_ref(&frozen.instant);
-        let times = Times { instants, position_rows: &frozen.rows, weight: 1.0 };
+        let Frozen { instant, row, test, .. } = frozen;
+        let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: row };
+        let times = Times { instants, in_time, test, weight: 1.0 };
         self.facet_kernel(Along::State, batch, &times, scratch);
     }
 }

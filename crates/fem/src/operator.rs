@@ -11,7 +11,7 @@ use crate::moving_mesh::MovingMesh;
 use crate::pool::Pool;
 use crate::prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
-use crate::tables::{Orders, Quadrature, Tables};
+use crate::tables::{InTime, Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use mesh::{Mesh, NodeNumbering};
@@ -65,6 +65,9 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     start: f64,
     dt: f64,
     pub(crate) position_rows: Vec<Matrix>,
+    /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
+    positions: Matrix,
+    pub(crate) positions_and_top: Matrix,
     bottom_values: Vec<f64>,
     bottom_moments: Vec<f64>,
     pub(crate) state_traces: Traces,
@@ -105,6 +108,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             start: 0.0,
             dt: 0.0,
             position_rows: Vec::new(),
+            positions: Matrix::identity(0),
+            positions_and_top: Matrix::identity(0),
             bottom_values: tables.time.values(0.0),
             bottom_moments: vec![0.0; layout.at_one_time().len()],
             state_traces: Traces::new(flow_traces, cells),
@@ -139,6 +144,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (self.start, self.dt) = (start, dt);
         let instants = self.tables.instants.iter().chain([&self.tables.top]);
         self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
+        let (rows, slots, count) = (&self.position_rows, self.mesh.slots(), self.tables.instants.len());
+        self.positions = Matrix::from_fn(count, slots, |q, slot| rows[q][(0, slot)]);
+        self.positions_and_top = Matrix::from_fn(count + 1, slots, |q, slot| rows[q][(0, slot)]);
         self.mesh.set_bottom(Some(displacement));
         let mut moments = std::mem::take(&mut self.bottom_moments);
         self.moments(bottom, &self.tables.bottom_row(), &mut moments);
@@ -191,12 +199,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         out.par_chunks_mut(WIDTH * layout.cell_len()).enumerate().for_each(|(batch, out)| {
             self.cells.with(|scratch| {
                 let cells = cells_of(batch, layout.cells);
-                gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_now[..layout.cell_len()]);
+                gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_at[..layout.cell_len()]);
                 for (lane, cell) in cells.into_iter().enumerate() {
-                    self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_now[..slot]);
+                    self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_at[..slot]);
                 }
                 self.problem.kernels.moments(&self.tables, scratch);
-                scatter(&scratch.moments_now, layout.cell_len(), out);
+                scatter(&scratch.moments_at[..layout.cell_len()], layout.cell_len(), out);
             });
         });
     }
@@ -246,11 +254,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let state = &self.state_and_direction()[..along.state_blocks()];
         let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
         self.gather_sides(along, state, mesh, batch, scratch);
-        let number = self.tables.instants.len();
-        let rows = &self.position_rows[..number];
-        let times = Times { instants: &self.tables.instants, position_rows: rows, weight: self.dt };
+        let (instants, test) = (&self.tables.instants[..], &self.tables.test);
+        let times = Times { instants, in_time: self.in_time(), test, weight: self.dt };
         self.facet_kernel(along, batch, &times, scratch);
         self.scatter_terms(batch, scratch, viscous, terms);
+    }
+
+    /// From time nodes and slots to the Gauss points in time.
+    pub(crate) fn in_time(&self) -> InTime<'_> {
+        InTime { values: &self.tables.values, velocities: &self.tables.velocities, positions: &self.positions }
     }
 
     /// Runs the facet kernel on a batch that has been gathered.
@@ -288,7 +300,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             tables: &self.tables,
             dt: self.dt,
             start: self.start,
-            position_rows: &self.position_rows,
+            positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
         };
         self.problem.kernels.slab_cells(along, &context, Coefficients { state, mesh }, scratch);

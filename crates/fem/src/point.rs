@@ -20,19 +20,19 @@ impl Place {
     }
 }
 
-/// Cofactors and determinant of dx/dxi; `jacobian[direction][b][d][p]`.
+/// Cofactors and determinant of dx/dxi; `jacobian[b][direction][d][p]`.
 #[inline(always)]
 pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
     simd: S,
     jacobian: &[Pack],
     at: Place,
 ) -> ([[G; D]; D], G) {
-    let size = G::BLOCKS * D * at.points;
-    let first = G::load(simd, jacobian, D * at.points, at.p, at.part);
+    let block = D * D * at.points;
+    let first = G::load(simd, jacobian, block, at.p, at.part);
     let mut dx = [[first; D]; D];
     for j in 0..D {
         for i in 0..D {
-            dx[i][j] = G::load(simd, &jacobian[j * size..(j + 1) * size], D * at.points, at.index(i), at.part);
+            dx[i][j] = G::load(simd, jacobian, block, at.index(j * D + i), at.part);
         }
     }
     let cof = cofactor(&dx);
@@ -49,7 +49,7 @@ pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack
     vector
 }
 
-/// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[direction][b][m][p]`.
+/// grad_x u = J^{-T} grad_xi u = cof . grad_xi u / det; `gradient[b][direction][m][p]`.
 #[inline(always)]
 pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
@@ -58,12 +58,12 @@ pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd
     cof: &[[K::Geometry<S>; D]; D],
     det: K::Geometry<S>,
 ) -> [[K::State<S>; M]; D] {
-    let size = K::STATE_BLOCKS * M * at.points;
-    let inverse = det.recip();
-    let first = load::<M, K::State<S>, S>(simd, gradient, at);
-    let mut reference = [first; D];
-    for j in 1..D {
-        reference[j] = load::<M, K::State<S>, S>(simd, &gradient[j * size..], at);
+    let (block, inverse) = (D * M * at.points, det.recip());
+    let mut reference = [[K::State::<S>::load(simd, gradient, block, at.p, at.part); M]; D];
+    for j in 0..D {
+        for m in 0..M {
+            reference[j][m] = K::State::<S>::load(simd, gradient, block, at.index(j * M + m), at.part);
+        }
     }
     let mut physical = reference;
     for k in 0..D {

@@ -10,16 +10,16 @@ use tensor::{Pack, WIDTH, zeroed};
 pub struct CellScratch {
     /// Residual, `[a][m][i]`.
     pub residual: Vec<Pack>,
-    /// State at one time, `[b][m][i]`.
-    pub state_now: Vec<Pack>,
-    /// Position at one time, `[b][d][i]`.
-    pub position_now: Vec<Pack>,
-    /// Velocity at one time, `[b][d][i]`.
-    pub velocity_now: Vec<Pack>,
-    /// Flux terms at one time, `[m][i]`.
-    pub flux_now: Vec<Pack>,
-    /// Moments of the state at one time, int w u J, `[m][i]`.
-    pub moments_now: Vec<Pack>,
+    /// State, `[b][instant, last the top][m][i]`; of the operator of space alone and of moments at one instant.
+    pub state_at: Vec<Pack>,
+    /// Position, `[b][instant, last the top][d][i]`.
+    pub position_at: Vec<Pack>,
+    /// Velocity, `[b][instant, last the top][d][i]`: that of the top is not used.
+    pub velocity_at: Vec<Pack>,
+    /// Flux terms, `[instant][m][i]`.
+    pub flux_at: Vec<Pack>,
+    /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
+    pub moments_at: Vec<Pack>,
     /// Positions at points, `[b][d][p]`: read by sources.
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
@@ -40,17 +40,17 @@ pub struct CellScratch {
 impl CellScratch {
     /// Room for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, points) = (tables.orders.time, tables.block_points());
+        let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
         let mesh_nodes = tables.orders.mesh.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
         CellScratch {
             residual: zeroed(n_t * M * nodes),
-            state_now: zeroed(2 * M * nodes),
-            position_now: zeroed(2 * D * mesh_nodes),
-            velocity_now: zeroed(2 * D * mesh_nodes),
-            flux_now: zeroed(M * nodes),
-            moments_now: zeroed(M * nodes),
+            state_at: zeroed(2 * (instants + 1) * M * nodes),
+            position_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
+            velocity_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
+            flux_at: zeroed(instants * M * nodes),
+            moments_at: zeroed((instants + 1) * M * nodes),
             x: zeroed(2 * D * points),
             source: zeroed(2 * M * points),
             face_terms: zeroed(2 * D * 2 * n_t * M * (nodes / tables.orders.flow)),
@@ -68,8 +68,8 @@ impl CellScratch {
 
 /// Packs of one side of a batch of facets, in the lattice of the minus face.
 ///
-/// Traces have two kinds: 0 the values, 1 the derivative along the reference axis that leaves the facet. Gradients are
-/// ordered tangential directions first, the leaving axis last.
+/// Traces have two kinds: 0 the values, 1 the derivative along the reference axis that leaves the facet. Gradients and Jacobian matrices
+/// `[b][direction][..][p]` are ordered tangential directions first, the leaving axis last.
 pub struct SideScratch {
     /// State traces, `[kind][b][a][m][i]`.
     pub state: Vec<Pack>,
@@ -77,9 +77,12 @@ pub struct SideScratch {
     pub mesh: Vec<Pack>,
     /// Terms to test with, `[kind][a][m][i]`.
     pub terms: Vec<Pack>,
-    pub(crate) state_now: Vec<Pack>,
-    pub(crate) position_now: Vec<Pack>,
-    pub(crate) terms_now: Vec<Pack>,
+    /// State traces, `[kind][b][instant][m][i]`.
+    pub(crate) state_at: Vec<Pack>,
+    /// Mesh traces, `[kind][b][instant][d][i]`.
+    pub(crate) position_at: Vec<Pack>,
+    /// Terms `[kind][instant][m][i]`.
+    pub(crate) terms_at: Vec<Pack>,
     pub(crate) u: Vec<Pack>,
     pub(crate) gradient: Vec<Pack>,
     pub(crate) jacobian: Vec<Pack>,
@@ -103,14 +106,15 @@ pub struct FacetScratch {
     pub violated: Pack,
     /// One trace of every lane in another order of nodes.
     pub(crate) reordered: Vec<f64>,
-    pub(crate) velocity_now: Vec<Pack>,
+    /// Velocity of the facet, `[b][instant][d][i]`.
+    pub(crate) velocity_at: Vec<Pack>,
     pub(crate) v: Vec<Pack>,
     pub(crate) scratch: Scratch,
 }
 
 impl SideScratch {
     pub(crate) fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, points) = (tables.orders.time, tables.facet_points());
+        let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.facet_points());
         let nodes = tables.orders.flow.pow(D as u32 - 1);
         let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
         let kinds = 2;
@@ -118,9 +122,9 @@ impl SideScratch {
             state: zeroed(kinds * 2 * n_t * M * nodes),
             mesh: zeroed(kinds * 2 * (n_t + 1) * D * mesh_nodes),
             terms: zeroed(kinds * n_t * M * nodes),
-            state_now: zeroed(kinds * 2 * M * nodes),
-            position_now: zeroed(kinds * 2 * D * mesh_nodes),
-            terms_now: zeroed(kinds * M * nodes),
+            state_at: zeroed(kinds * 2 * instants * M * nodes),
+            position_at: zeroed(kinds * 2 * instants * D * mesh_nodes),
+            terms_at: zeroed(kinds * instants * M * nodes),
             u: zeroed(2 * M * points),
             gradient: zeroed(D * 2 * M * points),
             jacobian: zeroed(D * 2 * D * points),
@@ -145,7 +149,7 @@ impl FacetScratch {
             through: zeroed(2 * through_len(M)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
-            velocity_now: zeroed(2 * D * tables.orders.mesh.pow(D as u32 - 1)),
+            velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             v: zeroed(2 * D * points),
             scratch: Scratch::new(D - 1, 2 * M.max(D), widest),
         }

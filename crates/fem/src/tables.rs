@@ -128,10 +128,6 @@ pub struct Instant {
     pub weight: f64,
     /// phi_a(s), one row.
     pub values: Matrix,
-    /// phi_a(s), one column: sends a term at `s` to the test functions.
-    pub test: Matrix,
-    /// -phi_a'(s), one column: the test of the conserved quantity, the sign from integration by parts.
-    pub test_rate: Matrix,
     /// Position on the slab, one row over (bottom position, velocities): 1, dt Phi_1(s), ..., dt Phi_{N_t}(s), for dt = 1.
     pub positions: Vec<f64>,
     /// Velocity, one row over (bottom position, velocities): 0, phi_1(s), ..., phi_{N_t}(s).
@@ -141,14 +137,12 @@ pub struct Instant {
 impl Instant {
     /// The basis at `s`.
     pub fn new(time: &RadauTime, s: f64, weight: f64) -> Self {
-        let (phi, rate, integrals) = (time.values(s), time.derivatives(s), time.integrals(s));
+        let (phi, integrals) = (time.values(s), time.integrals(s));
         let n = phi.len();
         Instant {
             s,
             weight,
             values: Matrix::from_fn(1, n, |_, a| phi[a]),
-            test: Matrix::from_fn(n, 1, |a, _| phi[a]),
-            test_rate: Matrix::from_fn(n, 1, |a, _| -rate[a]),
             positions: std::iter::once(1.0).chain(integrals).collect(),
             velocities: Matrix::from_fn(1, n + 1, |_, b| if b == 0 { 0.0 } else { phi[b - 1] }),
         }
@@ -157,8 +151,7 @@ impl Instant {
     /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state that is given
     /// at this time only.
     pub fn of_space(time: &RadauTime, s: f64) -> Self {
-        let one = Matrix::identity(1);
-        Instant { values: one.clone(), test: one.clone(), test_rate: one, ..Instant::new(time, s, 1.0) }
+        Instant { values: Matrix::identity(1), ..Instant::new(time, s, 1.0) }
     }
 
     /// The row that gives the position at this time in a slab of length `dt`.
@@ -183,6 +176,17 @@ pub struct Tables<const D: usize> {
     pub instants: Vec<Instant>,
     /// The top of the slab, s = 1, weight 1.
     pub top: Instant,
+    /// phi_a(s) at the Gauss points, `[instant][a]`; the same with the top as the last row.
+    pub values: Matrix,
+    /// See `values`.
+    pub values_and_top: Matrix,
+    /// Velocities at the Gauss points, `[instant][slot]`.
+    pub velocities: Matrix,
+    /// phi_a(s) at the Gauss points, `[a][instant]`: sends terms there to the test functions.
+    pub test: Matrix,
+    /// -phi_a'(s) at the Gauss points, the sign from integration by parts, and last phi_a(1), `[a][instant or top]`: the test of the
+    /// conserved quantity.
+    pub test_rate: Matrix,
     /// The volume points, plane by plane.
     pub planes: Vec<Planes>,
     /// Weights of the facet points, lexicographic.
@@ -195,9 +199,12 @@ impl<const D: usize> Tables<D> {
         let rule = gauss(quadrature.space_points(D, orders));
         let time = RadauTime::new(orders.time);
         let time_rule = gauss(quadrature.time_points(D, orders));
-        let instants = (time_rule.points.iter().zip(&time_rule.weights))
+        let instants: Vec<_> = (time_rule.points.iter().zip(&time_rule.weights))
             .map(|(&x, &w)| Instant::new(&time, 0.5 * (1.0 + x), 0.5 * w))
             .collect();
+        let (n_t, count) = (orders.time, instants.len());
+        let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
+        rates.push(time.values(1.0).iter().map(|phi| -phi).collect());
         // Of a state with D + 2 components: values, gradients, fluxes, moments; of the mesh: Jacobian matrix, velocity.
         let packs = (D + 2) * (2 * D + 2) + D * D + D;
         Tables {
@@ -205,8 +212,15 @@ impl<const D: usize> Tables<D> {
             planes: Planes::blocks(&rule, D, orders, packs),
             flow: Line::new(orders.flow, &rule.points),
             mesh: Line::new(orders.mesh, &rule.points),
-            instants,
             top: Instant::new(&time, 1.0, 1.0),
+            values: Matrix::from_fn(count, n_t, |q, a| instants[q].values[(0, a)]),
+            values_and_top: Matrix::from_fn(count + 1, n_t, |q, a| {
+                instants.get(q).map_or(time.values(1.0)[a], |instant| instant.values[(0, a)])
+            }),
+            velocities: Matrix::from_fn(count, n_t + 1, |q, slot| instants[q].velocities[(0, slot)]),
+            test: Matrix::from_fn(n_t, count, |a, q| instants[q].values[(0, a)]),
+            test_rate: Matrix::from_fn(n_t, count + 1, |a, q| -rates[q][a]),
+            instants,
             time,
             facet_weights: tensor_weights(&rule.weights, D - 1),
             rule,
@@ -238,4 +252,33 @@ fn tensor_weights(weights: &[f64], dimension: usize) -> Vec<f64> {
         product = weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect();
     }
     product
+}
+
+/// Instant `number` of `count`.
+#[derive(Clone, Copy)]
+pub(crate) struct Of {
+    pub(crate) number: usize,
+    pub(crate) count: usize,
+}
+
+impl Of {
+    /// An instant that is the only one.
+    pub(crate) const ALONE: Of = Of { number: 0, count: 1 };
+
+    /// What `array[b][instant][..]` has of this instant in block `b`, `len` packs.
+    #[inline(always)]
+    pub(crate) fn block<'a>(&self, array: &'a [Pack], b: usize, len: usize) -> &'a [Pack] {
+        &array[(b * self.count + self.number) * len..][..len]
+    }
+}
+
+/// How traces at some times follow from those at the time nodes and slots of a slab: `[time][node]`, `[time][slot]`.
+#[derive(Clone, Copy)]
+pub struct InTime<'a> {
+    /// States.
+    pub values: &'a Matrix,
+    /// Velocities of the mesh.
+    pub velocities: &'a Matrix,
+    /// Positions of the mesh.
+    pub positions: &'a Matrix,
 }

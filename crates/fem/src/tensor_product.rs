@@ -75,6 +75,12 @@ impl<'a> Lattice<'a> {
         Lattice { line, last: line, dimension }
     }
 
+    /// Nodes of a tensor.
+    #[inline(always)]
+    pub fn nodes(&self) -> usize {
+        self.line.order.pow(self.dimension as u32)
+    }
+
     /// The pass along `axis` for `components`: its matrices, entries outside and inside of the axis, packs before and after.
     /// Axes above are at the points already, axes below at the nodes still.
     #[inline(always)]
