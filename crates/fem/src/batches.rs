@@ -14,6 +14,8 @@ pub struct Permutation {
 
 /// Up to [`WIDTH`] facets that are treated alike. Unused lanes repeat the last facet.
 pub struct FacetBatch {
+    /// Its number.
+    pub number: usize,
     /// Facets in use.
     pub count: usize,
     /// Minus sides.
@@ -36,7 +38,20 @@ pub struct Facets {
     pub of_face: Vec<(u32, u8)>,
 }
 
+impl FacetBatch {
+    /// The sides of all lanes: 0 minus, 1 plus.
+    pub fn ends(&self, side: usize) -> [Side; WIDTH] {
+        if side == 0 { self.minus } else { self.plus.map(|(end, _)| end) }
+    }
+}
+
 impl Facets {
+    /// The permutation that leads to the lattice of the plus side of a facet; none where both lattices are the same.
+    pub fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
+        let number = if side == 0 { 0 } else { batch.plus[lane].1 };
+        (number != 0).then(|| &self.permutations[number])
+    }
+
     /// Batches the facets of `mesh` for a flow and a mesh of the given orders.
     pub fn new<const D: usize>(mesh: &Mesh<D>, flow_order: usize, mesh_order: usize) -> Self {
         let mut permutations = Vec::new();
@@ -56,6 +71,7 @@ impl Facets {
             mesh.boundary_facets().iter().map(|f| (f.side, (f.side, same), Some(f.boundary))).collect();
         let mut batches: Vec<FacetBatch> = interior.chunks(WIDTH).map(batch::<D>).collect();
         batches.extend(boundary.chunk_by(|a, b| a.2 == b.2).flat_map(|same| same.chunks(WIDTH)).map(batch::<D>));
+        batches.iter_mut().enumerate().for_each(|(number, batch)| batch.number = number);
         let of_face = faces_to_facets(&batches, mesh.n_cells() * 2 * D, 2 * D);
         Facets { batches, permutations, of_face }
     }
@@ -66,6 +82,7 @@ fn batch<const D: usize>(facets: &[(Side, (Side, usize), Option<usize>)]) -> Fac
     // The last column of cofactors is the cross product of the tangents in 3-D and the negative turn of the tangent in 2-D.
     let turn = if D == 2 { -1.0 } else { 1.0 };
     FacetBatch {
+        number: 0,
         count: facets.len(),
         minus: std::array::from_fn(|lane| at(lane).0),
         plus: std::array::from_fn(|lane| at(lane).1),

@@ -2,6 +2,7 @@
 
 use crate::batches::{FacetBatch, Permutation};
 use crate::kernels::Along;
+use crate::mesh_traces::MeshTraces;
 use crate::operator::SlabOperator;
 use crate::scratch::FacetScratch;
 use crate::traces::Traces;
@@ -32,7 +33,7 @@ fn write_lane(packs: &[Pack], lane: usize, out: &mut [f64]) {
 }
 
 /// Reads the traces of 8 sides, nodes reordered by the permutation of each lane where there is one.
-fn gather_traces(
+pub(crate) fn gather_traces(
     sources: [&[f64]; WIDTH],
     permutations: [Option<&[usize]>; WIDTH],
     packs: &mut [Pack],
@@ -51,19 +52,13 @@ fn gather_traces(
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// The permutation that leads to the lattice of the plus side of a facet; none where both lattices are the same.
-    fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
-        let number = if side == 0 { 0 } else { batch.plus[lane].1 };
-        (number != 0).then(|| &self.facets.permutations[number])
-    }
-
     /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`: one
     /// block per entry of `state` and of `mesh`. The position of the facet is read from the minus side alone.
     pub(crate) fn gather_sides(
         &self,
         along: Along,
         state: &[&Traces],
-        mesh: &[&Traces],
+        mesh: &[&MeshTraces],
         batch: &FacetBatch,
         scratch: &mut FacetScratch,
     ) {
@@ -72,20 +67,23 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
         let used = if batch.boundary.is_none() { 2 } else { 1 };
         for (number, side) in sides.iter_mut().enumerate().take(used) {
-            let ends = if number == 0 { batch.minus } else { batch.plus.map(|(end, _)| end) };
-            let permutations: [_; WIDTH] = from_fn(|lane| self.permutation(batch, lane, number));
-            let flow = permutations.map(|permutation| permutation.map(|p| &p.flow[..]));
-            let geometry = permutations.map(|permutation| permutation.map(|p| &p.mesh[..]));
-            for (traces, first_kind, blocks, permutations, packs) in [
-                (state, 0, along.state_blocks(), flow, &mut side.state),
-                (mesh, number, along.geometry_blocks(), geometry, &mut side.mesh),
-            ] {
-                let len = traces[0].layout.kind_len();
-                for (kind, packs) in packs.chunks_exact_mut(blocks * len).enumerate().take(kinds).skip(first_kind) {
-                    for (traces, packs) in traces.iter().zip(packs.chunks_exact_mut(len)) {
-                        let sources = ends.map(|end| traces.of(end.cell, end.face, kind));
-                        gather_traces(sources, permutations, packs, reordered);
-                    }
+            let (len, ends) = (state[0].layout.kind_len(), batch.ends(number));
+            let permutations = from_fn(|lane| self.facets.permutation(batch, lane, number).map(|p| &p.flow[..]));
+            let of_kinds = side.state.chunks_exact_mut(along.state_blocks() * len).take(kinds);
+            for (kind, packs) in of_kinds.enumerate() {
+                for (traces, packs) in state.iter().zip(packs.chunks_exact_mut(len)) {
+                    let sources = ends.map(|end| traces.of(end.cell, end.face, kind));
+                    gather_traces(sources, permutations, packs, reordered);
+                }
+            }
+            let len = mesh[0].kind_len();
+            let of_kinds = side.mesh.chunks_exact_mut(along.geometry_blocks() * len).take(kinds);
+            for (kind, packs) in of_kinds.enumerate() {
+                for (traces, packs) in mesh.iter().zip(packs.chunks_exact_mut(len)) {
+                    traces
+                        .on_facets(batch.number, number, kind)
+                        .into_iter()
+                        .for_each(|from| packs.copy_from_slice(from));
                 }
             }
         }
@@ -104,7 +102,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
             for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
                 let packs = &scratch.sides[side].terms[..len];
-                let Some(Permutation { flow, .. }) = self.permutation(batch, lane, side) else {
+                let Some(Permutation { flow, .. }) = self.facets.permutation(batch, lane, side) else {
                     write_lane(packs, lane, terms);
                     continue;
                 };

@@ -29,6 +29,7 @@ mod kernels;
 mod layout;
 mod line_jacobian;
 mod linearisation;
+mod mesh_traces;
 mod mode;
 mod moving_mesh;
 mod operator;

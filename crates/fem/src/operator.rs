@@ -7,6 +7,7 @@ use crate::field::StateField;
 use crate::gather::{gather, scatter};
 use crate::kernels::{Along, Kernels, Times};
 use crate::layout::Layout;
+use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
 use crate::pool::Pool;
 use crate::prescribed;
@@ -72,9 +73,9 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     bottom_moments: Vec<f64>,
     pub(crate) state_traces: Traces,
     direction_traces: Traces,
-    pub(crate) mesh_traces: Traces,
+    pub(crate) mesh_traces: MeshTraces,
     mesh_direction: MovingMesh,
-    mesh_direction_traces: Traces,
+    mesh_direction_traces: MeshTraces,
     terms: Vec<f64>,
     pub(crate) cells: Pool<CellScratch>,
     pub(crate) facet_scratch: Pool<FacetScratch>,
@@ -114,9 +115,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             bottom_moments: vec![0.0; layout.at_one_time().len()],
             state_traces: Traces::new(flow_traces, cells),
             direction_traces: Traces::new(flow_traces, cells),
-            mesh_traces: Traces::new(mesh_traces, cells),
+            mesh_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             mesh_direction: moving.clone(),
-            mesh_direction_traces: Traces::new(mesh_traces, cells),
+            mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
             cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
@@ -156,7 +157,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Sets the mesh velocities of the slab, `[time node][C0 node][component]`.
     pub fn set_mesh(&mut self, velocities: &[f64]) {
         self.mesh.set_velocities(velocities);
-        self.mesh_traces.take(&self.mesh_faces, &self.mesh.data, true);
+        self.mesh_traces.take(&self.mesh_faces, &self.mesh.data, &self.facets);
     }
 
     /// Sets the state at which Jacobian products are taken.
@@ -188,7 +189,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub fn product_with_mesh(&mut self, direction: &[f64], velocities: &[f64], out: &mut [f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
         self.mesh_direction.set_direction(velocities);
-        self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, true);
+        self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, &self.facets);
         self.run(Along::StateAndMesh, out);
     }
 
@@ -319,7 +320,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn state_and_direction(&self) -> [&Traces; 2] {
         [&self.state_traces, &self.direction_traces]
     }
-    fn mesh_and_direction(&self) -> [&Traces; 2] {
+    fn mesh_and_direction(&self) -> [&MeshTraces; 2] {
         [&self.mesh_traces, &self.mesh_direction_traces]
     }
 

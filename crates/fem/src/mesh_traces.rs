@@ -1,0 +1,60 @@
+//! Traces of the mesh, ready for the kernels of cells and facets: a mesh serves many evaluations.
+
+use crate::batches::Facets;
+use crate::gather::gather_traces;
+use crate::traces::{FaceMaps, TraceLayout, Traces};
+use rayon::prelude::*;
+use std::array::from_fn;
+use tensor::{Pack, WIDTH, zeroed};
+
+/// What a batch of facets reads: kinds 0 and 1 of the minus side, from which position and tangents are taken, and kind 1 of the plus side.
+const PARTS: [(usize, usize); 3] = [(0, 0), (0, 1), (1, 1)];
+
+/// Coefficients of the mesh by batches of cells, and their traces by batches of facets.
+pub(crate) struct MeshTraces {
+    traces: Traces,
+    /// `[batch][part][slot][d][face node]`, see [`PARTS`], in the lattice of minus.
+    on_facets: Vec<Pack>,
+}
+
+impl MeshTraces {
+    /// Room for the traces of `cells` cells on `batches` batches of facets.
+    pub(crate) fn new(layout: TraceLayout, cells: usize, batches: usize) -> Self {
+        let on_facets = zeroed(batches * PARTS.len() * layout.kind_len());
+        MeshTraces { traces: Traces::new(layout, cells), on_facets }
+    }
+
+    /// Takes the traces of `coefficients[cell][slot][d][node]`.
+    pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &Facets) {
+        self.traces.take(maps, coefficients, true);
+        let (traces, len) = (&self.traces, self.traces.layout.kind_len());
+        let batches = self.on_facets.par_chunks_mut(PARTS.len() * len).zip(&facets.batches);
+        batches.for_each_init(
+            || vec![0.0; WIDTH * len],
+            |reordered, (packs, batch)| {
+                for ((side, kind), packs) in PARTS.into_iter().zip(packs.chunks_exact_mut(len)) {
+                    let sources = batch.ends(side).map(|end| traces.of(end.cell, end.face, kind));
+                    let permutations = from_fn(|lane| facets.permutation(batch, lane, side).map(|p| &p.mesh[..]));
+                    gather_traces(sources, permutations, packs, reordered);
+                }
+            },
+        );
+    }
+
+    /// The coefficients of a batch of cells, `[slot][d][node]`.
+    pub(crate) fn coefficients(&self, batch: usize) -> &[Pack] {
+        self.traces.coefficients(batch)
+    }
+
+    /// A kind on a side of batch `number` of facets, `[slot][d][face node]`; none of kind 0 on the plus side.
+    pub(crate) fn on_facets(&self, number: usize, side: usize, kind: usize) -> Option<&[Pack]> {
+        let part = PARTS.iter().position(|part| *part == (side, kind))?;
+        let len = self.traces.layout.kind_len();
+        Some(&self.on_facets[(PARTS.len() * number + part) * len..][..len])
+    }
+
+    /// Length of one kind.
+    pub(crate) fn kind_len(&self) -> usize {
+        self.traces.layout.kind_len()
+    }
+}
