@@ -50,7 +50,7 @@ pub enum Method {
 
 enum Preconditioner {
     Blocks(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
-    Lines(LinePreconditioner),
+    Lines(Box<LinePreconditioner>),
 }
 
 /// The preconditioner of the flow and what it is made of.
@@ -255,7 +255,7 @@ fn lines<const D: usize, const M: usize>(
     old: Option<Preconditioner>,
     flow: &SlabOperator<D, M>,
     (dt, damping): (f64, f64),
-) -> LinePreconditioner {
+) -> Box<LinePreconditioner> {
     let jacobian = flow.line_jacobian(0.5);
     match old {
         Some(Preconditioner::Lines(mut lines)) => {
@@ -263,7 +263,10 @@ fn lines<const D: usize, const M: usize>(
             lines.factor(dt, damping);
             lines
         }
-        _ => LinePreconditioner::new(flow.layout, TemporalModes::new(&flow.tables.time), jacobian, dt, damping),
+        _ => {
+            let modes = TemporalModes::new(&flow.tables.time);
+            Box::new(LinePreconditioner::new(flow.layout, modes, jacobian, dt, damping))
+        }
     }
 }
 
