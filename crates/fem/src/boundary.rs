@@ -1,14 +1,13 @@
 //! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
 
 use crate::conservation_law::ConservationLaw;
-use crate::facet::{
-    DataAt, FacetContext, FacetPoint, facet_point, geometry_to_points, penalty, state_to_points, symmetric_term,
-    times_normal, to_instants,
-};
+use crate::facet::{DataAt, FacetContext, penalty, symmetric_term, times_normal};
+use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
+use crate::instants::{InTime, Instant, Of};
 use crate::mode::{Mode, Values};
 use crate::point::{Place, flag, load, physical_gradient};
 use crate::scratch::{FacetScratch, through_len};
-use crate::tables::{InTime, Instant, Of, Tables};
+use crate::tables::Tables;
 use crate::tensor_product::{Lattice, Parts, evaluate};
 use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};

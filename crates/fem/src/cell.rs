@@ -7,10 +7,11 @@
 //! The integral over the slab is a sum over its Gauss points; at each of them the terms are those of a problem in space.
 
 use crate::conservation_law::ConservationLaw;
+use crate::instants::{Instant, Of};
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::CellScratch;
-use crate::tables::{Instant, Of, Planes, Tables};
+use crate::tables::{Planes, Tables};
 use crate::tensor_product::{Lattice, Parts, evaluate, integrate};
 use basis::Matrix;
 use std::marker::PhantomData;

@@ -23,8 +23,10 @@ mod boundary_flux;
 mod cell;
 mod conservation_law;
 mod facet;
+mod facet_evaluation;
 mod field;
 mod gather;
+mod instants;
 mod kernels;
 mod layout;
 mod line_jacobian;
@@ -47,6 +49,7 @@ mod work;
 pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
+pub use instants::{InTime, Instant};
 pub use kernels::{Along, Kernels, LawKernels};
 pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
@@ -55,7 +58,7 @@ pub use moving_mesh::MovingMesh;
 pub use operator::{Problem, SlabOperator, Violation};
 pub use pool::Pool;
 pub use sampler::{Sampler, squared_errors};
-pub use tables::{InTime, Instant, Line, Orders, Quadrature, Tables};
+pub use tables::{Line, Orders, Quadrature, Tables};
 
 #[cfg(test)]
 mod tests;

@@ -9,11 +9,11 @@
 use crate::batches::{FacetBatch, cells_of};
 use crate::cell::{CellContext, SourceAt};
 use crate::gather::gather;
+use crate::instants::{InTime, Instant};
 use crate::kernels::{Along, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
-use crate::tables::{InTime, Instant};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! Traces of the mesh, ready for the kernels of cells and facets: a mesh serves many evaluations.
 
-use crate::batches::Facets;
+use crate::batches::{BATCHES_PER_TASK, Facets};
 use crate::gather::gather_traces;
+use crate::pool::Pool;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use rayon::prelude::*;
 use std::array::from_fn;
@@ -15,13 +16,16 @@ pub(crate) struct MeshTraces {
     traces: Traces,
     /// `[batch][part][slot][d][face node]`, see [`PARTS`], in the lattice of minus.
     on_facets: Vec<Pack>,
+    /// One trace of every lane in another order of nodes.
+    reordered: Pool<Vec<f64>>,
 }
 
 impl MeshTraces {
     /// Room for the traces of `cells` cells on `batches` batches of facets.
     pub(crate) fn new(layout: TraceLayout, cells: usize, batches: usize) -> Self {
         let on_facets = zeroed(batches * PARTS.len() * layout.kind_len());
-        MeshTraces { traces: Traces::new(layout, cells), on_facets }
+        let reordered = Pool::new(|| vec![0.0; WIDTH * layout.kind_len()]);
+        MeshTraces { traces: Traces::new(layout, cells), on_facets, reordered }
     }
 
     /// Takes the traces of `coefficients[cell][slot][d][node]`.
@@ -29,16 +33,13 @@ impl MeshTraces {
         self.traces.take(maps, coefficients, true);
         let (traces, len) = (&self.traces, self.traces.layout.kind_len());
         let batches = self.on_facets.par_chunks_mut(PARTS.len() * len).zip(&facets.batches);
-        batches.for_each_init(
-            || vec![0.0; WIDTH * len],
-            |reordered, (packs, batch)| {
-                for ((side, kind), packs) in PARTS.into_iter().zip(packs.chunks_exact_mut(len)) {
-                    let sources = batch.ends(side).map(|end| traces.of(end.cell, end.face, kind));
-                    let permutations = from_fn(|lane| facets.permutation(batch, lane, side).map(|p| &p.mesh[..]));
-                    gather_traces(sources, permutations, packs, reordered);
-                }
-            },
-        );
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(packs, batch)| {
+            for ((side, kind), packs) in PARTS.into_iter().zip(packs.chunks_exact_mut(len)) {
+                let sources = batch.ends(side).map(|end| traces.of(end.cell, end.face, kind));
+                let permutations = from_fn(|lane| facets.permutation(batch, lane, side).map(|p| &p.mesh[..]));
+                self.reordered.with(|reordered| gather_traces(sources, permutations, packs, reordered));
+            }
+        });
     }
 
     /// The coefficients of a batch of cells, `[slot][d][node]`.

@@ -43,7 +43,8 @@ impl Default for Settings {
     }
 }
 
-/// What a solve has done. Norms are of the true residual; of its recursive estimate where that is as good, see [`TRUSTED`].
+/// What a solve has done. Norms are of the true residual; of its recursive estimate where that is as good: where a cycle has
+/// reduced it by less than 10^6.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
     /// The number of iterations: of preconditioner applications.

@@ -224,6 +224,9 @@ impl Cause {
             Cause::Type { accepted, .. } | Cause::OutOfRange { accepted, .. } | Cause::Combination { accepted, .. } => {
                 Some(accepted.clone())
             }
+            Cause::Length { found: 3, dimension: 2 } => Some(
+                "2 entries, one per axis; `mesh.extrude = { depth = .., layers = .. }` gives the mesh a third".to_owned(),
+            ),
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
             Cause::NoCondition { names, choices, .. } => Some(format!(
                 "a key {} in this table, or `others` for all boundaries that are not named: {}; none where the mesh is `periodic`",

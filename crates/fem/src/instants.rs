@@ -1,0 +1,73 @@
+//! The times of a slab at which kernels evaluate.
+
+use basis::{Matrix, RadauTime};
+use tensor::Pack;
+
+/// The time basis seen from one time of the slab.
+pub struct Instant {
+    /// Position in the slab, in [0, 1].
+    pub s: f64,
+    /// Quadrature weight on the unit slab.
+    pub weight: f64,
+    /// phi_a(s), one row.
+    pub values: Matrix,
+    /// Position on the slab, one row over (bottom position, velocities): 1, dt Phi_1(s), ..., dt Phi_{N_t}(s), for dt = 1.
+    pub positions: Vec<f64>,
+    /// Velocity, one row over (bottom position, velocities): 0, phi_1(s), ..., phi_{N_t}(s).
+    pub velocities: Matrix,
+}
+
+impl Instant {
+    /// The basis at `s`.
+    pub fn new(time: &RadauTime, s: f64, weight: f64) -> Self {
+        let (phi, integrals) = (time.values(s), time.integrals(s));
+        let n = phi.len();
+        Instant {
+            s,
+            weight,
+            values: Matrix::from_fn(1, n, |_, a| phi[a]),
+            positions: std::iter::once(1.0).chain(integrals).collect(),
+            velocities: Matrix::from_fn(1, n + 1, |_, b| if b == 0 { 0.0 } else { phi[b - 1] }),
+        }
+    }
+
+    /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state that is given
+    /// at this time only.
+    pub fn of_space(time: &RadauTime, s: f64) -> Self {
+        Instant { values: Matrix::identity(1), ..Instant::new(time, s, 1.0) }
+    }
+
+    /// The row that gives the position at this time in a slab of length `dt`.
+    pub fn position_row(&self, dt: f64) -> Matrix {
+        Matrix::from_fn(1, self.positions.len(), |_, b| if b == 0 { 1.0 } else { dt * self.positions[b] })
+    }
+}
+
+/// Instant `number` of `count`.
+#[derive(Clone, Copy)]
+pub(crate) struct Of {
+    pub(crate) number: usize,
+    pub(crate) count: usize,
+}
+
+impl Of {
+    /// An instant that is the only one.
+    pub(crate) const ALONE: Of = Of { number: 0, count: 1 };
+
+    /// What `array[b][instant][..]` has of this instant in block `b`, `len` packs.
+    #[inline(always)]
+    pub(crate) fn block<'a>(&self, array: &'a [Pack], b: usize, len: usize) -> &'a [Pack] {
+        &array[(b * self.count + self.number) * len..][..len]
+    }
+}
+
+/// How traces at some times follow from those at the time nodes and slots of a slab: `[time][node]`, `[time][slot]`.
+#[derive(Clone, Copy)]
+pub struct InTime<'a> {
+    /// States.
+    pub values: &'a Matrix,
+    /// Velocities of the mesh.
+    pub velocities: &'a Matrix,
+    /// Positions of the mesh.
+    pub positions: &'a Matrix,
+}
