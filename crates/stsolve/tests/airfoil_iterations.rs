@@ -70,14 +70,14 @@ fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {
     assert!(means[1] <= 1.5 * means[0], "{means:?}");
 }
 
-/// By its coarse level; the sweeps alone need some 180.
+/// 76 by its coarse level in the undamped steps; the sweeps alone need some 180.
 #[test]
 fn a_steady_flow_takes_few_iterations() {
     let directory = TempDir::new().unwrap();
     run(directory.path(), &[&COARSE[..], &["time.end=0.1"]].concat(), "steady");
     let steady = &summary(&directory.path().join("steady"))["steady"];
     println!("Newton steps {}, Krylov iterations {}", steady["newton"], steady["krylov"]);
-    assert!(steady["newton"].as_u64().unwrap() <= 9 && steady["krylov"].as_u64().unwrap() <= 100, "{steady}");
+    assert!(steady["newton"].as_u64().unwrap() <= 9 && steady["krylov"].as_u64().unwrap() <= 85, "{steady}");
 }
 
 /// With a coarse level in damped steps, too, this start ended in a solution of the discrete equations that no flow has, of drag 0.043 and
