@@ -13,7 +13,6 @@ use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
 use super::panel::{Panels, padded};
 use super::wavefront::wavefront;
-use basis::is_real;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
 use fem::{Pool, SpaceJacobian};
@@ -50,7 +49,7 @@ struct Update {
 impl Elimination<'_> {
     /// The blocks D of a mode.
     pub fn shape(jacobian: &SpaceJacobian, shift: c64) -> Shape {
-        Shape { n: jacobian.block, parts: if is_real(shift) { 1 } else { 2 } }
+        Shape::shifted(jacobian.block, shift)
     }
 
     /// D_i^{-1} of all modes in [`Panels`], cell by cell in the order of positions.

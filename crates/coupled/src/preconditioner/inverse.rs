@@ -11,6 +11,8 @@
 //! [re, -im; im, re].
 
 use super::panel::{Multiply, Panels, padded};
+use basis::is_real;
+use faer::c64;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 
@@ -27,6 +29,10 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// Of a block of order `n` that is shifted by `shift`.
+    pub fn shifted(n: usize, shift: c64) -> Self {
+        Shape { n, parts: if is_real(shift) { 1 } else { 2 } }
+    }
     /// Numbers per column.
     pub fn stride(self) -> usize {
         self.parts * padded(self.n)

@@ -13,7 +13,7 @@
 use super::inverse::{Shape, as_real, invert};
 use super::modal::{join, split};
 use super::panel::{Multiply, padded};
-use basis::{TemporalModes, is_real};
+use basis::TemporalModes;
 use faer::c64;
 use fem::{Layout, LineJacobian, Pool};
 use rayon::prelude::*;
@@ -77,7 +77,7 @@ impl LinePreconditioner {
     /// The blocks of the modes along one axis.
     fn shapes(&self) -> impl Iterator<Item = Shape> {
         let n = self.jacobian.block;
-        self.modes.eigenvalues.iter().map(move |lambda| Shape { n, parts: if is_real(*lambda) { 1 } else { 2 } })
+        self.modes.eigenvalues.iter().map(move |lambda| Shape::shifted(n, *lambda))
     }
 
     /// 2^(D-1) F_k^{-1}, along all axes but the first times lambda J: the product of all is the inverse of (directions).
@@ -149,7 +149,7 @@ impl LinePreconditioner {
         let (n, nodes, parts) = (self.jacobian.nodes, self.layout.nodes, shape.parts);
         let (count, stride) = (nodes / n, n.pow(axis as u32));
         let line_len = parts * shape.n;
-        // Lines of `place` = 0 begin at the nodes of the face; component and part lie one after the other on a line.
+        // The node with which a line begins; parts and components of a line lie one after the other.
         let start = |line: usize| line / stride * stride * n + line % stride;
         let tensors = line_len / n;
         for line in 0..count {
