@@ -17,7 +17,7 @@ use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use rayon::prelude::*;
-use tensor::{Pack, WIDTH};
+use tensor::{Arch, Pack, WIDTH};
 
 /// The coupling of two cells across a facet.
 pub struct Coupling {
@@ -101,10 +101,12 @@ impl TraceSpace {
                 functional.iter().for_each(|&(node, weight)| lifted[offset + node] += weight * value);
             }
             let (offset, functional) = self.functional(face, column);
-            for &(node, weight) in functional {
-                let start = (offset + node) * block;
-                matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += weight * l);
-            }
+            Arch::new().dispatch(|| {
+                for &(node, weight) in functional {
+                    let start = (offset + node) * block;
+                    matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += weight * l);
+                }
+            });
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 use std::ops::Range;
+use tensor::Arch;
 
 /// The number of entries that one thread sums up or updates at a time.
 pub const CHUNK: usize = 4096;
@@ -60,7 +61,7 @@ pub struct Euclidean;
 
 impl InnerProduct for Euclidean {
     fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        chunk_dot(&x[range.clone()], &y[range])
+        Arch::new().dispatch(|| chunk_dot(&x[range.clone()], &y[range]))
     }
 }
 
@@ -73,7 +74,8 @@ pub struct Weighted {
 
 impl InnerProduct for Weighted {
     fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        chunk_weighted_dot(&self.weights[range.clone()], &x[range.clone()], &y[range])
+        let [w, x, y] = [&self.weights[..], x, y].map(|vector| &vector[range.clone()]);
+        Arch::new().dispatch(|| chunk_weighted_dot(w, x, y))
     }
 }
 
@@ -105,6 +107,7 @@ fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 
 }
 
 /// sum_i x_i y_i within a chunk.
+#[inline(always)]
 fn chunk_dot(x: &[f64], y: &[f64]) -> f64 {
     let (x_packs, x_rest) = x.as_chunks::<LANES>();
     let (y_packs, y_rest) = y.as_chunks::<LANES>();
@@ -119,6 +122,7 @@ fn chunk_dot(x: &[f64], y: &[f64]) -> f64 {
 }
 
 /// sum_i w_i x_i y_i within a chunk.
+#[inline(always)]
 fn chunk_weighted_dot(w: &[f64], x: &[f64], y: &[f64]) -> f64 {
     let (w_packs, w_rest) = w.as_chunks::<LANES>();
     let (x_packs, x_rest) = x.as_chunks::<LANES>();
@@ -155,12 +159,13 @@ pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
 /// [`add_combination`] for the part of the vectors that begins at `start` and that `y` holds.
 fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
     if y.len() <= CHUNK {
-        for (c_j, x_j) in c.iter().zip(columns) {
-            for (y_i, x_ij) in y.iter_mut().zip(&x_j[start..]) {
-                *y_i += c_j * x_ij;
+        return Arch::new().dispatch(|| {
+            for (c_j, x_j) in c.iter().zip(columns) {
+                for (y_i, x_ij) in y.iter_mut().zip(&x_j[start..]) {
+                    *y_i += c_j * x_ij;
+                }
             }
-        }
-        return;
+        });
     }
     let middle = middle(y.len());
     let (low, high) = y.split_at_mut(middle);

@@ -1,8 +1,10 @@
-//! The off-diagonal blocks in single precision, in the order in which the sweeps read them.
+//! The off-diagonal blocks in [`halves`], in the order in which the sweeps read them.
 
 use super::blocks::{Link, coupling_block};
+use super::halves;
+use super::inverse::Shape;
 use super::ordering::Ordering;
-use super::panel::{Panels, padded};
+use super::panel::Panels;
 use fem::SpaceJacobian;
 use rayon::prelude::*;
 
@@ -21,8 +23,9 @@ pub struct Step {
 
 /// The steps of both sweeps and their blocks.
 pub struct Couplings {
+    shape: Shape,
     panels: Panels,
-    blocks: Vec<f32>,
+    blocks: Vec<u32>,
     /// The link of every block.
     links: Vec<Link>,
     /// For every position the steps to earlier positions, and those to later ones.
@@ -34,24 +37,26 @@ impl Couplings {
     /// The couplings of `jacobian` along the `links` of every cell.
     pub fn new(jacobian: &SpaceJacobian, links: &[Vec<Link>], ordering: &Ordering) -> Self {
         let t = jacobian.traces.len();
-        let panels = Panels { rows: padded(t), columns: t, parts: 1 };
+        let shape = Shape { n: t, parts: 1 };
+        let panels = halves::panels(shape);
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
-        let blocks = vec![0.0; panels.len() * order.len()];
-        let mut couplings = Couplings { panels, blocks, links: order, earlier, later };
+        let blocks = vec![0; panels.len() * order.len()];
+        let mut couplings = Couplings { shape, panels, blocks, links: order, earlier, later };
         couplings.update(jacobian);
         couplings
     }
 
     /// The couplings of another `jacobian` along the same links.
     pub fn update(&mut self, jacobian: &SpaceJacobian) {
-        let (panels, t) = (self.panels, jacobian.traces.len());
-        self.blocks.par_chunks_exact_mut(panels.len()).zip(&self.links).for_each(|(block, link)| {
-            let mut column = vec![0.0; t];
-            for (j, b) in coupling_block(jacobian, *link).chunks_exact(t).enumerate() {
+        let shape = self.shape;
+        self.blocks.par_chunks_exact_mut(self.panels.len()).zip(&self.links).for_each(|(stored, link)| {
+            let mut block = vec![0.0; shape.len()];
+            let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
+            for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
                 column.iter_mut().zip(b).for_each(|(column, b)| *column = *b as f32);
-                panels.put(block, j, 0, &column);
             }
+            halves::store(shape, &block, stored);
         });
     }
 
@@ -63,13 +68,17 @@ impl Couplings {
     pub fn later(&self, position: usize) -> &[Step] {
         &self.later[position]
     }
-    /// The block B of a step, in [`Panels`].
-    pub fn block(&self, step: &Step) -> &[f32] {
+    /// The block B of a step, in [`halves`].
+    pub fn block(&self, step: &Step) -> &[u32] {
         &self.blocks[step.block * self.panels.len()..(step.block + 1) * self.panels.len()]
     }
     /// Padded rows of a block.
     pub fn rows(&self) -> usize {
         self.panels.rows
+    }
+    /// Numbers of all blocks.
+    pub fn numbers(&self) -> usize {
+        2 * self.blocks.len()
     }
     /// Bytes of all blocks.
     pub fn bytes(&self) -> usize {

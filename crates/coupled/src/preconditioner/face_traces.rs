@@ -1,6 +1,7 @@
 //! Traces on the faces of a cell in single precision.
 
 use fem::TraceSpace;
+use tensor::Arch;
 
 /// The traces T on a face in single precision: number k is the sum of `weight * x[coefficient]` over `entries[..ends[k]]` from
 /// where the one before ends.
@@ -27,6 +28,7 @@ impl FaceTraces {
     }
 
     /// For every trace its entries.
+    #[inline(always)]
     fn functionals(&self) -> impl Iterator<Item = &[(u32, f32)]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(start, &end)| &self.entries[start..end])
@@ -40,6 +42,7 @@ impl FaceTraces {
     }
 
     /// x -= factor T^T `traces`.
+    #[inline(always)]
     pub fn subtract(&self, factor: f32, traces: &[f32], x: &mut [f32]) {
         for (trace, functional) in traces.iter().zip(self.functionals()) {
             let sent = factor * trace;
@@ -49,11 +52,14 @@ impl FaceTraces {
 
     /// T X T^T for a matrix X whose columns, one every `stride` numbers, are of length `n`. The result is row-major.
     pub fn of_matrix(&self, x: &[f32], n: usize, stride: usize) -> Vec<f32> {
-        let right = transposed(&self.combined(x, n, stride), n);
-        self.combined(&right, self.len(), self.len())
+        Arch::new().dispatch(|| {
+            let right = transposed(&self.combined(x, n, stride), n);
+            self.combined(&right, self.len(), self.len())
+        })
     }
 
     /// X T^T: sums of columns of X.
+    #[inline(always)]
     fn combined(&self, x: &[f32], n: usize, stride: usize) -> Vec<f32> {
         let mut sums = vec![0.0; n * self.len()];
         for (sum, functional) in sums.chunks_exact_mut(n).zip(self.functionals()) {
@@ -65,20 +71,24 @@ impl FaceTraces {
     /// X -= T^T B T for such a matrix X, and B column-major.
     pub fn subtract_lifted(&self, b: &[f32], n: usize, stride: usize, x: &mut [f32]) {
         let mut lifted = vec![0.0; n];
-        for (b, functional) in b.chunks_exact(self.len()).zip(self.functionals()) {
-            lifted.fill(0.0);
-            self.subtract(1.0, b, &mut lifted);
-            functional.iter().for_each(|&(j, weight)| add(weight, &lifted, &mut x[j as usize * stride..][..n]));
-        }
+        Arch::new().dispatch(|| {
+            for (b, functional) in b.chunks_exact(self.len()).zip(self.functionals()) {
+                lifted.fill(0.0);
+                self.subtract(1.0, b, &mut lifted);
+                functional.iter().for_each(|&(j, weight)| add(weight, &lifted, &mut x[j as usize * stride..][..n]));
+            }
+        });
     }
 }
 
 /// y += factor x.
+#[inline(always)]
 fn add(factor: f32, x: &[f32], y: &mut [f32]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
 /// The transpose of a matrix of columns of length `n`.
+#[inline(always)]
 fn transposed(x: &[f32], n: usize) -> Vec<f32> {
     let columns = x.len() / n;
     let mut rows = vec![0.0; x.len()];

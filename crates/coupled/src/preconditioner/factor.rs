@@ -5,13 +5,14 @@
 //! ```
 //!
 //! Cells of a quadrilateral or hexahedral mesh that are neighbours share no third neighbour, so that only the diagonal
-//! changes; around an irregular vertex the fill is dropped. All is done in single precision, in which D^{-1} is stored.
+//! changes; around an irregular vertex the fill is dropped. All is done in single precision; D^{-1} is stored in half of it.
 
 use super::blocks::{Link, coupling_block};
 use super::face_traces::FaceTraces;
+use super::halves;
 use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
-use super::panel::{Panels, padded};
+use super::panel::padded;
 use super::wavefront::wavefront;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
@@ -52,12 +53,12 @@ impl Elimination<'_> {
         Shape::shifted(jacobian.block, shift)
     }
 
-    /// D_i^{-1} of all modes in [`Panels`], cell by cell in the order of positions.
-    pub fn factorise(&self, inverses: &mut [f32]) {
+    /// D_i^{-1} of all modes in [`halves`], cell by cell in the order of positions.
+    pub fn factorise(&self, inverses: &mut [u32]) {
         let cells = self.links.len();
         let len = inverses.len() / cells;
         let scratch = Pool::new(Vec::new);
-        let stored: Vec<Mutex<&mut [f32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
+        let stored: Vec<Mutex<&mut [u32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
         let updates: Vec<Mutex<Vec<Update>>> = (0..cells).map(|_| Mutex::default()).collect();
         let needs = |position: usize| {
             let links = self.links[self.ordering.cells[position]].iter();
@@ -73,7 +74,7 @@ impl Elimination<'_> {
     }
 
     /// Stores the inverses of the cell at `position`; returns what it subtracts from later ones.
-    fn cell(&self, position: usize, updates: &[Update], block: &mut Vec<f32>, mut stored: &mut [f32]) -> Vec<Update> {
+    fn cell(&self, position: usize, updates: &[Update], block: &mut Vec<f32>, mut stored: &mut [u32]) -> Vec<Update> {
         let mut new = Vec::new();
         for (mode, &shift) in self.shifts.iter().enumerate() {
             let shape = Self::shape(self.jacobian, shift);
@@ -85,8 +86,8 @@ impl Elimination<'_> {
                 }
             }
             invert(Arch::new(), shape, block);
-            let (now, rest) = std::mem::take(&mut stored).split_at_mut(shape.len());
-            store(shape, block, now);
+            let (now, rest) = std::mem::take(&mut stored).split_at_mut(halves::panels(shape).len());
+            halves::store(shape, block, now);
             stored = rest;
             self.fill(position, mode, shape, block, &mut new);
         }
@@ -153,14 +154,4 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 
 fn single(matrix: &[f64]) -> Vec<f32> {
     matrix.iter().map(|a| *a as f32).collect()
-}
-
-/// Copies a block, `[column][part][padded row]`, into panels.
-fn store(shape: Shape, block: &[f32], stored: &mut [f32]) {
-    let panels = Panels { rows: padded(shape.n), columns: shape.n, parts: shape.parts };
-    for (j, column) in block.chunks_exact(shape.stride()).enumerate() {
-        for (part, column) in column.chunks_exact(panels.rows).enumerate() {
-            panels.put(stored, j, part, column);
-        }
-    }
 }

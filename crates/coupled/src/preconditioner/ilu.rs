@@ -4,6 +4,7 @@ use super::blocks::{Link, links};
 use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
+use super::halves;
 use super::inverse::Shape;
 use super::modal::{join, split};
 use super::ordering::{Ordering, minimum_discarded_fill};
@@ -17,7 +18,7 @@ use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
-/// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in single precision: the
+/// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in [`halves`]: the
 /// iteration that uses it works in double, and loses nothing.
 pub struct FlowPreconditioner {
     layout: Layout,
@@ -27,7 +28,7 @@ pub struct FlowPreconditioner {
     pub(super) ordering: Ordering,
     pub(super) couplings: Couplings,
     /// D^{-1} of all modes, cell by cell in the order of positions.
-    inverses: Vec<f32>,
+    inverses: Vec<u32>,
     /// How traces are taken and sent back, for every face of a cell.
     pub(super) faces: Vec<FaceTraces>,
     pub(super) dt: f64,
@@ -66,8 +67,9 @@ impl FlowPreconditioner {
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
-        let room = || vec![0.0; columns * couplings.rows()];
-        let scratch = Pool::new(|| Scratch { taken: room(), sent: room() });
+        let traces = columns * couplings.rows();
+        let room = move || vec![0.0; traces];
+        let scratch = Pool::new(move || Scratch { taken: room(), sent: room(), minus: vec![0.0; rows] });
         FlowPreconditioner {
             layout,
             modes,
@@ -104,9 +106,9 @@ impl FlowPreconditioner {
         result
     }
 
-    fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<f32>) {
-        let len: usize = self.shapes().map(Shape::len).sum();
-        inverses.resize(len * self.layout.cells, 0.0);
+    fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<u32>) {
+        let len: usize = self.shapes().map(|shape| halves::panels(shape).len()).sum();
+        inverses.resize(len * self.layout.cells, 0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let elimination = Elimination {
             jacobian: &self.jacobian,
@@ -125,7 +127,7 @@ impl FlowPreconditioner {
     }
 
     /// D^{-1} of all modes at `position`.
-    pub(super) fn inverses(&self, position: usize) -> &[f32] {
+    pub(super) fn inverses(&self, position: usize) -> &[u32] {
         let len = self.inverses.len() / self.layout.cells;
         &self.inverses[position * len..(position + 1) * len]
     }
@@ -152,7 +154,7 @@ impl FlowPreconditioner {
         self.couplings.bytes() + size_of_val(&self.inverses[..]) + 8 * double
     }
 
-    /// Bytes that an application reads, all in single precision: couplings once, factors in both sweeps.
+    /// Bytes that an application reads: couplings once, factors in both sweeps.
     pub fn swept_bytes(&self) -> usize {
         self.couplings.bytes() + 2 * size_of_val(&self.inverses[..])
     }
@@ -161,7 +163,7 @@ impl FlowPreconditioner {
     /// one of a complex factor.
     pub fn operations(&self) -> usize {
         let factors: usize = self.shapes().map(|shape| 2 * shape.parts * shape.len()).sum();
-        let couplings = self.couplings.bytes() / size_of::<f32>();
+        let couplings = self.couplings.numbers();
         2 * factors * self.layout.cells + 2 * self.modes.forward.rows() * couplings
     }
 
@@ -202,8 +204,11 @@ impl FlowPreconditioner {
     }
 }
 
-/// Room for the traces of a panel, `[column][padded trace]`.
+/// Room for a thread.
 pub(super) struct Scratch {
+    /// Traces, `[column][padded trace]`.
     pub(super) taken: Vec<f32>,
     pub(super) sent: Vec<f32>,
+    /// An imaginary part with the other sign.
+    pub(super) minus: Vec<f32>,
 }

@@ -14,6 +14,7 @@ mod couplings;
 mod face_traces;
 mod factor;
 mod fronts;
+mod halves;
 mod ilu;
 mod inverse;
 mod lines;

@@ -34,7 +34,7 @@ impl Panels {
     }
 
     /// Stores a part of column `j`, all rows of it or the first ones.
-    pub fn put(self, matrix: &mut [f32], j: usize, part: usize, column: &[f32]) {
+    pub fn put<T: Copy>(self, matrix: &mut [T], j: usize, part: usize, column: &[T]) {
         for (panel, values) in column.chunks(PANEL).enumerate() {
             let first = panel * PANEL;
             let height = PANEL.min(self.rows - first);
@@ -91,22 +91,21 @@ fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut
     let (y, _) = S::as_mut_simd_f32s(y);
     let (rows, panel) = (y.len() / C, PANEL / S::F32_LANES);
     let columns = matrix.len() / rows;
+    let at_once = if S::F32_LANES >= 16 { 4 } else { 2 };
     let mut first = 0;
     while first < rows {
         let height = panel.min(rows - first);
         let stored = &matrix[first * columns..(first + height) * columns];
         let mut row = 0;
-        while row + 4 <= height && S::F32_LANES >= 16 {
-            multiply_rows::<C, 4, S>(simd, stored, [first, row, height], x, y);
-            row += 4;
-        }
-        while row + 2 <= height {
-            multiply_rows::<C, 2, S>(simd, stored, [first, row, height], x, y);
-            row += 2;
-        }
         while row < height {
-            multiply_rows::<C, 1, S>(simd, stored, [first, row, height], x, y);
-            row += 1;
+            let (count, place) = ((height - row).min(at_once), [first, row, height]);
+            match count {
+                1 => multiply_rows::<C, 1, S>(simd, stored, place, x, y),
+                2 => multiply_rows::<C, 2, S>(simd, stored, place, x, y),
+                3 => multiply_rows::<C, 3, S>(simd, stored, place, x, y),
+                _ => multiply_rows::<C, 4, S>(simd, stored, place, x, y),
+            }
+            row += count;
         }
         first += height;
     }
@@ -141,78 +140,9 @@ fn multiply_rows<const C: usize, const R: usize, S: Simd>(
     }
 }
 
-/// y += A x for a complex block A of [`Panels`], x and y `[part][row]`.
-pub struct MultiplyComplex<'a> {
-    /// A.
-    pub matrix: &'a [f32],
-    /// x.
-    pub x: &'a [f32],
-    /// y.
-    pub y: &'a mut [f32],
-}
-
-impl WithSimd for MultiplyComplex<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (matrix, _) = S::as_simd_f32s(self.matrix);
-        let (y, _) = S::as_mut_simd_f32s(self.y);
-        let (rows, panel) = (y.len() / 2, PANEL / S::F32_LANES);
-        let columns = matrix.len() / (2 * rows);
-        let mut first = 0;
-        while first < rows {
-            let height = panel.min(rows - first);
-            let stored = &matrix[2 * first * columns..2 * (first + height) * columns];
-            let mut row = 0;
-            while row + 4 <= height && S::F32_LANES >= 16 {
-                multiply_complex_rows::<4, S>(simd, stored, [first, row, height], self.x, y);
-                row += 4;
-            }
-            while row + 2 <= height {
-                multiply_complex_rows::<2, S>(simd, stored, [first, row, height], self.x, y);
-                row += 2;
-            }
-            while row < height {
-                multiply_complex_rows::<1, S>(simd, stored, [first, row, height], self.x, y);
-                row += 1;
-            }
-            first += height;
-        }
-    }
-}
-
-/// [`multiply_rows`] of a complex block.
-#[inline(always)]
-fn multiply_complex_rows<const R: usize, S: Simd>(
-    simd: S,
-    panel: &[S::f32s],
-    [first, row, height]: [usize; 3],
-    x: &[f32],
-    y: &mut [S::f32s],
-) {
-    let rows = y.len() / 2;
-    let (x_re, x_im) = x.split_at(x.len() / 2);
-    let (mut re, mut im) = ([simd.splat_f32s(0.0); R], [simd.splat_f32s(0.0); R]);
-    re.copy_from_slice(&y[first + row..][..R]);
-    im.copy_from_slice(&y[rows + first + row..][..R]);
-    for (column, a) in panel.chunks_exact(2 * height).enumerate() {
-        let (a_re, a_im) = (&a[row..row + R], &a[height + row..height + row + R]);
-        let (x, i_x) = (simd.splat_f32s(x_re[column]), simd.splat_f32s(x_im[column]));
-        let minus_i_x = simd.splat_f32s(-x_im[column]);
-        for r in 0..R {
-            re[r] = simd.mul_add_f32s(a_im[r], minus_i_x, simd.mul_add_f32s(a_re[r], x, re[r]));
-            im[r] = simd.mul_add_f32s(a_im[r], x, simd.mul_add_f32s(a_re[r], i_x, im[r]));
-        }
-    }
-    y[first + row..][..R].copy_from_slice(&re);
-    y[rows + first + row..][..R].copy_from_slice(&im);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::c32;
     use tensor::Arch;
 
     /// A whole number, so that sums are exact in any order.
@@ -245,25 +175,6 @@ mod tests {
             let expected: Vec<f32> = expected.collect();
             Arch::new().dispatch(Multiply { matrix: &matrix, rows, columns, x: &x, y: &mut y });
             assert_eq!(y, expected, "{n} x {columns}");
-        }
-    }
-
-    #[test]
-    fn complex_blocks_multiply_as_complex_numbers() {
-        for n in [1, 20, 64, 100] {
-            let rows = padded(n);
-            let matrix = stored(Panels { rows, columns: n, parts: 2 }, n);
-            let x: Vec<f32> = (0..2 * rows).map(|i| number(i + 1)).collect();
-            let mut y: Vec<f32> = (0..2 * rows).map(|i| number(i + 2)).collect();
-            let a = |i: usize, j: usize| c32::new(number(i + 3 * j), number(i + 3 * j + 5));
-            let expected = (0..n).map(|i| {
-                let product: c32 = (0..n).map(|j| a(i, j) * c32::new(x[j], x[rows + j])).sum();
-                product + c32::new(y[i], y[rows + i])
-            });
-            let expected: Vec<c32> = expected.collect();
-            Arch::new().dispatch(MultiplyComplex { matrix: &matrix, x: &x, y: &mut y });
-            let computed: Vec<c32> = (0..n).map(|i| c32::new(y[i], y[rows + i])).collect();
-            assert_eq!(computed, expected, "order {n}");
         }
     }
 }

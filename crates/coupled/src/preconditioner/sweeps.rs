@@ -1,8 +1,9 @@
 //! The two sweeps, over all modes at once.
 
 use super::couplings::Step;
+use super::halves::{COLUMNS, MultiplyHalves, of_real, panels};
 use super::ilu::{FlowPreconditioner, Scratch};
-use super::panel::{Multiply, MultiplyComplex, padded};
+use super::panel::padded;
 use super::wavefront::wavefront;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -74,22 +75,21 @@ impl FlowPreconditioner {
 
     /// c -= sum dt A_ik x_k over the neighbours k of `steps`.
     fn subtract(&self, steps: &[Step], c: &mut [f32]) {
-        let (rows, columns) = (padded(self.jacobian.block), self.modes.forward.rows());
-        let t = self.couplings.rows();
-        self.scratch.with(|Scratch { taken, sent }| {
+        let rows = padded(self.jacobian.block);
+        let (t, traces) = (self.couplings.rows(), self.jacobian.traces.len());
+        self.scratch.with(|Scratch { taken, sent, .. }| {
             for step in steps {
                 let neighbour = self.swept[step.neighbour].read();
                 for (x, taken) in neighbour.result.chunks_exact(rows).zip(taken.chunks_exact_mut(t)) {
                     self.faces[step.other_face].take(x, taken);
                 }
                 sent.fill(0.0);
-                self.arch.dispatch(Multiply {
-                    matrix: self.couplings.block(step),
-                    rows: t,
-                    columns,
-                    x: taken,
-                    y: sent,
-                });
+                let matrix = self.couplings.block(step);
+                for (x, y) in taken.chunks(COLUMNS * t).zip(sent.chunks_mut(COLUMNS * t)) {
+                    let columns = x.len() / t;
+                    let x = std::array::from_fn::<_, COLUMNS, _>(|c| of_real(&x[c.min(columns - 1) * t..], traces));
+                    self.arch.dispatch(MultiplyHalves { matrix, x: &x[..columns], y });
+                }
                 for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
                     self.faces[step.face].subtract(self.dt as f32, sent, c);
                 }
@@ -102,13 +102,17 @@ impl FlowPreconditioner {
         let rows = padded(self.jacobian.block);
         let (mut first, mut stored) = (0, self.inverses(position));
         for shape in self.shapes() {
-            let (matrix, rest) = stored.split_at(shape.len());
+            let (matrix, rest) = stored.split_at(panels(shape).len());
             let range = first * rows..(first + shape.parts) * rows;
-            let (x, y) = (&c[range.clone()], &mut x[range]);
+            let (c, y) = (&c[range.clone()], &mut x[range]);
             if shape.parts == 1 {
-                self.arch.dispatch(Multiply { matrix, rows, columns: 1, x, y });
+                self.arch.dispatch(MultiplyHalves { matrix, x: &[of_real(c, shape.n)], y });
             } else {
-                self.arch.dispatch(MultiplyComplex { matrix, x, y });
+                let (re, im) = c.split_at(rows);
+                self.scratch.with(|Scratch { minus, .. }| {
+                    minus.iter_mut().zip(im).for_each(|(minus, im)| *minus = -im);
+                    self.arch.dispatch(MultiplyHalves { matrix, x: &[[re, minus], [im, re]], y });
+                });
             }
             first += shape.parts;
             stored = rest;

@@ -101,14 +101,14 @@ fn jacobian<const D: usize>(facts: &Facts<'_, D>) -> usize {
     8 * (mesh.n_cells() * (cell * cell + nodes * nodes) + pairs * traces * traces)
 }
 
-/// In single precision the square of a cell's unknowns for each time node, and that of the traces for either side of a facet; what inverts a
-/// block, for a thread.
+/// In half of single precision the square of a cell's unknowns for each time node, and that of the traces for either side of a facet; in
+/// single precision what inverts a block, for a thread.
 fn factors<const D: usize>(facts: &Facts<'_, D>, time_order: usize) -> usize {
     let (mesh, Some(flow)) = (&facts.case.mesh, &facts.case.flow) else { return 0 };
     let Blocks { cell, traces, .. } = Blocks::new(flow);
     let stored =
         mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
-    4 * (stored + rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell)
+    2 * stored + 4 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
 }
 
 /// Of the preconditioner by directions: in double precision, for every axis of a cell, the squares of the unknowns and of the nodes of a line;
