@@ -243,13 +243,12 @@ fn orthonormalise(
     least_squares: &mut LeastSquares,
     partial: &mut Vec<f64>,
 ) -> Option<f64> {
-    let initial = inner_product.norm(w);
-    let mut norm = initial;
+    let (mut initial, mut norm) = (0.0_f64, 0.0);
     for _ in 0..2 {
-        let before = norm;
-        let minus_h = least_squares.subtract_from_column(|h| inner_product.dots(v, w, partial, h));
-        add_combination(minus_h, v, w);
-        norm = inner_product.norm(w);
+        let mut before = 0.0;
+        let minus_h = least_squares.subtract_from_column(|h| before = inner_product.dots(v, w, partial, h));
+        norm = inner_product.add_combination_and_norm(minus_h, v, w, partial);
+        initial = initial.max(before);
         if norm > CANCELLED * before {
             break;
         }

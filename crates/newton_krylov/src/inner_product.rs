@@ -18,25 +18,38 @@ pub trait InnerProduct: Sync {
     /// (x, y) restricted to the entries of `range`, a chunk at most. Both vectors are given in full.
     fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64;
 
+    /// (x, x) restricted to the entries from `start` on that `x` holds, a chunk at most.
+    fn square_in_chunk(&self, start: usize, x: &[f64]) -> f64;
+
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
     fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
         tree_sum(range, &|chunk| self.dot_in_chunk(chunk, x, y))
     }
 
-    /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]. y is read once for all of
-    /// them. `partial` is memory for the sums of the chunks.
-    fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) {
+    /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]; returns |y|. y is read once
+    /// for all of them. `partial` is memory for the sums of the chunks.
+    fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) -> f64 {
         let (count, chunks) = (products.len(), y.len().div_ceil(CHUNK));
-        partial.resize(count * chunks, 0.0);
-        partial.par_chunks_mut(count.max(1)).enumerate().for_each(|(chunk, partial)| {
+        partial.resize((count + 1) * chunks, 0.0);
+        partial.par_chunks_mut(count + 1).enumerate().for_each(|(chunk, partial)| {
             let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(y.len());
-            for (sum, x) in partial.iter_mut().zip(columns) {
-                *sum = self.dot_in_chunk(range.clone(), x, y);
-            }
+            let columns = columns[..count].iter().map(|x| &x[..]).chain([y]);
+            partial.iter_mut().zip(columns).for_each(|(sum, x)| *sum = self.dot_in_chunk(range.clone(), x, y));
         });
-        for (j, product) in products.iter_mut().enumerate() {
-            *product = tree_sum_of_chunks(0..chunks, &|chunk| partial[chunk * count + j]);
-        }
+        let sum = |j: usize| tree_sum_of_chunks(0..chunks, &|chunk| partial[chunk * (count + 1) + j]);
+        products.iter_mut().enumerate().for_each(|(j, product)| *product = sum(j));
+        sum(count).sqrt()
+    }
+
+    /// y := y + sum_j c_j x_j for as many columns x_j as there are coefficients; returns |y|. y is read once for both.
+    fn add_combination_and_norm(&self, c: &[f64], columns: &[Vec<f64>], y: &mut [f64], partial: &mut Vec<f64>) -> f64 {
+        partial.resize(y.len().div_ceil(CHUNK), 0.0);
+        y.par_chunks_mut(CHUNK).zip(&mut *partial).enumerate().for_each(|(chunk, (y, square))| {
+            let start = chunk * CHUNK;
+            add_combination_from(start, c, columns, y);
+            *square = self.square_in_chunk(start, y);
+        });
+        tree_sum_of_chunks(0..partial.len(), &|chunk| partial[chunk]).sqrt()
     }
 
     /// (x, y)
@@ -63,6 +76,10 @@ impl InnerProduct for Euclidean {
     fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
         Arch::new().dispatch(|| chunk_dot(&x[range.clone()], &y[range]))
     }
+
+    fn square_in_chunk(&self, _: usize, x: &[f64]) -> f64 {
+        Arch::new().dispatch(|| chunk_dot(x, x))
+    }
 }
 
 /// (x, y) = sum_i w_i x_i y_i
@@ -76,6 +93,10 @@ impl InnerProduct for Weighted {
     fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
         let [w, x, y] = [&self.weights[..], x, y].map(|vector| &vector[range.clone()]);
         Arch::new().dispatch(|| chunk_weighted_dot(w, x, y))
+    }
+
+    fn square_in_chunk(&self, start: usize, x: &[f64]) -> f64 {
+        Arch::new().dispatch(|| chunk_weighted_dot(&self.weights[start..start + x.len()], x, x))
     }
 }
 
@@ -250,9 +271,15 @@ mod tests {
                 (1..6).map(|j| x.iter().map(|x_i| (f64::from(j) * x_i).sin()).collect()).collect();
             let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
             let mut products = vec![f64::NAN; 5];
-            weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
+            let norm = weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
             let single: Vec<f64> = columns.iter().map(|column| weighted.dot(column, &x)).collect();
             assert_eq!(bits(&products), bits(&single), "{length}");
+            assert_eq!(norm.to_bits(), weighted.norm(&x).to_bits(), "{length}");
+            let (mut together, mut apart) = (x.clone(), x.clone());
+            let norm = weighted.add_combination_and_norm(&products, &columns, &mut together, &mut Vec::new());
+            add_combination(&products, &columns, &mut apart);
+            assert_eq!(bits(&together), bits(&apart), "{length}");
+            assert_eq!(norm.to_bits(), weighted.norm(&apart).to_bits(), "{length}");
         }
     }
 

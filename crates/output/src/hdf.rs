@@ -9,11 +9,10 @@ use ndarray::ArrayViewD;
 /// Chunks of a step are at most this many bytes, so that reading a part of one step touches little else.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// Steps below this many bytes share a chunk and are not compressed.
+/// Steps below this many bytes share a chunk.
 const SMALL_STEP_BYTES: usize = 1 << 12;
 
-/// Effort of the lossless compression. A smooth flow in two dimensions shrinks to 0.78 of its size at 50 MB/s on one
-/// core; level 4 gains one per cent more.
+/// Effort of the lossless compression of indices; level 4 gains nothing more.
 const DEFLATE_LEVEL: u8 = 1;
 
 /// Files in the format of HDF5 1.10, whichever library writes them: every reader of that or a later version opens them.
@@ -24,10 +23,12 @@ pub(crate) fn options() -> FileBuilder {
 }
 
 /// Creates an array of shape (0, `row`...) that grows along axis 0 by `rows` at each step.
+///
+/// It is not compressed: a smooth flow in two dimensions shrinks to 0.78 of its size, at 50 MB/s on one core, while all
+/// others would wait. `h5repack` does it afterwards.
 pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
     let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
     let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));
-    let builder = if bytes < SMALL_STEP_BYTES { builder } else { builder.shuffle().deflate(DEFLATE_LEVEL) };
     let axes = row.iter().map(|&length| Extent::fixed(length));
     builder.shape(SimpleExtents::from_vec(std::iter::once(Extent::resizable(0)).chain(axes).collect())).create(name)
 }

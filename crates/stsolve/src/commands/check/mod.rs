@@ -84,7 +84,7 @@ impl<'a, const D: usize> Facts<'a, D> {
         (per_cell, self.case.mesh.n_cells() * per_cell * self.case.time.order)
     }
 
-    /// Coefficients and fields of the slabs that are written, before compression, in MB.
+    /// Coefficients and fields of the slabs that are written, in MB.
     fn result_megabytes(&self) -> f64 {
         let coordinates = self.case.mesh.coordinates().len() / D;
         let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
