@@ -13,13 +13,20 @@ pub const CHUNK: usize = 4096;
 /// The number of partial sums within a chunk: independent, so that they vectorise.
 const LANES: usize = 8;
 
+/// The number of columns that are read at the same time.
+const AT_ONCE: usize = 4;
+
 /// An inner product (x, y) of vectors, possibly with weights that make several fields comparable.
 pub trait InnerProduct: Sync {
-    /// (x, y) restricted to the entries of `range`, a chunk at most. Both vectors are given in full.
-    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64;
+    /// sums_j := (x_j, y) for parts of vectors that begin with entry `start`, as long as y: a chunk at most.
+    fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]);
 
-    /// (x, x) restricted to the entries from `start` on that `x` holds, a chunk at most.
-    fn square_in_chunk(&self, start: usize, x: &[f64]) -> f64;
+    /// (x, y) restricted to the entries of `range`, a chunk at most. Both vectors are given in full.
+    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
+        let mut sum = [0.0];
+        self.dots_in_chunk(range.start, &[&x[range.clone()]], &y[range], &mut sum);
+        sum[0]
+    }
 
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
     fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
@@ -33,8 +40,13 @@ pub trait InnerProduct: Sync {
         partial.resize((count + 1) * chunks, 0.0);
         partial.par_chunks_mut(count + 1).enumerate().for_each(|(chunk, partial)| {
             let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(y.len());
-            let columns = columns[..count].iter().map(|x| &x[..]).chain([y]);
-            partial.iter_mut().zip(columns).for_each(|(sum, x)| *sum = self.dot_in_chunk(range.clone(), x, y));
+            let (groups, y) = (columns[..count].chunks(AT_ONCE), &y[range.clone()]);
+            for (columns, partial) in groups.zip(partial.chunks_mut(AT_ONCE)) {
+                let mut x: [&[f64]; AT_ONCE] = [y; AT_ONCE];
+                x.iter_mut().zip(columns).for_each(|(x, column)| *x = &column[range.clone()]);
+                self.dots_in_chunk(range.start, &x[..columns.len()], y, &mut partial[..columns.len()]);
+            }
+            self.dots_in_chunk(range.start, &[y], y, &mut partial[count..]);
         });
         let sum = |j: usize| tree_sum_of_chunks(0..chunks, &|chunk| partial[chunk * (count + 1) + j]);
         products.iter_mut().enumerate().for_each(|(j, product)| *product = sum(j));
@@ -47,7 +59,7 @@ pub trait InnerProduct: Sync {
         y.par_chunks_mut(CHUNK).zip(&mut *partial).enumerate().for_each(|(chunk, (y, square))| {
             let start = chunk * CHUNK;
             add_combination_from(start, c, columns, y);
-            *square = self.square_in_chunk(start, y);
+            self.dots_in_chunk(start, &[y], y, std::slice::from_mut(square));
         });
         tree_sum_of_chunks(0..partial.len(), &|chunk| partial[chunk]).sqrt()
     }
@@ -73,12 +85,8 @@ pub trait InnerProduct: Sync {
 pub struct Euclidean;
 
 impl InnerProduct for Euclidean {
-    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        Arch::new().dispatch(|| chunk_dot(&x[range.clone()], &y[range]))
-    }
-
-    fn square_in_chunk(&self, _: usize, x: &[f64]) -> f64 {
-        Arch::new().dispatch(|| chunk_dot(x, x))
+    fn dots_in_chunk(&self, _: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
+        Arch::new().dispatch(|| chunk_dots(|_| 1.0, x, y, sums));
     }
 }
 
@@ -90,13 +98,9 @@ pub struct Weighted {
 }
 
 impl InnerProduct for Weighted {
-    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        let [w, x, y] = [&self.weights[..], x, y].map(|vector| &vector[range.clone()]);
-        Arch::new().dispatch(|| chunk_weighted_dot(w, x, y))
-    }
-
-    fn square_in_chunk(&self, start: usize, x: &[f64]) -> f64 {
-        Arch::new().dispatch(|| chunk_weighted_dot(&self.weights[start..start + x.len()], x, x))
+    fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
+        let weights = &self.weights[start..start + y.len()];
+        Arch::new().dispatch(|| chunk_dots(|i| weights[i], x, y, sums));
     }
 }
 
@@ -127,35 +131,39 @@ fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 
     }
 }
 
-/// sum_i x_i y_i within a chunk.
+/// sums_j := sum_i w_i x_ij y_i over a chunk, [`AT_ONCE`] columns at a time: memory delivers several streams faster than one.
 #[inline(always)]
-fn chunk_dot(x: &[f64], y: &[f64]) -> f64 {
-    let (x_packs, x_rest) = x.as_chunks::<LANES>();
-    let (y_packs, y_rest) = y.as_chunks::<LANES>();
-    let mut partial = [0.0; LANES];
-    for (a, b) in x_packs.iter().zip(y_packs) {
-        for l in 0..LANES {
-            partial[l] += a[l] * b[l];
+fn chunk_dots(weight: impl Fn(usize) -> f64 + Copy, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
+    for (x, sums) in x.chunks(AT_ONCE).zip(sums.chunks_mut(AT_ONCE)) {
+        match *x {
+            [a, b, c, d] => sums.copy_from_slice(&group_dots(weight, [a, b, c, d], y)),
+            _ => x.iter().zip(sums).for_each(|(x, sum)| [*sum] = group_dots(weight, [x], y)),
         }
     }
-    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
-    partial.iter().sum::<f64>() + rest
 }
 
-/// sum_i w_i x_i y_i within a chunk.
+/// [`chunk_dots`] of C columns.
 #[inline(always)]
-fn chunk_weighted_dot(w: &[f64], x: &[f64], y: &[f64]) -> f64 {
-    let (w_packs, w_rest) = w.as_chunks::<LANES>();
-    let (x_packs, x_rest) = x.as_chunks::<LANES>();
-    let (y_packs, y_rest) = y.as_chunks::<LANES>();
-    let mut partial = [0.0; LANES];
-    for ((c, a), b) in w_packs.iter().zip(x_packs).zip(y_packs) {
+fn group_dots<const C: usize>(weight: impl Fn(usize) -> f64, x: [&[f64]; C], y: &[f64]) -> [f64; C] {
+    let (mut partial, mut sums) = ([[0.0; LANES]; C], [0.0; C]);
+    let whole = y.len() / LANES * LANES;
+    for start in (0..whole).step_by(LANES) {
+        let mut scaled = [0.0; LANES];
         for l in 0..LANES {
-            partial[l] += c[l] * a[l] * b[l];
+            scaled[l] = weight(start + l) * y[start + l];
+        }
+        for c in 0..C {
+            let x = &x[c][start..start + LANES];
+            for l in 0..LANES {
+                partial[c][l] += scaled[l] * x[l];
+            }
         }
     }
-    let rest: f64 = w_rest.iter().zip(x_rest).zip(y_rest).map(|((c, a), b)| c * a * b).sum();
-    partial.iter().sum::<f64>() + rest
+    for c in 0..C {
+        let rest: f64 = (whole..y.len()).map(|i| weight(i) * y[i] * x[c][i]).sum();
+        sums[c] = partial[c].iter().sum::<f64>() + rest;
+    }
+    sums
 }
 
 /// y := update(x, y) entry by entry, chunks in parallel.
@@ -181,9 +189,10 @@ pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
 fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
     if y.len() <= CHUNK {
         return Arch::new().dispatch(|| {
-            for (c_j, x_j) in c.iter().zip(columns) {
-                for (y_i, x_ij) in y.iter_mut().zip(&x_j[start..]) {
-                    *y_i += c_j * x_ij;
+            for (c, columns) in c.chunks(AT_ONCE).zip(columns.chunks(AT_ONCE)) {
+                match (c, columns) {
+                    (&[a, b, c, d], [v, w, x, z, ..]) => add_four([a, b, c, d], [v, w, x, z].map(|x| &x[start..]), y),
+                    _ => c.iter().zip(columns).for_each(|(c, x)| add_one(*c, &x[start..], y)),
                 }
             }
         });
@@ -194,6 +203,21 @@ fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [
         || add_combination_from(start, c, columns, low),
         || add_combination_from(start + middle, c, columns, high),
     );
+}
+
+/// y := y + c x
+#[inline(always)]
+fn add_one(c: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += c * x);
+}
+
+/// y := y + sum_j c_j x_j, added one by one.
+#[inline(always)]
+fn add_four(c: [f64; AT_ONCE], x: [&[f64]; AT_ONCE], y: &mut [f64]) {
+    let [v, w, x, z] = x.map(|x| &x[..y.len()]);
+    for i in 0..y.len() {
+        y[i] = y[i] + c[0] * v[i] + c[1] * w[i] + c[2] * x[i] + c[3] * z[i];
+    }
 }
 
 /// y := a y
