@@ -32,18 +32,22 @@ impl Matrix {
     }
 
     /// Number of rows.
+    #[inline]
     pub fn rows(&self) -> usize {
         self.rows
     }
     /// Number of columns.
+    #[inline]
     pub fn cols(&self) -> usize {
         self.cols
     }
     /// Row `i`, of length [`cols`](Self::cols).
+    #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
         &self.values[i * self.cols..][..self.cols]
     }
     /// All entries, row by row.
+    #[inline]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -86,6 +90,7 @@ impl Matrix {
 
 impl Index<(usize, usize)> for Matrix {
     type Output = f64;
+    #[inline]
     fn index(&self, (row, column): (usize, usize)) -> &f64 {
         debug_assert!(column < self.cols);
         &self.values[row * self.cols + column]
