@@ -125,6 +125,7 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
             "flow.boundary.airfoil",
         ),
         (&["flow.exact={uniform={velocity=[1,0],mach=0.2}}"], "exact solution", "`flow.initial`"),
+        (&["solver.preconditioner=\"lines\""], "preconditioner", "\"blocks\""),
         (&["output.every=1", "flow.order=16", "time.step=0.001"], "result file", "`output.every`"),
     ] {
         let set = settings.iter().flat_map(|setting| ["--set", setting]);

@@ -78,6 +78,12 @@ impl<'a, const D: usize> Facts<'a, D> {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
 
+    /// Of the smallest cells, those that the fastest wave crosses in a slab.
+    fn cells_crossed(&self, flow: &Flow<D>) -> f64 {
+        let wave = flow.reference_speed * (1.0 + 1.0 / flow.law.reference.mach());
+        wave * self.case.time.step / self.smallest_size
+    }
+
     /// Unknowns of the flow in a cell at a time, and in a slab.
     fn flow_unknowns(&self) -> (usize, usize) {
         let per_cell = self.case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));

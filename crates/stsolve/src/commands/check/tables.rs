@@ -122,8 +122,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let reynolds = reference.reynolds(gas, flow.reference_length);
     let orders = facts.orders(flow);
     // The fastest wave over the distance of nodes.
-    let nodes_passed = facts.case.time.step * (flow.order as f64 - 1.0) / facts.smallest_size;
-    let cfl = flow.reference_speed * (1.0 + 1.0 / reference.mach()) * nodes_passed;
+    let cfl = facts.cells_crossed(flow) * (flow.order as f64 - 1.0);
     let mut table = Table::new("flow");
     table
         .row("order", flow.order, "nodes per direction and cell")
