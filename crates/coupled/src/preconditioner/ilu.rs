@@ -18,7 +18,7 @@ use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
-/// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in [`halves`]: the
+/// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in bfloat16: the
 /// iteration that uses it works in double, and loses nothing.
 pub struct FlowPreconditioner {
     layout: Layout,
