@@ -243,12 +243,14 @@ fn orthonormalise(
     least_squares: &mut LeastSquares,
     partial: &mut Vec<f64>,
 ) -> Option<f64> {
-    let (mut initial, mut norm) = (0.0_f64, 0.0);
-    for _ in 0..2 {
+    let (mut initial, mut norm) = (0.0, 0.0);
+    for pass in 0..2 {
         let mut before = 0.0;
         let minus_h = least_squares.subtract_from_column(|h| before = inner_product.dots(v, w, partial, h));
         norm = inner_product.add_combination_and_norm(minus_h, v, w, partial);
-        initial = initial.max(before);
+        if pass == 0 {
+            initial = before;
+        }
         if norm > CANCELLED * before {
             break;
         }

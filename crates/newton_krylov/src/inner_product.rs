@@ -13,24 +13,21 @@ pub const CHUNK: usize = 4096;
 /// The number of partial sums within a chunk: independent, so that they vectorise.
 const LANES: usize = 8;
 
-/// The number of columns that are read at the same time.
-const AT_ONCE: usize = 4;
+/// The number of columns that are read at the same time: memory delivers several streams faster than one.
+pub const AT_ONCE: usize = 4;
 
 /// An inner product (x, y) of vectors, possibly with weights that make several fields comparable.
 pub trait InnerProduct: Sync {
-    /// sums_j := (x_j, y) for parts of vectors that begin with entry `start`, as long as y: a chunk at most.
+    /// sums_j := (x_j, y) for parts of one to [`AT_ONCE`] vectors that begin with entry `start`, as long as y: a chunk at most.
     fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]);
-
-    /// (x, y) restricted to the entries of `range`, a chunk at most. Both vectors are given in full.
-    fn dot_in_chunk(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        let mut sum = [0.0];
-        self.dots_in_chunk(range.start, &[&x[range.clone()]], &y[range], &mut sum);
-        sum[0]
-    }
 
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
     fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        tree_sum(range, &|chunk| self.dot_in_chunk(chunk, x, y))
+        tree_sum(range, &|chunk| {
+            let mut sum = [0.0];
+            self.dots_in_chunk(chunk.start, &[&x[chunk.clone()]], &y[chunk], &mut sum);
+            sum[0]
+        })
     }
 
     /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]; returns |y|. y is read once
@@ -86,7 +83,7 @@ pub struct Euclidean;
 
 impl InnerProduct for Euclidean {
     fn dots_in_chunk(&self, _: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
-        Arch::new().dispatch(|| chunk_dots(|_| 1.0, x, y, sums));
+        Arch::new().dispatch(|| chunk_dots(None, x, y, sums));
     }
 }
 
@@ -100,7 +97,7 @@ pub struct Weighted {
 impl InnerProduct for Weighted {
     fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
         let weights = &self.weights[start..start + y.len()];
-        Arch::new().dispatch(|| chunk_dots(|i| weights[i], x, y, sums));
+        Arch::new().dispatch(|| chunk_dots(Some(weights), x, y, sums));
     }
 }
 
@@ -131,39 +128,66 @@ fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 
     }
 }
 
-/// sums_j := sum_i w_i x_ij y_i over a chunk, [`AT_ONCE`] columns at a time: memory delivers several streams faster than one.
+/// sums_j := sum_i w_i x_ij y_i over a chunk; all w_i are one where there are no weights.
 #[inline(always)]
-fn chunk_dots(weight: impl Fn(usize) -> f64 + Copy, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
-    for (x, sums) in x.chunks(AT_ONCE).zip(sums.chunks_mut(AT_ONCE)) {
-        match *x {
-            [a, b, c, d] => sums.copy_from_slice(&group_dots(weight, [a, b, c, d], y)),
-            _ => x.iter().zip(sums).for_each(|(x, sum)| [*sum] = group_dots(weight, [x], y)),
-        }
+fn chunk_dots(weights: Option<&[f64]>, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
+    match *x {
+        [a] => sums.copy_from_slice(&group_dots(weights, [a], y)),
+        [a, b] => sums.copy_from_slice(&group_dots(weights, [a, b], y)),
+        [a, b, c] => sums.copy_from_slice(&group_dots(weights, [a, b, c], y)),
+        [a, b, c, d] => sums.copy_from_slice(&group_dots(weights, [a, b, c, d], y)),
+        _ => unreachable!("groups have one to {AT_ONCE} columns"),
     }
 }
 
-/// [`chunk_dots`] of C columns.
+/// [`chunk_dots`] of C columns. What a chunk has beyond whole packs is a pack with zeros.
 #[inline(always)]
-fn group_dots<const C: usize>(weight: impl Fn(usize) -> f64, x: [&[f64]; C], y: &[f64]) -> [f64; C] {
-    let (mut partial, mut sums) = ([[0.0; LANES]; C], [0.0; C]);
-    let whole = y.len() / LANES * LANES;
-    for start in (0..whole).step_by(LANES) {
-        let mut scaled = [0.0; LANES];
+fn group_dots<const C: usize>(weights: Option<&[f64]>, x: [&[f64]; C], y: &[f64]) -> [f64; C] {
+    let whole = y.len() / LANES;
+    let mut sums = [[0.0; LANES]; C];
+    for pack in 0..whole {
+        let at = |vector: &[f64]| -> [f64; LANES] {
+            let mut numbers = [0.0; LANES];
+            numbers.copy_from_slice(&vector[pack * LANES..(pack + 1) * LANES]);
+            numbers
+        };
+        add_products(weights.map(at), x, at, at(y), &mut sums);
+    }
+    let last = |vector: &[f64]| -> [f64; LANES] {
+        let (mut numbers, rest) = ([0.0; LANES], &vector[whole * LANES..]);
+        numbers[..rest.len()].copy_from_slice(rest);
+        numbers
+    };
+    if whole * LANES < y.len() {
+        add_products(weights.map(last), x, last, last(y), &mut sums);
+    }
+    let mut totals = [0.0; C];
+    for c in 0..C {
+        totals[c] = sums[c].iter().sum();
+    }
+    totals
+}
+
+/// sums_c += w y x_c for one pack, which `at` takes of a vector.
+#[inline(always)]
+fn add_products<const C: usize>(
+    weights: Option<[f64; LANES]>,
+    x: [&[f64]; C],
+    at: impl Fn(&[f64]) -> [f64; LANES],
+    mut y: [f64; LANES],
+    sums: &mut [[f64; LANES]; C],
+) {
+    if let Some(weights) = weights {
         for l in 0..LANES {
-            scaled[l] = weight(start + l) * y[start + l];
-        }
-        for c in 0..C {
-            let x = &x[c][start..start + LANES];
-            for l in 0..LANES {
-                partial[c][l] += scaled[l] * x[l];
-            }
+            y[l] *= weights[l];
         }
     }
     for c in 0..C {
-        let rest: f64 = (whole..y.len()).map(|i| weight(i) * y[i] * x[c][i]).sum();
-        sums[c] = partial[c].iter().sum::<f64>() + rest;
+        let x = at(x[c]);
+        for l in 0..LANES {
+            sums[c][l] += y[l] * x[l];
+        }
     }
-    sums
 }
 
 /// y := update(x, y) entry by entry, chunks in parallel.
@@ -189,10 +213,14 @@ pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
 fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
     if y.len() <= CHUNK {
         return Arch::new().dispatch(|| {
-            for (c, columns) in c.chunks(AT_ONCE).zip(columns.chunks(AT_ONCE)) {
-                match (c, columns) {
-                    (&[a, b, c, d], [v, w, x, z, ..]) => add_four([a, b, c, d], [v, w, x, z].map(|x| &x[start..]), y),
-                    _ => c.iter().zip(columns).for_each(|(c, x)| add_one(*c, &x[start..], y)),
+            for (c, x) in c.chunks(AT_ONCE).zip(columns.chunks(AT_ONCE)) {
+                let x = |j: usize| &x[j][start..];
+                match *c {
+                    [a] => add_group([a], [x(0)], y),
+                    [a, b] => add_group([a, b], [x(0), x(1)], y),
+                    [a, b, c] => add_group([a, b, c], [x(0), x(1), x(2)], y),
+                    [a, b, c, d] => add_group([a, b, c, d], [x(0), x(1), x(2), x(3)], y),
+                    _ => unreachable!("groups have one to {AT_ONCE} columns"),
                 }
             }
         });
@@ -205,18 +233,17 @@ fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [
     );
 }
 
-/// y := y + c x
-#[inline(always)]
-fn add_one(c: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += c * x);
-}
-
 /// y := y + sum_j c_j x_j, added one by one.
 #[inline(always)]
-fn add_four(c: [f64; AT_ONCE], x: [&[f64]; AT_ONCE], y: &mut [f64]) {
-    let [v, w, x, z] = x.map(|x| &x[..y.len()]);
-    for i in 0..y.len() {
-        y[i] = y[i] + c[0] * v[i] + c[1] * w[i] + c[2] * x[i] + c[3] * z[i];
+fn add_group<const C: usize>(c: [f64; C], x: [&[f64]; C], y: &mut [f64]) {
+    let mut columns = x;
+    for j in 0..C {
+        columns[j] = &x[j][..y.len()];
+    }
+    for (i, y) in y.iter_mut().enumerate() {
+        for j in 0..C {
+            *y += c[j] * columns[j][i];
+        }
     }
 }
 
@@ -269,7 +296,11 @@ mod tests {
         let within: u64 = (5_000..70_001_u64).map(|i| (i % 7).pow(2)).sum();
         assert_eq!(Euclidean.dot(&x, &x), squares as f64);
         assert_eq!(Euclidean.dot_on(5_000..70_001, &x, &x), within as f64);
-        assert_eq!(Weighted { weights: w }.dot(&x, &x), weighted as f64);
+        assert_eq!(Weighted { weights: w.clone() }.dot(&x, &x), weighted as f64);
+        let (columns, mut products) = (vec![x.clone(), w.clone(), x.clone()], vec![0.0; 3]);
+        let norm = Weighted { weights: w }.dots(&columns, &x, &mut Vec::new(), &mut products);
+        let cubes: u64 = (0..LENGTH as u64).map(|i| (i % 3).pow(2) * (i % 7)).sum();
+        assert_eq!((products, norm), (vec![weighted as f64, cubes as f64, weighted as f64], (weighted as f64).sqrt()));
     }
 
     #[test]
@@ -289,12 +320,19 @@ mod tests {
 
     #[test]
     fn many_products_at_once_are_those_one_by_one_bit_by_bit() {
-        for length in [1, CHUNK, CHUNK + 1, 3 * CHUNK, LENGTH] {
+        let of = |length: usize, count: u8| {
             let x = scattered(length);
-            let columns: Vec<Vec<f64>> =
-                (1..6).map(|j| x.iter().map(|x_i| (f64::from(j) * x_i).sin()).collect()).collect();
+            let column = |j| x.iter().map(|x_i| (f64::from(j) * x_i).sin()).collect();
+            let columns: Vec<Vec<f64>> = (1..=count).map(column).collect();
+            (x, columns)
+        };
+        for (length, count) in [(1, 5), (7, 3), (CHUNK, 0), (CHUNK + 1, 4), (3 * CHUNK, 8), (LENGTH, 6)] {
+            let (x, columns) = of(length, count);
+            let mut products = vec![f64::NAN; columns.len()];
+            Euclidean.dots(&columns, &x, &mut Vec::new(), &mut products);
+            let single: Vec<f64> = columns.iter().map(|column| Euclidean.dot(column, &x)).collect();
+            assert_eq!(bits(&products), bits(&single), "{length}");
             let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
-            let mut products = vec![f64::NAN; 5];
             let norm = weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
             let single: Vec<f64> = columns.iter().map(|column| weighted.dot(column, &x)).collect();
             assert_eq!(bits(&products), bits(&single), "{length}");
@@ -317,8 +355,12 @@ mod tests {
             xpay(&x, -0.7, &mut y);
             scale(1.1, &mut y);
             add_combination(&[0.2, 1.0 / 3.0], &columns, &mut y);
-            let weights = x.iter().map(|x_i| x_i.abs()).collect();
-            (bits(&y), Euclidean.dot(&x, &y).to_bits(), Weighted { weights }.norm(&y).to_bits())
+            let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
+            let mut numbers = vec![0.0; 2];
+            numbers.push(weighted.dots(&columns, &y.clone(), &mut Vec::new(), &mut numbers));
+            numbers.push(weighted.add_combination_and_norm(&[0.1, 0.7], &columns, &mut y, &mut Vec::new()));
+            numbers.extend([Euclidean.dot(&x, &y), weighted.norm(&y)]);
+            (bits(&y), bits(&numbers))
         };
         let one = with_threads(1, run);
         assert_eq!(one, with_threads(2, run));

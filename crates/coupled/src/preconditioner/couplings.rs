@@ -1,9 +1,9 @@
-//! The off-diagonal blocks in [`halves`], in the order in which the sweeps read them.
+//! The off-diagonal blocks in [`pairs`], in the order in which the sweeps read them.
 
 use super::blocks::{Link, coupling_block};
-use super::halves;
 use super::inverse::Shape;
 use super::ordering::Ordering;
+use super::pairs;
 use super::panel::Panels;
 use fem::SpaceJacobian;
 use rayon::prelude::*;
@@ -38,7 +38,7 @@ impl Couplings {
     pub fn new(jacobian: &SpaceJacobian, links: &[Vec<Link>], ordering: &Ordering) -> Self {
         let t = jacobian.traces.len();
         let shape = Shape { n: t, parts: 1 };
-        let panels = halves::panels(shape);
+        let panels = pairs::panels(shape);
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
         let blocks = vec![0; panels.len() * order.len()];
@@ -56,7 +56,7 @@ impl Couplings {
             for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
                 column.iter_mut().zip(b).for_each(|(column, b)| *column = *b as f32);
             }
-            halves::store(shape, &block, stored);
+            pairs::store(shape, &block, stored);
         });
     }
 
@@ -68,7 +68,7 @@ impl Couplings {
     pub fn later(&self, position: usize) -> &[Step] {
         &self.later[position]
     }
-    /// The block B of a step, in [`halves`].
+    /// The block B of a step, in [`pairs`].
     pub fn block(&self, step: &Step) -> &[u32] {
         &self.blocks[step.block * self.panels.len()..(step.block + 1) * self.panels.len()]
     }
@@ -76,7 +76,7 @@ impl Couplings {
     pub fn rows(&self) -> usize {
         self.panels.rows
     }
-    /// Numbers of all blocks.
+    /// Numbers of all blocks, with the zeros that pad them.
     pub fn numbers(&self) -> usize {
         2 * self.blocks.len()
     }

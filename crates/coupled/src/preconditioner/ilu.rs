@@ -4,10 +4,10 @@ use super::blocks::{Link, links};
 use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
-use super::halves;
 use super::inverse::Shape;
 use super::modal::{join, split};
 use super::ordering::{Ordering, minimum_discarded_fill};
+use super::pairs;
 use super::panel::padded;
 use super::sweeps::Shared;
 use basis::TemporalModes;
@@ -18,8 +18,8 @@ use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
-/// Off-diagonal blocks are the same for all modes and kept in traces; everything is stored in bfloat16: the
-/// iteration that uses it works in double, and loses nothing.
+/// Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are stored in bfloat16: the
+/// iteration that uses them works in double, and loses nothing.
 pub struct FlowPreconditioner {
     layout: Layout,
     pub(super) modes: TemporalModes,
@@ -69,7 +69,7 @@ impl FlowPreconditioner {
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = columns * couplings.rows();
         let room = move || vec![0.0; traces];
-        let scratch = Pool::new(move || Scratch { taken: room(), sent: room(), minus: vec![0.0; rows] });
+        let scratch = Pool::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
         FlowPreconditioner {
             layout,
             modes,
@@ -107,7 +107,7 @@ impl FlowPreconditioner {
     }
 
     fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<u32>) {
-        let len: usize = self.shapes().map(|shape| halves::panels(shape).len()).sum();
+        let len: usize = self.shapes().map(|shape| pairs::panels(shape).len()).sum();
         inverses.resize(len * self.layout.cells, 0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let elimination = Elimination {
@@ -147,7 +147,7 @@ impl FlowPreconditioner {
         &self.links
     }
 
-    /// Bytes held by factors and couplings.
+    /// Bytes held by the Jacobian, in double precision, and by factors and couplings.
     pub fn bytes(&self) -> usize {
         let couplings: usize = self.jacobian.couplings.iter().map(|c| c.minus_plus.len() + c.plus_minus.len()).sum();
         let double = self.jacobian.diagonal.len() + self.jacobian.mass.len() + couplings;
@@ -209,6 +209,6 @@ pub(super) struct Scratch {
     /// Traces, `[column][padded trace]`.
     pub(super) taken: Vec<f32>,
     pub(super) sent: Vec<f32>,
-    /// An imaginary part with the other sign.
-    pub(super) minus: Vec<f32>,
+    /// The columns (re, -im) and (im, re) of a complex vector.
+    pub(super) turned: Vec<f32>,
 }

@@ -83,16 +83,16 @@ fn take_rows(shape: Shape, start: usize, pivots: &[usize], a: &mut [f32]) -> Vec
 pub fn as_real(shape: Shape, panel: &[f32]) -> Vec<f32> {
     let (stride, rows) = (shape.stride(), padded(shape.n));
     let count = panel.len() / stride;
-    let panels = Panels { rows: stride, columns: shape.parts * count, parts: 1 };
+    let panels = Panels { rows: stride, columns: shape.parts * count };
     let mut real = vec![0.0; panels.len()];
     let mut turned = vec![0.0; stride];
     for (j, column) in panel.chunks_exact(stride).enumerate() {
-        panels.put(&mut real, j, 0, column);
+        panels.put(&mut real, j, column);
         if shape.parts == 2 {
             // i (re + i im) = - im + i re
             turned[rows..].copy_from_slice(&column[..rows]);
             turned[..rows].iter_mut().zip(&column[rows..]).for_each(|(turned, im)| *turned = -im);
-            panels.put(&mut real, count + j, 0, &turned);
+            panels.put(&mut real, count + j, &turned);
         }
     }
     real

@@ -1,7 +1,7 @@
-//! Products of stored single-precision blocks with vectors, in SIMD.
+//! Products of stored blocks with vectors, in SIMD.
 //!
-//! A block lies in panels of [`PANEL`] rows, `[panel][column][part][row]`, so that it is read from memory in one stream; its rows
-//! are padded to whole registers, and parts are its real and, of a complex block, its imaginary part.
+//! A block lies in panels of [`PANEL`] rows, `[panel][column][row]`, so that it is read from memory in one stream; its rows are padded to
+//! whole registers.
 
 use tensor::pulp::{Simd, WithSimd};
 
@@ -23,29 +23,63 @@ pub struct Panels {
     pub rows: usize,
     /// Its columns.
     pub columns: usize,
-    /// 1 if it is real, 2 if it is complex.
-    pub parts: usize,
 }
 
 impl Panels {
     /// Numbers stored.
     pub fn len(self) -> usize {
-        self.rows * self.columns * self.parts
+        self.rows * self.columns
     }
 
-    /// Stores a part of column `j`, all rows of it or the first ones.
-    pub fn put<T: Copy>(self, matrix: &mut [T], j: usize, part: usize, column: &[T]) {
+    /// Stores column `j`, all rows of it or the first ones.
+    pub fn put<T: Copy>(self, matrix: &mut [T], j: usize, column: &[T]) {
         for (panel, values) in column.chunks(PANEL).enumerate() {
             let first = panel * PANEL;
             let height = PANEL.min(self.rows - first);
-            let start = (first * self.columns + j * height) * self.parts + part * height;
+            let start = first * self.columns + j * height;
             matrix[start..start + values.len()].copy_from_slice(values);
         }
     }
 }
 
+/// Registers of rows that are multiplied together: they belong to the panel of `height` registers that begins with register `first`.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) first: usize,
+    pub(super) row: usize,
+    pub(super) height: usize,
+}
+
+/// A product that is made by a few registers of rows at a time.
+pub(super) trait ByRows {
+    /// Makes R registers of rows.
+    fn rows<const R: usize>(&mut self, place: Place);
+}
+
+/// Makes `product` for all `rows`, as many registers at a time as the machine has room for.
+#[inline(always)]
+pub(super) fn by_rows<S: Simd>(rows: usize, product: &mut impl ByRows) {
+    let (rows, panel) = (rows / S::F32_LANES, PANEL / S::F32_LANES);
+    let at_once = if S::F32_LANES >= 16 { 4 } else { 2 };
+    let (mut first, mut row) = (0, 0);
+    while first < rows {
+        let height = panel.min(rows - first);
+        let (count, place) = ((height - row).min(at_once), Place { first, row, height });
+        match count {
+            1 => product.rows::<1>(place),
+            2 => product.rows::<2>(place),
+            3 => product.rows::<3>(place),
+            _ => product.rows::<4>(place),
+        }
+        row += count;
+        if row == height {
+            (first, row) = (first + height, 0);
+        }
+    }
+}
+
 /// Columns that are multiplied in one go, at most.
-const COLUMNS: usize = 4;
+pub(super) const COLUMNS: usize = 4;
 
 /// y_c += A x_c for `columns` columns c: A a real block of [`Panels`] with `rows` rows, x `[column][..]` with room for
 /// `x.len() / columns` numbers each, of which A takes the first, and y `[column][row]`.
@@ -84,59 +118,44 @@ impl WithSimd for Multiply<'_> {
     }
 }
 
-/// [`Multiply`] for C columns, as many registers of rows at a time as the machine has room for.
+/// [`Multiply`] for C columns.
 #[inline(always)]
 fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut [f32]) {
-    let (matrix, _) = S::as_simd_f32s(matrix);
+    let (rows, (matrix, _)) = (y.len() / C, S::as_simd_f32s(matrix));
     let (y, _) = S::as_mut_simd_f32s(y);
-    let (rows, panel) = (y.len() / C, PANEL / S::F32_LANES);
-    let columns = matrix.len() / rows;
-    let at_once = if S::F32_LANES >= 16 { 4 } else { 2 };
-    let mut first = 0;
-    while first < rows {
-        let height = panel.min(rows - first);
-        let stored = &matrix[first * columns..(first + height) * columns];
-        let mut row = 0;
-        while row < height {
-            let (count, place) = ((height - row).min(at_once), [first, row, height]);
-            match count {
-                1 => multiply_rows::<C, 1, S>(simd, stored, place, x, y),
-                2 => multiply_rows::<C, 2, S>(simd, stored, place, x, y),
-                3 => multiply_rows::<C, 3, S>(simd, stored, place, x, y),
-                _ => multiply_rows::<C, 4, S>(simd, stored, place, x, y),
-            }
-            row += count;
-        }
-        first += height;
-    }
+    by_rows::<S>(rows, &mut Columns::<C, S> { simd, matrix, x, y });
 }
 
-/// The same for registers `row` to `row + R` of the panel of `height` that begins with register `first`: each of A is read once for
-/// all columns.
-#[inline(always)]
-fn multiply_rows<const C: usize, const R: usize, S: Simd>(
+struct Columns<'a, const C: usize, S: Simd> {
     simd: S,
-    panel: &[S::f32s],
-    [first, row, height]: [usize; 3],
-    x: &[f32],
-    y: &mut [S::f32s],
-) {
-    let (rows, x_len) = (y.len() / C, x.len() / C);
-    let mut sums = [[simd.splat_f32s(0.0); R]; C];
-    for c in 0..C {
-        sums[c].copy_from_slice(&y[c * rows + first + row..][..R]);
-    }
-    for (column, a) in panel.chunks_exact(height).enumerate() {
-        let a = &a[row..row + R];
+    matrix: &'a [S::f32s],
+    x: &'a [f32],
+    y: &'a mut [S::f32s],
+}
+
+impl<const C: usize, S: Simd> ByRows for Columns<'_, C, S> {
+    /// Each register of A is read once for all columns.
+    #[inline(always)]
+    fn rows<const R: usize>(&mut self, Place { first, row, height }: Place) {
+        let Columns { simd, matrix, x, ref mut y } = *self;
+        let (rows, x_len) = (y.len() / C, x.len() / C);
+        let columns = matrix.len() / rows;
+        let mut sums = [[simd.splat_f32s(0.0); R]; C];
         for c in 0..C {
-            let x = simd.splat_f32s(x[c * x_len + column]);
-            for r in 0..R {
-                sums[c][r] = simd.mul_add_f32s(a[r], x, sums[c][r]);
+            sums[c].copy_from_slice(&y[c * rows + first + row..][..R]);
+        }
+        for (column, a) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
+            let a = &a[row..row + R];
+            for c in 0..C {
+                let x = simd.splat_f32s(x[c * x_len + column]);
+                for r in 0..R {
+                    sums[c][r] = simd.mul_add_f32s(a[r], x, sums[c][r]);
+                }
             }
         }
-    }
-    for c in 0..C {
-        y[c * rows + first + row..][..R].copy_from_slice(&sums[c]);
+        for c in 0..C {
+            y[c * rows + first + row..][..R].copy_from_slice(&sums[c]);
+        }
     }
 }
 
@@ -150,12 +169,12 @@ mod tests {
         ((7 * i + 3) % 11) as f32 - 5.0
     }
 
-    /// The block of which part p has the entries number(i + 3 j + 5 p).
+    /// The block with the entries number(i + 3 j).
     fn stored(panels: Panels, n: usize) -> Vec<f32> {
         let mut matrix = vec![0.0; panels.len()];
-        for (j, part) in (0..panels.columns).flat_map(|j| (0..panels.parts).map(move |part| (j, part))) {
-            let column: Vec<f32> = (0..n).map(|i| number(i + 3 * j + 5 * part)).collect();
-            panels.put(&mut matrix, j, part, &column);
+        for j in 0..panels.columns {
+            let column: Vec<f32> = (0..n).map(|i| number(i + 3 * j)).collect();
+            panels.put(&mut matrix, j, &column);
         }
         matrix
     }
@@ -164,7 +183,7 @@ mod tests {
     fn real_blocks_of_any_width_multiply_column_by_column() {
         for (n, columns) in [(1, 1), (16, 2), (20, 3), (64, 4), (100, 5), (37, 9)] {
             let rows = padded(n);
-            let matrix = stored(Panels { rows, columns: n, parts: 1 }, n);
+            let matrix = stored(Panels { rows, columns: n }, n);
             let x: Vec<f32> = (0..rows * columns).map(|i| number(i + 1)).collect();
             let mut y: Vec<f32> = (0..rows * columns).map(|i| number(i + 2)).collect();
             let product = |row: usize, x: &[f32]| (0..n).map(|j| number(row + 3 * j) * x[j]).sum::<f32>();

@@ -1,8 +1,8 @@
 //! The two sweeps, over all modes at once.
 
 use super::couplings::Step;
-use super::halves::{COLUMNS, MultiplyHalves, of_real, panels};
 use super::ilu::{FlowPreconditioner, Scratch};
+use super::pairs::{self, MultiplyPairs};
 use super::panel::padded;
 use super::wavefront::wavefront;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -76,7 +76,8 @@ impl FlowPreconditioner {
     /// c -= sum dt A_ik x_k over the neighbours k of `steps`.
     fn subtract(&self, steps: &[Step], c: &mut [f32]) {
         let rows = padded(self.jacobian.block);
-        let (t, traces) = (self.couplings.rows(), self.jacobian.traces.len());
+        let (t, columns) = (self.couplings.rows(), self.modes.forward.rows());
+        let half = self.jacobian.traces.len().div_ceil(2);
         self.scratch.with(|Scratch { taken, sent, .. }| {
             for step in steps {
                 let neighbour = self.swept[step.neighbour].read();
@@ -85,11 +86,7 @@ impl FlowPreconditioner {
                 }
                 sent.fill(0.0);
                 let matrix = self.couplings.block(step);
-                for (x, y) in taken.chunks(COLUMNS * t).zip(sent.chunks_mut(COLUMNS * t)) {
-                    let columns = x.len() / t;
-                    let x = std::array::from_fn::<_, COLUMNS, _>(|c| of_real(&x[c.min(columns - 1) * t..], traces));
-                    self.arch.dispatch(MultiplyHalves { matrix, x: &x[..columns], y });
-                }
+                self.arch.dispatch(MultiplyPairs { matrix, columns, half, x: taken, y: sent });
                 for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
                     self.faces[step.face].subtract(self.dt as f32, sent, c);
                 }
@@ -102,20 +99,30 @@ impl FlowPreconditioner {
         let rows = padded(self.jacobian.block);
         let (mut first, mut stored) = (0, self.inverses(position));
         for shape in self.shapes() {
-            let (matrix, rest) = stored.split_at(panels(shape).len());
+            let (matrix, rest) = stored.split_at(pairs::panels(shape).len());
             let range = first * rows..(first + shape.parts) * rows;
             let (c, y) = (&c[range.clone()], &mut x[range]);
             if shape.parts == 1 {
-                self.arch.dispatch(MultiplyHalves { matrix, x: &[of_real(c, shape.n)], y });
+                let half = shape.n.div_ceil(2);
+                self.arch.dispatch(MultiplyPairs { matrix, columns: 1, half, x: c, y });
             } else {
-                let (re, im) = c.split_at(rows);
-                self.scratch.with(|Scratch { minus, .. }| {
-                    minus.iter_mut().zip(im).for_each(|(minus, im)| *minus = -im);
-                    self.arch.dispatch(MultiplyHalves { matrix, x: &[[re, minus], [im, re]], y });
+                self.scratch.with(|Scratch { turned, .. }| {
+                    turn(c, turned);
+                    self.arch.dispatch(MultiplyPairs { matrix, columns: 2, half: rows, x: turned, y });
                 });
             }
             first += shape.parts;
             stored = rest;
         }
     }
+}
+
+/// The columns (re, -im) and (im, re) of the vector (re, im).
+fn turn(vector: &[f32], turned: &mut [f32]) {
+    let rows = vector.len() / 2;
+    let (first, second) = turned.split_at_mut(2 * rows);
+    first.copy_from_slice(vector);
+    first[rows..].iter_mut().for_each(|im| *im = -*im);
+    second[..rows].copy_from_slice(&vector[rows..]);
+    second[rows..].copy_from_slice(&vector[..rows]);
 }

@@ -1,0 +1,222 @@
+//! Blocks in half of single precision, as pairs of numbers in 32 bits, and their products with vectors in SIMD.
+//!
+//! What a preconditioner reads from memory is most of what it costs. It may be rounded to the 8 bits of bfloat16 (the exponents are
+//! those of single precision): the iteration around it works in double precision and loses nothing, and takes as many steps as it took, to
+//! within one in a hundred, from an airfoil's thin boundary layer to cells of order 8.
+//!
+//! ```text
+//! y += A_low x_low + A_high x_high                                                                                   (pairs)
+//! ```
+//!
+//! For a real block A_low are the first half of its columns and A_high the second, which lacks one, of zeros, where their number is odd;
+//! for a complex block they are the real and the imaginary part. Sums are done in single precision. Pairs lie in [`Panels`].
+
+use super::inverse::Shape;
+use super::panel::{ByRows, COLUMNS, Panels, Place, by_rows, padded};
+use half::bf16;
+use tensor::pulp::{Simd, WithSimd};
+
+/// How a block of `shape` is stored.
+pub fn panels(shape: Shape) -> Panels {
+    Panels { rows: padded(shape.n), columns: (shape.n * shape.parts).div_ceil(2) }
+}
+
+/// Rounds a block, `[column][part][row]` with rows padded.
+pub fn store(shape: Shape, block: &[f32], stored: &mut [u32]) {
+    let panels = panels(shape);
+    let (zeros, mut pairs) = (vec![0.0; panels.rows], vec![0; panels.rows]);
+    let column = |number: usize| block.get(number * panels.rows..(number + 1) * panels.rows).unwrap_or(&zeros);
+    for j in 0..panels.columns {
+        let numbers = if shape.parts == 2 { [2 * j, 2 * j + 1] } else { [j, j + panels.columns] };
+        let [low, high] = numbers.map(column);
+        for (pair, (low, high)) in pairs.iter_mut().zip(low.iter().zip(high)) {
+            *pair = rounded(*low) | rounded(*high) << 16;
+        }
+        panels.put(stored, j, &pairs);
+    }
+}
+
+fn rounded(number: f32) -> u32 {
+    u32::from(bf16::from_f32(number).to_bits())
+}
+
+/// (pairs) for `columns` columns of x and y, x_high of each `half` numbers behind its x_low.
+///
+/// For a real block of n columns that is (n + 1) / 2, and x has a zero behind its last number where n is odd; for a complex one x are the
+/// two columns (re, -im) and (im, re), and y are (re) and (im).
+pub struct MultiplyPairs<'a> {
+    /// A.
+    pub matrix: &'a [u32],
+    /// Columns of x and y.
+    pub columns: usize,
+    /// Where x_high begins.
+    pub half: usize,
+    /// x, `[column][..]`.
+    pub x: &'a [f32],
+    /// y, `[column][padded row]`.
+    pub y: &'a mut [f32],
+}
+
+impl WithSimd for MultiplyPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let MultiplyPairs { matrix, columns, half, x, y } = self;
+        let (x_len, rows) = (x.len() / columns, y.len() / columns);
+        let mut first = 0;
+        while first < columns {
+            let count = (columns - first).min(COLUMNS);
+            let (x, y) = (&x[first * x_len..(first + count) * x_len], &mut y[first * rows..(first + count) * rows]);
+            match count {
+                1 => multiply::<1, S>(simd, matrix, half, x, y),
+                2 => multiply::<2, S>(simd, matrix, half, x, y),
+                3 => multiply::<3, S>(simd, matrix, half, x, y),
+                _ => multiply::<COLUMNS, S>(simd, matrix, half, x, y),
+            }
+            first += count;
+        }
+    }
+}
+
+/// [`MultiplyPairs`] for C columns.
+#[inline(always)]
+fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[u32], half: usize, x: &[f32], y: &mut [f32]) {
+    let (rows, (matrix, _)) = (y.len() / C, S::as_simd_u32s(matrix));
+    let (y, _) = S::as_mut_simd_f32s(y);
+    by_rows::<S>(rows, &mut Columns::<C, S> { simd, matrix, half, x, y });
+}
+
+struct Columns<'a, const C: usize, S: Simd> {
+    simd: S,
+    matrix: &'a [S::u32s],
+    half: usize,
+    x: &'a [f32],
+    y: &'a mut [S::f32s],
+}
+
+impl<const C: usize, S: Simd> ByRows for Columns<'_, C, S> {
+    #[inline(always)]
+    fn rows<const R: usize>(&mut self, Place { first, row, height }: Place) {
+        let Columns { simd, matrix, half, x, ref mut y } = *self;
+        let (rows, x_len) = (y.len() / C, x.len() / C);
+        let columns = matrix.len() / rows;
+        let (sixteen, upper) = (simd.splat_u32s(16), simd.splat_u32s(0xffff_0000));
+        // One sum for the low numbers, one for the high ones: a chain of additions would wait for its own last one.
+        let mut sums = [[[simd.splat_f32s(0.0); R]; 2]; C];
+        for c in 0..C {
+            sums[c][0].copy_from_slice(&y[c * rows + first + row..][..R]);
+        }
+        for (column, pairs) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
+            let pairs = &pairs[row..row + R];
+            for r in 0..R {
+                let low = simd.transmute_f32s_u32s(simd.wrapping_dyn_shl_u32s(pairs[r], sixteen));
+                let high = simd.transmute_f32s_u32s(simd.and_u32s(pairs[r], upper));
+                for c in 0..C {
+                    let x = &x[c * x_len + column..];
+                    sums[c][0][r] = simd.mul_add_f32s(low, simd.splat_f32s(x[0]), sums[c][0][r]);
+                    sums[c][1][r] = simd.mul_add_f32s(high, simd.splat_f32s(x[half]), sums[c][1][r]);
+                }
+            }
+        }
+        for c in 0..C {
+            for r in 0..R {
+                y[c * rows + first + row + r] = simd.add_f32s(sums[c][0][r], sums[c][1][r]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tensor::Arch;
+
+    /// A whole number below 8 bits, so that it is stored as it is, and sums are exact in any order.
+    fn number(i: usize) -> f32 {
+        ((7 * i + 3) % 11) as f32 - 5.0
+    }
+
+    /// Entry (i, j) of a part.
+    fn entry(part: usize, i: usize, j: usize) -> f32 {
+        number(i + 3 * j + 5 * part)
+    }
+
+    fn stored(shape: Shape) -> Vec<u32> {
+        let (mut block, mut stored) = (vec![0.0; shape.len()], vec![0; panels(shape).len()]);
+        for (number, column) in block.chunks_exact_mut(padded(shape.n)).enumerate() {
+            let (j, part) = (number / shape.parts, number % shape.parts);
+            (0..shape.n).for_each(|i| column[i] = entry(part, i, j));
+        }
+        store(shape, &block, &mut stored);
+        stored
+    }
+
+    /// Numbers with zeros in the padding.
+    fn vector(n: usize, first: usize) -> Vec<f32> {
+        (0..padded(n)).map(|i| if i < n { number(i + first) } else { 0.0 }).collect()
+    }
+
+    fn product(part: usize, row: usize, n: usize, x: &[f32]) -> f32 {
+        if row < n { (0..n).map(|j| entry(part, row, j) * x[j]).sum() } else { 0.0 }
+    }
+
+    #[test]
+    fn real_blocks_of_any_order_multiply_column_by_column() {
+        for (n, columns) in [(1, 1), (16, 2), (20, 3), (64, 4), (37, 4), (100, 5), (101, 9)] {
+            let matrix = stored(Shape { n, parts: 1 });
+            let x: Vec<f32> = (0..columns).flat_map(|c| vector(n, 3 * c)).collect();
+            let mut y: Vec<f32> = (0..columns).flat_map(|c| vector(n, c + 1)).collect();
+            let rows = padded(n);
+            let expected = (0..y.len()).map(|i| y[i] + product(0, i % rows, n, &x[i / rows * rows..]));
+            let expected: Vec<f32> = expected.collect();
+            let half = n.div_ceil(2);
+            Arch::new().dispatch(MultiplyPairs { matrix: &matrix, columns, half, x: &x, y: &mut y });
+            assert_eq!(y, expected, "{n} x {columns}");
+        }
+    }
+
+    #[test]
+    fn complex_blocks_multiply_as_complex_numbers() {
+        for n in [1, 20, 64, 100] {
+            let matrix = stored(Shape { n, parts: 2 });
+            let (re, im) = (vector(n, 1), vector(n, 2));
+            let minus_im: Vec<f32> = im.iter().map(|x| -x).collect();
+            let mut y = vec![0.0; 2 * padded(n)];
+            let x = [&re[..], &minus_im, &im, &re].concat();
+            Arch::new().dispatch(MultiplyPairs { matrix: &matrix, columns: 2, half: padded(n), x: &x, y: &mut y });
+            for row in 0..n {
+                let expected = [
+                    product(0, row, n, &re) - product(1, row, n, &im),
+                    product(0, row, n, &im) + product(1, row, n, &re),
+                ];
+                assert_eq!([y[row], y[padded(n) + row]], expected, "order {n}, row {row}");
+            }
+        }
+    }
+
+    /// Of a complex number of order one.
+    fn stored_and_read(re: f32, im: f32) -> [f32; 2] {
+        let shape = Shape { n: 1, parts: 2 };
+        let (mut block, mut pairs) = (vec![0.0; shape.len()], vec![0; panels(shape).len()]);
+        (block[0], block[padded(1)]) = (re, im);
+        store(shape, &block, &mut pairs);
+        [pairs[0] << 16, pairs[0] & 0xffff_0000].map(f32::from_bits)
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_eight_bits_and_ties_to_even() {
+        let bit = 1.0 / 128.0;
+        assert_eq!(stored_and_read(1.0 + 0.75 * bit, 1.0 + 0.25 * bit), [1.0 + bit, 1.0]);
+        assert_eq!(stored_and_read(1.0 + 0.5 * bit, 1.0 + 1.5 * bit), [1.0, 1.0 + 2.0 * bit]);
+        let large = stored_and_read(-1e30, 1e-30);
+        assert!((large[0] / -1e30 - 1.0).abs() < 0.5 * bit && (large[1] / 1e-30 - 1.0).abs() < 0.5 * bit);
+    }
+
+    /// A block that has no inverse is to be seen by the iteration.
+    #[test]
+    fn what_is_no_number_stays_none() {
+        let [nan, infinite] = stored_and_read(f32::NAN, f32::NEG_INFINITY);
+        assert!(nan.is_nan() && infinite == f32::NEG_INFINITY);
+    }
+}
