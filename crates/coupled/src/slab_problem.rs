@@ -60,6 +60,8 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
+    /// Of the mesh, at these velocities; none before it is asked for.
+    mesh_residual: Option<Vec<f64>>,
     fields: Vec<Field>,
     weights: Weighted,
     inverse_pseudo_time: Vec<f64>,
@@ -89,6 +91,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             bottom: vec![0.0; flow.mesh.field_len()],
             prescribed: vec![0.0; velocity_len],
             velocities: vec![f64::NAN; velocity_len],
+            mesh_residual: None,
             inverse_pseudo_time: vec![0.0; fields.len()],
             fields,
             settled: false,
@@ -125,6 +128,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.bottom.copy_from_slice(d);
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
+        self.mesh_residual = None;
         self.inverse_pseudo_time.fill(0.0);
         self.frozen_flow.begin_slab();
         Ok(())
@@ -211,14 +215,35 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     fn set_velocities(&mut self, v: &[f64]) {
         if self.velocities != v {
             self.velocities.copy_from_slice(v);
+            self.mesh_residual = None;
             self.flow.set_mesh(v);
         }
+    }
+
+    /// The residual of the mesh, which becomes that of the flow. Newton's method asks for it again and again where the mesh is settled.
+    fn set_mesh(&mut self, v: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        let Some((slab, _)) = self.elastic() else { return Ok(()) };
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
+        let same = self.velocities == v;
+        match &self.mesh_residual {
+            Some(known) if same => r.copy_from_slice(known),
+            _ => {
+                slab.residual(&self.bottom, &self.prescribed, v, r)?;
+                if !same {
+                    self.mover.check_validity(&self.bottom, v, self.interval())?;
+                }
+                self.set_velocities(v);
+                self.mesh_residual = Some(r.to_vec());
+            }
+        }
+        Ok(())
     }
 
     /// Makes the preconditioner again from what it was made of.
     pub fn thaw(&mut self, frozen: Frozen) {
         self.frozen_flow.thaw(&mut self.flow, frozen);
         self.velocities.fill(f64::NAN);
+        self.mesh_residual = None;
     }
 
     /// Freezes, refactors or keeps the preconditioner of the flow.
@@ -247,14 +272,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
     fn residual(&mut self, z: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
         let n = self.mesh_len();
         let ((v, u), (r_e, r_f)) = (z.split_at(n), r.split_at_mut(n));
-        if let Some((slab, _)) = self.elastic() {
-            let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
-            slab.residual(&self.bottom, &self.prescribed, v, r_e)?;
-            if self.velocities != v {
-                self.mover.check_validity(&self.bottom, v, self.interval())?;
-            }
-            self.set_velocities(v);
-        }
+        self.set_mesh(v, r_e)?;
         self.counts.residuals += 1;
         let _timed = tracing::trace_span!(target: "cost", "residual").entered();
         self.flow.residual(u, r_f).map_err(inadmissible)
