@@ -25,7 +25,7 @@ pub(crate) fn options() -> FileBuilder {
 /// Creates an array of shape (0, `row`...) that grows along axis 0 by `rows` at each step.
 ///
 /// It is not compressed: a smooth flow in two dimensions shrinks to 0.78 of its size, at 50 MB/s on one core, while all
-/// others would wait. `h5repack` does it afterwards.
+/// others would wait.
 pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
     let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
     let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));

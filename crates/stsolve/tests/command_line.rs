@@ -137,6 +137,10 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
         assert_eq!(doubts.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
         assert!(doubts[subject].as_str().unwrap().contains(remedy), "{settings:?}: {doubts:?}");
     }
+    // Cells alone serve it well.
+    let (_, stdout, _) =
+        outcome(Path::new("."), &["check", "--json", "--probe", "never", &shipped("vortex_period.toml")]);
+    assert!(stdout.contains("\"none\":\"\"") && !stdout.contains("sound crosses"), "{stdout}");
     let (_, stdout, _) = outcome(Path::new("."), &["check", "--json", "--probe", "never", &airfoil]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(json["doubtful choices"]["none"], "", "the case as it is shipped");

@@ -11,23 +11,28 @@ use verification::{Noise, free_stream, law, operator, prescribed, relative_diffe
 
 const ORDERS: Orders = Orders { flow: 4, mesh: 2, time: 3 };
 
-/// A uniform flow that crosses skewed cells at rest.
-fn uniform_flow<const D: usize, const M: usize>(viscosity: Viscosity, dt: f64) -> (Operator<D, M>, Vec<f64>)
+/// A uniform flow that crosses a box of cells at rest.
+pub fn uniform_flow<const D: usize, const M: usize>(
+    cells: [usize; D],
+    orders: Orders,
+    viscosity: Viscosity,
+    dt: f64,
+) -> (Operator<D, M>, Vec<f64>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let law = law::<D>(viscosity, Riemann::Roe);
     let upper = std::array::from_fn(|d| 1.0 + 0.3 * d as f64);
-    let (lower, cells, periodic) = ([0.0; D], [3; D], [false; D]);
-    let mesh = BoxMesh { lower, upper, cells, order: ORDERS.mesh, curving: Curving::None, periodic }.build().unwrap();
+    let (lower, periodic) = ([0.0; D], [false; D]);
+    let mesh = BoxMesh { lower, upper, cells, order: orders.mesh, curving: Curving::None, periodic }.build().unwrap();
     let data = free_stream::<D, M>(&law);
     let state = data.value(&[0.0; D], 0.0);
-    let mut operator = operator(&mesh, law, ORDERS, prescribed(), data);
+    let mut operator = operator(&mesh, law, orders, prescribed(), data);
     let nodes = operator.mesh.field_len();
     operator.begin_slab(0.0, dt, &uniform_coefficients(&operator, &state, 1), &vec![0.0; nodes]);
-    operator.set_mesh(&vec![0.0; ORDERS.time * nodes]);
-    let state = uniform_coefficients(&operator, &state, ORDERS.time);
+    operator.set_mesh(&vec![0.0; orders.time * nodes]);
+    let state = uniform_coefficients(&operator, &state, orders.time);
     (operator, state)
 }
 
@@ -37,7 +42,7 @@ where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let (mut operator, state) = uniform_flow::<D, M>(viscosity, dt);
+    let (mut operator, state) = uniform_flow::<D, M>([3; D], ORDERS, viscosity, dt);
     operator.linearise(&state);
     let layout = operator.layout;
     let middle = layout.cell(layout.cells / 2);

@@ -6,6 +6,7 @@ mod coarse_level;
 mod large_rotation;
 mod lines;
 mod slab_operator;
+mod sweeps;
 mod top_of_slab;
 mod valid_steps;
 mod viscous;

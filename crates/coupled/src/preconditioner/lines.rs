@@ -8,7 +8,7 @@
 //!
 //! which is exact up to products of two and more L_k where coefficients are constant (alternating directions; Peaceman & Rachford
 //! 1955). A block has as many rows as a line has unknowns, not as a cell has: set-up and application cost little beside residuals at
-//! any order, and no memory to speak of. It serves where slabs are short: where gas crosses no more than a cell or so in each of them.
+//! any order, and no memory to speak of. It serves where slabs are short: where sound crosses no more than a cell or so in each.
 
 use super::inverse::{Shape, as_real, invert};
 use super::modal::{join, split};

@@ -6,7 +6,7 @@ use basis::TemporalModes;
 use coupled::preconditioner::{FlowPreconditioner, LinePreconditioner};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
-/// Bytes of the blocks of A that are set up, at most: the factors take about as much again.
+/// Bytes of the blocks of A that are set up, at most: the factors take about half as much again.
 const MOST_BYTES: f64 = 3e8;
 
 /// The largest block that is set up: its factorisation takes seconds.

@@ -72,7 +72,7 @@ pub enum Preconditioner {
     /// Block ILU(0), cells with all their unknowns as blocks: for slabs, flows and meshes of any kind.
     Blocks,
     /// Every cell alone, one direction after the other: costs next to nothing at any order, in memory either, and serves slabs so short that
-    /// the gas crosses no more than about a cell. Not for steady flows, which keep to blocks.
+    /// sound crosses no more than about a cell. Not for steady flows, which keep to blocks.
     Lines,
 }
 
