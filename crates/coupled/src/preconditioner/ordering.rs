@@ -71,7 +71,8 @@ fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
         alive()
             .flat_map(|(a, i)| alive().filter(move |(b, _)| *b != a).map(move |(b, _)| (i, b)))
             .map(|(i, b)| (towards(k, i) * strengths[k][b]).powi(2))
-            .sum()
+            // A sum of nothing is -0, of which the bits are not those of the least number.
+            .fold(0.0, |sum, fill| sum + fill)
     };
     let mut weights: Vec<f64> = (0..links.len()).map(|k| weight(k, &gone)).collect();
     let mut queue: std::collections::BTreeSet<(u64, usize)> =
