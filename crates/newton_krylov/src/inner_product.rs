@@ -357,7 +357,8 @@ mod tests {
             add_combination(&[0.2, 1.0 / 3.0], &columns, &mut y);
             let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
             let mut numbers = vec![0.0; 2];
-            numbers.push(weighted.dots(&columns, &y.clone(), &mut Vec::new(), &mut numbers));
+            let norm = weighted.dots(&columns, &y, &mut Vec::new(), &mut numbers);
+            numbers.push(norm);
             numbers.push(weighted.add_combination_and_norm(&[0.1, 0.7], &columns, &mut y, &mut Vec::new()));
             numbers.extend([Euclidean.dot(&x, &y), weighted.norm(&y)]);
             (bits(&y), bits(&numbers))
