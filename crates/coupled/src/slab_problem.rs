@@ -128,7 +128,6 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.bottom.copy_from_slice(d);
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
-        self.mesh_residual = None;
         self.inverse_pseudo_time.fill(0.0);
         self.frozen_flow.begin_slab();
         Ok(())
@@ -243,7 +242,6 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     pub fn thaw(&mut self, frozen: Frozen) {
         self.frozen_flow.thaw(&mut self.flow, frozen);
         self.velocities.fill(f64::NAN);
-        self.mesh_residual = None;
     }
 
     /// Freezes, refactors or keeps the preconditioner of the flow.

@@ -4,7 +4,7 @@ use super::blocks::{Link, coupling_block};
 use super::inverse::Shape;
 use super::ordering::Ordering;
 use super::pairs;
-use super::panel::Panels;
+use super::panel::padded;
 use fem::SpaceJacobian;
 use rayon::prelude::*;
 
@@ -23,8 +23,8 @@ pub struct Step {
 
 /// The steps of both sweeps and their blocks.
 pub struct Couplings {
+    /// Of a block.
     shape: Shape,
-    panels: Panels,
     blocks: Vec<u32>,
     /// The link of every block.
     links: Vec<Link>,
@@ -38,11 +38,10 @@ impl Couplings {
     pub fn new(jacobian: &SpaceJacobian, links: &[Vec<Link>], ordering: &Ordering) -> Self {
         let t = jacobian.traces.len();
         let shape = Shape { n: t, parts: 1 };
-        let panels = pairs::panels(shape);
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
-        let blocks = vec![0; panels.len() * order.len()];
-        let mut couplings = Couplings { shape, panels, blocks, links: order, earlier, later };
+        let blocks = vec![0; pairs::panels(shape).len() * order.len()];
+        let mut couplings = Couplings { shape, blocks, links: order, earlier, later };
         couplings.update(jacobian);
         couplings
     }
@@ -50,7 +49,7 @@ impl Couplings {
     /// The couplings of another `jacobian` along the same links.
     pub fn update(&mut self, jacobian: &SpaceJacobian) {
         let shape = self.shape;
-        self.blocks.par_chunks_exact_mut(self.panels.len()).zip(&self.links).for_each(|(stored, link)| {
+        self.blocks.par_chunks_exact_mut(pairs::panels(shape).len()).zip(&self.links).for_each(|(stored, link)| {
             let mut block = vec![0.0; shape.len()];
             let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
             for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
@@ -70,11 +69,12 @@ impl Couplings {
     }
     /// The block B of a step, in [`pairs`].
     pub fn block(&self, step: &Step) -> &[u32] {
-        &self.blocks[step.block * self.panels.len()..(step.block + 1) * self.panels.len()]
+        let len = pairs::panels(self.shape).len();
+        &self.blocks[step.block * len..(step.block + 1) * len]
     }
     /// Padded rows of a block.
     pub fn rows(&self) -> usize {
-        self.panels.rows
+        padded(self.shape.n)
     }
     /// Numbers of all blocks, with the zeros that pad them.
     pub fn numbers(&self) -> usize {

@@ -12,7 +12,7 @@
 //! for a complex block they are the real and the imaginary part. Sums are done in single precision. Pairs lie in [`Panels`].
 
 use super::inverse::Shape;
-use super::panel::{ByRows, COLUMNS, Panels, Place, by_rows, padded};
+use super::panel::{ByTiles, Panels, Place, by_tiles, padded};
 use half::bf16;
 use tensor::pulp::{Simd, WithSimd};
 
@@ -64,56 +64,41 @@ impl WithSimd for MultiplyPairs<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let MultiplyPairs { matrix, columns, half, x, y } = self;
         let (x_len, rows) = (x.len() / columns, y.len() / columns);
-        let mut first = 0;
-        while first < columns {
-            let count = (columns - first).min(COLUMNS);
-            let (x, y) = (&x[first * x_len..(first + count) * x_len], &mut y[first * rows..(first + count) * rows]);
-            match count {
-                1 => multiply::<1, S>(simd, matrix, half, x, y),
-                2 => multiply::<2, S>(simd, matrix, half, x, y),
-                3 => multiply::<3, S>(simd, matrix, half, x, y),
-                _ => multiply::<COLUMNS, S>(simd, matrix, half, x, y),
-            }
-            first += count;
-        }
+        let ((matrix, _), (y, _)) = (S::as_simd_u32s(matrix), S::as_mut_simd_f32s(y));
+        by_tiles::<S>(columns, rows, &mut Product { simd, rows: rows / S::F32_LANES, matrix, half, x_len, x, y });
     }
 }
 
-/// [`MultiplyPairs`] for C columns.
-#[inline(always)]
-fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[u32], half: usize, x: &[f32], y: &mut [f32]) {
-    let (rows, (matrix, _)) = (y.len() / C, S::as_simd_u32s(matrix));
-    let (y, _) = S::as_mut_simd_f32s(y);
-    by_rows::<S>(rows, &mut Columns::<C, S> { simd, matrix, half, x, y });
-}
-
-struct Columns<'a, const C: usize, S: Simd> {
+/// [`MultiplyPairs`] in registers.
+struct Product<'a, S: Simd> {
     simd: S,
+    rows: usize,
     matrix: &'a [S::u32s],
     half: usize,
+    x_len: usize,
     x: &'a [f32],
     y: &'a mut [S::f32s],
 }
 
-impl<const C: usize, S: Simd> ByRows for Columns<'_, C, S> {
+impl<S: Simd> ByTiles for Product<'_, S> {
     #[inline(always)]
-    fn rows<const R: usize>(&mut self, Place { first, row, height }: Place) {
-        let Columns { simd, matrix, half, x, ref mut y } = *self;
-        let (rows, x_len) = (y.len() / C, x.len() / C);
+    fn tile<const C: usize, const R: usize>(&mut self, Place { column, first, row, height }: Place) {
+        let Product { simd, rows, matrix, half, x_len, x, ref mut y } = *self;
         let columns = matrix.len() / rows;
+        let (x, y) = (&x[column * x_len..][..C * x_len], &mut y[column * rows..][..C * rows]);
         let (sixteen, upper) = (simd.splat_u32s(16), simd.splat_u32s(0xffff_0000));
         // One sum for the low numbers, one for the high ones: a chain of additions would wait for its own last one.
         let mut sums = [[[simd.splat_f32s(0.0); R]; 2]; C];
         for c in 0..C {
             sums[c][0].copy_from_slice(&y[c * rows + first + row..][..R]);
         }
-        for (column, pairs) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
+        for (j, pairs) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
             let pairs = &pairs[row..row + R];
             for r in 0..R {
                 let low = simd.transmute_f32s_u32s(simd.wrapping_dyn_shl_u32s(pairs[r], sixteen));
                 let high = simd.transmute_f32s_u32s(simd.and_u32s(pairs[r], upper));
                 for c in 0..C {
-                    let x = &x[c * x_len + column..];
+                    let x = &x[c * x_len + j..];
                     sums[c][0][r] = simd.mul_add_f32s(low, simd.splat_f32s(x[0]), sums[c][0][r]);
                     sums[c][1][r] = simd.mul_add_f32s(high, simd.splat_f32s(x[half]), sums[c][1][r]);
                 }

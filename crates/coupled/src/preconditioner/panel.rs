@@ -42,34 +42,54 @@ impl Panels {
     }
 }
 
-/// Registers of rows that are multiplied together: they belong to the panel of `height` registers that begins with register `first`.
+/// Columns that are multiplied in one go, at most.
+const COLUMNS: usize = 4;
+
+/// Columns from `column` on, and registers of rows that belong to the panel of `height` registers that begins with register `first`.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
+    pub(super) column: usize,
     pub(super) first: usize,
     pub(super) row: usize,
     pub(super) height: usize,
 }
 
-/// A product that is made by a few registers of rows at a time.
-pub(super) trait ByRows {
-    /// Makes R registers of rows.
-    fn rows<const R: usize>(&mut self, place: Place);
+/// A product that is made by a few columns and a few registers of rows at a time.
+pub(super) trait ByTiles {
+    /// Makes C columns of R registers of rows.
+    fn tile<const C: usize, const R: usize>(&mut self, place: Place);
 }
 
-/// Makes `product` for all `rows`, as many registers at a time as the machine has room for.
+/// Makes all of `product`, `columns` columns of `rows` numbers, in tiles for which the machine has registers.
 #[inline(always)]
-pub(super) fn by_rows<S: Simd>(rows: usize, product: &mut impl ByRows) {
+pub(super) fn by_tiles<S: Simd>(columns: usize, rows: usize, product: &mut impl ByTiles) {
+    let mut column = 0;
+    while column < columns {
+        let count = (columns - column).min(COLUMNS);
+        match count {
+            1 => by_rows::<1, S>(column, rows, product),
+            2 => by_rows::<2, S>(column, rows, product),
+            3 => by_rows::<3, S>(column, rows, product),
+            _ => by_rows::<COLUMNS, S>(column, rows, product),
+        }
+        column += count;
+    }
+}
+
+/// [`by_tiles`] for C columns.
+#[inline(always)]
+fn by_rows<const C: usize, S: Simd>(column: usize, rows: usize, product: &mut impl ByTiles) {
     let (rows, panel) = (rows / S::F32_LANES, PANEL / S::F32_LANES);
     let at_once = if S::F32_LANES >= 16 { 4 } else { 2 };
     let (mut first, mut row) = (0, 0);
     while first < rows {
         let height = panel.min(rows - first);
-        let (count, place) = ((height - row).min(at_once), Place { first, row, height });
+        let (count, place) = ((height - row).min(at_once), Place { column, first, row, height });
         match count {
-            1 => product.rows::<1>(place),
-            2 => product.rows::<2>(place),
-            3 => product.rows::<3>(place),
-            _ => product.rows::<4>(place),
+            1 => product.tile::<C, 1>(place),
+            2 => product.tile::<C, 2>(place),
+            3 => product.tile::<C, 3>(place),
+            _ => product.tile::<C, 4>(place),
         }
         row += count;
         if row == height {
@@ -77,9 +97,6 @@ pub(super) fn by_rows<S: Simd>(rows: usize, product: &mut impl ByRows) {
         }
     }
 }
-
-/// Columns that are multiplied in one go, at most.
-pub(super) const COLUMNS: usize = 4;
 
 /// y_c += A x_c for `columns` columns c: A a real block of [`Panels`] with `rows` rows, x `[column][..]` with room for
 /// `x.len() / columns` numbers each, of which A takes the first, and y `[column][row]`.
@@ -102,52 +119,36 @@ impl WithSimd for Multiply<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Multiply { matrix, rows, columns, x, y } = self;
-        let x_len = x.len() / columns;
-        let mut first = 0;
-        while first < columns {
-            let count = (columns - first).min(COLUMNS);
-            let (x, y) = (&x[first * x_len..(first + count) * x_len], &mut y[first * rows..(first + count) * rows]);
-            match count {
-                1 => multiply::<1, S>(simd, matrix, x, y),
-                2 => multiply::<2, S>(simd, matrix, x, y),
-                3 => multiply::<3, S>(simd, matrix, x, y),
-                _ => multiply::<COLUMNS, S>(simd, matrix, x, y),
-            }
-            first += count;
-        }
+        let (x_len, (matrix, _), (y, _)) = (x.len() / columns, S::as_simd_f32s(matrix), S::as_mut_simd_f32s(y));
+        by_tiles::<S>(columns, rows, &mut Product { simd, rows: rows / S::F32_LANES, matrix, x_len, x, y });
     }
 }
 
-/// [`Multiply`] for C columns.
-#[inline(always)]
-fn multiply<const C: usize, S: Simd>(simd: S, matrix: &[f32], x: &[f32], y: &mut [f32]) {
-    let (rows, (matrix, _)) = (y.len() / C, S::as_simd_f32s(matrix));
-    let (y, _) = S::as_mut_simd_f32s(y);
-    by_rows::<S>(rows, &mut Columns::<C, S> { simd, matrix, x, y });
-}
-
-struct Columns<'a, const C: usize, S: Simd> {
+/// [`Multiply`] in registers.
+struct Product<'a, S: Simd> {
     simd: S,
+    rows: usize,
     matrix: &'a [S::f32s],
+    x_len: usize,
     x: &'a [f32],
     y: &'a mut [S::f32s],
 }
 
-impl<const C: usize, S: Simd> ByRows for Columns<'_, C, S> {
+impl<S: Simd> ByTiles for Product<'_, S> {
     /// Each register of A is read once for all columns.
     #[inline(always)]
-    fn rows<const R: usize>(&mut self, Place { first, row, height }: Place) {
-        let Columns { simd, matrix, x, ref mut y } = *self;
-        let (rows, x_len) = (y.len() / C, x.len() / C);
+    fn tile<const C: usize, const R: usize>(&mut self, Place { column, first, row, height }: Place) {
+        let Product { simd, rows, matrix, x_len, x, ref mut y } = *self;
         let columns = matrix.len() / rows;
+        let (x, y) = (&x[column * x_len..][..C * x_len], &mut y[column * rows..][..C * rows]);
         let mut sums = [[simd.splat_f32s(0.0); R]; C];
         for c in 0..C {
             sums[c].copy_from_slice(&y[c * rows + first + row..][..R]);
         }
-        for (column, a) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
+        for (j, a) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
             let a = &a[row..row + R];
             for c in 0..C {
-                let x = simd.splat_f32s(x[c * x_len + column]);
+                let x = simd.splat_f32s(x[c * x_len + j]);
                 for r in 0..R {
                     sums[c][r] = simd.mul_add_f32s(a[r], x, sums[c][r]);
                 }
