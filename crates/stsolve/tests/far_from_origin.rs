@@ -64,3 +64,22 @@ fn free_stream_is_kept_in_thin_cells() {
     let error = number(&summary, "conservation.free_stream_error");
     assert!(error <= 1e-12, "{error:e}");
 }
+
+/// Both sides of a periodic pair have the same shape to the bit, far away too.
+#[test]
+fn free_stream_is_kept_across_a_periodic_pair() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.generate.box.lower=[1000000,0]",
+        "mesh.generate.box.upper=[1000001,1]",
+        "mesh.generate.box.periodic=[\"x\"]",
+        "mesh.scramble=5",
+        "motion.displacement=[\"0.04*sin(2*pi*y)*sin(2*t)\",\"0.03*sin(pi*y)*cos(2*pi*(x-1000000))*sin(3*t)\"]",
+        "time.end=0.3",
+        "time.slabs=3",
+    ];
+    on_case(directory.path(), "run", "free_stream", &set, "periodic", &[]).expect(0, &[]);
+    let summary = summary(&directory.path().join("periodic"));
+    let error = number(&summary, "conservation.free_stream_error");
+    assert!(error <= 1e-12, "{error:e}");
+}
