@@ -111,8 +111,13 @@ pub enum ElasticityError {
         iterations: usize,
     },
     /// Newton's method did not find the equilibrium of a nonlinear law.
-    #[error("the equilibrium of the mesh was not found")]
-    Newton(#[source] Box<newton::Error>),
+    #[error("the equilibrium of the mesh was not found to the tolerance {tolerance:e}, in distances of nodes")]
+    Newton {
+        /// The error of position allowed, relative to the distance of nodes.
+        tolerance: f64,
+        /// Why.
+        source: Box<newton::Error>,
+    },
 }
 
 /// The displacement inverts a cell at a point where its energy is integrated: a neo-Hookean mesh has no stress there.

@@ -13,7 +13,7 @@ use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Positions at the points, and there the states that are prescribed.
+/// Positions at the points, relative to the origin of the cell, and there the states that are prescribed.
 #[inline(always)]
 pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
@@ -120,7 +120,7 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
 /// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
 /// ```
 ///
-/// the second about the origin; in 2-D only its last component, about the axis normal to the plane, is not zero.
+/// the second about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,

@@ -18,7 +18,8 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Fills the source at a number of points from positions: `(time, points, x [b][d][p], source [b][m][p])`.
+/// Fills the source at a number of points from positions relative to the origins of their cells:
+/// `(time, points, x [b][d][p], source [b][m][p])`.
 pub type SourceAt<'a> = &'a (dyn Fn(f64, usize, &[Pack], &mut [Pack]) + Sync);
 
 /// What the kernels of a slab share.

@@ -24,7 +24,8 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Fills the prescribed state at points from positions at points: `(time, x [b][d][p], data [b][m][p])`.
+/// Fills the prescribed state at points from positions relative to the origins of the minus cells:
+/// `(time, x [b][d][p], data [b][m][p])`.
 pub type DataAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
 
 /// What a batch of facets separates.

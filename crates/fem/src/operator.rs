@@ -277,14 +277,20 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Hands what lies across the facets of a batch to `kernel`.
     pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
+        let origins = self.facet_origins(batch);
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
             }
         };
         let data = field.is_some().then_some(&fill as DataAt);
         let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
         kernel(&FacetContext { tables: &self.tables, dt: self.dt, start: self.start }, &across);
+    }
+
+    /// The origins to which the positions of a batch of facets are relative, those of the minus cells.
+    pub(crate) fn facet_origins(&self, batch: &FacetBatch) -> [&[f64]; WIDTH] {
+        batch.minus.map(|side| self.mesh.origin(side.cell))
     }
 
     /// Volume terms and facet terms of one batch of cells.
@@ -293,9 +299,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
+        let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
-                prescribed::fill(field, along.geometry_blocks(), time, points, x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
             }
         };
         let context = CellContext {

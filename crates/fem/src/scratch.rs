@@ -20,7 +20,7 @@ pub struct CellScratch {
     pub flux_at: Vec<Pack>,
     /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
     pub moments_at: Vec<Pack>,
-    /// Positions at points, `[b][d][p]`: read by sources.
+    /// Positions at points relative to the origins of the cells, `[b][d][p]`: read by sources.
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
     pub source: Vec<Pack>,
@@ -96,7 +96,7 @@ pub struct FacetScratch {
     pub sides: [SideScratch; 2],
     /// +1 or -1 per lane: the sign that turns the minus face's tangential cross product into the outward normal.
     pub normal_sign: Pack,
-    /// Positions at points, `[b][d][p]`.
+    /// Positions at points relative to the origins of the minus cells, `[b][d][p]`.
     pub x: Vec<Pack>,
     /// Prescribed states at points, `[b][m][p]`.
     pub data: Vec<Pack>,

@@ -48,7 +48,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     fn violation_at(&self, points: &Points, cell: usize, phi: &[f64], row: &[f64]) -> Option<(&'static str, f64)> {
         let mut position = vec![0.0; self.mesh.slot_len()];
-        self.mesh.positions(cell, row, &mut position);
+        self.mesh.relative_positions(cell, row, &mut position);
         let coefficients: Vec<f64> = self.state_traces.coefficients_of(cell).collect();
         let mut state = vec![0.0; self.layout.time_len()];
         for (weight, nodal) in phi.iter().zip(coefficients.chunks_exact(state.len())) {

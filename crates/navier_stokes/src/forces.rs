@@ -39,8 +39,7 @@ impl<const D: usize> WallForce<D> {
         let momentum = |flux: &[f64; M]| std::array::from_fn(|i| flux[1 + i]);
         let (pressure, friction) = (momentum(&flux.inviscid), momentum(&flux.viscous));
         let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.total()[M - 1] };
-        let lever = cross(point, &wall.force());
-        wall.moment = std::array::from_fn(|i| flux.inviscid_moment[i] + flux.viscous_moment[i] - lever[i]);
+        wall.moment = flux.moment_about(&std::array::from_fn(|i| point.get(i).copied().unwrap_or(0.0)));
         wall
     }
 

@@ -86,6 +86,10 @@ pub struct Mesh {
     pub evenness: f64,
     /// Poisson's ratio of an elastic mesh, otherwise 0.
     pub poisson_ratio: f64,
+    /// The tolerance of the equilibrium of a neo-Hookean mesh; none with another law.
+    pub tolerance: Option<f64>,
+    /// Whether it moves without a flow, as with `stsolve motion`.
+    pub alone: bool,
 }
 
 /// How a mesh moves.

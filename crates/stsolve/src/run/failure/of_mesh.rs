@@ -16,7 +16,8 @@ pub fn mesh<const D: usize>(
     interval: Interval,
 ) -> Mesh {
     let (motion, poisson_ratio) = kind(case);
-    Mesh { motion, travel: travel(mover, grid, d, interval), poisson_ratio, ..shape(grid, d) }
+    let travel = travel(mover, grid, d, interval);
+    Mesh { motion, travel, poisson_ratio, tolerance: tolerance(case), ..shape(grid, d) }
 }
 
 /// What is known of the cells, displaced by `d`, whatever moves them.
@@ -38,6 +39,14 @@ fn kind<const D: usize>(case: &Case<D>) -> (Motion, f64) {
             (Motion::Elastic, *poisson_ratio)
         }
         Some(case::Motion::Elastic { poisson_ratio, .. }) => (Motion::Graded, *poisson_ratio),
+    }
+}
+
+/// The tolerance of the equilibrium, if the law needs one.
+fn tolerance<const D: usize>(case: &Case<D>) -> Option<f64> {
+    match &case.motion {
+        Some(case::Motion::Elastic { law, tolerance, .. }) if !law.is_linear() => Some(*tolerance),
+        _ => None,
     }
 }
 
@@ -101,6 +110,7 @@ fn grid<const D: usize>(mover: &MeshMover<D>) -> Grid<'_, D> {
 }
 
 fn evidence(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> Evidence {
+    let mesh = Mesh { alone: true, ..mesh };
     let Interval { start, end, halvings } = interval;
     let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
     Evidence { gave_up, attempt, newton: None, mesh, gas: None, structure: None }

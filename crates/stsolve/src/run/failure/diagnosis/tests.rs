@@ -101,6 +101,25 @@ fn a_fact_of_the_mesh_names_its_cause() {
     assert_eq!(causes(&evidence)[0].name, "folding_formula");
 }
 
+/// A remedy that is taken already is no remedy, and a tolerance that the case chose is named.
+#[test]
+fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
+    let deformation = |change: fn(&mut Mesh)| {
+        let mut evidence = nothing_suspicious();
+        (evidence.mesh.motion, evidence.gave_up) = (Motion::Elastic, GaveUp::Equilibrium);
+        change(&mut evidence.mesh);
+        let cause = causes(&evidence).into_iter().find(|cause| cause.name == "deformation").unwrap();
+        (cause.what, cause.remedy)
+    };
+    let (what, remedy) = deformation(|_| {});
+    assert!(!what.contains("tolerance"), "{what}");
+    assert!(remedy.contains("neo_hookean") && remedy.contains("stsolve motion"), "{remedy}");
+    let (what, remedy) = deformation(|mesh| (mesh.tolerance, mesh.alone) = (Some(1e-3), true));
+    assert!(what.contains("0.001 distances of nodes (`motion.elasticity.tolerance`)"), "{what}");
+    assert!(!remedy.contains("neo_hookean") && !remedy.contains("stsolve motion"), "{remedy}");
+    assert!(remedy.contains("motion.elasticity.stiffness"), "{remedy}");
+}
+
 /// A structure has failed, and nothing is suspicious.
 fn structure(change: fn(&mut Structure, &mut Mesh), gave_up: GaveUp) -> Evidence {
     let mut evidence = Evidence { gave_up, newton: None, gas: None, ..nothing_suspicious() };
