@@ -133,10 +133,16 @@ fn lengths<const D: usize>(positions: &[[f64; D]], n: usize) -> Vec<f64> {
     gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
 }
 
-fn unit_normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
+/// The outward normal of a face where dx/dxi is `jacobian`, cof(dx/dxi) e_axis with the sign of the side: as long as the area of the face
+/// per area of the reference face.
+pub fn outward_area<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
     let (axis, _) = axis_and_side(face);
     let cofactor = cofactor(jacobian);
-    let normal: [f64; D] = from_fn(|i| outward_sign(face) * cofactor[i][axis]);
+    from_fn(|i| outward_sign(face) * cofactor[i][axis])
+}
+
+fn unit_normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
+    let normal = outward_area(jacobian, face);
     let length = norm(&normal);
     normal.map(|x| x / length)
 }

@@ -51,6 +51,6 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
-    StructureSummary, Summary, Unknowns, Wall,
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, SUMMARY_FILE, Steady,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };

@@ -81,7 +81,7 @@ pub(super) trait Run {
     /// summary.json
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
     /// Looks into the `error` with which a slab failed.
-    fn examine(&self, error: &anyhow::Error) -> Finding;
+    fn examine(&self, error: &anyhow::Error, tally: &Tally) -> Finding;
     /// Says how a run that has reached its end has ended.
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
 }
@@ -130,18 +130,24 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
             books.say_stopped(run.state().time, &again);
             Ok(())
         }
-        Some(Stop::Failed(error)) => Err(explained(&run, error, &case.about.name, &session, &again)),
+        Some(Stop::Failed(error)) => Err(explained(&run, error, &books.tally, &case.about.name, (&session, &again))),
         None => run.judge(&books, &session),
     }
 }
 
 /// The failure of `run`, with the likeliest cause, after all that is known of it is written.
-fn explained(run: &impl Run, error: anyhow::Error, case: &str, session: &Session, again: &str) -> Failure {
+fn explained(
+    run: &impl Run,
+    error: anyhow::Error,
+    tally: &Tally,
+    case: &str,
+    (session, again): (&Session, &str),
+) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
     let story = Story { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, &run.examine(&error), &story);
+    let hint = failure::tell(directory, &run.examine(&error, tally), &story);
     Failure::solve(error.context(message + &hint))
 }
 

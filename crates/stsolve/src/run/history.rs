@@ -1,5 +1,6 @@
 //! The columns of history.csv, and its rows.
 
+use super::openings::is_opening;
 use super::tally::{EnergyBalance, Tally};
 use super::walls::Felt;
 use crate::case::{Case, Flow, Structure, Wall};
@@ -39,8 +40,8 @@ const OF_STRUCTURE: [&str; 10] = [
     "energy_error",
 ];
 
-/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab. A structure has
-/// its own.
+/// Columns of history.csv: those of every run, for each wall what it feels at the top of the slab and over the slab, for each inflow and
+/// outflow the mass that leaves per time at the top. A structure has its own.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let Some(structure) = &case.structure {
         return columns_of_structure(structure);
@@ -51,7 +52,13 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     for wall in &flow.walls {
         columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
+    columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
     columns
+}
+
+/// The inflows and outflows of a flow.
+pub fn openings<const D: usize>(flow: &Flow<D>) -> impl Iterator<Item = usize> {
+    (0..flow.boundary.len()).filter(|&boundary| is_opening(&flow.boundary[boundary].condition))
 }
 
 /// Columns of a wall, in the order of [`row_of_wall`].
@@ -123,5 +130,6 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
     row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], tally.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
+    row.extend(openings(flow).map(|boundary| tally.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
     row
 }

@@ -12,6 +12,7 @@
 //! | `summary` | summary.json |
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
+//! | `openings` | what passes inflows and outflows, and whether their conditions are made for it |
 //! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
 //! | `resume` | whether a run may continue the one that left a checkpoint |
 //! | `restart` | a run that starts where another one stands |
@@ -27,6 +28,7 @@ pub(crate) mod fields;
 mod flow_run;
 mod history;
 mod mesh_run;
+pub(crate) mod openings;
 mod probe;
 mod record;
 mod restart;

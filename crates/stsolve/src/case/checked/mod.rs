@@ -5,6 +5,7 @@ mod flow;
 mod forces;
 mod mesh;
 mod motion;
+mod openings;
 mod shared_nodes;
 mod solver;
 mod states;

@@ -1,5 +1,6 @@
 //! What was measured where a run has failed: plain numbers, relative where there is something to relate them to.
 
+use super::super::openings::Record;
 use serde::Serialize;
 
 /// All that the diagnosis reads, and nothing that it does not.
@@ -142,6 +143,19 @@ pub struct Gas {
     pub quadrature: [usize; 2],
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
+    /// What was seen at inflows and outflows that their conditions are not made for.
+    pub openings: Vec<OpeningEvidence>,
+}
+
+/// What was seen at an inflow or outflow.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpeningEvidence {
+    /// The boundary.
+    pub boundary: String,
+    /// What, on how much of it, since when.
+    pub record: Record,
+    /// The same in words.
+    pub told: String,
 }
 
 /// The gas at one time.

@@ -4,8 +4,9 @@
 
 use super::*;
 use crate::run::failure::evidence::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, Structure,
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Structure,
 };
+use crate::run::openings::{Misuse, Record, Seen};
 
 /// Newton has failed, and nothing is suspicious.
 fn nothing_suspicious() -> Evidence {
@@ -29,6 +30,7 @@ fn nothing_suspicious() -> Evidence {
             cell_reynolds: None,
             quadrature: [6, 6],
             kick: 0.0,
+            openings: Vec::new(),
         }),
         structure: None,
     }
@@ -62,6 +64,35 @@ fn a_fact_of_the_gas_names_its_cause() {
     assert_eq!(first(|e| gas(e).at_start.steepest.value = 4.0), "steep_initial_state");
     assert_eq!(first(|e| gas(e).last.steepest.value = 4.0), "not_resolved");
     assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
+}
+
+/// Before, a run with a supersonic flow through `inflow` was told another cause.
+#[test]
+fn a_misused_opening_is_named_first() {
+    let seen = |misuse, share| {
+        let record = Record { since: 0.5, now: Seen { boundary: 0, misuse, share, mach: 2.0 }, largest_share: share };
+        OpeningEvidence { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
+    };
+    let mismatch = Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, asked: 10.0, size: 2.3 };
+    for misuse in [Misuse::Supersonic, Misuse::Subsonic] {
+        assert_eq!(
+            first(|e| {
+                gas(e).openings = vec![seen(misuse, 1.0)];
+                gas(e).at_start.mismatch = Some(mismatch.clone());
+                gas(e).last.steepest.value = 4.0;
+            }),
+            "opening"
+        );
+    }
+    for misuse in [Misuse::Leaving, Misuse::Backflow] {
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.3)]), "opening");
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.01)]), "not_resolved");
+    }
+    let mut evidence = nothing_suspicious();
+    gas(&mut evidence).openings = vec![seen(Misuse::Backflow, 0.01), seen(Misuse::Supersonic, 0.5)];
+    let Cause { what, remedy, .. } = &causes(&evidence)[0];
+    assert!(what.contains("`inlet` faster than sound") && what.contains("50 % of it, since t = 0.5"), "{what}");
+    assert!(remedy.contains("supersonic_inflow"), "{remedy}");
 }
 
 #[test]
