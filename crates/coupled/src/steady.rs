@@ -41,7 +41,8 @@ pub fn solve_steady<const D: usize, const M: usize>(
         "one node in time, and no mesh to solve for"
     );
     let at_rest = vec![0.0; problem.mover.field_len()];
-    problem.begin(time - LONG, LONG, u, &at_rest)?;
+    problem.begin(time, LONG, u, &at_rest)?;
+    problem.flow.stop_clock();
     problem.move_mesh(&mut vec![0.0; at_rest.len()])?;
     problem.frozen_flow.steady = true;
     // Residuals are those of (steady): dt times rates.

@@ -25,7 +25,7 @@ pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
 ) {
     let Some(data) = data else { return };
     positions::<D, K, S>(simd, context.tables, of, scratch);
-    data(context.start + context.dt * instant.s, &scratch.x, &mut scratch.data);
+    data(context.clock.time(instant.s), &scratch.x, &mut scratch.data);
 }
 
 #[inline(always)]

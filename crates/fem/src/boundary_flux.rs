@@ -128,13 +128,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
     /// the cells.
     pub fn boundary_fluxes(&self) -> Vec<FluxesAt<M>> {
-        let (start, dt) = self.interval();
+        let (clock, (_, dt)) = (self.clock(), self.interval());
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
         let nothing = self.no_boundary_flux();
         let mut fluxes: Vec<FluxesAt<M>> = instants
             .clone()
             .map(|(instant, _)| FluxesAt {
-                time: start + dt * instant.s,
+                time: clock.time(instant.s),
                 weight: dt * instant.weight,
                 boundaries: nothing.clone(),
             })

@@ -13,7 +13,7 @@
 use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
-use crate::instants::Of;
+use crate::instants::{Clock, Of};
 use crate::kernels::Times;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
@@ -42,8 +42,8 @@ pub struct FacetContext<'a, const D: usize> {
     pub tables: &'a Tables<D>,
     /// Length of the slab.
     pub dt: f64,
-    /// Time at the bottom of the slab.
-    pub start: f64,
+    /// When data are taken.
+    pub clock: Clock,
 }
 
 /// The facet terms at a list of times: reads traces, overwrites `terms`.
