@@ -59,7 +59,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     problem.set_point(&z);
     u.copy_from_slice(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
-    let top = problem.flow.boundary_fluxes().pop();
+    let top = problem.flow.boundary_fluxes(None).pop();
     Ok(SlabReport {
         jump: 0.0,
         slab: 0,

@@ -1,9 +1,11 @@
 //! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
 
+use crate::batches::FacetBatch;
 use crate::kernels::Along;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
+use tensor::Pack;
 
 /// What leaves through a boundary at one time, or during some time: of the inviscid and of the viscous flux relative to
 /// the moving boundary, (through).
@@ -21,6 +23,10 @@ pub struct BoundaryFlux<const M: usize> {
     pub viscous: [f64; M],
     /// Angular momentum about the centre, of the viscous flux.
     pub viscous_moment: [f64; 3],
+    /// Of a wall, the work of both fluxes of momentum on it, (power).
+    pub work: f64,
+    /// Of a wall, the heat that it takes up, (power).
+    pub heat: f64,
 }
 
 /// The fluxes through every boundary at one time of a slab.
@@ -42,6 +48,8 @@ impl<const M: usize> Default for BoundaryFlux<M> {
             inviscid_moment: [0.0; 3],
             viscous: [0.0; M],
             viscous_moment: [0.0; 3],
+            work: 0.0,
+            heat: 0.0,
         }
     }
 }
@@ -82,6 +90,8 @@ impl<const M: usize> BoundaryFlux<M> {
             inviscid_moment: std::array::from_fn(|i| at(M + i)),
             viscous: std::array::from_fn(|m| at(second + m)),
             viscous_moment: std::array::from_fn(|i| at(second + M + i)),
+            work: at(2 * second),
+            heat: at(2 * second + 1),
         }
     }
 
@@ -93,6 +103,8 @@ impl<const M: usize> BoundaryFlux<M> {
             inviscid_moment: self.inviscid_moment.map(|f| factor * f),
             viscous: self.viscous.map(|f| factor * f),
             viscous_moment: self.viscous_moment.map(|f| factor * f),
+            work: factor * self.work,
+            heat: factor * self.heat,
         }
     }
 }
@@ -109,6 +121,8 @@ impl<const M: usize> AddAssign for BoundaryFlux<M> {
         ] {
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
+        self.work += other.work;
+        self.heat += other.heat;
     }
 }
 
@@ -127,7 +141,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ///
     /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
     /// the cells.
-    pub fn boundary_fluxes(&self) -> Vec<FluxesAt<M>> {
+    ///
+    /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
+    /// polynomial in time, and at an instant less exact than the positions: a wall that turns seems to breathe, and pressure works on
+    /// that. Therefore the work at the top is done at `velocity_at_top`, `[C0 node][component]`, where it is given.
+    pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
         let nothing = self.no_boundary_flux();
@@ -139,17 +157,20 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                 boundaries: nothing.clone(),
             })
             .collect();
-        if let Some(top) = fluxes.last_mut() {
-            top.weight = 0.0;
-        }
+        let top = fluxes.len() - 1;
+        fluxes[top].weight = 0.0;
         let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
         for (boundary, batch) in all {
             let origins = self.facet_origins(batch).map(in_space);
             self.facet_scratch.with(|scratch| {
                 self.gather_sides(Along::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
-                for ((instant, row), at) in instants.clone().zip(&mut fluxes) {
+                if let Some(velocity) = velocity_at_top {
+                    self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
+                }
+                for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
+                    let is_given = number == top && velocity_at_top.is_some();
                     self.across(Along::Nothing, batch, |context, across| {
-                        self.problem.kernels.boundary_flux(context, instant, row, across, scratch);
+                        self.problem.kernels.boundary_flux(context, instant, row, across, is_given, scratch);
                     });
                     let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));
                     lanes.for_each(|flux| at.boundaries[boundary] += flux);
@@ -157,6 +178,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             });
         }
         fluxes
+    }
+
+    /// Reads the `velocity` of the nodes of a batch on a boundary, `[C0 node][component]`, into `packs`, `[d][face node]`.
+    fn gather_boundary_velocity(&self, velocity: &[f64], batch: &FacetBatch, packs: &mut [Pack]) {
+        for (lane, end) in batch.ends(0).into_iter().enumerate() {
+            let face = self.mesh.numbering().face::<D>(end);
+            for (d, packs) in packs.chunks_exact_mut(face.len()).enumerate() {
+                packs.iter_mut().zip(&face).for_each(|(pack, node)| pack.0[lane] = velocity[node * D + d]);
+            }
+        }
     }
 
     /// For every boundary no flux, with moments about the origin of a cell there.

@@ -102,6 +102,8 @@ pub struct FacetScratch {
     pub data: Vec<Pack>,
     /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
     pub through: Vec<Pack>,
+    /// The velocity at which forces on a boundary do work, `[d][face node]`, see [`crate::boundary::FacetFlux`].
+    pub boundary_velocity: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
     pub violated: Pack,
     /// One trace of every lane in another order of nodes.
@@ -146,7 +148,8 @@ impl FacetScratch {
             normal_sign: Pack::ZERO,
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
-            through: zeroed(2 * through_len(M)),
+            through: zeroed(2 * through_len(M) + 2),
+            boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
             velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),

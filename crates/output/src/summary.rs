@@ -244,8 +244,10 @@ pub struct Wall {
     pub friction_impulse: Vec<f64>,
     /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
     pub moment_impulse: Vec<f64>,
-    /// Time integral of the power.
+    /// Work of the force on the wall.
     pub work: f64,
+    /// Heat that the wall takes up by conduction.
+    pub heat: f64,
     /// Drag coefficient at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag_coefficient: Option<f64>,
@@ -360,6 +362,7 @@ mod tests {
                     friction_impulse: vec![0.25, 0.25],
                     moment_impulse: vec![3.0],
                     work: 0.5,
+                    heat: 0.25,
                     drag_coefficient: Some(0.12),
                     lift_coefficient: Some(1.5),
                     moment_coefficient: Some(-0.5),
@@ -406,7 +409,7 @@ mod tests {
             "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
                 "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
             "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
-                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5,
+                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5, "heat": 0.25,
                                  "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
             "openings": { "outlet": { "mass_flow": 0.25,
                                       "backflow": { "since": 0.5, "share": 0.0, "largest_share": 0.125 } } },

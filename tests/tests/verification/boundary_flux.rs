@@ -1,7 +1,7 @@
 //! What leaves through boundaries, and what it does to walls.
 
 use crate::slab_operator::{Operator, every_condition, moving_slab, perturbed};
-use fem::{Orders, StateField, left_during_slab};
+use fem::{FluxesAt, Orders, StateField, left_during_slab};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Primitive, Riemann, SlipWall, Viscosity, WallForce};
 use verification::{curved_box, curved_box_at, free_stream, law, operator};
@@ -34,12 +34,26 @@ where
 
     let bottom = totals(&operator, &at_node(&uniform, 0), &operator.tables.bottom_row());
     let top = totals(&operator, &at_node(&state, orders.time - 1), &operator.top_row());
-    let left = left_during_slab(&operator.boundary_fluxes());
+    let fluxes = operator.boundary_fluxes(None);
+    if condition.is_wall() {
+        assert_work_and_heat_are_the_energy(&fluxes, &condition);
+    }
+    let left = left_during_slab(&fluxes);
     let error = |m: usize| {
         let sum: f64 = residual.chunks_exact(layout.nodes).skip(m).step_by(M).flatten().sum();
         (sum - (top[m] - bottom[m] + left[m])).abs() / bottom[0]
     };
     (0..M).map(error).fold(0.0, f64::max)
+}
+
+/// What leaves the gas through a wall is work and heat; heat only where the wall has a temperature.
+fn assert_work_and_heat_are_the_energy<const D: usize, const M: usize>(fluxes: &[FluxesAt<M>], wall: &Boundary<D>) {
+    for flux in fluxes.iter().flat_map(|at| &at.boundaries) {
+        let (energy, size) = (flux.total()[M - 1], flux.work.abs() + flux.heat.abs());
+        assert!(size > 1e-6 && (energy - flux.work - flux.heat).abs() < 1e-13 * (1.0 + size), "{wall:?}: {flux:?}");
+        let conducts = matches!(wall, Boundary::IsothermalWall(_));
+        assert_eq!(flux.heat.abs() > 1e-13, conducts, "{wall:?}: {flux:?}");
+    }
 }
 
 #[test]
@@ -80,7 +94,7 @@ where
     operator.begin_slab(0.0, 1.0, &state, &vec![0.0; operator.mesh.field_len()]);
     operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
     operator.linearise(&state);
-    let fluxes = operator.boundary_fluxes();
+    let fluxes = operator.boundary_fluxes(None);
     let mut wall = WallForce::default();
     (0..mesh.boundary_names().len()).for_each(|b| wall += WallForce::during_slab(&fluxes, b, |_| point));
 

@@ -68,6 +68,12 @@ pub(crate) trait Condition<const D: usize> {
         v: &[G; D],
     ) -> [T; M];
 
+    /// The velocity of the boundary where the mesh moves with `v`: that of the mesh, unless it slides in its own plane.
+    #[inline(always)]
+    fn velocity<G: Real>(&self, _n: &[G; D], v: &[G; D]) -> [G; D] {
+        *v
+    }
+
     /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
     #[inline(always)]
     fn asked<T: Over<G>, G: Real, const M: usize>(
@@ -185,6 +191,11 @@ impl<const D: usize> Boundary<D> {
         v: &[G; D],
     ) -> [T; M] {
         each!(self, condition => condition.viscous_flux(law, state, gradient, n, v))
+    }
+
+    #[inline(always)]
+    pub(crate) fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
+        each!(self, condition => Condition::<D>::velocity(condition, n, v))
     }
 }
 

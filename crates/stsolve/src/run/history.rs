@@ -5,7 +5,7 @@ use super::tally::{EnergyBalance, Tally};
 use super::walls::Felt;
 use crate::case::{Case, Flow, Structure, Wall};
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
-use navier_stokes::{Coefficients, WallForce};
+use navier_stokes::Coefficients;
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -71,24 +71,23 @@ fn of_wall<const D: usize>() -> Vec<String> {
     };
     let mut columns: Vec<String> = ["force", "pressure_force", "friction_force"].into_iter().flat_map(vector).collect();
     columns.extend(moment("moment"));
-    columns.extend(["power", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
+    columns
+        .extend(["power", "heat_flow", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
     columns.extend(vector("impulse"));
     columns.extend(moment("moment_impulse"));
-    columns.push("work".to_string());
+    columns.extend(["work", "heat"].map(String::from));
     columns
 }
 
 fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
-    // In the plane the moment has one component, the last.
-    let moment = |force: &WallForce<D>| if D == 2 { force.moment[2..].to_vec() } else { force.moment.to_vec() };
     let (now, during) = (&felt.at_top, &felt.during);
     let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
     let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
-    row.extend(moment(now));
-    row.extend([now.power, drag, lift, turning]);
+    row.extend(wall.moments(now));
+    row.extend([now.power, now.heat, drag, lift, turning]);
     row.extend(during.force());
-    row.extend(moment(during));
-    row.push(during.power);
+    row.extend(wall.moments(during));
+    row.extend([during.power, during.heat]);
     row
 }
 

@@ -3,6 +3,7 @@
 use super::checkpoint;
 use super::history::columns;
 use super::tally::Tally;
+use super::walls::numbers_per_wall;
 use crate::case::{Case, Flow, Time, gas_of};
 use crate::failure::Failure;
 use coupled::{Frozen, MeshMover, State};
@@ -169,8 +170,8 @@ impl Origin {
     /// The sums and the history of the run, which are those of `case` if it has the same walls.
     fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
         let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
-        // Of each wall two forces, a moment and a power, see `walls::to_numbers`; nothing where nothing has been solved yet.
-        let walls = len("tally.forces") / (2 * D + 4);
+        // Nothing where nothing has been solved yet.
+        let walls = len("tally.forces") / numbers_per_wall(D);
         let has_begun = len("tally.forces") + len("tally.left") > 0;
         if has_begun && walls != flow.walls.len() {
             return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));

@@ -1,7 +1,7 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
 use super::openings::Record;
-use super::walls::{Felt, to_numbers};
+use super::walls::{Felt, numbers_per_wall, to_numbers};
 use coupled::{MeshQuality, SlabReport, StructureReport};
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ pub struct Tally {
     pub totals_at_start: Vec<f64>,
     /// What has left through all boundaries, per component.
     pub left: Vec<f64>,
-    /// Impulses and work of every wall, as numbers.
+    /// Impulses, work and heat of every wall, as numbers.
     pub impulses: Vec<Vec<f64>>,
     /// What every wall feels at the time reached, as numbers.
     pub forces: Vec<Vec<f64>>,
@@ -123,7 +123,7 @@ impl Tally {
         self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.mass_flows = mass_flows(report);
-        self.impulses.resize(felt.len(), vec![0.0; 2 * D + 4]);
+        self.impulses.resize(felt.len(), vec![0.0; numbers_per_wall(D)]);
         for (sums, felt) in self.impulses.iter_mut().zip(felt) {
             sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
         }

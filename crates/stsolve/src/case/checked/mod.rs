@@ -232,6 +232,17 @@ fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, default
     }
 }
 
+/// The unit vector along the axis of `what`, which there is in space only.
+fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], what: &str) -> Checked<[f64; 3]> {
+    if D == 2 {
+        let problem = format!("in two dimensions {what} has no axis but that along z");
+        return Err(checker.combination(key, &problem, "no `axis`"));
+    }
+    let length = tensor::norm(&axis);
+    checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;
+    Ok(axis.map(|x| x / length))
+}
+
 /// The orders that mesh and flow may have, as the sentence of an error.
 fn order(checker: &Checker<'_>, key: &Key, quantity: &str, order: usize) -> Checked<usize> {
     let accepted = format!("{} to {} nodes per direction", mesh_crate::ORDERS.start(), mesh_crate::ORDERS.end());

@@ -308,4 +308,21 @@ pub struct Forces {
     pub length: Option<f64>,
     /// The direction of drag, of any length; lift is to its left in the x-y plane. Default: along x.
     pub drag_direction: Option<Vec<f64>>,
+    /// Which moments are positive.
+    #[serde(default)]
+    pub moment_positive: MomentPositive,
+}
+
+/// Which moments are positive. In two dimensions this is the sign of `<wall>_moment`, `<wall>_moment_impulse` and of the moment coefficient.
+/// In three the moments about x, y and z follow the right-hand rule always, and this says about which axis the coefficient is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MomentPositive {
+    /// Counter-clockwise in the x-y plane: about the axis z.
+    #[default]
+    CounterClockwise,
+    /// Those that raise a nose which is upstream, towards the lift: clockwise, about the axis -z.
+    NoseUp,
+    /// In three dimensions: about this axis, of any length, by the right-hand rule.
+    Axis([f64; 3]),
 }
