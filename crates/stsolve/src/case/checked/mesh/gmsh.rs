@@ -5,13 +5,15 @@ use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw;
+use crate::mesh_file;
 use ::mesh::GmshError;
 use std::path::Path;
 
 /// The mesh of a Gmsh file, in the order of the file.
 pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Checked<AnyMesh> {
     let (key, path) = (Key::new("mesh.file"), checker.beside_case(file));
-    let bytes = std::fs::read(&path).map_err(|error| checker.error(&key, Cause::File { path: path.clone(), error }))?;
+    let bytes =
+        mesh_file::read(&path).map_err(|error| checker.error(&key, Cause::File { path: path.clone(), error }))?;
     let pairs: Vec<(String, String)> = raw.periodic.iter().map(|[one, other]| (one.clone(), other.clone())).collect();
     let refused = |error: GmshError| match &error {
         GmshError::NoBoundary { name, known } => {
