@@ -108,7 +108,7 @@ fn physical_names(source: &mut Source) -> Result<BTreeMap<(usize, i64), String>,
     let mut names = BTreeMap::new();
     let count = text_count(source, "the number of physical names")?;
     for _ in 0..count {
-        let expected = source.unexpected("dimension, number and \"name\" of a physical group, in printable characters");
+        let expected = source.unexpected("dimension, number and \"name\" of a physical group");
         let line = source.line()?.unwrap_or_default();
         let (key, name) = physical_name(line).ok_or(expected)?;
         names.insert(key, name);
@@ -118,10 +118,6 @@ fn physical_names(source: &mut Source) -> Result<BTreeMap<(usize, i64), String>,
 
 fn physical_name(line: &str) -> Option<((usize, i64), String)> {
     let (numbers, name) = line.split_once('"')?;
-    // It becomes the name of a boundary, in messages and on lines of tables.
-    if name.contains(char::is_control) {
-        return None;
-    }
     let mut numbers = numbers.split_whitespace();
     let (dimension, number) = (numbers.next()?.parse().ok()?, numbers.next()?.parse().ok()?);
     Some(((dimension, number), name.strip_suffix('"')?.to_owned()))
