@@ -10,7 +10,7 @@ use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
 use crate::case::{Case, Flow, State};
 use crate::cli::RunArguments;
-use crate::commands::Session;
+use crate::commands::{Session, require_memory};
 use crate::failure::Failure;
 use crate::progress::SlabDone;
 use anyhow::Context;
@@ -37,6 +37,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
+    require_memory(case)?;
     let march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
     let origin = match arguments.resume {
         true => None,

@@ -7,6 +7,8 @@
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
 //! | `books` | what a run keeps beside its march, and how it ends |
 //! | `record` | what every slab leaves on disk |
+//! | `motion_jump` | how a motion differs from that of the run that it continues |
+//! | `occupied` | whether a run may write into its output directory |
 //! | `history` | columns and rows of history.csv |
 //! | `failure` | what a run that has failed leaves behind |
 //! | `summary` | summary.json |
@@ -28,6 +30,8 @@ pub(crate) mod fields;
 mod flow_run;
 mod history;
 mod mesh_run;
+mod motion_jump;
+mod occupied;
 pub(crate) mod openings;
 mod probe;
 mod record;

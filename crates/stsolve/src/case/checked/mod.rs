@@ -94,12 +94,7 @@ impl AnyCase {
     /// As [`AnyCase::read`].
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
-        let mut checker = Checker::new(document, &raw.constants)?;
-        for (name, table) in &raw.tables {
-            let key = Key::new("tables").child(name);
-            let table = tables::check(&checker, &key, table)?;
-            checker.define_table(&key, name, table)?;
-        }
+        let checker = checker_of(document, &raw)?;
         match mesh::build(&checker, &raw.mesh)? {
             AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
             AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
@@ -111,6 +106,14 @@ impl AnyCase {
         match self {
             AnyCase::Plane(case) => case.output.directory.as_deref(),
             AnyCase::Space(case) => case.output.directory.as_deref(),
+        }
+    }
+
+    /// The result, or its directory, from which the run starts, if it is not the initial state.
+    pub fn restart(&self) -> Option<&Path> {
+        match self {
+            AnyCase::Plane(case) => case.restart.as_deref(),
+            AnyCase::Space(case) => case.restart.as_deref(),
         }
     }
 
@@ -202,6 +205,32 @@ pub fn gas_of(resolved: &str) -> Result<Option<String>, String> {
     let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
     let text = |flow: &raw::Flow| serde_json::to_string(&flow.gas).map_err(|error| error.to_string());
     raw.flow.as_ref().map(text).transpose()
+}
+
+/// The motion that a case which was resolved, as text, gives to `mesh`.
+///
+/// # Errors
+/// What is wrong with `resolved`, which another version of the program may have written.
+pub fn motion_of<const D: usize>(
+    resolved: &str,
+    mesh: &mesh_crate::Mesh<D>,
+) -> Result<Option<Motion<D>>, Box<CaseError>> {
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
+    let raw: raw::Case = document.deserialize()?;
+    let checker = checker_of(&document, &raw)?;
+    let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
+    raw.motion.as_ref().map(|motion| motion::check(&checker, motion, mesh, &time)).transpose()
+}
+
+/// What checks `raw`, with its constants and tables.
+fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
+    let mut checker = Checker::new(document, &raw.constants)?;
+    for (name, table) in &raw.tables {
+        let key = Key::new("tables").child(name);
+        let table = tables::check(&checker, &key, table)?;
+        checker.define_table(&key, name, table)?;
+    }
+    Ok(checker)
 }
 
 fn as_toml(raw: &raw::Case) -> String {

@@ -74,6 +74,10 @@ fn raised(checker: &Checker<'_>, raw: &Raw, mesh: AnyMesh) -> Checked<AnyMesh> {
     let asked = order(checker, &key, "the order of the mesh", asked)?;
     let accepted = format!("{of_file}, the order of the file, or more: with less the shape of the cells would change");
     checker.require(&key, "the order of the mesh", asked >= of_file, &accepted)?;
+    match &mesh {
+        AnyMesh::Plane(mesh) => family::check_size::<2>(checker, &key, mesh.n_cells(), asked)?,
+        AnyMesh::Space(mesh) => family::check_size::<3>(checker, &key, mesh.n_cells(), asked)?,
+    }
     Ok(mesh.with_order(asked))
 }
 
