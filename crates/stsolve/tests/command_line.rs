@@ -344,7 +344,11 @@ fn what_is_too_large_aborted_without_naming_the_memory() {
     needed("naca0012_wave", &["mesh.extrude.layers=1000000000"], "unlimited");
     needed("vortex", &["mesh.generate.box.cells=[3000,3000]"], "4000000");
     // The mesh fits, the blocks of its flow do not.
-    let message = needed("vortex_period", &["mesh.generate.box.cells=[100,100]", "flow.order=16"], "4000000");
+    let message = needed(
+        "vortex_period",
+        &["mesh.generate.box.cells=[100,100]", "flow.order=16", "flow.quadrature.points=16"],
+        "4000000",
+    );
     assert!(message.contains("the run does not fit into memory") && message.contains("`flow.order`"), "{message}");
     assert!(is_empty(&directory));
 }
