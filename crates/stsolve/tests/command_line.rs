@@ -330,7 +330,9 @@ fn what_is_too_large_aborted_without_naming_the_memory() {
         let mut command = assert_cmd::Command::new("bash");
         command.current_dir(directory.path()).args(["-c", &script]).arg(assert_cmd::cargo::cargo_bin("stsolve"));
         command.args(["run", "--threads", "1", &shipped(&format!("{case}.toml"))]);
-        changes.iter().for_each(|change| drop(command.args(["--set", change])));
+        for change in changes {
+            command.args(["--set", change]);
+        }
         let output = command.output().unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{case}, {changes:?}: {stderr}");
