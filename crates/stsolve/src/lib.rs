@@ -14,6 +14,7 @@
 //! | `report` | a page that shows a run |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `clock` | where the time of a run goes |
+//! | `excerpt` | a piece of a line with carets below it |
 //! | `failure` | error messages and exit codes |
 
 mod any_mesh;
@@ -22,6 +23,7 @@ pub mod case;
 pub mod cli;
 pub mod clock;
 pub mod commands;
+mod excerpt;
 pub mod expression;
 pub mod failure;
 pub mod logging;

@@ -139,6 +139,13 @@ const FAULTS: [Fault; 14] = [
         cause: "folding_formula",
     },
     Fault {
+        what: "displacement that is no number for a while",
+        case: "couette",
+        small: BOX,
+        spoil: &["time.end=1", "motion.displacement=[\"if(abs(t-0.4)<0.1, log(-t), 0)*sin(pi*x)\",0]"],
+        cause: "undefined_motion",
+    },
+    Fault {
         what: "motion too far for one slab",
         case: "vortex",
         small: BOX,

@@ -1,11 +1,18 @@
 //! What can be wrong with a case, and where.
 
+use crate::excerpt::{Excerpt, shortened};
 use crate::expression::{ExpressionError, TableError};
 use std::fmt;
 use std::path::PathBuf;
 
 /// How the parser begins to say that a choice is not one.
 pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
+
+/// Characters of an option that an error repeats at most.
+const LONGEST_OPTION: usize = 300;
+
+/// Characters of a name or a value that the sentence of an error repeats at most.
+pub(super) const LONGEST_VALUE: usize = 60;
 
 /// Something wrong with a case: where, the key and its value, what is wrong, what is accepted.
 #[derive(Debug)]
@@ -87,6 +94,22 @@ pub enum Cause {
         found: usize,
         /// How many there should be.
         dimension: usize,
+    },
+    /// A list with more or fewer entries than it has a meaning for.
+    #[error("wrong number of entries: {found}")]
+    Entries {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        accepted: usize,
+    },
+    /// An entry of a list that is there before.
+    #[error("{kind} `{name}` is listed twice")]
+    Twice {
+        /// What it names: a field, an axis, ...
+        kind: &'static str,
+        /// Its name.
+        name: String,
     },
     /// A boundary of the mesh without a condition.
     #[error("{}", without(.names, .kind))]
@@ -198,7 +221,9 @@ impl Cause {
                 let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
                 Cause::Type { found: format!("`{name}` alone"), accepted }
             }
-            Some((found, expected)) => Cause::Type { found: found.to_owned(), accepted: plain_type(expected) },
+            Some((found, expected)) => {
+                Cause::Type { found: shortened(found, LONGEST_VALUE), accepted: plain_type(expected) }
+            }
             None if message.starts_with(ONE_OF_SEVERAL) => {
                 let found =
                     if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
@@ -228,6 +253,8 @@ impl Cause {
                 "2 entries, one per axis; `mesh.extrude = { depth = .., layers = .. }` gives the mesh a third".to_owned(),
             ),
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
+            Cause::Entries { accepted, .. } => Some(format!("{accepted} entries")),
+            Cause::Twice { .. } => Some("each name once: remove this one".to_owned()),
             Cause::NoCondition { names, choices, .. } => Some(format!(
                 "a key {} in this table, or `others` for all boundaries that are not named: {}; none where the mesh is `periodic`",
                 quoted(names),
@@ -283,7 +310,8 @@ impl fmt::Display for CaseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
             Place::File { path, line, column, .. } => write!(f, "{}:{line}:{column}: ", path.display())?,
-            Place::Option(option) => write!(f, "--set {option}: ")?,
+            Place::Option(option) if option.len() <= LONGEST_OPTION => write!(f, "--set {option}: ")?,
+            Place::Option(option) => write!(f, "--set {}: ", shortened(option, LONGEST_OPTION))?,
             Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
         }
         // An option that sets just this key says key and value itself.
@@ -311,9 +339,9 @@ impl CaseError {
     fn write_excerpt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place::File { line, column, text, length, .. } = &self.place else { return Ok(()) };
         let margin = " ".repeat(line.to_string().len());
-        // Tabs stay tabs, so that the carets stay below what they mark.
-        let indent: String = text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        write!(f, "\n {margin} |\n {line} | {text}\n {margin} | {indent}{}", "^".repeat((*length).max(1)))
+        write!(f, "\n {margin} |\n")?;
+        let excerpt = Excerpt { line: text, position: column - 1, length: *length };
+        excerpt.write(f, &format!(" {line} | "), &format!(" {margin} | "))
     }
 }
 

@@ -72,6 +72,11 @@ impl Program {
         Program { instructions: vec![Instruction::Constant(value)] }
     }
 
+    /// How many operations an evaluation takes.
+    pub fn operations(&self) -> usize {
+        self.instructions.len()
+    }
+
     /// Whether the value depends on `variable`.
     pub fn contains(&self, variable: Variable) -> bool {
         self.instructions.contains(&Instruction::Variable(variable))

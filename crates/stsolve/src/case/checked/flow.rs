@@ -1,8 +1,11 @@
 //! The flow.
 
 use super::forces::{self, Wall};
+use super::initial;
 use super::mesh_crate::Mesh;
+use super::slide;
 use super::states::{self, Typical};
+use super::time::Time;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw;
@@ -48,12 +51,12 @@ pub struct BoundaryData<const D: usize> {
     pub state: Option<State<D>>,
 }
 
-/// Checks `[flow]` of a run that starts at time `start`.
+/// Checks `[flow]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Flow<D>> {
     let key = Key::new("flow");
     let order = super::order(checker, &key.child("order"), "the order of the flow", raw.order)?;
@@ -74,14 +77,15 @@ pub(super) fn check<const D: usize>(
     if initial.is_none() && exact.is_some() {
         checker.note_default(&key.child("initial"), "flow.exact");
     }
-    check_initial(checker, &key, &start_state, mesh, start)?;
+    let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
+    initial::check(checker, &of_start, &start_state, mesh, order, time.start)?;
     if raw.source.is_some() && exact.is_none() {
         let problem = "a manufactured source needs a solution to be made for";
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
     }
-    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, exact.as_ref(), gas)?;
-    let walls =
-        forces::check(checker, &key.child("forces"), &raw.forces, mesh, &boundary, reference, reference_length)?;
+    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, exact.as_ref(), gas, time)?;
+    let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
+    let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
     let manufactured = raw.source.is_some();
@@ -173,34 +177,6 @@ fn reference<const D: usize>(
     Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
 }
 
-/// Formulas may give anything: the initial state must be one.
-fn check_initial<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    initial: &State<D>,
-    mesh: &Mesh<D>,
-    start: f64,
-) -> Checked<()> {
-    let State::Expression(formulas) = initial else { return Ok(()) };
-    for x in mesh.coordinates().chunks_exact(D) {
-        let state = formulas.primitive(&std::array::from_fn(|axis| x[axis]), start);
-        let key = key.child("initial").child("expression");
-        let positive = |value: f64| value > 0.0 && value.is_finite();
-        for (name, value) in [("density", state.density), ("pressure", state.pressure)] {
-            let quantity = format!("the {name} at {x:?}, {value},");
-            checker.require(&key.child(name), &quantity, positive(value), "a formula that is positive everywhere")?;
-        }
-        let finite = state.velocity.iter().all(|w| w.is_finite());
-        checker.require(
-            &key.child("velocity"),
-            &format!("the velocity at {x:?}"),
-            finite,
-            "formulas that are finite everywhere",
-        )?;
-    }
-    Ok(())
-}
-
 fn riemann(raw: raw::Riemann) -> Riemann {
     match raw {
         raw::Riemann::Roe => Riemann::Roe,
@@ -228,9 +204,18 @@ fn boundary<const D: usize>(
     mesh: &Mesh<D>,
     exact: Option<&State<D>>,
     gas: Gas,
+    time: &Time,
 ) -> Checked<Vec<BoundaryData<D>>> {
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
-    named.iter().map(|(key, condition)| self::condition(checker, key, condition, exact, gas)).collect()
+    let checked = |(boundary, (key, raw)): (usize, &(Key, &raw::Condition))| {
+        let data = condition(checker, key, raw, exact, gas)?;
+        slide::check(checker, key, raw, mesh, boundary)?;
+        if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
+            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, boundary, time)?;
+        }
+        Ok(data)
+    };
+    named.iter().enumerate().map(checked).collect()
 }
 
 fn condition<const D: usize>(

@@ -1,7 +1,7 @@
 //! The memory of a run, estimated beforehand.
 
-use super::Facts;
 use super::measured::TYPICAL_ITERATIONS;
+use super::{Facts, mesh_memory};
 use crate::case::{Flow, Preconditioner};
 use crate::run::elasticity_plan;
 use coupled::preconditioner::{coarse_functions_per_direction, padded};
@@ -10,9 +10,12 @@ use navier_stokes::Viscosity;
 /// What the program takes before a case is large: its code, libraries, and the buffers of the result file.
 const PROGRAM: usize = 27_000_000;
 
-/// Vectors as long as the unknowns of a slab, without those of the linear solver: states, residuals and increments of Newton's method,
-/// traces of the operator.
+/// Vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and increments of Newton's
+/// method, traces of the operator.
 const VECTORS: usize = 26;
+
+/// The same for the unknowns of an elastic mesh, beside what every mesh takes.
+const VECTORS_OF_MESH: usize = 6;
 
 /// Numbers in single precision per entry of a block while it is inverted, for a thread: its parts, panels of their rows, and what they hand on
 /// to neighbours.
@@ -33,7 +36,7 @@ pub(super) struct Memory {
     pub(super) vectors: usize,
     /// The vectors of the linear solver, if it takes all iterations that it is allowed.
     pub(super) most_krylov: usize,
-    /// The solver of the mesh.
+    /// The mesh, by its order, and its solver.
     pub(super) mesh: usize,
     /// What the search for the steady flow takes, where the run begins with it; its preconditioner goes before that of the slabs comes.
     pub(super) steady: Option<usize>,
@@ -44,9 +47,11 @@ impl Memory {
     pub(super) fn new<const D: usize>(facts: &Facts<'_, D>) -> Self {
         let case = facts.case;
         let (_, flow) = facts.flow_unknowns();
-        let vector = 8 * (flow + case.mesh_unknowns().unwrap_or(0));
+        let mesh = case.mesh_unknowns().unwrap_or(0);
+        let vector = 8 * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
-        let vectors = vector * (VECTORS + krylov_vectors(restart.min(TYPICAL_ITERATIONS)));
+        let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
+        let vectors = newton + vector * krylov_vectors(restart.min(TYPICAL_ITERATIONS));
         let (time_order, blocks) = (case.time.order, jacobian(facts));
         let (jacobian, factors_of_slab) = match case.solver.preconditioner {
             Preconditioner::Blocks => (blocks, factors(facts, time_order)),
@@ -58,7 +63,7 @@ impl Memory {
             vectors,
             steady: case.solver.steady.map(|_| blocks + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
             most_krylov: vector * krylov_vectors(restart),
-            mesh: elasticity_plan(case).map_or(0, |plan| plan.bytes),
+            mesh: mesh_memory::bytes(case) + elasticity_plan(case).map_or(0, |plan| plan.bytes),
         }
     }
 
