@@ -8,6 +8,9 @@ use std::path::PathBuf;
 /// How the parser begins to say that a choice is not one.
 pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
 
+/// How the parser says that a choice is neither a text nor a table.
+const NAME_OR_TABLE: &str = "wanted string or table";
+
 /// Characters of an option that an error repeats at most.
 const LONGEST_OPTION: usize = 300;
 
@@ -233,6 +236,9 @@ impl Cause {
                     accepted: format!("a table with a single key, the choice: {}", quoted(&choices())),
                 }
             }
+            None if message == NAME_OR_TABLE => {
+                Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted: quoted(&choices()) }
+            }
             None if message.ends_with("value was too large") => Cause::OutOfRange {
                 quantity: "the whole number".to_owned(),
                 accepted: "a whole number below 2^63".to_owned(),
@@ -289,6 +295,7 @@ fn plain_type(expected: &str) -> String {
         "a string" => "a text in quotes".to_owned(),
         "a sequence" => "a list in brackets, [ ... ]".to_owned(),
         "a map" => "a table".to_owned(),
+        "path string" => "a path in quotes".to_owned(),
         _ if expected.starts_with("struct ") => "a table, { ... }".to_owned(),
         _ if expected.starts_with("string or table") => "a name in quotes, or a table".to_owned(),
         _ => expected.to_owned(),

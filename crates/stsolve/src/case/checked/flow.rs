@@ -105,14 +105,16 @@ pub(super) fn check<const D: usize>(
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
-    let accepted = "a number above 1 (air: 1.4)";
+    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
+    let gamma = (1.0001..=100.0).contains(&raw.gamma);
+    checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted)?;
+    let prandtl = (1e-6..=1e6).contains(&raw.prandtl);
     checker.require(
-        &key.child("gamma"),
-        "the ratio of specific heats",
-        raw.gamma > 1.0 && raw.gamma.is_finite(),
-        accepted,
+        &key.child("prandtl"),
+        "the Prandtl number",
+        prandtl,
+        "a positive number, 1e-6 to 1e6 (air: 0.72)",
     )?;
-    checker.positive(&key.child("prandtl"), "the Prandtl number", raw.prandtl)?;
     let gas_constant = match (raw.gas_constant, raw.mach) {
         (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
         (None, None) => {
@@ -161,7 +163,11 @@ fn reference<const D: usize>(
             checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
         }
         let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
-        return Ok((checker.physics(&key_reference, reference)?, raw.speed, raw.length));
+        let reference = checker.physics(&key_reference, reference)?;
+        let (mach, accepted) = (reference.mach(), "sizes of one flow: a Mach number from 1e-6 to 100");
+        let quantity = format!("the Mach number, speed over sqrt(gamma p / rho), {mach:.3e},");
+        checker.require(&key_reference.child("speed"), &quantity, (1e-6..=100.0).contains(&mach), accepted)?;
+        return Ok((reference, raw.speed, raw.length));
     }
     let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
     let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
@@ -210,6 +216,7 @@ fn boundary<const D: usize>(
     let checked = |(boundary, (key, raw)): (usize, &(Key, &raw::Condition))| {
         let data = condition(checker, key, raw, exact, gas)?;
         slide::check(checker, key, raw, mesh, boundary)?;
+        slide::check_inflow(checker, key, raw, mesh, boundary)?;
         if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
             initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, boundary, time)?;
         }

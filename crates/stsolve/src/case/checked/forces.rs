@@ -109,7 +109,12 @@ fn scales<const D: usize>(
         let key = key.child("drag_direction");
         let direction: [f64; D] = checker.finite_vector(&key, "the direction", direction)?;
         let norm = tensor::norm(&direction);
-        checker.require(&key, "the direction", norm > 0.0, "a vector that is not zero")?;
+        checker.require(
+            &key,
+            "the direction",
+            norm > 0.0 && norm.is_finite(),
+            "a vector that is not zero, nor of infinite length",
+        )?;
         drag_direction = direction.map(|component| component / norm);
     }
     Ok(ForceScales {

@@ -75,6 +75,9 @@ pub enum Stiffness {
     },
 }
 
+/// Powers of det J up to this size: of larger ones the stiffness overflows or leaves the matrix singular.
+const LARGEST_POWER: f64 = 10.0;
+
 /// Checks `[motion]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
@@ -177,7 +180,7 @@ fn stiffness<const D: usize>(
         raw::Stiffness::Constant => Ok(Stiffness::Constant),
         raw::Stiffness::InverseJacobian { power } => {
             let key = key.child("inverse_jacobian").child("power");
-            checker.require(&key, "the power", power.is_finite(), "a finite number")?;
+            checker.require(&key, "the power", power.abs() <= LARGEST_POWER, "a number from -10 to 10")?;
             Ok(Stiffness::InverseJacobian { power: *power })
         }
         raw::Stiffness::Expression(formula) => {

@@ -117,7 +117,16 @@ fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoun
     Ok(match raw {
         StructureBoundary::Free => Support::Free,
         StructureBoundary::Fixed => Support::Held([true; D]),
-        StructureBoundary::Held(axes) => Support::Held(checker.axes(&key.child("held"), axes)?),
+        StructureBoundary::Held(axes) => {
+            let key = key.child("held");
+            checker.require(
+                &key,
+                "the list",
+                !axes.is_empty(),
+                "an axis or several; \"free\" where nothing holds it",
+            )?;
+            Support::Held(checker.axes(&key, axes)?)
+        }
         StructureBoundary::Displacement(formulas) => {
             Support::Moved(checker.formulas(&key.child("displacement"), formulas)?)
         }

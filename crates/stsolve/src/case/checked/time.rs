@@ -117,7 +117,9 @@ fn control(
         let problem = "`time.slabs` makes all slabs of the same length, `time.adaptive` does not";
         return Err(checker.combination(&Key::new("time.slabs"), problem, "`time.step`, the length of the first slab"));
     }
-    let tolerance = checker.positive(&key.child("tolerance"), "the tolerance", adaptive.tolerance)?;
+    let tolerance = adaptive.tolerance;
+    let accepted = "a positive number, 1e-14 to 1: a jump in units of `flow.reference`";
+    checker.require(&key.child("tolerance"), "the tolerance", (1e-14..=1.0).contains(&tolerance), accepted)?;
     let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
     let accepted = format!("a positive number, at most the step, {step}");
     checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
@@ -142,6 +144,10 @@ fn slabs_to_cover(duration: f64, step: f64) -> usize {
 /// Checks `[output]`.
 pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<Output> {
     let key = Key::new("output");
+    if raw.directory.as_ref().is_some_and(|directory| directory.as_os_str().is_empty()) {
+        let accepted = "a directory beside the case file, or no key `directory`";
+        return Err(checker.combination(&key.child("directory"), "the name of the directory is empty", accepted));
+    }
     Ok(Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: checker.at_least_one(

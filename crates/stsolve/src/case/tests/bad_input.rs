@@ -227,6 +227,59 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "left = { displacement = [\"sqrt(0.5-t)-sqrt(0.5)\", 0] }",
         &["has no value", "t = 0.618"],
     ),
+    (
+        "generate.box",
+        "generate.box = { lower = [nan, 0], upper = [2, 1], cells = [4, 2] }",
+        &["lower[0] = nan`", "finite"],
+    ),
+    (
+        "generate.box",
+        "generate.box = { lower = [0, 0], upper = [2, 1e-18], cells = [4, 2] }",
+        &["`mesh.generate.box.upper[1] = 1e-18`", "aspect ratio"],
+    ),
+    (
+        "left = { displacement",
+        "left = { rigid = [] }",
+        &["`motion.boundary.left.rigid = []`", "without a step", "\"fixed\""],
+    ),
+    (
+        "elasticity =",
+        "elasticity = { stiffness = { inverse_jacobian = { power = 1e300 } } }",
+        &["inverse_jacobian.power = 1e300`", "-10 to 10"],
+    ),
+    (
+        "elasticity =",
+        "elasticity = { stiffness = { wall_distance = { distance = 1, inner = [\"left\"], outer = [\"left\"] } } }",
+        &["wall_distance.outer[0] = \"left\"`", "in `inner` too"],
+    ),
+    ("order = 4", "order = 4\ngas.gamma = 1e300", &["`flow.gas.gamma = 1e300`", "1.0001 to 100"]),
+    ("order = 4", "order = 4\ngas.viscosity = 0.1", &["`flow.gas.viscosity = 0.1`", "wrong type", "`sutherland`"]),
+    (
+        "order = 4",
+        "order = 4\nreference = { speed = 1e300, pressure = 1 }",
+        &["`flow.reference.speed = 1e300`", "Mach"],
+    ),
+    (
+        "order = 4",
+        "order = 4\nforces.left.drag_direction = [1e200, 1e200]",
+        &["`flow.forces.left.drag_direction = [1e200, 1e200]`", "infinite"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { inflow = { total_pressure = 1, total_temperature = 1, direction = [-1, 0] } }",
+        &["inflow.direction = [-1, 0]`", "does not enter the domain", "`outflow`"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\n[solver]\nslab_halvings = 4294967297",
+        &["`solver.slab_halvings = 4294967297`", "0 to 40"],
+    ),
+    ("step = 0.3", "step = 0.3\n[output]\ndirectory = \"\"", &["`output.directory = \"\"`", "empty"]),
+    (
+        "step = 0.3",
+        "step = 0.3\n[tables]\nh = { t = [0, 1, 1, 3], values = [0, 1, 2, 3] }",
+        &["`tables.h.t = [0, 1, 1, 3]`", "times must increase"],
+    ),
 ];
 
 #[test]
