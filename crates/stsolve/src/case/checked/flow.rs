@@ -216,7 +216,6 @@ fn boundary<const D: usize>(
     let checked = |(boundary, (key, raw)): (usize, &(Key, &raw::Condition))| {
         let data = condition(checker, key, raw, exact, gas)?;
         slide::check(checker, key, raw, mesh, boundary)?;
-        slide::check_inflow(checker, key, raw, mesh, boundary)?;
         if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
             initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, boundary, time)?;
         }

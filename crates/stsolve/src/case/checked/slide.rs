@@ -1,4 +1,4 @@
-//! Velocities that a boundary is given go with its normal: a wall slides in its plane, an inflow enters.
+//! A wall slides in its plane.
 
 use super::mesh_crate::Mesh;
 use crate::case::checker::{Checked, Checker};
@@ -34,24 +34,4 @@ pub(super) fn check<const D: usize>(
     );
     let accepted = "a velocity along the wall everywhere; a wall that moves otherwise, such as one that turns, is given in [motion]";
     Err(checker.combination(&key.child(name).child("slide"), &problem, accepted))
-}
-
-/// The direction of an inflow enters the domain somewhere on its `boundary`.
-pub(super) fn check_inflow<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: &raw::Condition,
-    mesh: &Mesh<D>,
-    boundary: usize,
-) -> Checked<()> {
-    let raw::Condition::Inflow(inflow) = raw else { return Ok(()) };
-    let along = |normal: &[f64; D]| inflow.direction.iter().zip(normal).map(|(w, n)| w * n).sum::<f64>();
-    let facets = mesh.normals_of_facets(mesh.order(), boundary);
-    if facets.is_empty() || facets.iter().any(|(.., normal)| along(normal) < 0.0) {
-        return Ok(());
-    }
-    let (.., x, normal) = &facets[0];
-    let problem = format!("the inflow does not enter the domain, whose normal out of it is {normal:.6?} at {x:?}");
-    let accepted = "a direction that leads into the domain; the condition `outflow` where the gas leaves";
-    Err(checker.combination(&key.child("inflow").child("direction"), &problem, accepted))
 }

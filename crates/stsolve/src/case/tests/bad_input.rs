@@ -265,11 +265,6 @@ const BAD: &[(&str, &str, &[&str])] = &[
         &["`flow.forces.left.drag_direction = [1e200, 1e200]`", "infinite"],
     ),
     (
-        "left = \"slip_wall\"",
-        "left = { inflow = { total_pressure = 1, total_temperature = 1, direction = [-1, 0] } }",
-        &["inflow.direction = [-1, 0]`", "does not enter the domain", "`outflow`"],
-    ),
-    (
         "step = 0.3",
         "step = 0.3\n[solver]\nslab_halvings = 4294967297",
         &["`solver.slab_halvings = 4294967297`", "0 to 40"],
