@@ -74,7 +74,8 @@ class Setting:
             changes = [word for key, value in self.changes().items() for word in ("--set", f"{key}={value}")]
             case = ROOT / "cases" / f"{self.case}.toml"
             print(self.name(), file=sys.stderr, flush=True)
-            subprocess.run([PROGRAM, "run", case, "--output", output, "--quiet", *changes], check=True)
+            # One that was not finished is done anew.
+            subprocess.run([PROGRAM, "run", case, "--output", output, "--quiet", "--force", *changes], check=True)
         return json.loads(summary.read_text())
 
 

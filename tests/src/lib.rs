@@ -54,9 +54,14 @@ pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStok
 
 /// A unit box of `cells` per axis, randomly curved, cells turned at random.
 pub fn curved_box<const D: usize>(cells: usize, order: usize) -> Mesh<D> {
+    curved_box_at(0.0, cells, order)
+}
+
+/// The same with its lowest corner at `lower` on every axis.
+pub fn curved_box_at<const D: usize>(lower: f64, cells: usize, order: usize) -> Mesh<D> {
     let curving = Curving::Random { amplitude: 0.03, seed: 7 };
     let cells = [cells; D];
-    BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }
+    BoxMesh { lower: [lower; D], upper: [lower + 1.0; D], cells, order, curving, periodic: [false; D] }
         .build()
         .unwrap()
         .scrambled(3)

@@ -343,8 +343,9 @@ impl<const D: usize, const M: usize> March<D, M> {
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
         self.problem.set_point(&z);
-        let fluxes = self.problem.flow.boundary_fluxes();
         let v = self.problem.velocities().to_vec();
+        let velocity_at_top = self.velocity_at_top(interval.end, &v);
+        let fluxes = self.problem.flow.boundary_fluxes(Some(&velocity_at_top));
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         let one = layout.at_one_time();
@@ -360,6 +361,15 @@ impl<const D: usize, const M: usize> March<D, M> {
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);
         let counts = std::mem::take(&mut self.problem.counts);
         SlabReport { slab: self.state.slab, interval, rejected, newton, counts, quality, jump, fluxes, totals }
+    }
+
+    /// The velocity of the mesh at the top of the slab, the time `t`, of which `v` are the velocities: as prescribed where it is.
+    fn velocity_at_top(&self, t: f64, v: &[f64]) -> Vec<f64> {
+        let mover = &self.problem.mover;
+        // The last time node is the top.
+        let mut velocity = v[v.len() - mover.field_len()..].to_vec();
+        mover.prescribe_velocity(t, &mut velocity);
+        velocity
     }
 
     /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.

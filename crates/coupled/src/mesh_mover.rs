@@ -89,6 +89,11 @@ impl<const D: usize> MeshMover<D> {
         self.motion.prescribed(&self.positions, t, out);
     }
 
+    /// Replaces the velocity `v` of those C0 nodes whose motion is prescribed by the prescribed one at time `t`.
+    pub fn prescribe_velocity(&self, t: f64, v: &mut [f64]) {
+        self.motion.prescribe_velocity(&self.positions, t, v);
+    }
+
     /// The displacement at the start of a run: prescribed where every node is, zero otherwise.
     pub fn displacement_at_start(&self, t: f64) -> Vec<f64> {
         let mut d = vec![0.0; self.field_len()];

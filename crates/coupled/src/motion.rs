@@ -8,12 +8,17 @@ use std::sync::Arc;
 pub trait BoundaryField<const D: usize>: Send + Sync {
     /// The displacement of C0 node `node`, at `x` at rest, at time `t`.
     fn displacement(&self, node: usize, x: &[f64; D], t: f64) -> [f64; D];
+    /// Its time derivative.
+    fn velocity(&self, node: usize, x: &[f64; D], t: f64) -> [f64; D];
 }
 
 /// A displacement that is known everywhere.
 impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
     fn displacement(&self, _: usize, x: &[f64; D], t: f64) -> [f64; D] {
         self.value(x, t)
+    }
+    fn velocity(&self, _: usize, x: &[f64; D], t: f64) -> [f64; D] {
+        self.rate(x, t)
     }
 }
 
@@ -58,6 +63,23 @@ impl<const D: usize> MeshMotion<D> {
             };
             if let Some(displacement) = displacement {
                 out.copy_from_slice(&displacement);
+            }
+        }
+    }
+
+    /// Replaces the velocity `v`, `[node][component]`, of those nodes whose motion is prescribed by the prescribed one at time `t`, where
+    /// that is finite: a displacement like sqrt(t) has none at t = 0.
+    pub fn prescribe_velocity(&self, x: &[[f64; D]], t: f64, v: &mut [f64]) {
+        for (node, (x, v)) in x.iter().zip(v.chunks_exact_mut(D)).enumerate() {
+            let velocity = match self {
+                MeshMotion::Still => None,
+                MeshMotion::Prescribed(field) => Some(field.rate(x, t)),
+                MeshMotion::Elastic { boundary, .. } => {
+                    boundary.field_of_node[node].map(|field| boundary.fields[field].velocity(node, x, t))
+                }
+            };
+            if let Some(velocity) = velocity.filter(|velocity| velocity.iter().all(|v| v.is_finite())) {
+                v.copy_from_slice(&velocity);
             }
         }
     }

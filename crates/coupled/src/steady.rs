@@ -41,7 +41,8 @@ pub fn solve_steady<const D: usize, const M: usize>(
         "one node in time, and no mesh to solve for"
     );
     let at_rest = vec![0.0; problem.mover.field_len()];
-    problem.begin(time - LONG, LONG, u, &at_rest)?;
+    problem.begin(time, LONG, u, &at_rest)?;
+    problem.flow.stop_clock();
     problem.move_mesh(&mut vec![0.0; at_rest.len()])?;
     problem.frozen_flow.steady = true;
     // Residuals are those of (steady): dt times rates.
@@ -58,7 +59,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     problem.set_point(&z);
     u.copy_from_slice(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
-    let top = problem.flow.boundary_fluxes().pop();
+    let top = problem.flow.boundary_fluxes(None).pop();
     Ok(SlabReport {
         jump: 0.0,
         slab: 0,

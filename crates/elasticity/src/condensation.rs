@@ -12,18 +12,14 @@
 //! It is made of the matrices of the cells, whatever law they come from. Exact up to round-off, without iterations; several right-hand
 //! sides share every pass through the factor. A cell of order N stores D (N - 2)^D rows.
 
-mod dissection;
-mod fronts;
 mod inner;
 mod sweep;
 
 use crate::ElasticityError;
 use crate::batches::Batches;
 use crate::pool::Pool;
-use dissection::Dissection;
-use faer::MatMut;
-use fronts::{Contribution, Fronts};
 use inner::{CellUnknowns, InnerFactor};
+use sparse::{EliminationTree, Factorisation, Kind};
 use std::sync::Arc;
 use sweep::SweepWork;
 use tensor::{Pack, WIDTH};
@@ -31,12 +27,9 @@ use tensor::{Pack, WIDTH};
 /// In which order the free nodes of a mesh are eliminated, and what their factor will need: known before any matrix is.
 pub(crate) struct Elimination<const D: usize> {
     unknowns: CellUnknowns,
-    dissection: Dissection,
-    /// The numbers, in the order of elimination, of free skeleton nodes.
-    numbers: Vec<Option<usize>>,
+    /// Of the free nodes of the skeleton.
+    tree: Arc<EliminationTree>,
     constrained: Vec<bool>,
-    /// Rows of the largest boundary of a part.
-    largest_boundary: usize,
 }
 
 impl<const D: usize> Elimination<D> {
@@ -48,11 +41,8 @@ impl<const D: usize> Elimination<D> {
             nodes.filter(|&node| !constrained[node]).collect()
         };
         let cells: Vec<_> = (0..batches.cells()).map(skeleton).collect();
-        let dissection = Dissection::new(&cells, centres, constrained.len());
-        let mut numbers = vec![None; constrained.len()];
-        dissection.order.iter().enumerate().for_each(|(number, &node)| numbers[node] = Some(number));
-        let largest_boundary = dissection.parts.iter().map(|part| part.boundary.len() * D).max().unwrap_or(0);
-        Elimination { unknowns, dissection, numbers, constrained: constrained.to_vec(), largest_boundary }
+        let tree = Arc::new(EliminationTree::by_dissection(&cells, centres, constrained.len()));
+        Elimination { unknowns, tree, constrained: constrained.to_vec() }
     }
 
     /// Memory of the factor, and on the way to it of S of all cells and of the matrices of a batch. Threads do not count: they must not
@@ -61,18 +51,14 @@ impl<const D: usize> Elimination<D> {
         let inner = self.unknowns.factor_length() * batches.count() * WIDTH;
         let schur = self.unknowns.skeleton().pow(2) * batches.cells();
         let matrices = 2 * self.unknowns.count().pow(2) * WIDTH;
-        (inner + self.dissection.factor_entries(D) + schur + matrices) * size_of::<f64>()
+        (inner + self.tree.factor_entries(D) + schur + matrices) * size_of::<f64>()
     }
 
     /// Multiplications of the factorisation.
     pub(crate) fn operations(&self, batches: &Batches<D>) -> f64 {
-        let cells = eliminations(self.unknowns.count(), self.unknowns.inner()) * (batches.count() * WIDTH) as f64;
-        let parts = self
-            .dissection
-            .parts
-            .iter()
-            .map(|part| eliminations((part.eliminated.len() + part.boundary.len()) * D, part.eliminated.len() * D));
-        cells + parts.sum::<f64>()
+        let (rows, inner) = (self.unknowns.count(), self.unknowns.inner());
+        let of_cell: f64 = (rows - inner..rows).map(|left| 0.5 * (left as f64).powi(2)).sum();
+        of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
 
     /// The factor of the sum of the cells' matrices: `matrices(batch)` are those of a batch, `[column][row]`, both of them
@@ -86,25 +72,21 @@ impl<const D: usize> Elimination<D> {
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<Condensation<D>, ElasticityError> {
         let (inner, schur) = InnerFactor::new(&self.unknowns, batches, &self.constrained, matrices)?;
-        let number = |cell: usize, k: usize| self.numbers[batches.cell_node(cell, k)];
-        let fronts = Fronts::new(&self.dissection, |cell| Contribution {
-            nodes: self.unknowns.skeleton_nodes(D).map(|k| number(cell, k)).collect(),
-            matrix: &schur[cell],
+        let factors = Factorisation::new(self.tree.clone(), D, Kind::Cholesky, |front| {
+            if let Some(cell) = front.front.cell {
+                let nodes = self.unknowns.skeleton_nodes(D).map(|k| batches.cell_node(cell, k));
+                front.add(nodes.map(|node| self.tree.positions[node]), &schur[cell]);
+            }
         })?;
-        Ok(Condensation { elimination: self.clone(), inner, fronts, work: Pool::new() })
+        Ok(Condensation { elimination: self.clone(), inner, factors, work: Pool::new() })
     }
-}
-
-/// Multiplications that eliminate `count` of `rows` rows of a symmetric matrix, one after the other.
-fn eliminations(rows: usize, count: usize) -> f64 {
-    (rows - count..rows).map(|left| 0.5 * (left as f64).powi(2)).sum()
 }
 
 /// The factored K_ff.
 pub(crate) struct Condensation<const D: usize> {
     elimination: Arc<Elimination<D>>,
     inner: InnerFactor,
-    fronts: Fronts<D>,
+    factors: Factorisation<f64>,
     work: Pool<SolveWork>,
 }
 
@@ -113,10 +95,8 @@ struct SolveWork {
     sweep: SweepWork,
     /// What a sweep returns, `[right-hand side][C0 node][component]`.
     swept: Vec<f64>,
-    /// `[right-hand side][number][component]`
-    skeleton: Vec<f64>,
-    /// `[right-hand side][largest boundary]`
-    boundary: Vec<f64>,
+    /// That of the factors of the skeleton.
+    fronts: Vec<f64>,
 }
 
 impl<const D: usize> Condensation<D> {
@@ -128,71 +108,44 @@ impl<const D: usize> Condensation<D> {
     /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained nodes.
     /// After a first call with as many right-hand sides nothing is allocated.
     pub(crate) fn solve(&self, batches: &Batches<D>, x: &mut [f64]) {
-        let Elimination { unknowns, dissection, largest_boundary, .. } = &*self.elimination;
-        let (length, rows) = (self.elimination.numbers.len() * D, dissection.order.len() * D);
-        let count = x.len() / length;
+        let unknowns = &self.elimination.unknowns;
+        let count = x.len() / (self.elimination.constrained.len() * D);
         let mut work = self.work.take(|| SolveWork::new(batches));
-        let SolveWork { sweep, swept, skeleton, boundary } = &mut work;
+        let SolveWork { sweep, swept, fronts } = &mut work;
         swept.resize(x.len(), 0.0);
-        skeleton.resize(count * rows, 0.0);
-        boundary.resize(count * largest_boundary, 0.0);
         self.inner.forward(unknowns, batches, x, swept, sweep);
-        for (x, swept, skeleton) in by_side(x, swept, skeleton, count) {
-            self.on_skeleton(|i, k| skeleton[k] = x[i] + swept[i]);
-        }
-        let columns = MatMut::from_column_major_slice_mut(skeleton, rows, count);
-        self.fronts.solve(dissection, columns, MatMut::from_column_major_slice_mut(boundary, *largest_boundary, count));
-        for (_, swept, skeleton) in by_side(x, swept, skeleton, count) {
-            self.on_skeleton(|i, k| swept[i] = skeleton[k]);
-            self.hold(swept);
-        }
+        self.on_skeleton(x, swept, |x, swept| *swept += x);
+        self.factors.solve(swept, count, fronts);
+        self.hold(swept);
         self.inner.backward(unknowns, batches, swept, x, sweep);
-        for (x, _, skeleton) in by_side(x, swept, skeleton, count) {
-            self.on_skeleton(|i, k| x[i] = skeleton[k]);
-        }
+        self.on_skeleton(swept, x, |swept, x| *x = swept);
         self.work.give(work);
     }
 
     /// Memory of the factor.
     pub(crate) fn bytes(&self) -> usize {
-        self.inner.bytes() + self.fronts.bytes()
+        self.inner.bytes() + self.factors.bytes()
     }
 
-    /// d_c = 0.
+    /// d_c = 0 in every right-hand side.
     fn hold(&self, d: &mut [f64]) {
-        let nodes = self.elimination.constrained.iter().zip(d.chunks_exact_mut(D));
+        let nodes = self.elimination.constrained.iter().cycle().zip(d.chunks_exact_mut(D));
         nodes.filter(|(constrained, _)| **constrained).for_each(|(_, d)| d.fill(0.0));
     }
 
-    /// Visits the entries of the skeleton: their places in a vector of all nodes, and in the order of elimination.
-    fn on_skeleton(&self, mut visit: impl FnMut(usize, usize)) {
-        for (number, node) in self.elimination.dissection.order.iter().enumerate() {
-            (0..D).for_each(|i| visit(node * D + i, number * D + i));
+    /// Changes the entries of the skeleton in `to`, given those in `from`, of every right-hand side.
+    fn on_skeleton(&self, from: &[f64], to: &mut [f64], mut change: impl FnMut(f64, &mut f64)) {
+        let length = self.elimination.constrained.len() * D;
+        for (from, to) in from.chunks_exact(length).zip(to.chunks_exact_mut(length)) {
+            for k in self.elimination.tree.nodes.iter().flat_map(|node| node * D..(node + 1) * D) {
+                change(from[k], &mut to[k]);
+            }
         }
     }
 }
 
-/// The parts of three vectors that belong to each of `count` right-hand sides.
-fn by_side<'a>(
-    x: &'a mut [f64],
-    swept: &'a mut [f64],
-    skeleton: &'a mut [f64],
-    count: usize,
-) -> impl Iterator<Item = (&'a mut [f64], &'a mut [f64], &'a mut [f64])> {
-    let (length, rows) = (x.len() / count, skeleton.len() / count);
-    let vectors = x.chunks_exact_mut(length).zip(swept.chunks_exact_mut(length));
-    // By hand: where all nodes of the skeleton are constrained there are no rows, which chunks would take for no right-hand sides.
-    let mut rest = skeleton;
-    vectors.map(move |(x, swept)| {
-        let (skeleton, others) = std::mem::take(&mut rest).split_at_mut(rows);
-        rest = others;
-        (x, swept, skeleton)
-    })
-}
-
 impl SolveWork {
     fn new<const D: usize>(batches: &Batches<D>) -> Self {
-        let (swept, skeleton, boundary) = (Vec::new(), Vec::new(), Vec::new());
-        SolveWork { sweep: SweepWork::new(batches), swept, skeleton, boundary }
+        SolveWork { sweep: SweepWork::new(batches), swept: Vec::new(), fronts: Vec::new() }
     }
 }

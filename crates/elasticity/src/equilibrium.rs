@@ -75,7 +75,7 @@ impl<const D: usize> ElasticSlab<'_, D> {
         }
         let settings = settings(accuracy.position);
         let report = newton::solve(&mut problem, v, Some(&[1.0]), &settings, &mut Workspace::default())
-            .map_err(|error| ElasticityError::Newton(Box::new(error)))?;
+            .map_err(|error| ElasticityError::Newton { tolerance: accuracy.position, source: Box::new(error) })?;
         Ok(Work { steps: report.steps.len(), ..problem.work })
     }
 }

@@ -64,6 +64,9 @@ pub enum ElasticityError {
         /// What the factorisation said.
         cause: String,
     },
+    /// The stiffness matrix is not factored, for another reason.
+    #[error("the stiffness matrix is not factored")]
+    Factorisation(#[source] sparse::Error),
     /// CG did not reach the tolerance.
     #[error("the elasticity solve failed")]
     Solver(#[from] cg::Error),
@@ -108,8 +111,13 @@ pub enum ElasticityError {
         iterations: usize,
     },
     /// Newton's method did not find the equilibrium of a nonlinear law.
-    #[error("the equilibrium of the mesh was not found")]
-    Newton(#[source] Box<newton::Error>),
+    #[error("the equilibrium of the mesh was not found to the tolerance {tolerance:e}, in distances of nodes")]
+    Newton {
+        /// The error of position allowed, relative to the distance of nodes.
+        tolerance: f64,
+        /// Why.
+        source: Box<newton::Error>,
+    },
 }
 
 /// The displacement inverts a cell at a point where its energy is integrated: a neo-Hookean mesh has no stress there.
@@ -126,5 +134,14 @@ impl From<Inversion> for Inadmissible {
     fn from(Inversion { cell, volume_ratio }: Inversion) -> Self {
         let location = format!("in cell {cell} at a point of its elastic energy");
         Inadmissible { quantity: "det(I + grad d)".into(), value: volume_ratio, location }
+    }
+}
+
+impl From<sparse::Error> for ElasticityError {
+    fn from(error: sparse::Error) -> Self {
+        match error {
+            sparse::Error::NotDefinite { cause } => ElasticityError::NotDefinite { cause },
+            error => ElasticityError::Factorisation(error),
+        }
     }
 }

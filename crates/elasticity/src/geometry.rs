@@ -80,7 +80,7 @@ pub(crate) fn node_spacing<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbe
     let map = CellMap::<D>::on_grid(mesh.order(), &gauss_lobatto(n).points);
     let mut spacing = vec![f64::INFINITY; numbering.count];
     for cell in 0..mesh.n_cells() {
-        let (x, numbers) = (map.positions(mesh.cell_coordinates(cell)), numbering.cell(cell));
+        let (x, numbers) = (map.relative_positions(mesh.cell_coordinates(cell)), numbering.cell(cell));
         for i in 0..numbers.len() {
             for stride in (0..D).map(|axis| n.pow(axis as u32)).filter(|stride| i / stride % n + 1 < n) {
                 let edge: [f64; D] = std::array::from_fn(|d| x[i + stride][d] - x[i][d]);

@@ -17,7 +17,6 @@
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
 //! | `multigrid` | and what solves with those where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
-//! | `cholesky` | sparse and dense factorisation, by faer on one thread |
 //! | `solver` | which of them is taken |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
@@ -32,7 +31,6 @@
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
 
 mod batches;
-mod cholesky;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;

@@ -6,24 +6,32 @@
 //! with Gauss points the equivalence is lost as N grows.
 
 use crate::ElasticityError;
-use crate::cholesky::{BlockMatrix, Cholesky};
 use crate::geometry::{Sample, determinant_and_inverse};
 use crate::material::Lame;
 use crate::multigrid::{self, Cycle};
 use crate::pool::Pool;
 use mesh::NodeNumbering;
+use sparse::{BlockMatrix, Factorisation, Kind};
+use std::sync::Arc;
 
 /// The low-order matrix of the free nodes, those that are not constrained, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
     /// The C0 nodes that are free.
     free: Vec<usize>,
     inverse: Inverse,
-    buffers: Pool<Vec<f64>>,
+    buffers: Pool<Buffers>,
+}
+
+/// Work space of an application: a vector of free nodes, and that of the sparse solver.
+#[derive(Default)]
+struct Buffers {
+    x: Vec<f64>,
+    work: Vec<f64>,
 }
 
 /// A^{-1}, exact or approximate.
 enum Inverse {
-    Factor(Box<Cholesky>),
+    Factor(Box<Factorisation<f64>>),
     Multigrid(Box<dyn Cycle>),
 }
 
@@ -58,10 +66,10 @@ impl<const D: usize> LowOrder<D> {
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
         let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?;
         let inverse = match multigrid {
-            None => Inverse::Factor(Box::new(matrix.factor()?)),
+            None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
                 let of_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
-                Inverse::Multigrid(multigrid::hierarchy(&matrix, &of_free)?)
+                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free)?)
             }
         };
         Ok(LowOrder { free, inverse, buffers: Pool::new() })
@@ -69,19 +77,21 @@ impl<const D: usize> LowOrder<D> {
 
     /// z = P^{-1} r at free nodes, 0 at the others; both `[C0 node][component]`.
     pub(crate) fn apply(&self, r: &[f64], z: &mut [f64]) {
-        let mut x = self.buffers.take(|| vec![0.0; self.free.len() * D]);
+        let mut buffers = self.buffers.take(Buffers::default);
+        let Buffers { x, work } = &mut buffers;
+        x.resize(self.free.len() * D, 0.0);
         for (x, &node) in x.chunks_exact_mut(D).zip(&self.free) {
             x.copy_from_slice(&r[node * D..][..D]);
         }
         match &self.inverse {
-            Inverse::Factor(factor) => factor.solve(&mut x),
-            Inverse::Multigrid(cycle) => cycle.apply(&mut x),
+            Inverse::Factor(factor) => factor.solve(x, 1, work),
+            Inverse::Multigrid(cycle) => cycle.apply(x),
         }
         z.fill(0.0);
         for (x, &node) in x.chunks_exact(D).zip(&self.free) {
             z[node * D..][..D].copy_from_slice(x);
         }
-        self.buffers.give(x);
+        self.buffers.give(buffers);
     }
 
     /// Whether it is a hierarchy.
@@ -115,12 +125,12 @@ fn matrix<const D: usize>(
     numbering: &NodeNumbering,
     samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
-) -> Result<BlockMatrix<D>, ElasticityError> {
+) -> Result<BlockMatrix<f64>, ElasticityError> {
     let sub_cells = SubCells::<D>::new(numbering.order());
     let of_cell = |cell| -> Vec<Option<usize>> { numbering.cell(cell).iter().map(|&node| unknowns[node]).collect() };
     let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
     (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
-    let mut matrix = BlockMatrix::new(neighbours);
+    let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
     for cell in 0..cells {
         sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
@@ -174,7 +184,7 @@ impl<const D: usize> SubCells<D> {
         cell: usize,
         samples: &[Sample<D>],
         unknowns: &[Option<usize>],
-        matrix: &mut BlockMatrix<D>,
+        matrix: &mut BlockMatrix<f64>,
     ) -> Result<(), ElasticityError> {
         for &first in &self.first {
             for corner in 0..1 << D {
@@ -207,7 +217,7 @@ fn add_corner<const D: usize>(
     terms: Terms<'_, D>,
     corner: &Corner<D>,
     unknowns: &[Option<usize>],
-    matrix: &mut BlockMatrix<D>,
+    matrix: &mut BlockMatrix<f64>,
 ) {
     let own = corner.gradients.len() - 1;
     for (k, (row, grad_row)) in corner.gradients.iter().enumerate() {
@@ -219,7 +229,7 @@ fn add_corner<const D: usize>(
                     (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
                 }
                 terms.decouple(row, column, &mut block);
-                matrix.add(row, column, &block);
+                matrix.add(row, column, |i, j| block[i][j]);
             }
         }
     }
@@ -317,7 +327,7 @@ mod tests {
             |x, y| Sample { position: [x, y], determinant: 1.0, inverse_jacobian: [[0.0; 2]; 2], stiffness: 1.0 };
         // The last corner is pulled over the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
-        let mut matrix = BlockMatrix::new(vec![]);
+        let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
         let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };
         let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
         assert!(

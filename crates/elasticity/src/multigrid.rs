@@ -8,10 +8,12 @@ mod aggregation;
 mod blocks;
 
 use crate::ElasticityError;
-use crate::cholesky::{BlockMatrix, Cholesky};
 use crate::pool::Pool;
 use aggregation::{aggregates, smoothed, tentative};
 use blocks::{Block, BlockRows, add_block_vector, inverse};
+use sparse::{BlockMatrix, Factorisation, Kind};
+use std::array::from_fn;
+use std::sync::Arc;
 
 /// Strength from which couplings count on the finest level; on each next one half of it.
 const THETA: f64 = 0.08;
@@ -29,12 +31,11 @@ pub(crate) trait Cycle: Send + Sync {
 
 /// The hierarchy for a matrix in D dimensions of nodes at `coordinates`.
 pub(crate) fn hierarchy<const D: usize>(
-    matrix: &BlockMatrix<D>,
+    matrix: &BlockMatrix<f64>,
     coordinates: &[[f64; D]],
 ) -> Result<Box<dyn Cycle>, ElasticityError> {
-    let centre: [f64; D] =
-        std::array::from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
-    let from_centre = |x: &[f64; D]| std::array::from_fn(|i| x[i] - centre[i]);
+    let centre: [f64; D] = from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
+    let from_centre = |x: &[f64; D]| from_fn(|i| x[i] - centre[i]);
     if D == 2 {
         let modes = coordinates.iter().map(|x| rigid_motions::<D, 3>(&from_centre(x))).collect();
         Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
@@ -57,9 +58,12 @@ fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
 }
 
 /// Both triangles of a matrix.
-fn block_rows<const D: usize>(matrix: &BlockMatrix<D>) -> BlockRows<D, D> {
+fn block_rows<const D: usize>(matrix: &BlockMatrix<f64>) -> BlockRows<D, D> {
     let mut lower = BlockRows::new();
-    (0..matrix.nodes()).for_each(|node| lower.push_row(matrix.column(node)));
+    for node in 0..matrix.nodes() {
+        lower
+            .push_row(matrix.column(node).map(|(row, block)| (row as u32, from_fn(|i| from_fn(|j| block[j * D + i])))));
+    }
     // The blocks of a column on and below the diagonal, transposed, are those of a row on and right of it.
     let upper = lower.transpose(matrix.nodes());
     let mut rows = BlockRows::new();
@@ -78,7 +82,7 @@ fn block_rows<const D: usize>(matrix: &BlockMatrix<D>) -> BlockRows<D, D> {
 struct Hierarchy<const R: usize, const B: usize> {
     finest: Level<R, B>,
     others: Vec<Level<B, B>>,
-    coarsest: Cholesky,
+    coarsest: Factorisation<f64>,
     work: Pool<Work<R, B>>,
 }
 
@@ -95,6 +99,8 @@ struct Work<const R: usize, const B: usize> {
     finest: [Vec<[f64; R]>; 2],
     /// With the coarsest level.
     others: Vec<[Vec<[f64; B]>; 2]>,
+    /// That of the factors of the coarsest level.
+    solve: Vec<f64>,
 }
 
 impl<const R: usize, const B: usize> Hierarchy<R, B> {
@@ -115,23 +121,27 @@ impl<const R: usize, const B: usize> Hierarchy<R, B> {
 
     fn work(&self) -> Work<R, B> {
         let vectors = |rows: usize| [vec![[0.0; B]; rows], vec![[0.0; B]; rows]];
-        let rows = self.others.iter().map(|level| level.matrix.rows()).chain([self.coarsest.len() / B]);
+        let rows = self.others.iter().map(|level| level.matrix.rows()).chain([self.coarsest.tree().positions.len()]);
         let finest = self.finest.matrix.rows();
-        Work { finest: [vec![[0.0; R]; finest], vec![[0.0; R]; finest]], others: rows.map(vectors).collect() }
+        Work {
+            finest: [vec![[0.0; R]; finest], vec![[0.0; R]; finest]],
+            others: rows.map(vectors).collect(),
+            solve: Vec::new(),
+        }
     }
 
     /// One V-cycle for the residual of the first of `levels`; the last entry of `work` belongs to the coarsest one.
-    fn cycle(&self, levels: &[Level<B, B>], work: &mut [[Vec<[f64; B]>; 2]]) {
+    fn cycle(&self, levels: &[Level<B, B>], work: &mut [[Vec<[f64; B]>; 2]], solve: &mut Vec<f64>) {
         let Some(([residual, correction], below)) = work.split_first_mut() else { return };
         match levels.split_first() {
             None => {
                 correction.copy_from_slice(residual);
-                self.coarsest.solve(correction.as_flattened_mut());
+                self.coarsest.solve(correction.as_flattened_mut(), 1, solve);
             }
             Some((level, levels)) => {
                 level.smooth_forward(residual, correction);
                 level.restrict(correction, &mut below[0][0]);
-                self.cycle(levels, below);
+                self.cycle(levels, below, solve);
                 level.prolongation.add_product(1.0, &below[0][1], correction);
                 level.smooth_backward(residual, correction);
             }
@@ -142,11 +152,11 @@ impl<const R: usize, const B: usize> Hierarchy<R, B> {
 impl<const R: usize, const B: usize> Cycle for Hierarchy<R, B> {
     fn apply(&self, x: &mut [f64]) {
         let mut work = self.work.take(|| self.work());
-        let Work { finest: [residual, correction], others } = &mut work;
+        let Work { finest: [residual, correction], others, solve } = &mut work;
         residual.as_flattened_mut().copy_from_slice(x);
         self.finest.smooth_forward(residual, correction);
         self.finest.restrict(correction, &mut others[0][0]);
-        self.cycle(&self.others, others);
+        self.cycle(&self.others, others, solve);
         self.finest.prolongation.add_product(1.0, &others[0][1], correction);
         self.finest.smooth_backward(residual, correction);
         x.copy_from_slice(correction.as_flattened());
@@ -240,11 +250,11 @@ fn regular<const R: usize>(mut matrix: BlockRows<R, R>) -> BlockRows<R, R> {
     matrix
 }
 
-fn factor<const R: usize>(matrix: &BlockRows<R, R>) -> Result<Cholesky, ElasticityError> {
+fn factor<const R: usize>(matrix: &BlockRows<R, R>) -> Result<Factorisation<f64>, ElasticityError> {
     let neighbours = (0..matrix.rows()).map(|row| matrix.row(row).map(|(column, _)| column).collect()).collect();
-    let mut symmetric = BlockMatrix::new(neighbours);
+    let mut symmetric = BlockMatrix::new(Kind::Cholesky, R, neighbours);
     for row in 0..matrix.rows() {
-        matrix.row(row).for_each(|(column, block)| symmetric.add(row, column, block));
+        matrix.row(row).for_each(|(column, block)| symmetric.add(row, column, |i, j| block[i][j]));
     }
-    symmetric.factor()
+    Ok(symmetric.factor(Arc::new(symmetric.elimination_tree()?))?)
 }

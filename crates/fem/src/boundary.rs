@@ -13,7 +13,7 @@ use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Positions at the points, and there the states that are prescribed.
+/// Positions at the points, relative to the origin of the cell, and there the states that are prescribed.
 #[inline(always)]
 pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
@@ -25,7 +25,7 @@ pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
 ) {
     let Some(data) = data else { return };
     positions::<D, K, S>(simd, context.tables, of, scratch);
-    data(context.start + context.dt * instant.s, &scratch.x, &mut scratch.data);
+    data(context.clock.time(instant.s), &scratch.x, &mut scratch.data);
 }
 
 #[inline(always)]
@@ -120,7 +120,14 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
 /// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
 /// ```
 ///
-/// the second about the origin; in 2-D only its last component, about the axis normal to the plane, is not zero.
+/// the second about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
+/// the momentum that leaves and the heat that is conducted, per time,
+///
+/// ```text
+/// int_f Fhat_m . w ds  and  int_f (Fhat_v,E - Fhat_v,m . w_b) ds                                                (power)
+/// ```
+///
+/// with w_b the velocity of the boundary as the mesh moves, and w the same or the velocity that the boundary should have then.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -134,6 +141,8 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     pub position_row: &'c Matrix,
     /// Prescribed states, where the condition takes any.
     pub data: Option<DataAt<'a>>,
+    /// Whether w comes from `boundary_velocity` of the scratch instead of from the mesh.
+    pub velocity_is_given: bool,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
 }
@@ -143,7 +152,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let FacetFlux { law, condition, context, instant, position_row, data, scratch } = self;
+        let FacetFlux { law, condition, context, instant, position_row, data, velocity_is_given, scratch } = self;
         let tables = context.tables;
         let points = tables.facet_points();
         let (viscous, of) = (law.is_viscous(), Of::ALONE);
@@ -152,6 +161,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         let FacetScratch { sides, scratch: room, .. } = &mut *scratch;
         state_to_points::<D, M, Values, S>(simd, tables, of, viscous, &mut sides[0], room);
         geometry_to_points::<D, M, Values, S>(simd, tables, of, viscous, 1, scratch);
+        velocity_of_work::<D, S>(simd, tables, velocity_is_given, scratch);
         positions::<D, Values, S>(simd, tables, of, scratch);
         boundary_data::<D, M, Values, S>(simd, context, instant, of, data, scratch);
         scratch.through.fill(Pack::ZERO);
@@ -163,12 +173,48 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
                 let flux = point_flux::<D, M, L, Values, S>(simd, law, condition, tables, &here, &minus, scratch, at);
                 let area = here.area * tables.facet_weights[p];
                 let x = load::<D, Lanes<S>, S>(simd, &scratch.x, at);
-                let (inviscid, viscous) = scratch.through.split_at_mut(through_len(M));
+                let v = load::<D, Lanes<S>, S>(simd, &scratch.v[D * points..], at);
+                let at_work = law.boundary_velocity(condition, &here.n, &v);
+                let moving = law.boundary_velocity(condition, &here.n, &here.v);
+                let work = power::<D, M, S>(&flux.inviscid, &at_work) + power::<D, M, S>(&flux.viscous, &at_work);
+                let heat = flux.viscous[M - 1] - power::<D, M, S>(&flux.viscous, &moving);
+                let (fluxes, powers) = scratch.through.split_at_mut(2 * through_len(M));
+                let (inviscid, viscous) = fluxes.split_at_mut(through_len(M));
                 add_through::<D, M, S>(simd, &flux.inviscid, area, &x, inviscid, part);
                 add_through::<D, M, S>(simd, &flux.viscous, area, &x, viscous, part);
+                (Lanes::read(simd, &powers[0], part) + work * area).write(&mut powers[0], part);
+                (Lanes::read(simd, &powers[1], part) + heat * area).write(&mut powers[1], part);
             }
         }
     }
+}
+
+/// The velocity at which forces do work, to the points: the second block of `v`, which no derivative needs here.
+#[inline(always)]
+fn velocity_of_work<const D: usize, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    velocity_is_given: bool,
+    scratch: &mut FacetScratch,
+) {
+    let (lattice, len) = (Lattice::whole(&tables.mesh, D - 1), D * tables.facet_points());
+    let FacetScratch { v, boundary_velocity, scratch: room, .. } = scratch;
+    let (of_mesh, of_work) = v.split_at_mut(len);
+    if velocity_is_given {
+        evaluate(simd, lattice, D, Parts::Values, boundary_velocity, of_work, &mut [], room);
+    } else {
+        of_work[..len].copy_from_slice(&of_mesh[..len]);
+    }
+}
+
+/// f_m . w, the momentum f_m being components 1 to D of f.
+#[inline(always)]
+fn power<const D: usize, const M: usize, S: Simd>(f: &[Lanes<S>; M], w: &[Lanes<S>; D]) -> Lanes<S> {
+    let mut sum = f[1] * w[0];
+    for i in 1..D {
+        sum += f[1 + i] * w[i];
+    }
+    sum
 }
 
 /// sums += area (f, x x f_m), the momentum f_m being components 1 to D of f.

@@ -1,22 +1,32 @@
 //! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
 
+use crate::batches::FacetBatch;
 use crate::kernels::Along;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
+use tensor::Pack;
 
 /// What leaves through a boundary at one time, or during some time: of the inviscid and of the viscous flux relative to
 /// the moving boundary, (through).
+///
+/// Moments are taken about a point near the boundary: about the origin of coordinates, far away, they would lose digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryFlux<const M: usize> {
+    /// The point that moments are taken about; in 2-D its last component is zero.
+    pub centre: [f64; 3],
     /// Mass, momentum and energy, of the inviscid flux.
     pub inviscid: [f64; M],
-    /// Angular momentum about the origin, of the inviscid flux. In 2-D only the last component is not zero.
+    /// Angular momentum about the centre, of the inviscid flux. In 2-D only the last component is not zero.
     pub inviscid_moment: [f64; 3],
     /// Mass, momentum and energy, of the viscous flux.
     pub viscous: [f64; M],
-    /// Angular momentum about the origin, of the viscous flux.
+    /// Angular momentum about the centre, of the viscous flux.
     pub viscous_moment: [f64; 3],
+    /// Of a wall, the work of both fluxes of momentum on it, (power).
+    pub work: f64,
+    /// Of a wall, the heat that it takes up, (power).
+    pub heat: f64,
 }
 
 /// The fluxes through every boundary at one time of a slab.
@@ -32,7 +42,15 @@ pub struct FluxesAt<const M: usize> {
 
 impl<const M: usize> Default for BoundaryFlux<M> {
     fn default() -> Self {
-        BoundaryFlux { inviscid: [0.0; M], inviscid_moment: [0.0; 3], viscous: [0.0; M], viscous_moment: [0.0; 3] }
+        BoundaryFlux {
+            centre: [0.0; 3],
+            inviscid: [0.0; M],
+            inviscid_moment: [0.0; 3],
+            viscous: [0.0; M],
+            viscous_moment: [0.0; 3],
+            work: 0.0,
+            heat: 0.0,
+        }
     }
 }
 
@@ -42,39 +60,69 @@ impl<const M: usize> BoundaryFlux<M> {
         std::array::from_fn(|m| self.inviscid[m] + self.viscous[m])
     }
 
-    /// The fluxes of a facet, one lane of what the kernel leaves.
-    fn of_lane(scratch: &FacetScratch, lane: usize) -> Self {
+    /// The moments of both fluxes about `point`.
+    pub fn moment_about(&self, point: &[f64; 3]) -> [f64; 3] {
+        let [inviscid, viscous] = self.moments_about(point);
+        std::array::from_fn(|i| inviscid[i] + viscous[i])
+    }
+
+    /// The moments of the inviscid and of the viscous flux about `point`: (x - p) x f = (x - c) x f + (c - p) x f.
+    fn moments_about(&self, point: &[f64; 3]) -> [[f64; 3]; 2] {
+        let arm: [f64; 3] = std::array::from_fn(|i| self.centre[i] - point[i]);
+        // Components 1 to M - 2 are momentum.
+        let momentum = |f: &[f64; M], i: usize| if i + 2 < M { f[1 + i] } else { 0.0 };
+        let shifted = |f: &[f64; M], moment: &[f64; 3]| {
+            std::array::from_fn(|i| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                moment[i] + (arm[j] * momentum(f, k) - arm[k] * momentum(f, j))
+            })
+        };
+        [shifted(&self.inviscid, &self.inviscid_moment), shifted(&self.viscous, &self.viscous_moment)]
+    }
+
+    /// The fluxes of a facet, one lane of what the kernel leaves, with moments about the origin of its cell.
+    fn of_lane(scratch: &FacetScratch, lane: usize, centre: [f64; 3]) -> Self {
         let at = |i: usize| scratch.through[i].0[lane];
         let second = through_len(M);
         BoundaryFlux {
+            centre,
             inviscid: std::array::from_fn(at),
             inviscid_moment: std::array::from_fn(|i| at(M + i)),
             viscous: std::array::from_fn(|m| at(second + m)),
             viscous_moment: std::array::from_fn(|i| at(second + M + i)),
+            work: at(2 * second),
+            heat: at(2 * second + 1),
         }
     }
 
     /// The fluxes times `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         BoundaryFlux {
+            centre: self.centre,
             inviscid: self.inviscid.map(|f| factor * f),
             inviscid_moment: self.inviscid_moment.map(|f| factor * f),
             viscous: self.viscous.map(|f| factor * f),
             viscous_moment: self.viscous_moment.map(|f| factor * f),
+            work: factor * self.work,
+            heat: factor * self.heat,
         }
     }
 }
 
+/// The centre stays where it is.
 impl<const M: usize> AddAssign for BoundaryFlux<M> {
     fn add_assign(&mut self, other: Self) {
+        let [inviscid_moment, viscous_moment] = other.moments_about(&self.centre);
         for (sums, terms) in [
             (&mut self.inviscid[..], &other.inviscid[..]),
-            (&mut self.inviscid_moment[..], &other.inviscid_moment[..]),
+            (&mut self.inviscid_moment[..], &inviscid_moment[..]),
             (&mut self.viscous[..], &other.viscous[..]),
-            (&mut self.viscous_moment[..], &other.viscous_moment[..]),
+            (&mut self.viscous_moment[..], &viscous_moment[..]),
         ] {
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
+        self.work += other.work;
+        self.heat += other.heat;
     }
 }
 
@@ -93,32 +141,68 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ///
     /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
     /// the cells.
-    pub fn boundary_fluxes(&self) -> Vec<FluxesAt<M>> {
-        let (start, dt) = self.interval();
+    ///
+    /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
+    /// polynomial in time, and at an instant less exact than the positions: a wall that turns seems to breathe, and pressure works on
+    /// that. Therefore the work at the top is done at `velocity_at_top`, `[C0 node][component]`, where it is given.
+    pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
+        let (clock, (_, dt)) = (self.clock(), self.interval());
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        let nothing = self.no_boundary_flux();
         let mut fluxes: Vec<FluxesAt<M>> = instants
             .clone()
             .map(|(instant, _)| FluxesAt {
-                time: start + dt * instant.s,
+                time: clock.time(instant.s),
                 weight: dt * instant.weight,
-                boundaries: vec![BoundaryFlux::default(); self.problem.kernels.boundaries()],
+                boundaries: nothing.clone(),
             })
             .collect();
-        if let Some(top) = fluxes.last_mut() {
-            top.weight = 0.0;
-        }
+        let top = fluxes.len() - 1;
+        fluxes[top].weight = 0.0;
         let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
         for (boundary, batch) in all {
+            let origins = self.facet_origins(batch).map(in_space);
             self.facet_scratch.with(|scratch| {
                 self.gather_sides(Along::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
-                for ((instant, row), at) in instants.clone().zip(&mut fluxes) {
+                if let Some(velocity) = velocity_at_top {
+                    self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
+                }
+                for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
+                    let is_given = number == top && velocity_at_top.is_some();
                     self.across(Along::Nothing, batch, |context, across| {
-                        self.problem.kernels.boundary_flux(context, instant, row, across, scratch);
+                        self.problem.kernels.boundary_flux(context, instant, row, across, is_given, scratch);
                     });
-                    (0..batch.count).for_each(|lane| at.boundaries[boundary] += BoundaryFlux::of_lane(scratch, lane));
+                    let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));
+                    lanes.for_each(|flux| at.boundaries[boundary] += flux);
                 }
             });
         }
         fluxes
     }
+
+    /// Reads the `velocity` of the nodes of a batch on a boundary, `[C0 node][component]`, into `packs`, `[d][face node]`.
+    fn gather_boundary_velocity(&self, velocity: &[f64], batch: &FacetBatch, packs: &mut [Pack]) {
+        for (lane, end) in batch.ends(0).into_iter().enumerate() {
+            let face = self.mesh.numbering().face::<D>(end);
+            for (d, packs) in packs.chunks_exact_mut(face.len()).enumerate() {
+                packs.iter_mut().zip(&face).for_each(|(pack, node)| pack.0[lane] = velocity[node * D + d]);
+            }
+        }
+    }
+
+    /// For every boundary no flux, with moments about the origin of a cell there.
+    fn no_boundary_flux(&self) -> Vec<BoundaryFlux<M>> {
+        let mut nothing = vec![BoundaryFlux::default(); self.problem.kernels.boundaries()];
+        for batch in self.facets.batches.iter().rev() {
+            if let Some(boundary) = batch.boundary {
+                nothing[boundary].centre = in_space(self.mesh.origin(batch.minus[0].cell));
+            }
+        }
+        nothing
+    }
+}
+
+/// A point of the plane or of space as one of space.
+fn in_space(x: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
 }

@@ -7,7 +7,7 @@
 //! The integral over the slab is a sum over its Gauss points; at each of them the terms are those of a problem in space.
 
 use crate::conservation_law::ConservationLaw;
-use crate::instants::{Instant, Of};
+use crate::instants::{Clock, Instant, Of};
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::CellScratch;
@@ -18,7 +18,8 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Fills the source at a number of points from positions: `(time, points, x [b][d][p], source [b][m][p])`.
+/// Fills the source at a number of points from positions relative to the origins of their cells:
+/// `(time, points, x [b][d][p], source [b][m][p])`.
 pub type SourceAt<'a> = &'a (dyn Fn(f64, usize, &[Pack], &mut [Pack]) + Sync);
 
 /// What the kernels of a slab share.
@@ -27,8 +28,8 @@ pub struct CellContext<'a, const D: usize> {
     pub tables: &'a Tables<D>,
     /// Length of the slab.
     pub dt: f64,
-    /// Time at the bottom of the slab.
-    pub start: f64,
+    /// When data are taken.
+    pub clock: Clock,
     /// Positions at the Gauss points in time and last at the top, `[instant][slot]`.
     pub positions: &'a Matrix,
     /// The source s, if there is one.
@@ -242,7 +243,7 @@ fn source_at_points<const D: usize, K: Mode, S: Simd>(
         let position = of.block(&scratch.position_at, b, D * mesh.nodes());
         evaluate(simd, mesh, D, Parts::Values, position, &mut x[b * D * points..], &mut [], room);
     }
-    source(context.start + context.dt * instant.s, points, x, &mut scratch.source);
+    source(context.clock.time(instant.s), points, x, &mut scratch.source);
     true
 }
 

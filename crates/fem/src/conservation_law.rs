@@ -65,6 +65,11 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         v: &[G; D],
     ) -> [T; M];
 
+    /// The velocity of the boundary itself where the mesh moves with `v`: another one where a wall slides in its own plane.
+    fn boundary_velocity<G: Real>(&self, _condition: Self::Boundary, _n: &[G; D], v: &[G; D]) -> [G; D] {
+        *v
+    }
+
     /// A number that is positive exactly where `u` is admissible (the smaller of density and pressure, say).
     fn margin<T: Real>(&self, u: &[T; M]) -> T {
         u[0].constant(1.0)

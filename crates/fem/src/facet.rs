@@ -13,7 +13,7 @@
 use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
-use crate::instants::Of;
+use crate::instants::{Clock, Of};
 use crate::kernels::Times;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
@@ -24,7 +24,8 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Fills the prescribed state at points from positions at points: `(time, x [b][d][p], data [b][m][p])`.
+/// Fills the prescribed state at points from positions relative to the origins of the minus cells:
+/// `(time, x [b][d][p], data [b][m][p])`.
 pub type DataAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
 
 /// What a batch of facets separates.
@@ -41,8 +42,8 @@ pub struct FacetContext<'a, const D: usize> {
     pub tables: &'a Tables<D>,
     /// Length of the slab.
     pub dt: f64,
-    /// Time at the bottom of the slab.
-    pub start: f64,
+    /// When data are taken.
+    pub clock: Clock,
 }
 
 /// The facet terms at a list of times: reads traces, overwrites `terms`.

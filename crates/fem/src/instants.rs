@@ -3,6 +3,34 @@
 use basis::{Matrix, RadauTime};
 use tensor::Pack;
 
+/// The times at which a slab takes data that depend on time: boundary states, sources.
+///
+/// ```text
+/// t(s) = start + rate s,   s in [0, 1],   rate = dt in a march, 0 in a steady flow                                     (clock)
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    start: f64,
+    rate: f64,
+}
+
+impl Clock {
+    /// The clock of a slab of length `dt`.
+    pub fn running(start: f64, dt: f64) -> Self {
+        Clock { start, rate: dt }
+    }
+
+    /// Always the same time.
+    pub fn stopped(time: f64) -> Self {
+        Clock { start: time, rate: 0.0 }
+    }
+
+    /// t(s)
+    pub fn time(&self, s: f64) -> f64 {
+        self.start + self.rate * s
+    }
+}
+
 /// The time basis seen from one time of the slab.
 pub struct Instant {
     /// Position in the slab, in [0, 1].

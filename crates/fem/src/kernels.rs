@@ -88,13 +88,15 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     ) -> u64;
     /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
     fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64;
-    /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch.
+    /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch. Forces do work at the
+    /// velocity of the mesh, or where `velocity_is_given` at `boundary_velocity` of the scratch.
     fn boundary_flux(
         &self,
         context: &FacetContext<D>,
         instant: &Instant,
         position_row: &Matrix,
         across: &Across,
+        velocity_is_given: bool,
         scratch: &mut FacetScratch,
     );
 }
@@ -239,10 +241,20 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         instant: &Instant,
         position_row: &Matrix,
         across: &Across,
+        velocity_is_given: bool,
         scratch: &mut FacetScratch,
     ) {
         let Across::Boundary(number, data) = across else { return };
-        let (law, condition) = (&self.law, self.conditions[*number]);
-        self.arch.dispatch(FacetFlux { law, condition, context, instant, position_row, data: *data, scratch });
+        let (law, condition, data) = (&self.law, self.conditions[*number], *data);
+        self.arch.dispatch(FacetFlux {
+            law,
+            condition,
+            context,
+            instant,
+            position_row,
+            data,
+            velocity_is_given,
+            scratch,
+        });
     }
 }

@@ -49,7 +49,7 @@ mod work;
 pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
-pub use instants::{InTime, Instant};
+pub use instants::{Clock, InTime, Instant};
 pub use kernels::{Along, Kernels, LawKernels};
 pub use layout::Layout;
 pub use line_jacobian::LineJacobian;

@@ -225,14 +225,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Runs the cell kernel on a batch that has been gathered, along the direction `[m][node]` that `set` makes of zeros.
     pub(crate) fn along_cells(&self, frozen: &Frozen, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
-        let (block, (start, dt)) = (self.layout.time_len(), self.interval());
+        let (block, (_, dt)) = (self.layout.time_len(), self.interval());
         let direction = &mut scratch.state_at[block..2 * block];
         direction.fill(Pack::ZERO);
         set(direction);
         let context = CellContext {
             tables: &self.tables,
             dt,
-            start,
+            clock: self.clock(),
             positions: &frozen.row,
             source: self.problem.source.is_some().then_some(&no_source as SourceAt),
         };

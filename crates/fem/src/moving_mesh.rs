@@ -3,18 +3,28 @@
 //! ```text
 //! x(xi, s) = x0(xi) + d_n(xi) + dt sum_b Phi_b(s) V_b(xi),   v(xi, s) = sum_b phi_b(s) V_b(xi)                     (motion)
 //! ```
+//!
+//! The positions of a cell are kept relative to its **origin**, the position of its first node at the bottom of the slab. Derivatives
+//! of positions lose the digits that all nodes of the cell have in common: with a cell of size h at x, an error of eps |x| / h becomes
+//! one of eps. Neighbours share their nodes to the bit, and the difference of near numbers is exact, so both sides of a facet still
+//! see the same tangents. What needs places in space (prescribed states, sources, moments) adds the origin.
 
 use mesh::{Mesh, NodeNumbering};
 use tensor::Pack;
 
-/// Bottom position and velocities per cell, `[cell][slot][component][node]`, slot 0 the position x0 + d_n, slots 1.. the V_b.
+/// Bottom position and velocities per cell, `[cell][slot][component][node]`, slot 0 the position x0 + d_n relative to the origin of
+/// the cell, slots 1.. the V_b.
 #[derive(Clone, Debug)]
 pub struct MovingMesh {
     dimension: usize,
     nodes: usize,
     time_order: usize,
     numbering: NodeNumbering,
+    /// x0 relative to the first node of the cell, `[cell][component][node]`, and x0 of that node, `[cell][component]`.
     reference: Vec<f64>,
+    first_nodes: Vec<f64>,
+    /// The origins, `[cell][component]`.
+    origins: Vec<f64>,
     /// The coefficients.
     pub data: Vec<f64>,
 }
@@ -24,11 +34,15 @@ impl MovingMesh {
     pub fn new<const D: usize>(mesh: &Mesh<D>, numbering: NodeNumbering, time_order: usize) -> Self {
         let nodes = mesh.nodes_per_cell();
         let mut reference = vec![0.0; mesh.coordinates().len()];
+        let mut origins = Vec::with_capacity(mesh.n_cells() * D);
         for (cell, out) in reference.chunks_exact_mut(D * nodes).enumerate() {
-            transpose(mesh.cell_coordinates(cell), D, out);
+            transpose_relative(mesh.cell_coordinates(cell), D, out);
+            origins.extend_from_slice(&mesh.cell_coordinates(cell)[..D]);
         }
         let data = vec![0.0; mesh.n_cells() * (time_order + 1) * D * nodes];
-        let mut moving = MovingMesh { dimension: D, nodes, time_order, numbering, reference, data };
+        let first_nodes = origins.clone();
+        let mut moving =
+            MovingMesh { dimension: D, nodes, time_order, numbering, reference, first_nodes, origins, data };
         moving.set_bottom(None);
         moving
     }
@@ -57,24 +71,33 @@ impl MovingMesh {
     /// Sets the displacement d_n at the bottom, `[C0 node][component]`; `None` is the reference position.
     pub fn set_bottom(&mut self, displacement: Option<&[f64]>) {
         let (cell_len, slot_len, dimension) = (self.cell_len(), self.slot_len(), self.dimension);
+        self.origins.copy_from_slice(&self.first_nodes);
         for (cell, data) in self.data.chunks_exact_mut(cell_len).enumerate() {
             let position = &mut data[..slot_len];
             position.copy_from_slice(&self.reference[cell * slot_len..(cell + 1) * slot_len]);
             if let Some(displacement) = displacement {
-                add_nodes(displacement, self.numbering.cell(cell), dimension, position);
+                let (nodes, origin) = (self.numbering.cell(cell), &mut self.origins[cell * dimension..][..dimension]);
+                let first = &displacement[nodes[0] * dimension..][..dimension];
+                add_nodes(displacement, nodes, first, position);
+                origin.iter_mut().zip(first).for_each(|(origin, first)| *origin += first);
             }
         }
     }
 
+    /// The origin of `cell` in this slab, `[component]`.
+    pub fn origin(&self, cell: usize) -> &[f64] {
+        &self.origins[cell * self.dimension..(cell + 1) * self.dimension]
+    }
+
     /// Sets the velocities `v[time node][C0 node][component]`.
     pub fn set_velocities(&mut self, v: &[f64]) {
-        let (cell_len, slot_len, field_len, dimension) =
-            (self.cell_len(), self.slot_len(), self.field_len(), self.dimension);
+        let (cell_len, slot_len, field_len) = (self.cell_len(), self.slot_len(), self.field_len());
+        let zero = vec![0.0; self.dimension];
         for (cell, data) in self.data.chunks_exact_mut(cell_len).enumerate() {
             let slots = data[slot_len..].chunks_exact_mut(slot_len);
             for (slot, field) in slots.zip(v.chunks_exact(field_len)) {
                 slot.fill(0.0);
-                add_nodes(field, self.numbering.cell(cell), dimension, slot);
+                add_nodes(field, self.numbering.cell(cell), &zero, slot);
             }
         }
     }
@@ -90,6 +113,14 @@ impl MovingMesh {
 
     /// The nodal positions of `cell` at a time with position row `row` (1, dt Phi_b(s)), `[component][node]`.
     pub fn positions(&self, cell: usize, row: &[f64], out: &mut [f64]) {
+        self.relative_positions(cell, row, out);
+        for (out, origin) in out.chunks_exact_mut(self.nodes).zip(self.origin(cell)) {
+            out.iter_mut().for_each(|x| *x += origin);
+        }
+    }
+
+    /// The same relative to the origin of `cell`.
+    pub fn relative_positions(&self, cell: usize, row: &[f64], out: &mut [f64]) {
         let cell = &self.data[cell * self.cell_len()..(cell + 1) * self.cell_len()];
         out.fill(0.0);
         for (weight, slot) in row.iter().zip(cell.chunks_exact(self.slot_len())) {
@@ -108,22 +139,22 @@ impl MovingMesh {
     }
 }
 
-/// `[node][component]` to `[component][node]`.
-fn transpose(nodal: &[f64], dimension: usize, out: &mut [f64]) {
+/// `[node][component]` to `[component][node]`, relative to the first node.
+fn transpose_relative(nodal: &[f64], dimension: usize, out: &mut [f64]) {
     let nodes = nodal.len() / dimension;
     for (i, point) in nodal.chunks_exact(dimension).enumerate() {
         for (d, x) in point.iter().enumerate() {
-            out[d * nodes + i] = *x;
+            out[d * nodes + i] = x - nodal[d];
         }
     }
 }
 
-/// Adds a C0 field, `[C0 node][component]`, to the nodes of a cell, `[component][node]`.
-fn add_nodes(field: &[f64], numbers: &[usize], dimension: usize, out: &mut [f64]) {
-    let nodes = numbers.len();
+/// Adds a C0 field, `[C0 node][component]`, less the constant `origin`, to the nodes of a cell, `[component][node]`.
+fn add_nodes(field: &[f64], numbers: &[usize], origin: &[f64], out: &mut [f64]) {
+    let (nodes, dimension) = (numbers.len(), origin.len());
     for (i, &node) in numbers.iter().enumerate() {
         for d in 0..dimension {
-            out[d * nodes + i] += field[node * dimension + d];
+            out[d * nodes + i] += field[node * dimension + d] - origin[d];
         }
     }
 }

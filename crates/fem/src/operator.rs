@@ -5,7 +5,7 @@ use crate::cell::{CellContext, Coefficients};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
-use crate::instants::InTime;
+use crate::instants::{Clock, InTime};
 use crate::kernels::{Along, Kernels, Times};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
@@ -66,6 +66,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     mesh_faces: FaceMaps,
     start: f64,
     dt: f64,
+    clock: Clock,
     pub(crate) position_rows: Vec<Matrix>,
     /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
     positions: Matrix,
@@ -108,6 +109,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             flow_faces: FaceMaps::new(&tables.flow, D),
             mesh_faces: FaceMaps::new(&tables.mesh, D),
             start: 0.0,
+            clock: Clock::stopped(0.0),
             dt: 0.0,
             position_rows: Vec::new(),
             positions: Matrix::identity(0),
@@ -135,6 +137,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (self.start, self.dt)
     }
 
+    /// When the slab takes data that depend on time.
+    pub(crate) fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Takes all data of this slab at its start: a steady flow is that of one time, however long its slab is.
+    pub fn stop_clock(&mut self) {
+        self.clock = Clock::stopped(self.start);
+    }
+
     /// The row of positions at the top of the slab.
     pub fn top_row(&self) -> Matrix {
         self.tables.top.position_row(self.dt)
@@ -144,6 +156,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// `displacement` of the C0 nodes.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
         (self.start, self.dt) = (start, dt);
+        self.clock = Clock::running(start, dt);
         let instants = self.tables.instants.iter().chain([&self.tables.top]);
         self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
         let (rows, slots, count) = (&self.position_rows, self.mesh.slots(), self.tables.instants.len());
@@ -277,14 +290,20 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Hands what lies across the facets of a batch to `kernel`.
     pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
+        let origins = self.facet_origins(batch);
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
             }
         };
         let data = field.is_some().then_some(&fill as DataAt);
         let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
-        kernel(&FacetContext { tables: &self.tables, dt: self.dt, start: self.start }, &across);
+        kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock }, &across);
+    }
+
+    /// The origins to which the positions of a batch of facets are relative, those of the minus cells.
+    pub(crate) fn facet_origins(&self, batch: &FacetBatch) -> [&[f64]; WIDTH] {
+        batch.minus.map(|side| self.mesh.origin(side.cell))
     }
 
     /// Volume terms and facet terms of one batch of cells.
@@ -293,15 +312,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
+        let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
-                prescribed::fill(field, along.geometry_blocks(), time, points, x, data);
+                prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
             }
         };
         let context = CellContext {
             tables: &self.tables,
             dt: self.dt,
-            start: self.start,
+            clock: self.clock,
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
         };

@@ -39,13 +39,18 @@ impl<const D: usize> Sampler<D> {
 
     /// A cell's nodal positions `[component][node]` to positions `[component][point]`.
     pub fn positions(&self, nodal: &[f64]) -> Vec<f64> {
-        along_axes::<D>(nodal, |_| &self.mesh)
+        let mut x = along_axes::<D>(&relative::<D>(nodal), |_| &self.mesh);
+        let points = self.points();
+        let first_nodes = nodal.iter().step_by(nodal.len() / D);
+        x.chunks_exact_mut(points).zip(first_nodes).for_each(|(x, first)| x.iter_mut().for_each(|x| *x += first));
+        x
     }
 
     /// dx/dxi at the points, `[point][i][j]`.
     fn jacobians(&self, nodal: &[f64]) -> Vec<[[f64; D]; D]> {
+        let nodal = relative::<D>(nodal);
         let columns: Vec<Vec<f64>> =
-            (0..D).map(|j| derivative::<D>(nodal, j, &self.mesh, &self.mesh_derivatives)).collect();
+            (0..D).map(|j| derivative::<D>(&nodal, j, &self.mesh, &self.mesh_derivatives)).collect();
         let n = self.points();
         (0..n).map(|p| std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i * n + p]))).collect()
     }
@@ -68,6 +73,11 @@ impl<const D: usize> Sampler<D> {
             (0..reference[0].len()).map(|i| (0..D).map(|j| inverses[i % n][k][j] * reference[j][i]).sum()).collect()
         })
     }
+}
+
+/// Positions `[component][node]` relative to the first node: what all have in common would cost digits.
+fn relative<const D: usize>(nodal: &[f64]) -> Vec<f64> {
+    nodal.chunks_exact(nodal.len() / D).flat_map(|x| x.iter().map(move |value| value - x[0])).collect()
 }
 
 /// The derivative of tensors `[component][node]` in reference direction `j`.
@@ -126,13 +136,14 @@ fn cell_error<const D: usize, const M: usize>(
     t: f64,
 ) -> [f64; M] {
     let mut nodal = vec![0.0; moving.slot_len()];
-    moving.positions(cell, row, &mut nodal);
+    moving.relative_positions(cell, row, &mut nodal);
     let (x, det, u) = (sampler.positions(&nodal), sampler.determinants(&nodal), sampler.state(state));
+    let origin = moving.origin(cell);
     let (n, q) = (sampler.points(), rule.points.len());
     let mut sum = [0.0; M];
     for p in 0..n {
         let weight: f64 = (0..D).map(|d| rule.weights[p / q.pow(d as u32) % q]).product();
-        let exact = exact.value(&std::array::from_fn(|d| x[d * n + p]), t);
+        let exact = exact.value(&std::array::from_fn(|d| origin[d] + x[d * n + p]), t);
         for m in 0..M {
             sum[m] += weight * det[p] * (u[m * n + p] - exact[m]).powi(2);
         }

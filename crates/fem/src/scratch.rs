@@ -20,7 +20,7 @@ pub struct CellScratch {
     pub flux_at: Vec<Pack>,
     /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
     pub moments_at: Vec<Pack>,
-    /// Positions at points, `[b][d][p]`: read by sources.
+    /// Positions at points relative to the origins of the cells, `[b][d][p]`: read by sources.
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
     pub source: Vec<Pack>,
@@ -96,12 +96,14 @@ pub struct FacetScratch {
     pub sides: [SideScratch; 2],
     /// +1 or -1 per lane: the sign that turns the minus face's tangential cross product into the outward normal.
     pub normal_sign: Pack,
-    /// Positions at points, `[b][d][p]`.
+    /// Positions at points relative to the origins of the minus cells, `[b][d][p]`.
     pub x: Vec<Pack>,
     /// Prescribed states at points, `[b][m][p]`.
     pub data: Vec<Pack>,
     /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
     pub through: Vec<Pack>,
+    /// The velocity at which forces on a boundary do work, `[d][face node]`, see [`crate::boundary::FacetFlux`].
+    pub boundary_velocity: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
     pub violated: Pack,
     /// One trace of every lane in another order of nodes.
@@ -146,7 +148,8 @@ impl FacetScratch {
             normal_sign: Pack::ZERO,
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
-            through: zeroed(2 * through_len(M)),
+            through: zeroed(2 * through_len(M) + 2),
+            boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
             velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),

@@ -19,7 +19,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let points = self.points();
         let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face)));
         let nothing =
-            || Violation { quantity: "residual (not a number)", value: f64::NAN, cell, time: self.interval().0 };
+            || Violation { quantity: "residual (not a number)", value: f64::NAN, cell, time: self.clock().time(0.0) };
         around.into_iter().find_map(|cell| self.violation_in(&points, cell)).unwrap_or_else(nothing)
     }
 
@@ -38,17 +38,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     fn violation_in(&self, points: &Points, cell: usize) -> Option<Violation> {
-        let (start, dt) = self.interval();
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
         instants.into_iter().find_map(|(instant, row)| {
             let found = self.violation_at(points, cell, instant.values.row(0), row.row(0));
-            found.map(|(quantity, value)| Violation { quantity, value, cell, time: start + dt * instant.s })
+            found.map(|(quantity, value)| Violation { quantity, value, cell, time: self.clock().time(instant.s) })
         })
     }
 
     fn violation_at(&self, points: &Points, cell: usize, phi: &[f64], row: &[f64]) -> Option<(&'static str, f64)> {
         let mut position = vec![0.0; self.mesh.slot_len()];
-        self.mesh.positions(cell, row, &mut position);
+        self.mesh.relative_positions(cell, row, &mut position);
         let coefficients: Vec<f64> = self.state_traces.coefficients_of(cell).collect();
         let mut state = vec![0.0; self.layout.time_len()];
         for (weight, nodal) in phi.iter().zip(coefficients.chunks_exact(state.len())) {

@@ -18,8 +18,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Of the first batch of cells, with the state as its own direction.
     fn cell_operations(&self, along: Along) -> u64 {
-        let (dt, start) = (self.interval().1, self.interval().0);
-        let context = CellContext { tables: &self.tables, dt, start, positions: &self.positions_and_top, source: None };
+        let (dt, clock) = (self.interval().1, self.clock());
+        let context = CellContext { tables: &self.tables, dt, clock, positions: &self.positions_and_top, source: None };
         let state = [self.state_traces.coefficients(0); 2];
         let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {
@@ -32,8 +32,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Of the first batch of facets between cells, if there is one.
     fn facet_operations(&self, along: Along) -> u64 {
         let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return 0 };
-        let (start, dt) = self.interval();
-        let context = FacetContext { tables: &self.tables, dt, start };
+        let (dt, clock) = (self.interval().1, self.clock());
+        let context = FacetContext { tables: &self.tables, dt, clock };
         let times =
             Times { instants: &self.tables.instants, in_time: self.in_time(), test: &self.tables.test, weight: dt };
         let state = [&self.state_traces, &self.state_traces];

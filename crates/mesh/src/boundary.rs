@@ -28,10 +28,16 @@ impl<const D: usize> Mesh<D> {
         numbering: &NodeNumbering,
         boundary: usize,
     ) -> Result<BTreeMap<usize, [f64; D]>, MeshError> {
+        let map = CellMap::on_grid(self.order, &gauss_lobatto(numbering.order()).points);
         let mut sums: BTreeMap<usize, ([f64; D], [f64; D])> = BTreeMap::new();
-        for (cell, k, position, normal) in self.normals_of_facets(numbering.order(), boundary) {
-            let (sum, _) = sums.entry(numbering.cell(cell)[k]).or_insert(([0.0; D], position));
-            (0..D).for_each(|i| sum[i] += normal[i]);
+        for side in self.sides_of(boundary) {
+            let nodes = self.cell_coordinates(side.cell);
+            let (positions, jacobians) = (map.positions(nodes), map.jacobians(nodes));
+            for k in face_nodes(D, numbering.order(), side.face) {
+                let normal = unit_normal(&jacobians[k], side.face);
+                let (sum, _) = sums.entry(numbering.cell(side.cell)[k]).or_insert(([0.0; D], positions[k]));
+                (0..D).for_each(|i| sum[i] += normal[i]);
+            }
         }
         let normalised = |(node, (sum, position)): (usize, ([f64; D], [f64; D]))| {
             let length = norm(&sum);
@@ -42,19 +48,6 @@ impl<const D: usize> Mesh<D> {
             Ok((node, sum.map(|x| x / length)))
         };
         sums.into_iter().map(normalised).collect()
-    }
-
-    /// n_f of (normal) on every facet of `boundary`, at the nodes of a lattice of `order` nodes per direction, as (cell, index of the node in
-    /// the cell, position, normal).
-    pub fn normals_of_facets(&self, order: usize, boundary: usize) -> Vec<(usize, usize, [f64; D], [f64; D])> {
-        let map = CellMap::on_grid(self.order, &gauss_lobatto(order).points);
-        let of_facet = |side: Side| {
-            let nodes = self.cell_coordinates(side.cell);
-            let (positions, jacobians) = (map.positions(nodes), map.jacobians(nodes));
-            let at = move |k: usize| (side.cell, k, positions[k], unit_normal(&jacobians[k], side.face));
-            face_nodes(D, order, side.face).into_iter().map(at)
-        };
-        self.sides_of(boundary).flat_map(of_facet).collect()
     }
 
     /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to there
@@ -140,10 +133,16 @@ fn lengths<const D: usize>(positions: &[[f64; D]], n: usize) -> Vec<f64> {
     gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
 }
 
-fn unit_normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
+/// The outward normal of a face where dx/dxi is `jacobian`, cof(dx/dxi) e_axis with the sign of the side: as long as the area of the face
+/// per area of the reference face.
+pub fn outward_area<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
     let (axis, _) = axis_and_side(face);
     let cofactor = cofactor(jacobian);
-    let normal: [f64; D] = from_fn(|i| outward_sign(face) * cofactor[i][axis]);
+    from_fn(|i| outward_sign(face) * cofactor[i][axis])
+}
+
+fn unit_normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
+    let normal = outward_area(jacobian, face);
     let length = norm(&normal);
     normal.map(|x| x / length)
 }

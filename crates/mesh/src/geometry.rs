@@ -42,6 +42,11 @@ impl<const D: usize> CellMap<D> {
 
     /// x at the points, axis 0 fastest; `nodes` are the positions of one cell, `[node][D]`.
     pub fn positions(&self, nodes: &[f64]) -> Vec<[f64; D]> {
+        self.relative_positions(nodes).into_iter().map(|x| from_fn(|i| nodes[i] + x[i])).collect()
+    }
+
+    /// x - x_0 at the points, with x_0 the position of the first node: all digits, however far the cell is from the origin.
+    pub fn relative_positions(&self, nodes: &[f64]) -> Vec<[f64; D]> {
         let x = self.apply(self.lattice(nodes), |axis| &self.values[axis]);
         (0..x.values.len() / D).map(|q| point(&x.values, q)).collect()
     }
@@ -66,9 +71,10 @@ impl<const D: usize> CellMap<D> {
         (0..columns[0].len() / D).map(|q| from_fn(|i| from_fn(|j| columns[j][q * D + i]))).collect()
     }
 
+    /// The positions relative to the first node: what all nodes have in common would cost derivatives digits.
     fn lattice(&self, nodes: &[f64]) -> Lattice {
         let shape = std::iter::once(D).chain([self.order; D]).collect();
-        Lattice::new(shape, nodes.to_vec())
+        Lattice::new(shape, nodes.iter().enumerate().map(|(i, x)| x - nodes[i % D]).collect())
     }
 
     fn apply<'a>(&self, x: Lattice, matrix: impl Fn(usize) -> &'a Matrix) -> Lattice {
@@ -123,13 +129,13 @@ impl<const D: usize> Mesh<D> {
 /// V = int det J dxi and int x det J dxi / V.
 fn volume_and_centroid<const D: usize>(map: &CellMap<D>, weights: &[f64], nodes: &[f64]) -> (f64, [f64; D]) {
     let (mut volume, mut moment) = (0.0, [0.0; D]);
-    for ((w, x), det) in weights.iter().zip(map.positions(nodes)).zip(map.determinants(nodes)) {
+    for ((w, x), det) in weights.iter().zip(map.relative_positions(nodes)).zip(map.determinants(nodes)) {
         volume += w * det;
         for i in 0..D {
             moment[i] += w * det * x[i];
         }
     }
-    (volume, moment.map(|m| m / volume))
+    (volume, from_fn(|i| nodes[i] + moment[i] / volume))
 }
 
 /// The smallest box along the axes around the points of a `[point][D]` array.

@@ -38,6 +38,7 @@ mod scramble;
 mod topology;
 mod validity;
 
+pub use boundary::outward_area;
 pub use distance::BoundaryDistance;
 pub use errors::MeshError;
 pub use facet::{

@@ -31,9 +31,9 @@ impl<const D: usize> Mesh<D> {
         let mut xi = [0.0; D];
         for _ in 0..MAX_STEPS {
             let map = CellMap::at(self.order(), &xi);
-            let (position, jacobian) =
-                (map.positions(self.cell_coordinates(cell))[0], map.jacobians(self.cell_coordinates(cell))[0]);
-            let difference: [f64; D] = std::array::from_fn(|i| position[i] - x[i]);
+            let nodes = self.cell_coordinates(cell);
+            let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
+            let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
             if norm(&difference) <= TOLERANCE * extent && xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE) {
                 return Some(xi.map(|xi| xi.clamp(-1.0, 1.0)));
             }

@@ -1,6 +1,7 @@
 //! The mesh: cells, their curved geometry, and the facets between them.
 
 use crate::facet::{corner_node, face_nodes};
+use crate::numbering::unite_nodes;
 use crate::{BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Side, geometry, topology, validity};
 use tensor::norm;
 
@@ -39,6 +40,7 @@ impl<const D: usize> Mesh<D> {
         let (interior_facets, boundary_facets, boundary_names) = Default::default();
         let mut mesh = Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names };
         topology::connect(&mut mesh, boundaries, &periodic)?;
+        unite_nodes(&mut mesh);
         validity::check_cells(&mesh)?;
         Ok(mesh)
     }
@@ -88,7 +90,9 @@ impl<const D: usize> Mesh<D> {
     /// If `order` is outside [`ORDERS`].
     pub fn with_order(&self, order: usize) -> Self {
         assert!(ORDERS.contains(&order), "order {order} is outside {ORDERS:?}");
-        Mesh { order, coordinates: geometry::interpolated_coordinates(self, order), ..self.clone() }
+        let mut mesh = Mesh { order, coordinates: geometry::interpolated_coordinates(self, order), ..self.clone() };
+        unite_nodes(&mut mesh);
+        mesh
     }
 
     /// The vertex numbers of a face, in the order of the face's lattice.

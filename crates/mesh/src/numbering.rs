@@ -1,7 +1,7 @@
 //! C0 numbering of Gauss-Lobatto nodes.
 
 use crate::facet::{corner_node, face_nodes};
-use crate::{Mesh, Side};
+use crate::{InteriorFacet, Mesh, Side};
 use std::collections::BTreeMap;
 
 /// Global numbers of the Gauss-Lobatto nodes of order N of all cells: nodes at the same place, or at places that
@@ -21,10 +21,7 @@ impl NodeNumbering {
     /// Numbers the nodes of order `order`, at least 2, which need not be the order of the geometry.
     pub fn new<const D: usize>(mesh: &Mesh<D>, order: usize) -> Self {
         let nodes_per_cell = order.pow(D as u32);
-        let mut classes = Classes::new(mesh.n_cells() * nodes_per_cell);
-        join_facets(mesh, order, &mut classes);
-        join_edges(mesh, order, &mut classes);
-        let (count, cells) = classes.numbers();
+        let (count, cells) = numbered(mesh, order, |_| true);
         NodeNumbering { count, order, nodes_per_cell, cells }
     }
 
@@ -54,11 +51,40 @@ impl NodeNumbering {
     }
 }
 
-/// Joins the nodes on the two sides of every facet, periodic ones included.
-fn join_facets<const D: usize>(mesh: &Mesh<D>, order: usize, classes: &mut Classes) {
+/// Gives nodes of `mesh` that are at the same place the same position, to the bit: that of the first cell that has them. Geometry is
+/// exact where neighbours agree on it; they may have computed it in different orders of operations.
+pub(crate) fn unite_nodes<const D: usize>(mesh: &mut Mesh<D>) {
+    let (count, numbers) = numbered(mesh, mesh.order, |facet| !facet.periodic);
+    let mut places: Vec<Option<[f64; D]>> = vec![None; count];
+    for (number, x) in numbers.into_iter().zip(mesh.coordinates.chunks_exact_mut(D)) {
+        let place = places[number].get_or_insert_with(|| std::array::from_fn(|i| x[i]));
+        x.copy_from_slice(place);
+    }
+}
+
+/// The number of different nodes of order `order`, and the number of every node of every cell, when nodes on the facets of which `joins`
+/// holds, and on edges with the same vertices, are one.
+fn numbered<const D: usize>(
+    mesh: &Mesh<D>,
+    order: usize,
+    joins: impl Fn(&InteriorFacet) -> bool,
+) -> (usize, Vec<usize>) {
+    let mut classes = Classes::new(mesh.n_cells() * order.pow(D as u32));
+    join_facets(mesh, order, joins, &mut classes);
+    join_edges(mesh, order, &mut classes);
+    classes.numbers()
+}
+
+/// Joins the nodes on the two sides of every facet of which `joins` holds.
+fn join_facets<const D: usize>(
+    mesh: &Mesh<D>,
+    order: usize,
+    joins: impl Fn(&InteriorFacet) -> bool,
+    classes: &mut Classes,
+) {
     let nodes_per_cell = order.pow(D as u32);
     let lattices: Vec<Vec<usize>> = (0..2 * D).map(|face| face_nodes(D, order, face)).collect();
-    for facet in mesh.interior_facets() {
+    for facet in mesh.interior_facets().iter().filter(|facet| joins(facet)) {
         let (minus, plus) = (facet.minus, facet.plus);
         for (i, &node) in lattices[minus.face].iter().enumerate() {
             let twin = lattices[plus.face][facet.orientation.plus_index(D - 1, order, i)];

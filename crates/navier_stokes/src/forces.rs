@@ -1,15 +1,19 @@
-//! Forces on walls.
+//! Forces on walls, the power of these forces, and heat.
 //!
 //! **The sign** of all of them: what the fluid does to the wall. Momentum and energy that leave the domain through a wall are
 //! taken up by it, so that
 //!
 //! ```text
-//! F = int (p n - tau n) ds,   M = int (x - x_p) x (p n - tau n) ds,   P = int (p n - tau n) . w_b ds          (force)
+//! F = int (p n - tau n) ds,   M = int (x - x_p) x (p n - tau n) ds,   P = int (p n - tau n) . w_b ds,
+//! Q = - int kappa T_,n ds                                                                                     (force)
 //! ```
 //!
 //! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F and M are what the
-//! scheme takes from the momentum of the gas, and P what it takes from its energy; where the wall is isothermal, P includes
-//! the heat that it takes up. The impulse and the work of a time are the integrals in the quadrature of the scheme.
+//! scheme takes from the momentum of the gas, P + Q is what it takes from its energy. The impulse, the work and the heat of a time
+//! are the integrals in the quadrature of the scheme.
+//!
+//! At the top of a slab w_b is the velocity that is prescribed then: there P = F . h' + M . theta' of a rigid body to round-off. During a
+//! slab it is that of the mesh, a polynomial in time, so that work and heat are the energy that leaves the gas, to round-off.
 
 use fem::{BoundaryFlux, FluxesAt};
 use std::ops::AddAssign;
@@ -23,13 +27,15 @@ pub struct WallForce<const D: usize> {
     pub friction: [f64; D],
     /// M. In 2-D only the last component is not zero; positive is counter-clockwise.
     pub moment: [f64; 3],
-    /// P.
+    /// P; over some time the work.
     pub power: f64,
+    /// Q; over some time the heat.
+    pub heat: f64,
 }
 
 impl<const D: usize> Default for WallForce<D> {
     fn default() -> Self {
-        WallForce { pressure: [0.0; D], friction: [0.0; D], moment: [0.0; 3], power: 0.0 }
+        WallForce { pressure: [0.0; D], friction: [0.0; D], moment: [0.0; 3], power: 0.0, heat: 0.0 }
     }
 }
 
@@ -38,13 +44,12 @@ impl<const D: usize> WallForce<D> {
     pub fn new<const M: usize>(flux: &BoundaryFlux<M>, point: &[f64; D]) -> Self {
         let momentum = |flux: &[f64; M]| std::array::from_fn(|i| flux[1 + i]);
         let (pressure, friction) = (momentum(&flux.inviscid), momentum(&flux.viscous));
-        let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.total()[M - 1] };
-        let lever = cross(point, &wall.force());
-        wall.moment = std::array::from_fn(|i| flux.inviscid_moment[i] + flux.viscous_moment[i] - lever[i]);
+        let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.work, heat: flux.heat };
+        wall.moment = flux.moment_about(&std::array::from_fn(|i| point.get(i).copied().unwrap_or(0.0)));
         wall
     }
 
-    /// Impulse, angular impulse and work over a slab on boundary number `boundary`, about a point that moves.
+    /// Impulse, angular impulse, work and heat over a slab on boundary number `boundary`, about a point that moves.
     pub fn during_slab<const M: usize>(
         fluxes: &[FluxesAt<M>],
         boundary: usize,
@@ -73,6 +78,7 @@ impl<const D: usize> AddAssign for WallForce<D> {
             self.moment[i] += other.moment[i];
         }
         self.power += other.power;
+        self.heat += other.heat;
     }
 }
 
@@ -85,8 +91,11 @@ fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
 /// What makes forces dimensionless:
 ///
 /// ```text
-/// C_D = F . e_D / (q A),   C_L = F . (e_z x e_D) / (q A),   C_M = M_z / (q A L),   q = rho U^2 / 2              (coefficients)
+/// C_D = F . e_D / (q A),   C_L = F . (e_z x e_D) / (q A),   C_M = M . a / (q A L),   q = rho U^2 / 2            (coefficients)
 /// ```
+///
+/// Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise; one about a = -e_z where it raises the nose,
+/// which is upstream, towards the lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceScales<const D: usize> {
     /// q.
@@ -97,6 +106,8 @@ pub struct ForceScales<const D: usize> {
     pub length: f64,
     /// e_D, of unit length.
     pub drag_direction: [f64; D],
+    /// a, of unit length: moments about it count as positive by the right-hand rule.
+    pub moment_axis: [f64; 3],
 }
 
 /// (coefficients)
@@ -118,8 +129,13 @@ impl<const D: usize> ForceScales<D> {
         Coefficients {
             drag: tensor::dot(&force, along) / scale,
             lift: cross(along, &force)[2] / scale,
-            moment: wall.moment[2] / (scale * self.length),
+            moment: self.moment(wall) / (scale * self.length),
         }
+    }
+
+    /// M . a
+    pub fn moment(&self, wall: &WallForce<D>) -> f64 {
+        tensor::dot(&wall.moment, &self.moment_axis)
     }
 }
 
@@ -130,8 +146,10 @@ mod tests {
     fn flux(momentum: [f64; 2], at: [f64; 2]) -> BoundaryFlux<4> {
         let moment = at[0] * momentum[1] - at[1] * momentum[0];
         BoundaryFlux {
-            inviscid: [0.0, momentum[0], momentum[1], 3.0],
+            inviscid: [0.0, momentum[0], momentum[1], 3.5],
             inviscid_moment: [0.0, 0.0, moment],
+            work: 3.0,
+            heat: 0.5,
             ..BoundaryFlux::default()
         }
     }
@@ -140,7 +158,7 @@ mod tests {
     fn the_moment_follows_the_point() {
         // A force (2, 5) that acts at (4, 1), about (3, -1): 1 * 5 - 2 * 2.
         let wall = WallForce::new(&flux([2.0, 5.0], [4.0, 1.0]), &[3.0, -1.0]);
-        assert_eq!((wall.force(), wall.moment, wall.power), ([2.0, 5.0], [0.0, 0.0, 1.0], 3.0));
+        assert_eq!((wall.force(), wall.moment, wall.power, wall.heat), ([2.0, 5.0], [0.0, 0.0, 1.0], 3.0, 0.5));
     }
 
     #[test]
@@ -151,14 +169,35 @@ mod tests {
         let impulse = WallForce::<2>::during_slab(&fluxes, 0, |t| [0.5 * t, 7.0]);
         assert_eq!(impulse.force(), [0.0, 2.0]);
         assert_eq!(impulse.moment[2], 2.0 * (0.25 * 0.5 + 0.75));
-        assert_eq!(impulse.power, 3.0);
+        assert_eq!((impulse.power, impulse.heat), (3.0, 0.5));
     }
 
     #[test]
     fn drag_is_along_the_stream_and_lift_to_its_left() {
-        let scales = ForceScales { dynamic_pressure: 0.5, area: 2.0, length: 4.0, drag_direction: [0.6, 0.8] };
-        let wall = WallForce { pressure: [0.6, 0.8], friction: [-0.8, 0.6], moment: [0.0, 0.0, 2.0], power: 0.0 };
+        let drag_direction = [0.6, 0.8];
+        let scales =
+            ForceScales { dynamic_pressure: 0.5, area: 2.0, length: 4.0, drag_direction, moment_axis: [0.0, 0.0, 1.0] };
+        let (pressure, friction) = ([0.6, 0.8], [-0.8, 0.6]);
+        let wall = WallForce { pressure, friction, moment: [0.0, 0.0, 2.0], ..WallForce::default() };
         let Coefficients { drag, lift, moment } = scales.coefficients(&wall);
         assert!((drag - 1.0).abs() < 1e-15 && (lift - 1.0).abs() < 1e-15 && moment == 0.5);
+    }
+
+    /// A force along the lift that acts upstream of the point raises the nose, whatever the stream.
+    #[test]
+    fn a_moment_about_minus_z_raises_the_nose() {
+        for along in [[1.0, 0.0], [0.6, 0.8], [-1.0, 0.0], [0.0, -1.0]] {
+            let (nose, lift) = ([-along[0], -along[1]], [-along[1], along[0]]);
+            let wall = WallForce::<2>::new(&flux(lift, nose), &[0.0; 2]);
+            let scales = |z| ForceScales {
+                dynamic_pressure: 1.0,
+                area: 1.0,
+                length: 1.0,
+                drag_direction: along,
+                moment_axis: [0.0, 0.0, z],
+            };
+            assert!((scales(-1.0).coefficients(&wall).moment - 1.0).abs() < 1e-15, "{along:?}");
+            assert!((scales(1.0).coefficients(&wall).moment + 1.0).abs() < 1e-15, "{along:?}");
+        }
     }
 }

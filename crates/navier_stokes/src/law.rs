@@ -93,6 +93,11 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         condition.viscous_flux(self, state, gradient, n, v)
     }
 
+    #[inline(always)]
+    fn boundary_velocity<G: Real>(&self, condition: Boundary<D>, n: &[G; D], v: &[G; D]) -> [G; D] {
+        condition.velocity(n, v)
+    }
+
     /// The smaller of density and pressure.
     #[inline(always)]
     fn margin<T: Real>(&self, u: &[T; M]) -> T {

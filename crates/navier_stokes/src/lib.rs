@@ -28,7 +28,10 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use boundary::{AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall};
+pub use boundary::{
+    AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall, SupersonicInflow,
+    VelocityInflow,
+};
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
 pub use forces::{Coefficients, ForceScales, WallForce};

@@ -39,6 +39,12 @@ impl Reference {
         scales
     }
 
+    /// The total temperature T + U^2 / (2 c_p).
+    pub fn total_temperature(&self, gas: &Gas) -> f64 {
+        let temperature = self.sound_speed * self.sound_speed / (gas.gamma() * gas.gas_constant());
+        temperature + 0.5 * self.speed * self.speed / gas.heat_capacity()
+    }
+
     /// The dynamic pressure rho U^2 / 2.
     pub fn dynamic_pressure(&self) -> f64 {
         0.5 * self.density * self.speed * self.speed

@@ -39,6 +39,9 @@ pub struct Settings {
     pub max_steps: usize,
     /// Diverged is what exceeds the reference and the initial norm by this factor.
     pub divergence: f64,
+    /// When the driver gives up because the residual no longer falls; never if there is none. With it, a failed solve ends at the
+    /// iterate with the least residual.
+    pub stall: Option<Stall>,
     /// A linear solve that fails is still used if it leaves at most this part of the residual.
     pub usable_linear_residual: f64,
     /// How exactly the linear systems are solved.
@@ -51,6 +54,15 @@ pub struct Settings {
     pub pseudo_time: pseudo_time::Settings,
 }
 
+/// What counts as a stall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stall {
+    /// The number of steps without progress.
+    pub steps: usize,
+    /// Progress is a residual that is at most this factor of the least one before.
+    pub factor: f64,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -59,6 +71,7 @@ impl Default for Settings {
             round_off: 1e-13,
             max_steps: 30,
             divergence: 1e6,
+            stall: None,
             usable_linear_residual: 0.9,
             forcing: forcing::Settings::default(),
             krylov: fgmres::Settings::default(),
@@ -107,7 +120,8 @@ impl Workspace {
 /// guess, which a good guess makes hard to meet.
 ///
 /// # Errors
-/// [`Error`] if the tolerances are not met; z then is the last accepted, admissible iterate.
+/// [`Error`] if the tolerances are not met; z then is an admissible iterate: with [`Settings::stall`] that with the least residual,
+/// otherwise the last accepted one.
 ///
 /// # Panics
 /// If the number of references is not that of the fields.
@@ -120,7 +134,10 @@ pub fn solve<P: NonlinearProblem + ?Sized>(
 ) -> Result<Report, Error> {
     let mut driver = Driver::start(problem, z, references, settings, workspace)?;
     while !driver.has_converged() {
-        driver.step(z)?;
+        if let Err(error) = driver.step(z) {
+            driver.return_best(z);
+            return Err(error);
+        }
     }
     Ok(driver.into_report())
 }

@@ -6,6 +6,13 @@
 //!
 //! |R_k0| and dtau_0 are those of the last start of the rule: of the solve, or of the last rejected step. The code holds
 //! 1/dtau_k, zero for a field that is not damped.
+//!
+//! A residual may grow on the way to a solution: a flow that starts at once passes through waves. After a rejection (ser) would
+//! then keep dtau as short as that one step needed. With a recovery factor above 1, dtau grows by at least this factor in every full step:
+//!
+//! ```text
+//! (recovery)   dtau_k >= recovery dtau_k of the step before,   after a rejection, where the step length was 1
+//! ```
 
 /// The settings of [`PseudoTime`], the same for every field: a problem scales its M_k so that they compare.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +31,8 @@ pub struct Settings {
     pub switch_off: f64,
     /// The number of rejected steps in a row after which the driver gives up.
     pub max_rejections: usize,
+    /// The factor of (recovery); 1 leaves it out.
+    pub recovery: f64,
 }
 
 impl Default for Settings {
@@ -36,6 +45,7 @@ impl Default for Settings {
             shrink: 10.0,
             switch_off: 1e-3,
             max_rejections: 6,
+            recovery: 1.0,
         }
     }
 }
@@ -46,6 +56,8 @@ pub struct PseudoTime {
     settings: Settings,
     fields: Vec<FieldState>,
     inverse: Vec<f64>,
+    /// Whether a step was rejected.
+    rejected: bool,
 }
 
 /// Where (ser) of one field started.
@@ -63,6 +75,7 @@ impl PseudoTime {
             settings,
             fields: field_norms.iter().map(|&norm| FieldState { norm, inverse }).collect(),
             inverse: vec![inverse; field_norms.len()],
+            rejected: false,
         }
     }
 
@@ -76,15 +89,17 @@ impl PseudoTime {
         self.inverse.iter().any(|&inverse| inverse > 0.0)
     }
 
-    /// Applies (ser) after an accepted step that ended at `field_norms`.
-    pub fn accept(&mut self, field_norms: &[f64]) {
-        let Settings { power, growth, switch_off, .. } = self.settings;
+    /// Applies (ser) and (recovery) after an accepted step of the given length that ended at `field_norms`.
+    pub fn accept(&mut self, field_norms: &[f64], step_length: f64) {
+        let Settings { power, growth, switch_off, recovery, .. } = self.settings;
+        let recovers = recovery > 1.0 && self.rejected && step_length == 1.0;
         for ((inverse, start), &norm) in self.inverse.iter_mut().zip(&self.fields).zip(field_norms) {
             let wanted = start.inverse * (norm / start.norm).powf(power);
             *inverse = if *inverse == 0.0 || norm <= switch_off * start.norm {
                 0.0
             } else {
-                wanted.max(*inverse / growth).min(*inverse * growth)
+                let most = if recovers { *inverse / recovery } else { *inverse * growth };
+                wanted.max(*inverse / growth).min(most)
             };
         }
     }
@@ -95,6 +110,7 @@ impl PseudoTime {
     pub fn reject(&mut self, field_norms: &[f64], tolerances: &[f64]) -> bool {
         let Settings { restart_inverse, shrink, .. } = self.settings;
         let before = self.inverse.clone();
+        self.rejected = true;
         for k in 0..self.inverse.len() {
             if field_norms[k] > tolerances[k] {
                 let inverse = if self.inverse[k] > 0.0 { self.inverse[k] * shrink } else { restart_inverse };
@@ -118,39 +134,40 @@ mod tests {
         shrink: 4.0,
         switch_off: 1e-3,
         max_rejections: 6,
+        recovery: 1.0,
     };
 
     #[test]
     fn each_field_follows_its_own_residual() {
         let mut rule = PseudoTime::new(DAMPED, &[1.0, 1e-6]);
-        rule.accept(&[0.25, 0.5e-6]);
+        rule.accept(&[0.25, 0.5e-6], 1.0);
         assert_eq!(rule.inverse(), [2.0, 4.0]);
-        rule.accept(&[0.5, 0.5e-6]);
+        rule.accept(&[0.5, 0.5e-6], 1.0);
         assert_eq!(rule.inverse(), [4.0, 4.0], "damped more where the residual grows");
     }
 
     #[test]
     fn the_power_sharpens_the_rule() {
         let mut rule = PseudoTime::new(Settings { power: 2.0, ..DAMPED }, &[1.0]);
-        rule.accept(&[0.5]);
+        rule.accept(&[0.5], 1.0);
         assert_eq!(rule.inverse(), [2.0]);
     }
 
     #[test]
     fn a_step_grows_or_falls_by_a_limited_factor() {
         let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
-        rule.accept(&[0.01, 1e4]);
+        rule.accept(&[0.01, 1e4], 1.0);
         assert_eq!(rule.inverse(), [0.8, 80.0]);
     }
 
     #[test]
     fn a_field_is_switched_off_for_good_once_it_has_converged_far_enough() {
         let mut rule = PseudoTime::new(DAMPED, &[1.0, 1.0]);
-        rule.accept(&[1e-3, 0.5]);
+        rule.accept(&[1e-3, 0.5], 1.0);
         assert_eq!(rule.inverse(), [0.0, 4.0]);
-        rule.accept(&[2.0, 0.5]);
+        rule.accept(&[2.0, 0.5], 1.0);
         assert_eq!(rule.inverse(), [0.0, 4.0]);
-        rule.accept(&[2.0, 1e-4]);
+        rule.accept(&[2.0, 1e-4], 1.0);
         assert!(!rule.is_active());
     }
 
@@ -162,8 +179,23 @@ mod tests {
         assert_eq!(rule.inverse(), [1.0, 0.0]);
         assert!(rule.reject(&[1.0, 1e-12], &[1e-8, 1e-8]));
         assert_eq!(rule.inverse(), [4.0, 0.0]);
-        rule.accept(&[0.5, 1e-12]);
+        rule.accept(&[0.5, 1e-12], 1.0);
         assert_eq!(rule.inverse(), [2.0, 0.0], "the rule starts anew at the rejected step");
+    }
+
+    #[test]
+    fn after_a_rejection_full_steps_lengthen_pseudo_time_though_the_residual_grows() {
+        let mut rule = PseudoTime::new(Settings { recovery: 2.0, ..DAMPED }, &[1.0]);
+        rule.accept(&[1.5], 1.0);
+        assert_eq!(rule.inverse(), [12.0], "nothing was rejected yet");
+        assert!(rule.reject(&[1.5], &[1e-8]));
+        assert_eq!(rule.inverse(), [48.0]);
+        rule.accept(&[3.0], 1.0);
+        assert_eq!(rule.inverse(), [24.0]);
+        rule.accept(&[3.0], 0.5);
+        assert_eq!(rule.inverse(), [96.0], "a short step does not count");
+        rule.accept(&[0.15], 1.0);
+        assert_eq!(rule.inverse(), [9.6], "the residual falls faster than that");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
 use crate::rest_mesh::{self, RestMesh};
 
 /// Version of the group `/stsolve`; raised when a reader of the old one would misread the new one.
-pub const FORMAT_VERSION: i64 = 1;
+pub const FORMAT_VERSION: i64 = 2;
 
 /// Name of the group.
 pub(crate) const GROUP: &str = "stsolve";

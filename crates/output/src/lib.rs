@@ -8,6 +8,7 @@
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
 //! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] is what a reader finds in it;
 //! * [`Summary`] is `summary.json`, what a script reads when the run is over;
+//! * [`EarlierRun`] is what a run finds in its directory of one before it;
 //! * [`inspect`] tells what a result file holds.
 //!
 //! # A run killed at any moment
@@ -20,6 +21,7 @@
 mod checksum;
 mod cost;
 mod directory;
+mod earlier;
 mod error;
 mod files;
 mod format;
@@ -39,6 +41,7 @@ mod vtkhdf;
 pub use checksum::Checksum;
 pub use cost::{Cost, Machine, Part};
 pub use directory::{LockOwner, RunDirectory};
+pub use earlier::EarlierRun;
 pub use error::OutputError;
 pub use files::write_atomically;
 pub use format::{FORMAT_VERSION, Metadata};
@@ -51,6 +54,6 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, SUMMARY_FILE, Steady, SteadyWall,
-    StructureSummary, Summary, Unknowns, Wall,
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, SUMMARY_FILE, Steady,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };

@@ -56,7 +56,7 @@ enum WorkingCopy {
 }
 
 impl ResultFile {
-    /// Starts a result file without steps. An earlier result in the directory stays until the first checkpoint.
+    /// Starts a result file without steps. It appears in the directory with the first checkpoint.
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] if the file cannot be written.
@@ -253,6 +253,10 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
         return Err(OutputError::NoCheckpoint { path: path.to_owned() });
+    }
+    if !path.is_file() {
+        let reason = "it is a directory, a pipe or a device, not a file".to_owned();
+        return Err(OutputError::Damaged { path: path.to_owned(), reason });
     }
     seal::verify(path)?;
     let file = hdf::options().open(path).map_err(|error| damaged(path, &error))?;

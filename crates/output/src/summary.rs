@@ -59,6 +59,9 @@ pub struct Summary {
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
+    /// What passes inflows and outflows, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub openings: BTreeMap<String, Opening>,
     /// The machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
@@ -196,6 +199,39 @@ pub struct StructureSummary {
     pub iterations: u64,
 }
 
+/// What passes an inflow or outflow, and what was seen there that its condition is not made for.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Opening {
+    /// The mass that leaves the domain per time, at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_flow: Option<f64>,
+    /// Gas that entered a subsonic inflow faster than sound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub supersonic: Option<Misused>,
+    /// Gas that left through an inflow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leaving: Option<Misused>,
+    /// Gas that came back through an outflow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backflow: Option<Misused>,
+    /// Subsonic gas at a supersonic inflow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subsonic: Option<Misused>,
+}
+
+/// Where a condition met what it is not made for.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Misused {
+    /// The time at which it was seen first.
+    pub since: f64,
+    /// The part of the area of the boundary, at the end.
+    pub share: f64,
+    /// The largest part over the run.
+    pub largest_share: f64,
+}
+
 /// What a wall received over the run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -208,8 +244,10 @@ pub struct Wall {
     pub friction_impulse: Vec<f64>,
     /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
     pub moment_impulse: Vec<f64>,
-    /// Time integral of the power.
+    /// Work of the force on the wall.
     pub work: f64,
+    /// Heat that the wall takes up by conduction.
+    pub heat: f64,
     /// Drag coefficient at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drag_coefficient: Option<f64>,
@@ -324,9 +362,18 @@ mod tests {
                     friction_impulse: vec![0.25, 0.25],
                     moment_impulse: vec![3.0],
                     work: 0.5,
+                    heat: 0.25,
                     drag_coefficient: Some(0.12),
                     lift_coefficient: Some(1.5),
                     moment_coefficient: Some(-0.5),
+                },
+            )]),
+            openings: BTreeMap::from([(
+                "outlet".to_owned(),
+                Opening {
+                    mass_flow: Some(0.25),
+                    backflow: Some(Misused { since: 0.5, share: 0.0, largest_share: 0.125 }),
+                    ..Opening::default()
                 },
             )]),
             machine: Some(Machine {
@@ -362,8 +409,10 @@ mod tests {
             "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
                 "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
             "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
-                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5,
+                                 "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5, "heat": 0.25,
                                  "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },
+            "openings": { "outlet": { "mass_flow": 0.25,
+                                      "backflow": { "since": 0.5, "share": 0.0, "largest_share": 0.125 } } },
             "structure": { "natural_frequencies": [0.5, 1.5], "energy_at_start": 1.0, "energy": 1.25, "load_work": 0.5,
                            "support_work": -0.125, "dissipation": 0.125, "energy_error": 1e-16, "iterations": 99 },
             "machine": { "processor": "Fast 3000", "processors": 2, "system": "linux x86_64" },

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Coupled space-time solver: elasticity moves a curved high-order mesh, compressible flow is solved on it.
 ///
-/// Exit codes: 0 done, 1 the solve failed (the last good state is written), 2 bad input (nothing is written).
+/// Exit codes: 0 done, 1 the solve failed (the last good state is written), 2 bad input (nothing is written), 3 stopped early by a signal
+/// (a checkpoint is written).
 #[derive(Clone, Debug, Parser)]
 #[command(name = "stsolve", version)]
 pub struct Arguments {
@@ -99,6 +100,9 @@ pub struct RunArguments {
     /// Continue from the checkpoint in the output directory.
     #[arg(long)]
     pub resume: bool,
+    /// Replace the run that the output directory holds.
+    #[arg(long, conflicts_with = "resume")]
+    pub force: bool,
     /// How much to print.
     #[command(flatten)]
     pub verbosity: Verbosity,
@@ -112,10 +116,15 @@ impl RunArguments {
 
     /// The command line that continues this run, as a shell takes it.
     pub fn to_resume(&self, command: &str, directory: &Path) -> String {
+        self.again(command, directory, "--resume")
+    }
+
+    /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, as a shell takes it.
+    pub fn again(&self, command: &str, directory: &Path, option: &str) -> String {
         let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
         let words =
             ["stsolve".into(), command.into(), quoted(&self.case.case.to_string_lossy())].into_iter().chain(set);
-        let output = ["--output".into(), quoted(&directory.to_string_lossy()), "--resume".into()];
+        let output = ["--output".into(), quoted(&directory.to_string_lossy()), option.into()];
         words.chain(output).collect::<Vec<_>>().join(" ")
     }
 }

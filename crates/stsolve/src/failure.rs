@@ -14,6 +14,9 @@ pub enum Failure {
     /// The solve failed; the last good state is written. Exit code 1.
     #[error(transparent)]
     Solve(anyhow::Error),
+    /// A signal stopped the run before its end; a checkpoint is written, and the user has been told. Exit code 3.
+    #[error("a signal stopped the run before its end")]
+    Stopped,
 }
 
 impl Failure {
@@ -32,6 +35,7 @@ impl Failure {
         let (error, code) = match self {
             Failure::BadInput(error) => (error, 2),
             Failure::Solve(error) => (error, 1),
+            Failure::Stopped => return ExitCode::from(3),
         };
         // If stderr is closed there is nobody to tell.
         let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));

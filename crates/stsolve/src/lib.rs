@@ -12,6 +12,9 @@
 //! | `commands` | what each command does |
 //! | `run` | from a checked case to files |
 //! | `report` | a page that shows a run |
+//! | `input_file` | files that the user names, read whole |
+//! | `mesh_file` | a mesh file, if it fits |
+//! | `memory` | the memory that is there |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `clock` | where the time of a run goes |
 //! | `excerpt` | a piece of a line with carets below it |
@@ -26,7 +29,10 @@ pub mod commands;
 mod excerpt;
 pub mod expression;
 pub mod failure;
+mod input_file;
 pub mod logging;
+mod memory;
+mod mesh_file;
 mod nearest;
 pub mod progress;
 pub mod report;

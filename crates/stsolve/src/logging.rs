@@ -17,13 +17,13 @@ use tracing_subscriber::{Layer, Registry};
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Starts logging into `directory`, behind the log of the run that is resumed or anew; and has the spans of the numerics drive `clock`.
+/// Starts logging into `directory`, behind the log that is there if `append` says so, else anew; and has the spans of the numerics drive `clock`.
 ///
 /// # Errors
 /// If logging was started before.
 pub fn start(
     directory: &Path,
-    resume: bool,
+    append: bool,
     verbosity: Verbosity,
     terminal: &Terminal,
     clock: &Clock,
@@ -32,7 +32,7 @@ pub fn start(
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
     let machine =
-        layer().json().with_writer(Mutex::new(LogFile::new(directory, resume))).with_filter(LevelFilter::DEBUG);
+        layer().json().with_writer(Mutex::new(LogFile::new(directory, append))).with_filter(LevelFilter::DEBUG);
     let clock = clock.clone().with_filter(filter_fn(Clock::counts));
     Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
 }

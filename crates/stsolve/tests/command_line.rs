@@ -281,3 +281,76 @@ fn what_goes_into_a_pipe_is_plain_text() {
     }
     assert!(outcome(directory.path(), &run).1.is_empty(), "results are for files, progress is for stderr");
 }
+
+/// Calls the program in `directory`, for some seconds at most; exit code and stderr.
+#[cfg(unix)]
+fn outcome_in_time(directory: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = assert_cmd::Command::cargo_bin("stsolve").unwrap();
+    let command = command.current_dir(directory).args(arguments).timeout(std::time::Duration::from_secs(20));
+    let output = command.output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_or_an_endless_file_blocked() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    assert!(std::process::Command::new("mkfifo").arg(at.join("pipe")).status().unwrap().success());
+    std::fs::create_dir(at.join("run")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(at.join("run/result.vtkhdf")).status().unwrap().success());
+    std::fs::File::create(at.join("large.toml")).unwrap().set_len(1 << 40).unwrap();
+    let (vortex, cantilever) = (shipped("vortex.toml"), shipped("cantilever.toml"));
+    let mesh = |file: &str| format!("mesh={{file=\"{}\"}}", at.join(file).display());
+    let table = |file: &str| format!("tables.m={{file=\"{}\"}}", at.join(file).display());
+    let (mesh_pipe, mesh_zero, table_pipe) = (mesh("pipe"), mesh("/dev/zero"), table("pipe"));
+    let from = format!("restart.from={}", at.join("run").display());
+    let kind = "it is a pipe or a device, and a regular file is expected";
+    for (arguments, expected) in [
+        (&["check", "pipe"][..], kind),
+        (&["run", "/dev/zero"], kind),
+        (&["run", "."], "it is a directory"),
+        (&["check", "large.toml"], "at most 16.0 MB are read"),
+        (&["check", &vortex, "--set", &mesh_pipe], kind),
+        (&["check", &vortex, "--set", &mesh_zero], kind),
+        (&["check", &cantilever, "--set", &table_pipe], kind),
+        (&["run", &vortex, "--output", "new", "--set", &from], "it is a directory, a pipe or a device"),
+        (&["info", "pipe"], kind),
+        (&["info", "/dev/zero"], kind),
+        (&["info", "run"], kind),
+    ] {
+        let (code, stderr) = outcome_in_time(at, arguments);
+        assert_eq!(code, Some(2), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
+    }
+    assert!(!at.join("new").exists());
+}
+
+/// A mesh or a run that cannot fit is refused with the memory that it needs, before it takes it.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_too_large_aborted_without_naming_the_memory() {
+    let directory = TempDir::new().unwrap();
+    let needed = |case: &str, changes: &[&str], kilobytes: &str| {
+        let script = format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\"");
+        let mut command = assert_cmd::Command::new("bash");
+        command.current_dir(directory.path()).args(["-c", &script]).arg(assert_cmd::cargo::cargo_bin("stsolve"));
+        command.args(["run", "--threads", "1", &shipped(&format!("{case}.toml"))]);
+        changes.iter().for_each(|change| drop(command.args(["--set", change])));
+        let output = command.output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{case}, {changes:?}: {stderr}");
+        assert!(stderr.contains("does not fit into memory: about ") && stderr.contains(" are there"), "{stderr}");
+        stderr
+    };
+    let message = needed("vortex", &["mesh.generate.box.cells=[1000000,1000000]"], "unlimited");
+    assert!(message.contains("a mesh of 1000000000000 cells with 16 nodes each"), "{message}");
+    needed("vortex", &["mesh.generate.box.cells=[18446744073709551615,2]"], "unlimited");
+    needed("free_stream_3d", &["mesh.generate.box.cells=[1000,1000,1000]", "mesh.order=16"], "unlimited");
+    needed("naca0012_wave", &["mesh.extrude.layers=1000000000"], "unlimited");
+    needed("vortex", &["mesh.generate.box.cells=[3000,3000]"], "4000000");
+    // The mesh fits, the blocks of its flow do not.
+    let message = needed("vortex_period", &["mesh.generate.box.cells=[100,100]", "flow.order=16"], "4000000");
+    assert!(message.contains("the run does not fit into memory") && message.contains("`flow.order`"), "{message}");
+    assert!(is_empty(&directory));
+}

@@ -255,6 +255,6 @@ fn a_run_that_succeeds_removes_what_the_last_one_has_left() {
     on_case(directory.path(), "run", "vortex", &fails, "run", &[]).expect(1, &["likely cause: too few Newton steps"]);
     let folder = directory.path().join("run/failure");
     assert!(folder.join("failure.md").exists());
-    on_case(directory.path(), "run", "vortex", &set, "run", &[]).expect(0, &[]);
+    on_case(directory.path(), "run", "vortex", &set, "run", &["--force"]).expect(0, &[]);
     assert!(!folder.exists());
 }

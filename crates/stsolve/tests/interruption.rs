@@ -20,9 +20,13 @@ struct Running {
 
 impl Running {
     fn start(directory: &Path, case: &str, set: &[&str]) -> Self {
+        Self::start_with(directory, case, set, &[])
+    }
+
+    fn start_with(directory: &Path, case: &str, set: &[&str], extra: &[&str]) -> Self {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin("stsolve"));
         command.env_remove("RUST_BACKTRACE").current_dir(directory).stderr(Stdio::piped());
-        command.args(["run", &shipped(&format!("{case}.toml")), "--output", "run"]);
+        command.args(["run", &shipped(&format!("{case}.toml")), "--output", "run"]).args(extra);
         set.iter().for_each(|change| {
             command.args(["--set", change]);
         });
@@ -79,7 +83,7 @@ fn stop_and_resume(case: &str, set: &[&str]) {
     running.wait_for("slab 3 ");
     running.terminate();
     let message = running.wait_for("stopped at t = ");
-    assert_eq!(running.process.wait().unwrap().code(), Some(0));
+    assert_eq!(running.process.wait().unwrap().code(), Some(3), "not 0: scripts must notice");
     // Without the quotes that a shell needs around braces and spaces.
     let resume = message.split("continue with: stsolve ").nth(1).unwrap().trim().replace('\'', "");
     let changes: Vec<String> = set.iter().map(|change| format!("--set {change}")).collect();
@@ -108,4 +112,28 @@ fn the_second_signal_ends_the_run_at_once() {
     running.terminate();
     assert_eq!(running.process.wait().unwrap().signal(), Some(15));
     assert!(!directory.path().join("run/summary.json").exists());
+}
+
+/// While a run goes on there is no summary, so that none tells of another run when this one is killed.
+#[test]
+fn a_stale_summary_stood_beside_the_half_result_of_another_run() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.generate.box.cells=[4,4]", "output.checkpoint_every=1"];
+    let short = [&set[..], &["time.end=0.1"]].concat();
+    let long = [&set[..], &["time.end=100"]].concat();
+    let run = directory.path().join("run");
+    on_case(directory.path(), "run", "vortex", &short, "run", &[]).expect(0, &[]);
+    assert_eq!(summary(&run)["completed"], true);
+    for (extra, slab) in [("--resume", "slab 4 "), ("--force", "slab 2 ")] {
+        let mut running = Running::start_with(directory.path(), "vortex", &long, &[extra]);
+        running.wait_for(slab);
+        running.process.kill().unwrap();
+        running.process.wait().unwrap();
+        assert!(!run.join("summary.json").exists(), "{extra}");
+        let again = on_case(directory.path(), "run", "vortex", &long, "run", &[]);
+        again.expect(2, &["holds an unfinished run, t = ", "--resume", "--force"]);
+    }
+    on_case(directory.path(), "run", "vortex", &[&set[..], &["time.end=0.4"]].concat(), "run", &["--resume"])
+        .expect(0, &[]);
+    assert_eq!(summary(&run)["completed"], true);
 }

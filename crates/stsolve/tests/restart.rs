@@ -123,3 +123,43 @@ fn what_does_not_fit_is_told() {
     let motion = on_case(at, "run", "rotating_box", &[&from], "refused", &[]);
     motion.expect(2, &["restart", "[flow]"]);
 }
+
+/// Restarted with another stretch, the boundary moved by up to a tenth of the square in one slab.
+#[test]
+fn a_restart_accepted_a_motion_that_jumps() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["flow.order=2", "time.order=1"], 0.8, "first").expect(0, &[]);
+    let from = from(at, "first");
+    let jumps = ["at t = 0.8 the point at [", "is displaced by [", "the motion of this case puts it at ["];
+    let still = "motion={boundary={others=\"fixed\"}}";
+    let everywhere = "motion={displacement=[\"0.1*(x-5)*sin(pi*t/4)+t\",\"-0.1*(y-5)*sin(pi*t/4)\"]}";
+    for (change, distance) in
+        [("constants.stretch=0.3", ""), (still, ""), (everywhere, ""), ("constants.stretch=0.80001", "e-5 away")]
+    {
+        run(at, &["flow.order=2", "time.order=1", change, &from], 1.2, "refused").expect(2, &jumps);
+        run(at, &["flow.order=2", "time.order=1", change, &from], 1.2, "refused").expect(2, &[distance]);
+        assert!(!at.join("refused").exists(), "nothing is written");
+    }
+}
+
+/// The square stops where it is: the position goes on, the velocity jumps by 1. A motion that goes on is not warned of.
+#[test]
+fn a_restart_with_another_velocity_is_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let low = ["flow.order=2", "time.order=1"];
+    run(at, &low, 0.8, "first").expect(0, &[]);
+    let from = from(at, "first");
+    let x = |stop: &str| {
+        let travel = format!("if(t<{stop},t,{stop})");
+        format!(
+            "motion.boundary.others.displacement=[\"stretch*(x-5)*sin(pi*t/4)+{travel}\",\"-stretch*(y-5)*sin(pi*t/4)\"]"
+        )
+    };
+    for (motion, output, warns) in [(x("0.8"), "stops", true), (x("0.9"), "goes on", false)] {
+        run(at, &[&low[..], &[&motion, &from]].concat(), 1.2, output).expect(0, &[]);
+        let log = std::fs::read_to_string(at.join(output).join("log.jsonl")).unwrap();
+        assert_eq!(log.contains("the boundary changes its velocity at once at t = 0.8"), warns, "{log}");
+    }
+}

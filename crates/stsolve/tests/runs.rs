@@ -115,16 +115,135 @@ fn vortices_are_as_accurate_as_they_say() {
     assert_errors("vortex_period", &start, [2.73e-5, 9.44e-5, 3.03e-4]);
 }
 
+/// Couette flow: the plate that slides does work, each plate takes up what is conducted to it, and together they keep the energy.
 #[test]
 fn walls_report_force_and_power() {
     let directory = TempDir::new().unwrap();
     let summary = finished(directory.path(), "couette", &["time.end=0.2", "time.slabs=4"]);
-    // The drag of the moving plate: mu U / H times its length, 2; it costs that times U.
-    let (impulse, work) = (&summary["walls"]["top"]["impulse"], number(&summary["walls"]["top"], "work"));
-    let drag = 0.02 * 0.5 * 2.0 * 0.2;
-    assert!((impulse[0].as_f64().unwrap() + drag).abs() < 0.02 * drag, "{impulse} {work}");
-    let force = column(&directory.path().join("couette"), "top_force_x");
+    let of = |wall: &str, key: &str| number(&summary["walls"][wall], key);
+    // The drag of the moving plate: mu U / H times its length 2, over 0.2; it costs that times U = 0.5.
+    let (impulse, drag) = (summary["walls"]["top"]["impulse"][0].as_f64().unwrap(), 0.02 * 0.5 * 2.0 * 0.2);
+    assert!((impulse + drag).abs() < 5e-3 * drag, "{impulse}");
+    assert!((of("top", "work") + 0.5 * drag).abs() < 5e-3 * 0.5 * drag, "{summary}");
+    assert!(of("bottom", "work").abs() < 1e-15, "{summary}");
+    // kappa T' = kappa (T_u - T_l) + mu U^2 / 2 (1 - 2 y), into the wall.
+    let (conducted, friction) = (0.02 * 3.5 / 0.72 * 0.05, 0.02 * 0.25 / 2.0);
+    for (wall, expected) in [("bottom", conducted + friction), ("top", friction - conducted)] {
+        let heat = of(wall, "heat");
+        assert!((heat / (0.4 * expected) - 1.0).abs() < 0.01, "{wall}: {heat} instead of {}", 0.4 * expected);
+    }
+    let run = directory.path().join("couette");
+    let force = column(&run, "top_force_x");
     assert!(force.iter().all(|force| (force + 0.02).abs() < 4e-4), "{force:?}");
+    let (power, heat_flow) = (column(&run, "top_power"), column(&run, "bottom_heat_flow"));
+    assert!(power.iter().zip(&force).all(|(power, force)| (power - 0.5 * force).abs() < 1e-14), "{power:?}");
+    assert!(heat_flow.iter().all(|flow| (flow / (2.0 * (conducted + friction)) - 1.0).abs() < 0.02), "{heat_flow:?}");
+}
+
+/// Gas at rest between resting walls at T = 0.8 and 1.2: what is conducted was reported as work, +-0.0389.
+#[test]
+fn heat_that_is_conducted_is_no_work() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("plates.toml"), PLATES).unwrap();
+    stsolve(directory.path(), &["run", "plates.toml", "--output", "plates", "--quiet"]).expect(0, &[]);
+    let summary = summary(&directory.path().join("plates"));
+    let conducted = 0.02 * 3.5 / 0.72 * 0.4;
+    for (wall, sign) in [("bottom", 1.0), ("top", -1.0)] {
+        let of = |key: &str| number(&summary["walls"][wall], key);
+        assert_eq!(of("work"), 0.0, "{summary}");
+        assert!((of("heat") - sign * conducted).abs() < 1e-6, "{wall}: {} instead of {conducted}", of("heat"));
+        assert!(column(&directory.path().join("plates"), &format!("{wall}_power")).iter().all(|power| *power == 0.0));
+    }
+}
+
+const PLATES: &str = r#"
+[mesh]
+order = 4
+generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 4], periodic = ["x"] }
+[flow]
+order = 5
+gas.viscosity = { constant = 0.02 }
+reference = { density = 1, speed = 0.1, pressure = 1 }
+initial.expression = { density = "1/(0.8 + 0.4*y)", velocity = [0, 0], pressure = 1 }
+boundary.bottom = { isothermal_wall = { temperature = 0.8 } }
+boundary.top = { isothermal_wall = { temperature = 1.2 } }
+[time]
+order = 2
+end = 1
+slabs = 5
+[solver]
+newton_tolerance = 1e-10
+"#;
+
+/// Stokes' second problem: a plate at the speed U cos(omega t) pays mu U^2 sqrt(omega / (2 nu)) / 2 per area on average. What the gas
+/// in the closed box gains is what both walls give, as work and as heat.
+#[test]
+fn an_oscillating_plate_pays_for_its_friction_and_the_box_keeps_its_energy() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("stokes.toml"), STOKES).unwrap();
+    stsolve(directory.path(), &["run", "stokes.toml", "--output", "stokes", "--quiet"]).expect(0, &[]);
+    let run = directory.path().join("stokes");
+    let (speed, mu, omega) = (0.03, 0.02, 2.0 * std::f64::consts::PI);
+    // One period, a plate of length 0.2; density 1.
+    let expected = -mu * speed * speed * (omega / (2.0 * mu)).sqrt() / 2.0 * 0.2;
+    let summary = summary(&run);
+    let work = number(&summary["walls"]["bottom"], "work");
+    assert!((work / expected - 1.0).abs() < 2e-3, "{work} instead of {expected}");
+    assert_eq!(number(&summary["walls"]["top"], "work"), 0.0);
+    let energy = column(&run, "energy");
+    let walls = ["bottom_work", "bottom_heat", "top_work", "top_heat"];
+    let given: f64 = walls.iter().flat_map(|name| column(&run, name).into_iter().skip(1)).sum();
+    let open = energy[energy.len() - 1] - energy[0] + given;
+    assert!(open.abs() < 1e-13 * energy[0], "{open:e} of {}", energy[0]);
+    // It is no balance of zeros.
+    assert!(number(&summary["walls"]["bottom"], "heat") > 1e-7, "{summary}");
+}
+
+const STOKES: &str = r#"
+[constants]
+U = 0.03
+w = "2*pi"
+k = "sqrt(w/0.04)"
+[mesh]
+order = 2
+generate.box = { lower = [0, 0], upper = [0.2, 1], cells = [2, 10], periodic = ["x"] }
+[motion]
+elasticity = {}
+boundary.bottom = { displacement = ["U/w*sin(w*t)", 0] }
+boundary.top = "fixed"
+[flow]
+order = 5
+gas.viscosity = { constant = 0.02 }
+reference = { density = 1, speed = 0.03, pressure = 1 }
+initial.expression = { density = 1, velocity = ["U*exp(-k*y)*cos(k*y)", 0], pressure = 1 }
+boundary.others = { isothermal_wall = { temperature = 1 } }
+[time]
+order = 3
+end = 1
+slabs = 20
+[solver]
+newton_tolerance = 1e-11
+"#;
+
+/// The sign of a moment is the one asked for, in every figure of it.
+#[test]
+fn moments_are_positive_nose_up_where_that_is_asked_for() {
+    let directory = TempDir::new().unwrap();
+    let run = |output: &str, extra: &[&str]| {
+        let set = [&["time.end=0.1", "time.slabs=2"], extra].concat();
+        on_case(directory.path(), "run", "couette", &set, output, &[]).expect(0, &[]);
+        directory.path().join(output)
+    };
+    let (left, up) = (run("left", &[]), run("up", &["flow.forces.others.moment_positive=nose_up"]));
+    for name in ["top_moment", "top_moment_coefficient", "top_moment_impulse", "bottom_moment"] {
+        let (left, up) = (column(&left, name), column(&up, name));
+        assert!(left.iter().zip(&up).all(|(left, up)| *left == -up && *left != 0.0), "{name}: {left:?} {up:?}");
+    }
+    assert_eq!(column(&left, "top_power"), column(&up, "top_power"));
+    let of = |run: &std::path::Path| summary(run)["walls"]["top"].clone();
+    let impulse = |wall: &serde_json::Value| wall["moment_impulse"][0].as_f64().unwrap();
+    assert_eq!(impulse(&of(&left)), -impulse(&of(&up)));
+    assert_eq!(number(&of(&left), "moment_coefficient"), -number(&of(&up), "moment_coefficient"));
 }
 
 #[test]

@@ -92,6 +92,67 @@ fn a_structure_resumes_with_the_same_bits() {
     assert_eq!(summary(&directory.path().join("resumed"))["slabs"], 20);
 }
 
+/// 23.96 is the deflection that the literature agrees on, and the load is proportional to time.
+#[test]
+fn cooks_membrane_has_the_deflection_of_the_literature() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "cooks_membrane", &[]);
+    let run = directory.path().join("cooks_membrane");
+    let tip = column(&run, "tip_y");
+    assert!((tip[3] - 23.96).abs() < 0.02, "{tip:?}");
+    for (step, y) in tip.iter().enumerate() {
+        assert!((y - 0.25 * (step + 1) as f64 * tip[3]).abs() < 1e-9, "step {step}: {y}");
+    }
+    // Clapeyron: the energy of the strain is half of load times way, and nothing is left open.
+    let (strain, energy) = (column(&run, "strain_energy")[3], number(&summary, "structure.energy"));
+    assert_eq!(strain, energy);
+    assert!(column(&run, "kinetic_energy").iter().all(|kinetic| *kinetic == 0.0));
+    assert!(number(&summary, "structure.energy_error").abs() < 1e-9 * energy, "{summary}");
+    // In plane strain the sheet is stiffer.
+    let strain = on_case(directory.path(), "run", "cooks_membrane", &["structure.plane=\"strain\""], "strain", &[]);
+    strain.expect(0, &[]);
+    assert!(column(&directory.path().join("strain"), "tip_y")[3] < 0.97 * tip[3]);
+}
+
+/// A formula that is a number gives what the number gives; one that varies is resumed with the same bits.
+#[test]
+fn constants_may_be_formulas_of_position() {
+    let directory = TempDir::new().unwrap();
+    let run = |set: &[&str], output: &str, extra: &[&str]| {
+        on_case(directory.path(), "run", "cooks_membrane", set, output, extra).expect(0, &[]);
+        column(&directory.path().join(output), "tip_y")
+    };
+    let (number, formula) = (run(&[], "number", &[]), run(&["structure.poisson_ratio=\"1/3+0*x\""], "formula", &[]));
+    assert!((number[3] / formula[3] - 1.0).abs() < 1e-10, "{number:?} {formula:?}");
+    let until = |end: &'static str| {
+        ["structure.young_modulus=\"1+x/48\"", "structure.poisson_ratio=\"0.1+0.3*y/60\"", end].to_vec()
+    };
+    let (half, whole) = (until("time={order=2,end=0.5,step=0.25}"), until("time={order=2,end=1,step=0.25}"));
+    let through = run(&whole, "through", &["--threads", "1"]);
+    assert!(through[3] < 0.9 * number[3]);
+    run(&half, "resumed", &["--threads", "2"]);
+    run(&whole, "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "statics");
+}
+
+#[test]
+fn what_a_static_analysis_does_not_take_is_refused() {
+    let directory = TempDir::new().unwrap();
+    for (set, parts) in [
+        ("structure.initial.velocity=[0,1]", &["`structure.initial.velocity` has no effect on a static analysis"][..]),
+        ("structure.natural_modes=2", &["missing key `density`"]),
+        ("structure.analysis=\"dynamic\"", &["missing key `density`", "static"]),
+        ("structure.poisson_ratio=\"x/48\"", &["Poisson's ratio is out of range", "below 0.5"]),
+        ("structure.young_modulus=\"x-20\"", &["Young's modulus is out of range", "a positive number"]),
+        ("structure.boundary.left=\"free\"", &["prescribe the displacement on more of the boundary"]),
+    ] {
+        on_case(directory.path(), "run", "cooks_membrane", &[set], "run", &[]).expect(2, parts);
+    }
+    let extruded = ["mesh.extrude={depth=1,layers=1}", "structure.points={}", "structure.boundary.right=\"free\""];
+    on_case(directory.path(), "run", "cooks_membrane", &extruded, "run", &[])
+        .expect(2, &["`structure.plane` has no effect on a three-dimensional body"]);
+}
+
 #[test]
 fn what_does_not_go_with_a_structure_is_refused() {
     let directory = TempDir::new().unwrap();
@@ -100,6 +161,7 @@ fn what_does_not_go_with_a_structure_is_refused() {
         ("structure.density=-1", &["the density is out of range", "a positive number"]),
         ("structure.poisson_ratio=0.5", &["Poisson's ratio is out of range", "below 0.5"]),
         ("structure.points.tip=[2,0]", &["the point is out of range", "a point inside the mesh"]),
+        ("structure.points={\"a\\nb\"=[0.5,0.025]}", &["the name of the point is out of range", "on one line"]),
         ("structure.boundary.left={held=[\"z\"]}", &["structure.boundary.left.held[0]", "two-dimensional"]),
         ("structure.initial.displacement=[0,1e-3]", &["not that of boundary `left`"]),
     ] {

@@ -10,12 +10,12 @@
 
 use super::blocks::{Link, coupling_block, diagonal_block};
 use super::ilu::FlowPreconditioner;
-use super::sparse_lu::{BlockMatrix, SparseLu};
 use basis::{Lagrange, Matrix};
-use faer::sparse::FaerError;
 use faer::{Mat, MatRef};
 use fem::{Layout, TraceSpace};
 use rayon::prelude::*;
+use sparse::{BlockMatrix, EliminationTree, Factorisation, Kind};
+use std::sync::Arc;
 
 /// Coarse unknowns of a three-dimensional mesh for which a direct solver of degree 1 pays: its work grows with their square, and
 /// with 27,000 it takes as long as a hundred iterations.
@@ -58,9 +58,12 @@ pub struct CoarseLevel {
     images: Vec<Mat<f64>>,
     /// B_ik P of every cell.
     coupled: Vec<Vec<CoupledImage>>,
-    matrix: BlockMatrix,
-    factors: SparseLu,
+    matrix: BlockMatrix<f64>,
+    tree: Arc<EliminationTree>,
+    /// Of `matrix`, once it is assembled.
+    factors: Option<Factorisation<f64>>,
     coefficients: Vec<f64>,
+    solve: Vec<f64>,
     rest: Vec<f64>,
 }
 
@@ -69,7 +72,7 @@ impl CoarseLevel {
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(sweeps: &FlowPreconditioner, layout: Layout, order: usize) -> Result<Option<Self>, FaerError> {
+    pub fn new(sweeps: &FlowPreconditioner, layout: Layout, order: usize) -> Result<Option<Self>, sparse::Error> {
         let (jacobian, links) = (sweeps.jacobian(), sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);
@@ -77,16 +80,19 @@ impl CoarseLevel {
         let p = over_components(&prolongation, components);
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
-        let matrix = BlockMatrix::new(p.ncols(), links);
+        let neighbours = links.iter().map(|links| links.iter().map(|link| link.cell).collect()).collect();
+        let matrix = BlockMatrix::new(Kind::Lu, p.ncols(), neighbours);
         let coarse = CoarseLevel {
             layout,
             prolongation,
             traces,
             images: Vec::new(),
             coupled: Vec::new(),
-            factors: SparseLu::new(&matrix)?,
+            tree: Arc::new(matrix.elimination_tree()?),
+            factors: None,
             matrix,
             coefficients: vec![0.0; layout.cells * p.ncols()],
+            solve: Vec::new(),
             rest: vec![0.0; layout.len()],
             p,
         };
@@ -105,7 +111,10 @@ impl CoarseLevel {
         };
         self.coupled = sweeps.links().par_iter().map(|links| links.iter().map(coupled_image).collect()).collect();
         self.assemble();
-        self.factors.factor(&self.matrix).then_some(self)
+        // The memory of old factors is free before new ones are made.
+        self.factors = None;
+        self.factors = Some(self.matrix.factor(self.tree.clone()).ok()?);
+        Some(self)
     }
 
     /// P^T B P.
@@ -113,10 +122,10 @@ impl CoarseLevel {
         self.matrix.clear();
         for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
             let own = self.p.transpose() * image;
-            self.matrix.add(cell, cell, &own);
+            self.matrix.add(cell, cell, |i, j| own[(i, j)]);
             for CoupledImage { link, image } in coupled {
                 let block = self.traces[link.face].transpose() * image;
-                self.matrix.add(cell, link.cell, &block);
+                self.matrix.add(cell, link.cell, |i, j| block[(i, j)]);
             }
         }
     }
@@ -124,7 +133,9 @@ impl CoarseLevel {
     /// z by (two-level).
     pub fn apply(&mut self, sweeps: &mut FlowPreconditioner, r: &[f64], z: &mut [f64]) {
         self.restrict(r);
-        self.factors.solve(&mut self.coefficients);
+        if let Some(factors) = &self.factors {
+            factors.solve(&mut self.coefficients, 1, &mut self.solve);
+        }
         let mut rest = std::mem::take(&mut self.rest);
         rest.copy_from_slice(r);
         self.subtract_images(&sweeps.jacobian().traces, &mut rest);

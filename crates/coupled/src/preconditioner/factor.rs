@@ -13,10 +13,10 @@ use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
 use super::pairs;
 use super::panel::padded;
-use super::wavefront::wavefront;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
 use fem::{Pool, SpaceJacobian};
+use sparse::dependency_schedule;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tensor::Arch;
 
@@ -64,7 +64,7 @@ impl Elimination<'_> {
             let links = self.links[self.ordering.cells[position]].iter();
             links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < position)
         };
-        wavefront(cells, self.ordering.widest_level(), needs, |position| {
+        dependency_schedule(cells, self.ordering.widest_level(), needs, |position| {
             let mut mine = std::mem::take(&mut *lock(&updates[position]));
             // As they came, they would be added in an order of chance.
             mine.sort_by_key(|update| update.from);

@@ -13,7 +13,6 @@ mod coarse;
 mod couplings;
 mod face_traces;
 mod factor;
-mod fronts;
 mod ilu;
 mod inverse;
 mod lines;
@@ -21,9 +20,7 @@ mod modal;
 mod ordering;
 mod pairs;
 mod panel;
-mod sparse_lu;
 mod sweeps;
-mod wavefront;
 
 pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
 pub use ilu::FlowPreconditioner;

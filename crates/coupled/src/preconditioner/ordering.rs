@@ -91,7 +91,7 @@ fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
 }
 
 /// The position of each entry of an order.
-pub(super) fn inverse(order: &[usize]) -> Vec<usize> {
+fn inverse(order: &[usize]) -> Vec<usize> {
     let mut positions = vec![0; order.len()];
     order.iter().enumerate().for_each(|(position, &entry)| positions[entry] = position);
     positions

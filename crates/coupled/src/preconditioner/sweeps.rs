@@ -4,7 +4,7 @@ use super::couplings::Step;
 use super::ilu::{FlowPreconditioner, Scratch};
 use super::pairs::{self, MultiplyPairs};
 use super::panel::padded;
-use super::wavefront::wavefront;
+use sparse::dependency_schedule;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 /// What the sweeps keep of a cell, `[column][padded row]`.
@@ -47,7 +47,7 @@ impl FlowPreconditioner {
             let own = (!forward).then(|| number_back(k));
             neighbours.map(move |neighbour| if forward { neighbour } else { number_back(neighbour) }).chain(own)
         };
-        wavefront(2 * cells, self.ordering.widest_level(), needs, |k| {
+        dependency_schedule(2 * cells, self.ordering.widest_level(), needs, |k| {
             if k < cells { self.eliminate(k) } else { self.substitute(number_back(k)) }
         });
     }

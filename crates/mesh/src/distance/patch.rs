@@ -54,6 +54,8 @@ type Nodal<const D: usize> = Vec<[f64; D]>;
 /// A curved facet.
 #[derive(Clone, Debug)]
 pub(super) struct Patch<const D: usize> {
+    /// The first node: all other places are relative to it, except the box.
+    origin: [f64; D],
     /// x at the nodes, and at the same nodes its derivatives: polynomials of the same degree.
     x: Nodal<D>,
     first: [Nodal<D>; 2],
@@ -68,7 +70,9 @@ pub(super) struct Patch<const D: usize> {
 
 impl<const D: usize> Patch<D> {
     /// The facet with the nodes `x`.
-    pub(super) fn new(tables: &Tables, x: Nodal<D>) -> Self {
+    pub(super) fn new(tables: &Tables, nodes: Nodal<D>) -> Self {
+        let origin = nodes[0];
+        let x: Nodal<D> = nodes.iter().map(|x| from_fn(|i| x[i] - origin[i])).collect();
         let derivative = |f: &Nodal<D>, axis: usize| along::<D>(&tables.derivative, f, axis);
         let first = from_fn(|a| derivative(&x, a));
         let second = from_fn(|a| from_fn(|b| derivative(&first[a], b)));
@@ -76,13 +80,17 @@ impl<const D: usize> Patch<D> {
         // Half the distance of samples along each axis, at the largest speed along it.
         let speed = |a: usize| tables.lebesgue * first[a].iter().map(norm).fold(0.0, f64::max);
         let reach = (0..D - 1).map(|a| speed(a) / (tables.samples.len() - 1) as f64).sum();
-        let frames = samples.iter().map(|x| Frame { lower: x.map(|x| x - reach), upper: x.map(|x| x + reach) });
+        let frames = samples.iter().map(|x| Frame {
+            lower: from_fn(|i| origin[i] + (x[i] - reach)),
+            upper: from_fn(|i| origin[i] + (x[i] + reach)),
+        });
         let frame = frames.reduce(Frame::around).expect("a facet has samples");
-        Patch { x, first, second, samples, reach, frame }
+        Patch { origin, x, first, second, samples, reach, frame }
     }
 
     /// The smaller of `nearest` and the distance of `p` to the facet.
     pub(super) fn distance(&self, tables: &Tables, p: &[f64; D], nearest: f64) -> f64 {
+        let p = &from_fn(|i| p[i] - self.origin[i]);
         let distances: Vec<f64> = self.samples.iter().map(|x| norm(&from_fn::<f64, D, _>(|i| x[i] - p[i]))).collect();
         let n = tables.samples.len();
         let mut nearest = nearest;

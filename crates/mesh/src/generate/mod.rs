@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `box_mesh`, `curving` | a box of cells, straight or curved |
 //! | `channel` | a box between two walls |
+//! | `channel_cylinder` | a cylinder across a channel |
 //! | `rotating_box` | a square with a square hole |
 //! | `annulus`, `disc` | between two circles; within one |
 //! | `airfoil` | a C-mesh around a symmetric NACA airfoil |
@@ -17,6 +18,7 @@ mod assembly;
 mod blade;
 mod box_mesh;
 mod channel;
+mod channel_cylinder;
 mod closed_curve;
 mod curving;
 mod disc;
@@ -31,6 +33,7 @@ pub use annulus::AnnulusMesh;
 pub use blade::{BladeCells, BladeMesh};
 pub use box_mesh::{BOX_BOUNDARIES, BoxMesh};
 pub use channel::ChannelMesh;
+pub use channel_cylinder::ChannelCylinderMesh;
 pub use closed_curve::ClosedCurve;
 pub use curving::Curving;
 pub use disc::DiscMesh;

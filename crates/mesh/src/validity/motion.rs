@@ -93,9 +93,10 @@ impl<const D: usize> MotionCheck<D> {
         for lane in 0..WIDTH {
             let cell = cells[lane.min(cells.len() - 1)];
             let (numbers, at_rest) = (self.numbering.cell(cell), &self.positions[cell * nodes * D..][..nodes * D]);
-            let first: [f64; D] = std::array::from_fn(|i| displacements[numbers[0] * D + i]);
             let length = self.numbering.count * D;
             for (d, out) in displacements.chunks_exact(length).zip(work.nodes.chunks_exact_mut(nodes * D)) {
+                // A translation, at any time, does not change det J; it would cost digits.
+                let first = &d[numbers[0] * D..][..D];
                 for (k, number) in numbers.iter().enumerate() {
                     for i in 0..D {
                         out[i * nodes + k].0[lane] = at_rest[k * D + i] + (d[number * D + i] - first[i]);
@@ -126,8 +127,10 @@ impl<const D: usize> MotionCheck<D> {
     fn search(&self, cell: usize, displacements: &[f64], smallest: f64) -> Validity<D> {
         let (numbers, length) = (self.numbering.cell(cell), self.nodes_per_cell() * D);
         let at_rest = &self.positions[cell * length..][..length];
-        let moved =
-            |d: &[f64]| -> Vec<f64> { (0..length).map(|k| at_rest[k] + d[numbers[k / D] * D + k % D]).collect() };
+        let moved = |d: &[f64]| -> Vec<f64> {
+            let relative = |k: usize| d[numbers[k / D] * D + k % D] - d[numbers[0] * D + k % D];
+            (0..length).map(|k| at_rest[k] + relative(k)).collect()
+        };
         let positions: Vec<f64> = displacements.chunks_exact(self.numbering.count * D).flat_map(moved).collect();
         self.check.search(&positions, Some(at_rest)).decide(&self.check.directions, smallest)
     }

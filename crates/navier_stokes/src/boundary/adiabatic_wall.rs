@@ -66,4 +66,9 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         let work = along(&traction, &wall_velocity(&self.slide, n, v));
         components(state[0].zero(), &traction, work)
     }
+
+    #[inline(always)]
+    fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
+        wall_velocity(&self.slide, n, v)
+    }
 }

@@ -71,4 +71,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         let work = along(&traction, &wall_velocity(&self.slide, n, v));
         components(state[0].zero(), &traction, work + along(&stresses.heat, n))
     }
+
+    #[inline(always)]
+    fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
+        wall_velocity(&self.slide, n, v)
+    }
 }

@@ -5,15 +5,20 @@
 //! inner state through u_b and the gradient alone, which makes the scheme and functionals like lift adjoint consistent
 //! (Hartmann 2007). Where gas may cross, inflow and outflow take F_c(u_b) with u_b made of data and of the invariants that
 //! leave; the far field and prescribed states leave that choice to the Riemann solver.
+//!
+//! Data stand for entropy and tangential velocity exactly where gas enters, whatever the condition is called: see [`opening`].
 
 mod adiabatic_wall;
 mod far_field;
 mod inflow;
 mod isothermal_wall;
 mod no_slip;
+mod opening;
 mod outflow;
 mod prescribed_state;
 mod slip_wall;
+mod supersonic_inflow;
+mod velocity_inflow;
 
 pub use adiabatic_wall::AdiabaticWall;
 pub use far_field::FarField;
@@ -22,10 +27,14 @@ pub use isothermal_wall::IsothermalWall;
 pub use outflow::Outflow;
 pub use prescribed_state::PrescribedState;
 pub use slip_wall::SlipWall;
+pub use supersonic_inflow::SupersonicInflow;
+pub use velocity_inflow::VelocityInflow;
 
+use crate::flux::inviscid_normal;
+use crate::gas::Gas;
 use crate::law::NavierStokes;
-use crate::state::{along, components};
-use tensor::{Over, Real};
+use crate::state::{Primitive, along, components};
+use tensor::{Over, Real, dot};
 
 /// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments; the last question has an answer already.
 pub(crate) trait Condition<const D: usize> {
@@ -58,6 +67,12 @@ pub(crate) trait Condition<const D: usize> {
         n: &[G; D],
         v: &[G; D],
     ) -> [T; M];
+
+    /// The velocity of the boundary where the mesh moves with `v`: that of the mesh, unless it slides in its own plane.
+    #[inline(always)]
+    fn velocity<G: Real>(&self, _n: &[G; D], v: &[G; D]) -> [G; D] {
+        *v
+    }
 
     /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
     #[inline(always)]
@@ -92,6 +107,10 @@ pub enum Boundary<const D: usize> {
     Inflow(Inflow<D>),
     /// Outflow to a given static pressure; nothing is imposed where it is supersonic.
     Outflow(Outflow),
+    /// Subsonic inflow of given velocity, or mass flux, and temperature.
+    VelocityInflow(VelocityInflow),
+    /// Supersonic inflow of a given state.
+    SupersonicInflow(SupersonicInflow),
 }
 
 /// Calls the same method on whichever condition `$boundary` holds.
@@ -105,6 +124,8 @@ macro_rules! each {
             Boundary::SlipWall($condition) | Boundary::Symmetry($condition) => $call,
             Boundary::Inflow($condition) => $call,
             Boundary::Outflow($condition) => $call,
+            Boundary::VelocityInflow($condition) => $call,
+            Boundary::SupersonicInflow($condition) => $call,
         }
     };
 }
@@ -113,7 +134,7 @@ impl<const D: usize> Boundary<D> {
     /// Whether the condition needs a state at every point.
     #[inline(always)]
     pub fn takes_state(&self) -> bool {
-        matches!(self, Boundary::PrescribedState(_))
+        matches!(self, Boundary::PrescribedState(_) | Boundary::VelocityInflow(_) | Boundary::SupersonicInflow(_))
     }
 
     /// Whether the boundary is the surface of a body, which feels a force.
@@ -171,12 +192,38 @@ impl<const D: usize> Boundary<D> {
     ) -> [T; M] {
         each!(self, condition => condition.viscous_flux(law, state, gradient, n, v))
     }
+
+    #[inline(always)]
+    pub(crate) fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
+        each!(self, condition => Condition::<D>::velocity(condition, n, v))
+    }
 }
 
 /// The zero flux, in the kind of `like`.
 #[inline(always)]
 fn nothing<T: Real, const M: usize>(like: T) -> [T; M] {
     [like.zero(); M]
+}
+
+/// (F_c(u) - u v) . n of the state on a facet.
+#[inline(always)]
+fn through<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    gas: &Gas,
+    state: &Primitive<T, D>,
+    n: &[G; D],
+    v: &[G; D],
+) -> [T; M] {
+    inviscid_normal(&state.pack(gas), along(&state.velocity, n), state.pressure, n, dot(v, n))
+}
+
+/// `data` as numbers of the state.
+#[inline(always)]
+fn lifted<T: Over<G>, G: Real, const M: usize>(minus: &[T; M], data: &[G; M]) -> [T; M] {
+    let mut state = *minus;
+    for c in 0..M {
+        state[c] = T::lift(data[c]);
+    }
+    state
 }
 
 /// The flux of a boundary that no mass crosses: [0 ; p n ; p v_n], the pressure and its work on the moving facet.

@@ -1,50 +1,57 @@
 //! Outflow to a given static pressure.
 
-use super::Condition;
+use super::opening::{Facet, Reservoir};
+use super::{Condition, through};
 use crate::error::{InvalidParameter, positive};
-use crate::flux::{Stresses, inviscid_normal};
+use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
 use tensor::{Over, Real, dot};
 
-/// The static pressure outside. Viscous stress and heat pass as they come from inside.
+/// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see [`super::opening`]: of total pressure p_b
+/// and total temperature T_0 relative to the facet, it enters along the normal. Viscous stress and heat pass as they come from inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow {
-    pressure: f64,
+    reservoir: Reservoir,
 }
 
 impl Outflow {
-    /// Outflow to the static `pressure`.
+    /// Outflow to the static `pressure`; gas that comes back has the total temperature `total_temperature`.
     ///
     /// # Errors
-    /// A pressure that is not positive.
-    pub fn new(pressure: f64) -> Result<Self, InvalidParameter> {
-        Ok(Outflow { pressure: positive("pressure of the outflow", pressure)? })
+    /// A pressure or a temperature that is not positive.
+    pub fn new(pressure: f64, total_temperature: f64) -> Result<Self, InvalidParameter> {
+        positive("pressure of the outflow", pressure)?;
+        Ok(Outflow { reservoir: Reservoir::new(pressure, total_temperature)? })
     }
 
-    /// The state of the pressure p outside with the entropy, the tangential velocity and the outgoing acoustic invariant
-    /// w_n + 2 c / (gamma - 1) of `minus`; `minus` itself where w_n - v_n >= c, since no wave comes in there.
+    /// The state on the facet: `minus` itself where w_n - v_n >= c, since no wave comes in there.
     #[inline(always)]
     fn outside<T: Over<G>, G: Real, const D: usize, const M: usize>(
         &self,
         gas: &Gas,
         minus: &[T; M],
         n: &[G; D],
-        v_n: G,
+        v: &[G; D],
     ) -> Primitive<T, D> {
         let inside = Primitive::unpack(gas, minus);
-        let c = gas.sound_speed(inside.density, inside.pressure);
-        let subsonic_pressure = c.constant(self.pressure);
-        let pressure = along(&inside.velocity, n).minus(v_n).select_ge(c, inside.pressure, subsonic_pressure);
-
-        let density = inside.density * (pressure / inside.pressure).powf(1.0 / gas.gamma());
-        let gain = (c - gas.sound_speed(density, pressure)) * (2.0 / (gas.gamma() - 1.0));
-        let mut velocity = inside.velocity;
+        let mut direction = *n;
         for i in 0..D {
-            velocity[i] += gain.scale(n[i]);
+            direction[i] = -n[i];
         }
-        Primitive { density, velocity, pressure }
+        let v_n = dot(v, n);
+        let facet = Facet { normal: *n, normal_velocity: v_n, direction, reservoir_velocity: *v };
+        let mut outside = self.reservoir.state(gas, &inside, &facet);
+
+        let c = gas.sound_speed(inside.density, inside.pressure);
+        let relative = along(&inside.velocity, n).minus(v_n);
+        outside.density = relative.select_ge(c, inside.density, outside.density);
+        outside.pressure = relative.select_ge(c, inside.pressure, outside.pressure);
+        for i in 0..D {
+            outside.velocity[i] = relative.select_ge(c, inside.velocity[i], outside.velocity[i]);
+        }
+        outside
     }
 }
 
@@ -70,9 +77,7 @@ impl<const D: usize> Condition<D> for Outflow {
         v: &[G; D],
         _data: &[G; M],
     ) -> [T; M] {
-        let v_n = dot(v, n);
-        let outside = self.outside(&law.gas, minus, n, v_n);
-        inviscid_normal(&outside.pack(&law.gas), along(&outside.velocity, n), outside.pressure, n, v_n)
+        through(&law.gas, &self.outside(&law.gas, minus, n, v), n, v)
     }
 
     #[inline(always)]
@@ -96,6 +101,6 @@ impl<const D: usize> Condition<D> for Outflow {
         v: &[G; D],
         _data: &[G; M],
     ) -> [T; M] {
-        self.outside(&law.gas, minus, n, dot(v, n)).pack(&law.gas)
+        self.outside(&law.gas, minus, n, v).pack(&law.gas)
     }
 }

@@ -1,6 +1,6 @@
 //! A prescribed state.
 
-use super::Condition;
+use super::{Condition, lifted};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use tensor::{Over, Real, dot};
@@ -9,16 +9,6 @@ use tensor::{Over, Real, dot};
 /// and viscous terms take it as Dirichlet data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedState;
-
-/// `data` as numbers of the state.
-#[inline(always)]
-fn lifted<T: Over<G>, G: Real, const M: usize>(minus: &[T; M], data: &[G; M]) -> [T; M] {
-    let mut state = *minus;
-    for c in 0..M {
-        state[c] = T::lift(data[c]);
-    }
-    state
-}
 
 impl<const D: usize> Condition<D> for PrescribedState {
     #[inline(always)]

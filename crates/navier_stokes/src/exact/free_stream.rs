@@ -21,6 +21,11 @@ impl<const D: usize> FreeStream<D> {
     pub fn new(gas: Gas, state: Primitive<f64, D>) -> Result<Self, InvalidParameter> {
         Ok(FreeStream { gas, state: state.checked()? })
     }
+
+    /// Density, velocity and pressure.
+    pub fn primitive(&self) -> Primitive<f64, D> {
+        self.state
+    }
 }
 
 impl<const D: usize, const M: usize> ExactState<D, M> for FreeStream<D> {

@@ -5,8 +5,10 @@ mod consistency;
 mod derivatives;
 mod exact;
 mod gas;
+mod given_inflows;
 mod invariance;
 mod lanes;
+mod openings;
 mod walls;
 
 use crate::*;
@@ -123,6 +125,9 @@ impl<const D: usize> Conditions<D> {
         let mut random = Random(9);
         Conditions { free_stream: random.vector(1.0), slide: random.vector(1.0), direction: random.unit() }
     }
+    /// So many at the end of the list depend on the observer: a reservoir is at rest, and a mass flux is one through a plane at rest.
+    pub(super) const OF_AN_OBSERVER: usize = 2;
+
     /// Each condition, named.
     pub(super) fn list(&self) -> Vec<Boundary<D>> {
         let free_stream = Primitive { density: 1.1, velocity: self.free_stream, pressure: 0.9 };
@@ -133,8 +138,11 @@ impl<const D: usize> Conditions<D> {
             Boundary::IsothermalWall(IsothermalWall::new(1.3, self.slide).unwrap()),
             Boundary::SlipWall(SlipWall),
             Boundary::Symmetry(SlipWall),
-            Boundary::Outflow(Outflow::new(0.8).unwrap()),
+            Boundary::Outflow(Outflow::new(0.8, 1.9).unwrap()),
+            Boundary::VelocityInflow(VelocityInflow::OfVelocity),
+            Boundary::SupersonicInflow(SupersonicInflow),
             Boundary::Inflow(Inflow::new(2.0, 2.5, self.direction).unwrap()),
+            Boundary::VelocityInflow(VelocityInflow::OfMassFlux),
         ]
     }
 }

@@ -20,7 +20,24 @@ pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
     tolerances: Tolerances,
     pseudo_time: PseudoTime,
     previous: Option<Previous>,
+    best: Best,
     report: Report,
+}
+
+/// The iterate with the least residual, where the settings ask for it.
+struct Best {
+    norm: f64,
+    z: Vec<f64>,
+    /// The number of the step that ended with a residual well below all before.
+    progress: usize,
+    /// The least norm then.
+    progress_norm: f64,
+}
+
+impl Best {
+    fn new(norm: f64) -> Self {
+        Best { norm: f64::INFINITY, z: Vec::new(), progress: 0, progress_norm: norm }
+    }
 }
 
 /// An increment that was found useful, and how far to follow it.
@@ -57,7 +74,9 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let pseudo_time = PseudoTime::new(settings.pseudo_time, &field_norms);
         report.initial_norm = norm;
         report.initial_field_norms = field_norms;
-        let mut driver = Self { problem, settings, workspace, tolerances, pseudo_time, previous: None, report };
+        let best = Best::new(norm);
+        let mut driver = Self { problem, settings, workspace, tolerances, pseudo_time, previous: None, best, report };
+        driver.note_progress(z);
         driver.judge(true)?;
         Ok(driver)
     }
@@ -72,11 +91,41 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.report
     }
 
+    /// Puts the iterate with the least residual into `z`, after a failure, if the settings ask for it.
+    pub(super) fn return_best(&mut self, z: &mut [f64]) {
+        if !self.best.z.is_empty() {
+            copy(&self.best.z, z);
+        }
+    }
+
+    /// Keeps the iterate `z` if it is the best so far.
+    fn note_progress(&mut self, z: &[f64]) {
+        let Some(stall) = self.settings.stall else { return };
+        let norm = self.report.final_norm();
+        if norm < self.best.norm {
+            self.best.norm = norm;
+            self.best.z.resize(z.len(), 0.0);
+            copy(z, &mut self.best.z);
+        }
+        if norm <= stall.factor * self.best.progress_norm {
+            (self.best.progress, self.best.progress_norm) = (self.report.steps.len(), norm);
+        }
+    }
+
+    /// Whether the residual has not fallen for as long as the settings allow.
+    fn has_stalled(&self) -> bool {
+        self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
+    }
+
     /// One accepted step, after as many rejected attempts as it takes.
     pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
         if self.report.steps.len() >= self.settings.max_steps {
             let (tolerance, report) = (self.tolerances.total, Box::new(self.report.clone()));
             return Err(Error::MaxSteps { tolerance, report });
+        }
+        if self.has_stalled() {
+            let (least, since) = (self.best.progress_norm, self.best.progress);
+            return Err(Error::Stalled { least, since, report: Box::new(self.report.clone()) });
         }
         let norm = self.report.final_norm();
         let aim = self.tolerances.aim(norm, self.report.final_field_norms());
@@ -159,8 +208,9 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             rejections,
         };
         tracing::debug!(?step, "Newton step {}", self.report.steps.len() + 1);
-        self.pseudo_time.accept(&step.field_norms);
+        self.pseudo_time.accept(&step.field_norms, step.step_length);
         self.report.steps.push(step);
+        self.note_progress(z);
         self.damp_after_short_steps();
         self.judge(attempt.search.decreased)
     }

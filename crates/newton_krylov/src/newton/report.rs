@@ -69,7 +69,7 @@ impl Report {
     }
 }
 
-/// Why a solve failed. z is left at the last accepted iterate.
+/// Why a solve failed. z is left at an accepted iterate, see [`super::solve`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// R or dR/dz is not defined at an iterate: at the initial guess unless the problem contradicts itself.
@@ -107,6 +107,19 @@ pub enum Error {
         /// What was done until then.
         report: Box<Report>,
     },
+    /// The residual no longer falls.
+    #[error(
+        "Newton step {}: the residual norm no longer falls: it is {:e}, and was {least:e} after step {since} already",
+        report.steps.len(), report.final_norm()
+    )]
+    Stalled {
+        /// The least norm.
+        least: f64,
+        /// The step that ended there.
+        since: usize,
+        /// What was done until then.
+        report: Box<Report>,
+    },
     /// The residual grew beyond all bounds, or is not finite.
     #[error(
         "Newton step {}: diverged, the residual norm is {:e}, against {reference:e} for reference",
@@ -128,6 +141,7 @@ impl Error {
             | Self::LineSearch { report, .. }
             | Self::Krylov { report, .. }
             | Self::MaxSteps { report, .. }
+            | Self::Stalled { report, .. }
             | Self::Diverged { report, .. } => report,
         }
     }

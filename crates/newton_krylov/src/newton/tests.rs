@@ -283,3 +283,33 @@ fn a_residual_that_grows_beyond_all_bounds_is_divergence() {
     let error = run(&mut problem, &mut [0.0], &settings).unwrap_err();
     assert!(matches!(error, Error::Diverged { .. }), "{error}");
 }
+
+// ---- stalls --------------------------------------------------------------------------------------------------------------
+
+/// x^2 + 1 has no root: without an end to it the driver would spend all its steps.
+#[test]
+fn a_residual_that_no_longer_falls_ends_the_solve_at_the_best_iterate() {
+    let no_root = |x: &[f64]| Ok(vec![x[0] * x[0] + 1.0]);
+    let mut problem = Small::new(1, no_root, |x: &[f64]| vec![vec![2.0 * x[0]]]);
+    let mut settings = Settings { max_steps: 100, stall: Some(Stall { steps: 5, factor: 0.9 }), ..Settings::default() };
+    // Damping for ever: an implicit Euler step always lets |G| fall.
+    settings.pseudo_time = pseudo_time::Settings { initial_inverse: 10.0, switch_off: 0.0, ..settings.pseudo_time };
+    let mut x = [2.0];
+    let error = run(&mut problem, &mut x, &settings).unwrap_err();
+    let Error::Stalled { least, report, .. } = &error else { panic!("{error}") };
+    assert!(report.steps.len() < 40, "{} steps", report.steps.len());
+    let history = report.residual_history();
+    let best = history.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(x[0] * x[0] + 1.0, best, "back at the best iterate");
+    assert!(*least >= best && *least <= best / 0.9);
+}
+
+#[test]
+fn a_solve_that_converges_does_not_feel_the_watch_for_stalls() {
+    let solve = |stall| {
+        let mut u = vec![0.0; 63];
+        run(&mut Bratu::new(63), &mut u, &Settings { stall, ..exact() }).unwrap();
+        bits(&u)
+    };
+    assert_eq!(solve(None), solve(Some(Stall { steps: 1, factor: 0.9 })));
+}

@@ -3,9 +3,10 @@
 use super::vector::Vector;
 use crate::expression::Program;
 use coupled::BoundaryField;
+use fem::VectorField;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tensor::Transcendental;
+use tensor::{Dual, Transcendental};
 
 /// The displacement of a boundary that moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +52,15 @@ impl<const D: usize> BoundaryField<D> for BoundaryMotion<D> {
             BoundaryMotion::Formulas(displacement) => displacement.evaluate(x, t),
             BoundaryMotion::Rigid(motion) => motion.displacement(x, t),
             BoundaryMotion::Normal(motion) => motion.displacement(node, x, t),
+        }
+    }
+
+    fn velocity(&self, node: usize, x: &[f64; D], t: f64) -> [f64; D] {
+        let (x_dual, t_dual) = (x.map(Dual::from), Dual::new(t, 1.0));
+        match self {
+            BoundaryMotion::Formulas(displacement) => displacement.rate(x, t),
+            BoundaryMotion::Rigid(motion) => motion.displacement(&x_dual, t_dual).map(|d| d.derivative),
+            BoundaryMotion::Normal(motion) => motion.displacement(node, &x_dual, t_dual).map(|d| d.derivative),
         }
     }
 }
@@ -129,11 +139,11 @@ pub struct NormalMotion<const D: usize> {
 pub type NormalAndArc<const D: usize> = ([f64; D], f64);
 
 impl<const D: usize> NormalMotion<D> {
-    fn displacement(&self, node: usize, x: &[f64; D], t: f64) -> [f64; D] {
-        let Some((normal, s)) = self.nodes.get(&node) else { return [0.0; D] };
-        let mut position = [0.0; 4];
+    fn displacement<T: Transcendental>(&self, node: usize, x: &[T; D], t: T) -> [T; D] {
+        let Some((normal, s)) = self.nodes.get(&node) else { return [T::from(0.0); D] };
+        let mut position = [T::from(0.0); 4];
         position[..D].copy_from_slice(x);
-        position[D] = *s;
+        position[D] = T::from(*s);
         let amount = self.amount.evaluate(&position[..=D], t);
         normal.map(|n| amount * n)
     }

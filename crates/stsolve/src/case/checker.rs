@@ -54,6 +54,12 @@ impl<'a> Checker<'a> {
         Err(self.combination(key, &format!("a table cannot be called `{name}`"), FREE_NAME))
     }
 
+    /// Whether the mesh is an elastic body, or is moved as one.
+    pub(super) fn is_elastic(&self) -> bool {
+        let has = |key: &str| self.document.position(&Key::new(key)).is_some();
+        has("structure") || has("motion.boundary")
+    }
+
     /// The constants that formulas may contain, in words: one of them may be what is wrong with a formula. Empty if there are none.
     pub(super) fn constants_in_words(&self) -> String {
         let constants: Vec<_> = self.names.constants().map(|(name, value)| format!("{name} = {value}")).collect();

@@ -6,11 +6,15 @@ use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
 use super::shape;
 use crate::excerpt::shortened;
+use crate::input_file;
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// Bytes of a case file at most: longer tables have files of their own.
+const LARGEST: u64 = 16_000_000;
 
 /// A case file with `--set` options written over it.
 ///
@@ -49,9 +53,9 @@ impl Document {
     /// Reads the file at `path` and writes `options`, each `key.path=value`, over it.
     ///
     /// # Errors
-    /// A file that cannot be read or is no TOML, an option that is none.
+    /// A file that cannot be read, is no regular file, is too large or is no TOML, an option that is none.
     pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = input_file::read_text(path, LARGEST).map_err(|error| {
             let place = Place::Nowhere { path: path.to_owned() };
             CaseError::without_key(place, Cause::Read(error))
         })?;

@@ -7,8 +7,9 @@ mod session;
 mod table;
 
 pub use check::check;
+pub(crate) use check::memory::require_memory;
 pub use info::info;
-pub use session::{Session, set_threads};
+pub use session::{Session, output_directory, set_threads};
 
 use crate::cli::Arguments;
 use crate::failure::Failure;

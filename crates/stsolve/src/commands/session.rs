@@ -37,7 +37,7 @@ impl Session {
     ) -> Result<Self, Failure> {
         let (terminal, stop, clock) = (Terminal::default(), StopFlag::default(), Clock::new(begun));
         let directory = RunDirectory::open(&output_directory(arguments, about, directory))?;
-        logging::start(directory.path(), arguments.resume, arguments.verbosity, &terminal, &clock)
+        logging::start(directory.path(), !arguments.force, arguments.verbosity, &terminal, &clock)
             .map_err(Failure::bad_input)?;
         stop.install(&terminal).map_err(Failure::bad_input)?;
         Ok(Session { directory, terminal, stop, clock })

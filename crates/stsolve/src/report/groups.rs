@@ -53,10 +53,11 @@ const KNOWN: [Known; 10] = [
 ];
 
 /// Words that say of what kind a quantity is, and what several are called: quantities of one kind and wall are drawn together.
-const KINDS: [(&str, &str); 5] = [
+const KINDS: [(&str, &str); 6] = [
     ("force", "forces"),
     ("coefficient", "coefficients"),
-    ("power", "power"),
+    ("power", "power and heat flow"),
+    ("heat_flow", "power and heat flow"),
     ("energy", "energies"),
     ("displacement", "displacement"),
 ];
@@ -132,6 +133,7 @@ mod tests {
             "foil_force_y",
             "foil_pressure_force_x",
             "foil_power",
+            "foil_heat_flow",
             "foil_tail_force_x",
             "kinetic_energy",
             "strain_energy",
@@ -154,7 +156,7 @@ mod tests {
             titles[..7],
             [
                 "foil: forces",
-                "foil: power",
+                "foil: power and heat flow",
                 "foil_tail: forces",
                 "Energies",
                 "Mode",

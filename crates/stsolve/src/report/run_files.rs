@@ -38,7 +38,7 @@ impl RunFiles {
     /// # Errors
     /// A directory that is none of a run, a history that cannot be read.
     pub fn read(directory: &Path) -> Result<Self, Failure> {
-        if !directory.join(HISTORY_FILE).exists() {
+        if !directory.join(HISTORY_FILE).is_file() {
             return Err(Failure::bad_input(anyhow::anyhow!(
                 "`{}` is not the directory of a run: it has no {HISTORY_FILE}; give the directory that `stsolve run` or `stsolve \
                  motion` has named",

@@ -5,7 +5,9 @@ use super::checkpoint;
 use super::failure::{self, Finding, Story};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
+use super::occupied;
 use super::record::{MeshView, Recorder, Snapshot};
+use super::restart;
 use super::structure_run::run_structure;
 use super::tally::Tally;
 use crate::case::{AnyCase, Case, State};
@@ -24,6 +26,7 @@ use std::time::Instant;
 /// # Errors
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
 pub fn run(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
+    occupied::check_case(case, arguments, "run")?;
     // Inside the pool: every parallel loop then starts without waking it up.
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => run_in::<2, 4>(case, arguments),
@@ -36,6 +39,7 @@ pub fn run(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
 /// # Errors
 /// As [`run`]; an invalid mesh is a failed solve.
 pub fn motion(case: &AnyCase, arguments: &RunArguments) -> Result<(), Failure> {
+    occupied::check_case(case, arguments, "motion")?;
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => move_mesh::<2, 4>(case, arguments, "motion"),
         AnyCase::Space(case) => move_mesh::<3, 5>(case, arguments, "motion"),
@@ -81,7 +85,7 @@ pub(super) trait Run {
     /// summary.json
     fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
     /// Looks into the `error` with which a slab failed.
-    fn examine(&self, error: &anyhow::Error) -> Finding;
+    fn examine(&self, error: &anyhow::Error, tally: &Tally) -> Finding;
     /// Says how a run that has reached its end has ended.
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
 }
@@ -96,7 +100,7 @@ pub(super) struct Call<'a> {
     /// When.
     pub begun: Instant,
     /// The state of another run from which this one starts, if it does.
-    pub origin: Option<&'a SolverState>,
+    pub origin: Option<&'a restart::Start>,
 }
 
 /// Drives `run` from its start or its checkpoint to its end.
@@ -107,10 +111,14 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     call: Call<'_>,
 ) -> Result<(), Failure> {
     let Call { arguments, command, begun, origin } = call;
+    let origin_state = origin.map(|start| &start.state);
     let session = Session::start(arguments, &case.about, case.output.directory.as_deref(), begun)?;
-    let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin)?;
+    // Once more, now that no other run can write there.
+    occupied::check(arguments, command, session.directory.path(), case.restart.as_deref())?;
+    let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin_state)?;
+    origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
-    let tally = restore(&mut run, resumed.as_ref().or(origin), case)?;
+    let tally = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
     let mut books = Books::new(&case.time, run.state().time, arguments, &session, begun, tally);
     let stop = match resumed {
         None => begin(&mut run, &mut recorder, &mut books)?,
@@ -128,20 +136,26 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     match stop {
         Some(Stop::Asked) => {
             books.say_stopped(run.state().time, &again);
-            Ok(())
+            Err(Failure::Stopped)
         }
-        Some(Stop::Failed(error)) => Err(explained(&run, error, &case.about.name, &session, &again)),
+        Some(Stop::Failed(error)) => Err(explained(&run, error, &books.tally, &case.about.name, (&session, &again))),
         None => run.judge(&books, &session),
     }
 }
 
 /// The failure of `run`, with the likeliest cause, after all that is known of it is written.
-fn explained(run: &impl Run, error: anyhow::Error, case: &str, session: &Session, again: &str) -> Failure {
+fn explained(
+    run: &impl Run,
+    error: anyhow::Error,
+    tally: &Tally,
+    case: &str,
+    (session, again): (&Session, &str),
+) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
     let story = Story { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, &run.examine(&error), &story);
+    let hint = failure::tell(directory, &run.examine(&error, tally), &story);
     Failure::solve(error.context(message + &hint))
 }
 

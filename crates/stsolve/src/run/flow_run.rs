@@ -2,13 +2,15 @@
 
 use super::books::{Books, Stop};
 use super::drive::{Call, Run, drive};
-use super::failure::{Failed, Finding};
+use super::failure::{Failed, Finding, Grid, Then, by_point};
+use super::openings;
 use super::record::MeshView;
+use super::tally::Tally;
 use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
 use crate::case::{Case, Flow, State};
 use crate::cli::RunArguments;
-use crate::commands::Session;
+use crate::commands::{Session, require_memory};
 use crate::failure::Failure;
 use crate::progress::SlabDone;
 use anyhow::Context;
@@ -35,6 +37,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
+    require_memory(case)?;
     let march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
     let origin = match arguments.resume {
         true => None,
@@ -54,9 +57,32 @@ struct FlowRun<'a, const D: usize, const M: usize> {
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    /// Looks at inflows and outflows, and says what is seen there for the first time.
+    fn observe(&self, books: &mut Books) {
+        if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
+            return;
+        }
+        let (state, mover, one) =
+            (&self.march.state, &self.march.problem.mover, self.march.problem.flow.layout.at_one_time());
+        let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
+        let still = vec![0.0; state.d.len()];
+        let then = Then {
+            time: state.time,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&still[..], |past| &past.v[past.v.len() - state.d.len()..]),
+            state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
+        };
+        let seen = openings::measure(self.flow, &mover.reference, &grid, &then);
+        for record in openings::enter(&mut books.tally.openings, &seen, state.time) {
+            let name = &self.case.mesh.boundary_names()[record.now.boundary];
+            books.progress.say(&format!("doubt: {}; {}", record.told(name), record.now.misuse.remedy(name)));
+        }
+    }
+
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, settings: &Settings, books: &mut Books) -> anyhow::Result<Vec<f64>> {
         let mut problem = build::steady::<D, M>(self.case, self.flow);
@@ -67,6 +93,7 @@ where
         let felt = felt(self.flow, &report);
         books.tally.start_from_steady(&report, &felt);
         books.tally.totals_at_start = report.totals.clone();
+        self.observe(books);
         let (steps, iterations) = (report.newton.steps.len(), report.newton.krylov_iterations);
         books.progress.say(&format!("steady flow: newton {steps}  krylov {iterations}  {:.1} s", books.seconds()));
         books.progress.begin_slabs();
@@ -108,6 +135,9 @@ where
             }
             _ => None,
         };
+        if row.is_none() {
+            self.observe(books);
+        }
         if books.tally.totals_at_start.is_empty() || row.is_some() {
             books.tally.totals_at_start = self.march.totals();
         }
@@ -117,6 +147,7 @@ where
     fn enter(&self, report: &SlabReport<M>, books: &mut Books) -> Vec<f64> {
         let felt = felt(self.flow, report);
         books.tally.add(report, &felt);
+        self.observe(books);
         books.progress.slab(&SlabDone {
             number: report.slab,
             time: self.march.state.time,
@@ -150,8 +181,8 @@ where
         summary::of_flow(self.case, self.flow, &self.march, books, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error) -> Finding {
-        Failed::new(self.case, self.flow, &self.march, error).examine()
+    fn examine(&self, error: &anyhow::Error, tally: &Tally) -> Finding {
+        Failed::new(self.case, self.flow, &self.march, error, &tally.openings).examine()
     }
 
     fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {

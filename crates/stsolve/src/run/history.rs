@@ -1,10 +1,11 @@
 //! The columns of history.csv, and its rows.
 
+use super::openings::is_opening;
 use super::tally::{EnergyBalance, Tally};
 use super::walls::Felt;
 use crate::case::{Case, Flow, Structure, Wall};
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
-use navier_stokes::{Coefficients, WallForce};
+use navier_stokes::Coefficients;
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -39,8 +40,8 @@ const OF_STRUCTURE: [&str; 10] = [
     "energy_error",
 ];
 
-/// Columns of history.csv: those of every run, and for each wall what it feels at the top of the slab and over the slab. A structure has
-/// its own.
+/// Columns of history.csv: those of every run, for each wall what it feels at the top of the slab and over the slab, for each inflow and
+/// outflow the mass that leaves per time at the top. A structure has its own.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let Some(structure) = &case.structure {
         return columns_of_structure(structure);
@@ -51,7 +52,13 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     for wall in &flow.walls {
         columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
+    columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
     columns
+}
+
+/// The inflows and outflows of a flow.
+pub fn openings<const D: usize>(flow: &Flow<D>) -> impl Iterator<Item = usize> {
+    (0..flow.boundary.len()).filter(|&boundary| is_opening(&flow.boundary[boundary].condition))
 }
 
 /// Columns of a wall, in the order of [`row_of_wall`].
@@ -64,24 +71,23 @@ fn of_wall<const D: usize>() -> Vec<String> {
     };
     let mut columns: Vec<String> = ["force", "pressure_force", "friction_force"].into_iter().flat_map(vector).collect();
     columns.extend(moment("moment"));
-    columns.extend(["power", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
+    columns
+        .extend(["power", "heat_flow", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
     columns.extend(vector("impulse"));
     columns.extend(moment("moment_impulse"));
-    columns.push("work".to_string());
+    columns.extend(["work", "heat"].map(String::from));
     columns
 }
 
 fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
-    // In the plane the moment has one component, the last.
-    let moment = |force: &WallForce<D>| if D == 2 { force.moment[2..].to_vec() } else { force.moment.to_vec() };
     let (now, during) = (&felt.at_top, &felt.during);
     let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
     let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
-    row.extend(moment(now));
-    row.extend([now.power, drag, lift, turning]);
+    row.extend(wall.moments(now));
+    row.extend([now.power, now.heat, drag, lift, turning]);
     row.extend(during.force());
-    row.extend(moment(during));
-    row.push(during.power);
+    row.extend(wall.moments(during));
+    row.extend([during.power, during.heat]);
     row
 }
 
@@ -123,5 +129,6 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
     row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], tally.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
+    row.extend(openings(flow).map(|boundary| tally.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
     row
 }

@@ -102,7 +102,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _tally: &super::tally::Tally) -> Finding {
         examine_mesh(self.case, &self.march.mover, &self.march.state, error)
     }
 

@@ -7,11 +7,14 @@
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
 //! | `books` | what a run keeps beside its march, and how it ends |
 //! | `record` | what every slab leaves on disk |
+//! | `motion_jump` | how a motion differs from that of the run that it continues |
+//! | `occupied` | whether a run may write into its output directory |
 //! | `history` | columns and rows of history.csv |
 //! | `failure` | what a run that has failed leaves behind |
 //! | `summary` | summary.json |
 //! | `fields` | fields for drawing |
 //! | `checkpoint` | the state of a run as named arrays, and back |
+//! | `openings` | what passes inflows and outflows, and whether their conditions are made for it |
 //! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
 //! | `resume` | whether a run may continue the one that left a checkpoint |
 //! | `restart` | a run that starts where another one stands |
@@ -27,6 +30,9 @@ pub(crate) mod fields;
 mod flow_run;
 mod history;
 mod mesh_run;
+mod motion_jump;
+mod occupied;
+pub(crate) mod openings;
 mod probe;
 mod record;
 mod restart;

@@ -7,6 +7,7 @@ use super::tally::Tally;
 use crate::case::Case;
 use crate::commands::Session;
 use crate::failure::Failure;
+use crate::report::REPORT_FILE;
 use fem::{Layout as FlowLayout, Sampler};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Gas;
@@ -89,6 +90,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         } else {
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
+        // Now nothing can forbid the run any more.
+        session.directory.clear(resume, &[REPORT_FILE])?;
         let before = stored.as_ref().or(origin);
         let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
         let history = History::create(&session.directory, &columns(case), rows)?;

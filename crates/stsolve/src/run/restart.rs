@@ -1,9 +1,10 @@
 //! A run that starts where another one stands.
 
-use super::checkpoint;
 use super::history::columns;
 use super::tally::Tally;
-use crate::case::{Case, Flow, Time, gas_of};
+use super::walls::numbers_per_wall;
+use super::{checkpoint, motion_jump};
+use crate::case::{Case, Flow, Time, gas_of, motion_of};
 use crate::failure::Failure;
 use coupled::{Frozen, MeshMover, State};
 use fem::Orders;
@@ -43,6 +44,26 @@ pub enum RestartError {
         /// In this case.
         here: String,
     },
+    /// The boundary would jump.
+    #[error(
+        "this case cannot start from `{path}`: at t = {time} the point at {position:?} is displaced by {there:?} there, and the motion of \
+         this case puts it at {here:?}, {distance:.3e} away; change `[motion]`, and the constants and tables in it, so that the motion \
+         goes on from there, or start anew"
+    )]
+    MotionJumps {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// A point of the mesh at rest.
+        position: Vec<f64>,
+        /// Its displacement in the file.
+        there: Vec<f64>,
+        /// Its displacement in this case.
+        here: Vec<f64>,
+        /// How far they are apart.
+        distance: f64,
+    },
     /// The run stands at a time that this case does not cover.
     #[error(
         "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
@@ -59,6 +80,15 @@ pub enum RestartError {
     },
 }
 
+/// Where a run starts that continues another one.
+#[derive(Debug)]
+pub struct Start {
+    /// The state, in the orders of the run that starts.
+    pub state: SolverState,
+    /// What is doubtful about it.
+    pub warnings: Vec<String>,
+}
+
 /// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
 /// history of the run there.
 ///
@@ -68,7 +98,7 @@ pub fn read<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     mover: &MeshMover<D>,
-) -> Result<Option<SolverState>, Failure> {
+) -> Result<Option<Start>, Failure> {
     let Some(from) = &case.restart else { return Ok(None) };
     let path = if from.is_dir() { from.join(RESULT_FILE) } else { from.clone() };
     if !path.exists() {
@@ -93,7 +123,7 @@ impl Origin {
         case: &Case<D>,
         flow: &Flow<D>,
         mover: &MeshMover<D>,
-    ) -> Result<SolverState, RestartError> {
+    ) -> Result<Start, RestartError> {
         self.check_mesh(case)?;
         self.check_flow(case)?;
         let mut sums = self.sums(case, flow)?;
@@ -103,6 +133,7 @@ impl Origin {
         let to = Orders { flow: flow.order, mesh, time: case.time.order };
         let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
         self.join_schedule(&mut state, &case.time)?;
+        let warnings = self.check_motion(case, mover, &state)?.into_iter().collect();
         let mut continued = if from == to {
             checkpoint::store(&state, frozen.as_ref(), stale)
         } else {
@@ -113,7 +144,7 @@ impl Origin {
             checkpoint::store(&state.transfer(mover, M, from, to), None, false)
         };
         continued.arrays.extend(sums);
-        Ok(continued)
+        Ok(Start { state: continued, warnings })
     }
 
     /// The state in the orders of the run, what its preconditioner is made of, and whether that is stale.
@@ -166,11 +197,43 @@ impl Origin {
         Ok(())
     }
 
+    /// The motion of `case` must go on where the run stands: a jump of the position is refused, one of the velocity is a warning.
+    fn check_motion<const D: usize>(
+        &self,
+        case: &Case<D>,
+        mover: &MeshMover<D>,
+        state: &State,
+    ) -> Result<Option<String>, RestartError> {
+        if let Some(jump) = motion_jump::of_position(case, mover, state) {
+            let [position, there, here] = [jump.position, jump.there, jump.here].map(|vector| vector.to_vec());
+            let (path, distance) = (self.path.clone(), jump.size());
+            return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
+        }
+        let path = self.path.display();
+        let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
+            Ok(motion) => Case { motion, ..case.clone() },
+            Err(reason) => {
+                return Ok(Some(format!("the velocities of the motion in `{path}` cannot be compared: {reason}")));
+            }
+        };
+        if before.motion == case.motion {
+            return Ok(None);
+        }
+        let jump = motion_jump::of_velocity(&before, case, mover, state.time);
+        Ok(jump.map(|motion_jump::Jump { position, there, here }| {
+            format!(
+                "the boundary changes its velocity at once at t = {}, which sends a pressure wave into the flow: the point at {position:?} \
+                 moves with {there:?} in `{path}`, and with {here:?} from here on",
+                state.time
+            )
+        }))
+    }
+
     /// The sums and the history of the run, which are those of `case` if it has the same walls.
     fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
         let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
-        // Of each wall two forces, a moment and a power, see `walls::to_numbers`; nothing where nothing has been solved yet.
-        let walls = len("tally.forces") / (2 * D + 4);
+        // Nothing where nothing has been solved yet.
+        let walls = len("tally.forces") / numbers_per_wall(D);
         let has_begun = len("tally.forces") + len("tally.left") > 0;
         if has_begun && walls != flow.walls.len() {
             return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));

@@ -114,7 +114,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         summary::of_structure(self.case, &self.march, energy, &self.observed.modes, books, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _tally: &super::tally::Tally) -> Finding {
         examine_structure(self.case, self.structure, &self.march, error)
     }
 

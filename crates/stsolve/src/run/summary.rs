@@ -1,6 +1,8 @@
 //! summary.json
 
 use super::books::{self, Books, Stop};
+use super::history::openings;
+use super::openings::Misuse;
 use super::tally;
 use super::walls::from_numbers;
 use crate::case::{self, Case, DisplacementOf, Flow, Motion, State, Stiffness};
@@ -9,8 +11,8 @@ use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Newton, Steady, SteadyWall, StructureSummary, Summary,
-    Unknowns, Wall,
+    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
+    StructureSummary, Summary, Unknowns, Wall,
 };
 
 /// Of a run of mesh and flow.
@@ -52,6 +54,9 @@ where
     for (number, wall) in flow.walls.iter().enumerate() {
         summary.walls.insert(wall.name.clone(), of_wall(wall, impulse(number), force(number)));
     }
+    for boundary in openings(flow) {
+        summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(tally, boundary));
+    }
     summary.steady = tally.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
 }
@@ -64,11 +69,27 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
         impulse: impulses.force().to_vec(),
         pressure_impulse: impulses.pressure.to_vec(),
         friction_impulse: impulses.friction.to_vec(),
-        moment_impulse: impulses.moment[if D == 2 { 2 } else { 0 }..].to_vec(),
+        moment_impulse: wall.moments(&impulses),
         work: impulses.power,
+        heat: impulses.heat,
         drag_coefficient: Some(coefficients.drag),
         lift_coefficient: Some(coefficients.lift),
         moment_coefficient: Some(coefficients.moment),
+    }
+}
+
+/// Of an inflow or outflow.
+fn of_opening(tally: &tally::Tally, boundary: usize) -> Opening {
+    let seen = |misuse: Misuse| {
+        let record = tally.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
+        Some(Misused { since: record.since, share: record.now.share, largest_share: record.largest_share })
+    };
+    Opening {
+        mass_flow: tally.mass_flows.get(boundary).copied(),
+        supersonic: seen(Misuse::Supersonic),
+        leaving: seen(Misuse::Leaving),
+        backflow: seen(Misuse::Backflow),
+        subsonic: seen(Misuse::Subsonic),
     }
 }
 

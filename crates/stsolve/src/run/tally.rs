@@ -1,6 +1,7 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
-use super::walls::{Felt, to_numbers};
+use super::openings::Record;
+use super::walls::{Felt, numbers_per_wall, to_numbers};
 use coupled::{MeshQuality, SlabReport, StructureReport};
 use std::collections::BTreeMap;
 
@@ -33,7 +34,7 @@ pub struct Tally {
     pub totals_at_start: Vec<f64>,
     /// What has left through all boundaries, per component.
     pub left: Vec<f64>,
-    /// Impulses and work of every wall, as numbers.
+    /// Impulses, work and heat of every wall, as numbers.
     pub impulses: Vec<Vec<f64>>,
     /// What every wall feels at the time reached, as numbers.
     pub forces: Vec<Vec<f64>>,
@@ -45,6 +46,10 @@ pub struct Tally {
     pub energy_error: f64,
     /// The energy of a structure.
     pub structure: EnergyBalance,
+    /// What leaves through every boundary at the time reached, mass per time.
+    pub mass_flows: Vec<f64>,
+    /// What was seen at inflows and outflows.
+    pub openings: Vec<Record>,
 }
 
 /// Where the energy of a structure came from and went to, since the start of the run.
@@ -95,6 +100,11 @@ impl Steady {
     }
 }
 
+/// What leaves through every boundary at the top of a slab.
+fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
+    report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
+}
+
 impl Tally {
     /// Adds a slab, with what the walls felt.
     pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
@@ -112,7 +122,8 @@ impl Tally {
         self.left.resize(M, 0.0);
         self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
-        self.impulses.resize(felt.len(), vec![0.0; 2 * D + 4]);
+        self.mass_flows = mass_flows(report);
+        self.impulses.resize(felt.len(), vec![0.0; numbers_per_wall(D)]);
         for (sums, felt) in self.impulses.iter_mut().zip(felt) {
             sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
         }
@@ -123,6 +134,7 @@ impl Tally {
     /// Notes how the steady flow was found from which the run starts.
     pub fn start_from_steady<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.mass_flows = mass_flows(report);
         self.steady = Some(Steady {
             newton: report.newton.steps.len() as u64,
             krylov: report.newton.krylov_iterations as u64,
@@ -184,6 +196,8 @@ impl Tally {
                 let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
                 vec![energy_at_start, load_work, support_work, dissipation]
             }),
+            ("tally.mass_flows".into(), self.mass_flows.clone()),
+            ("tally.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
         ])
     }
 
@@ -236,6 +250,8 @@ impl Tally {
             mass_error: *get("errors")?.first()?,
             energy_error: *get("errors")?.get(1)?,
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
+            mass_flows: get("mass_flows")?.clone(),
+            openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
         })
     }
 }

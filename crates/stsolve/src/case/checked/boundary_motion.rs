@@ -126,12 +126,5 @@ fn rigid_step<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Rigid
 
 /// The unit vector along the axis of a rotation.
 fn axis<const D: usize>(checker: &Checker<'_>, key: &Key, raw: Option<[f64; 3]>) -> Checked<[f64; 3]> {
-    let Some(axis) = raw else { return Ok([0.0, 0.0, 1.0]) };
-    if D == 2 {
-        let problem = "in two dimensions a rotation has no axis but that along z";
-        return Err(checker.combination(key, problem, "no `axis`"));
-    }
-    let length = tensor::norm(&axis);
-    checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;
-    Ok(axis.map(|x| x / length))
+    raw.map_or(Ok([0.0, 0.0, 1.0]), |raw| super::unit_axis::<D>(checker, key, raw, "a rotation"))
 }

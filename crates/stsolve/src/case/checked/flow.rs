@@ -3,6 +3,7 @@
 use super::forces::{self, Wall};
 use super::initial;
 use super::mesh_crate::Mesh;
+use super::openings;
 use super::slide;
 use super::states::{self, Typical};
 use super::time::Time;
@@ -11,8 +12,8 @@ use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::state::State;
 use navier_stokes::{
-    AdiabaticWall, Boundary, FarField, Gas, Inflow, IsothermalWall, NavierStokes, Outflow, PrescribedState, Reference,
-    Riemann, SlipWall, Viscosity,
+    AdiabaticWall, Boundary, FarField, Gas, IsothermalWall, NavierStokes, PrescribedState, Reference, Riemann,
+    SlipWall, Viscosity,
 };
 
 /// The compressible flow.
@@ -83,7 +84,8 @@ pub(super) fn check<const D: usize>(
         let problem = "a manufactured source needs a solution to be made for";
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
     }
-    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, exact.as_ref(), gas, time)?;
+    let given = Given { exact: exact.as_ref(), gas, reference };
+    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, time)?;
     let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
     let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
@@ -208,29 +210,36 @@ fn boundary<const D: usize>(
     key: &Key,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    exact: Option<&State<D>>,
-    gas: Gas,
+    given: &Given<'_, D>,
     time: &Time,
 ) -> Checked<Vec<BoundaryData<D>>> {
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
-    let checked = |(boundary, (key, raw)): (usize, &(Key, &raw::Condition))| {
-        let data = condition(checker, key, raw, exact, gas)?;
-        slide::check(checker, key, raw, mesh, boundary)?;
+    let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
+        let data = self::condition(checker, key, raw, given)?;
+        slide::check(checker, key, raw, mesh, index)?;
+        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time.start)?;
         if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
-            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, boundary, time)?;
+            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
         }
         Ok(data)
     };
-    named.iter().enumerate().map(checked).collect()
+    named.iter().enumerate().map(check).collect()
+}
+
+/// What conditions refer to.
+struct Given<'a, const D: usize> {
+    exact: Option<&'a State<D>>,
+    gas: Gas,
+    reference: Reference,
 }
 
 fn condition<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
-    exact: Option<&State<D>>,
-    gas: Gas,
+    given: &Given<'_, D>,
 ) -> Checked<BoundaryData<D>> {
+    let Given { exact, gas, ref reference } = *given;
     let prescribed = |state| BoundaryData { condition: Boundary::PrescribedState(PrescribedState), state: Some(state) };
     let condition = match raw {
         raw::Condition::Exact => {
@@ -264,17 +273,15 @@ fn condition<const D: usize>(
             let temperature = checker.positive(&key.child("temperature"), "the temperature", wall.temperature)?;
             Boundary::IsothermalWall(checker.physics(&key, IsothermalWall::new(temperature, slide))?)
         }
-        raw::Condition::Inflow(inflow) => {
-            let key = key.child("inflow");
-            let direction = checker.vector(&key.child("direction"), &inflow.direction)?;
-            let pressure = checker.positive(&key.child("total_pressure"), "the pressure", inflow.total_pressure)?;
-            let temperature =
-                checker.positive(&key.child("total_temperature"), "the temperature", inflow.total_temperature)?;
-            let inflow = Inflow::new(pressure, temperature, direction);
-            Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?)
+        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow)?,
+        raw::Condition::VelocityInflow(inflow) => {
+            return openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow, gas);
+        }
+        raw::Condition::SupersonicInflow(state) => {
+            return openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas);
         }
         raw::Condition::Outflow(outflow) => {
-            Boundary::Outflow(checker.physics(&key.child("outflow").child("pressure"), Outflow::new(outflow.pressure))?)
+            openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference)?
         }
     };
     Ok(BoundaryData { condition, state: None })

@@ -7,7 +7,7 @@ use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw;
 use crate::case::vector::Vector;
-use navier_stokes::{ForceScales, Reference};
+use navier_stokes::{ForceScales, Reference, WallForce};
 use std::collections::BTreeMap;
 
 /// A boundary that is a wall.
@@ -27,6 +27,12 @@ impl<const D: usize> Wall<D> {
     /// The point about which moments are taken at time `t`.
     pub fn point(&self, t: f64) -> [f64; D] {
         self.point.evaluate(&[0.0; D], t)
+    }
+
+    /// The moments that are reported of `force`: in the plane the one about the axis of positive moments, in space those about x, y and
+    /// z, whatever that axis is.
+    pub fn moments(&self, force: &WallForce<D>) -> Vec<f64> {
+        if D == 2 { vec![self.scales.moment(force)] } else { force.moment.to_vec() }
     }
 }
 
@@ -122,5 +128,16 @@ fn scales<const D: usize>(
         area: positive("area", raw.area, length.powi(D as i32 - 1))?,
         length: positive("length", raw.length, length)?,
         drag_direction,
+        moment_axis: moment_axis::<D>(checker, &key.child("moment_positive"), raw.moment_positive)?,
     })
+}
+
+/// The unit vector about which moments count as positive by the right-hand rule.
+fn moment_axis<const D: usize>(checker: &Checker<'_>, key: &Key, raw: raw::MomentPositive) -> Checked<[f64; 3]> {
+    match raw {
+        raw::MomentPositive::CounterClockwise => Ok([0.0, 0.0, 1.0]),
+        // The nose is upstream and lift to the left of drag: clockwise.
+        raw::MomentPositive::NoseUp => Ok([0.0, 0.0, -1.0]),
+        raw::MomentPositive::Axis(axis) => super::unit_axis::<D>(checker, &key.child("axis"), axis, "a moment"),
+    }
 }

@@ -7,6 +7,7 @@ mod forces;
 mod initial;
 mod mesh;
 mod motion;
+mod openings;
 mod shared_nodes;
 mod slide;
 mod solver;
@@ -96,12 +97,7 @@ impl AnyCase {
     /// As [`AnyCase::read`].
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
         let raw: raw::Case = document.deserialize()?;
-        let mut checker = Checker::new(document, &raw.constants)?;
-        for (name, table) in &raw.tables {
-            let key = Key::new("tables").child(name);
-            let table = tables::check(&checker, &key, table)?;
-            checker.define_table(&key, name, table)?;
-        }
+        let checker = checker_of(document, &raw)?;
         match mesh::build(&checker, &raw.mesh)? {
             AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
             AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
@@ -113,6 +109,14 @@ impl AnyCase {
         match self {
             AnyCase::Plane(case) => case.output.directory.as_deref(),
             AnyCase::Space(case) => case.output.directory.as_deref(),
+        }
+    }
+
+    /// The result, or its directory, from which the run starts, if it is not the initial state.
+    pub fn restart(&self) -> Option<&Path> {
+        match self {
+            AnyCase::Plane(case) => case.restart.as_deref(),
+            AnyCase::Space(case) => case.restart.as_deref(),
         }
     }
 
@@ -206,6 +210,32 @@ pub fn gas_of(resolved: &str) -> Result<Option<String>, String> {
     raw.flow.as_ref().map(text).transpose()
 }
 
+/// The motion that a case which was resolved, as text, gives to `mesh`.
+///
+/// # Errors
+/// What is wrong with `resolved`, which another version of the program may have written.
+pub fn motion_of<const D: usize>(
+    resolved: &str,
+    mesh: &mesh_crate::Mesh<D>,
+) -> Result<Option<Motion<D>>, Box<CaseError>> {
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
+    let raw: raw::Case = document.deserialize()?;
+    let checker = checker_of(&document, &raw)?;
+    let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
+    raw.motion.as_ref().map(|motion| motion::check(&checker, motion, mesh, &time)).transpose()
+}
+
+/// What checks `raw`, with its constants and tables.
+fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
+    let mut checker = Checker::new(document, &raw.constants)?;
+    for (name, table) in &raw.tables {
+        let key = Key::new("tables").child(name);
+        let table = tables::check(&checker, &key, table)?;
+        checker.define_table(&key, name, table)?;
+    }
+    Ok(checker)
+}
+
 fn as_toml(raw: &raw::Case) -> String {
     toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
 }
@@ -232,6 +262,17 @@ fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, default
         }
         _ => {}
     }
+}
+
+/// The unit vector along the axis of `what`, which there is in space only.
+fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], what: &str) -> Checked<[f64; 3]> {
+    if D == 2 {
+        let problem = format!("in two dimensions {what} has no axis but that along z");
+        return Err(checker.combination(key, &problem, "no `axis`"));
+    }
+    let length = tensor::norm(&axis);
+    checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;
+    Ok(axis.map(|x| x / length))
 }
 
 /// The orders that mesh and flow may have, as the sentence of an error.

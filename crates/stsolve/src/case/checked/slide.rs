@@ -1,6 +1,7 @@
 //! A wall slides in its plane.
 
 use super::mesh_crate::Mesh;
+use super::openings::nodes_with_normals;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw;
@@ -25,9 +26,9 @@ pub(super) fn check<const D: usize>(
     let Some(slide) = slide else { return Ok(()) };
     let along = |normal: &[f64; D]| slide.iter().zip(normal).map(|(w, n)| w * n).sum::<f64>();
     let speed = slide.iter().map(|w| w * w).sum::<f64>().sqrt();
-    let facets = mesh.normals_of_facets(mesh.order(), boundary);
-    let leaves = facets.into_iter().find(|(.., normal)| along(normal).abs() > OUT_OF_PLANE * speed);
-    let Some((.., x, normal)) = leaves else { return Ok(()) };
+    let nodes = nodes_with_normals(mesh, boundary);
+    let leaves = nodes.into_iter().find(|(_, normal)| along(normal).abs() > OUT_OF_PLANE * speed);
+    let Some((x, normal)) = leaves else { return Ok(()) };
     let problem = format!(
         "the wall does not slide in its plane: at {x:?}, where its normal is {normal:.6?}, it would move by {:.3e} along that",
         along(&normal)

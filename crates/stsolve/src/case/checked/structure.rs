@@ -189,6 +189,9 @@ fn points<const D: usize>(
 ) -> Checked<Vec<(String, [f64; D])>> {
     let point = |(name, x): (&String, &Vec<f64>)| {
         let key = key.child(name);
+        // It becomes a part of the first line of history.csv.
+        let is_printable = !name.is_empty() && !name.contains(char::is_control);
+        checker.require(&key, "the name of the point", is_printable, "a name of printable characters, on one line")?;
         let x = checker.finite_vector(&key, "the coordinate", x)?;
         checker.require(&key, "the point", mesh.locate(&x).is_some(), "a point inside the mesh, or on its boundary")?;
         Ok((name.clone(), x))

@@ -5,6 +5,7 @@ use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw;
 use crate::expression::{Ends, Table, TableError};
+use crate::input_file::{self, LARGEST_TABLE};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -62,7 +63,8 @@ pub(in crate::case) fn written_out(
 fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> Checked<(Vec<f64>, Vec<f64>)> {
     let (file_key, path) = (key.child("file"), checker.beside_case(file));
     let refused = |cause| checker.error(&file_key, cause);
-    let text = std::fs::read_to_string(&path).map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
+    let text = input_file::read_text(&path, LARGEST_TABLE)
+        .map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, entries(line)));
     let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
     let header = lines.next_if(|(_, entries)| entries.iter().all(|entry| entry.parse::<f64>().is_err()));

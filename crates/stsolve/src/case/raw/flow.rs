@@ -1,6 +1,7 @@
 //! `[flow]`
 
 use super::formula::Formula;
+use super::openings::{Inflow, Outflow, VelocityInflow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -245,8 +246,12 @@ pub enum Condition {
     SlipWall,
     /// A plane of symmetry.
     Symmetry,
-    /// Subsonic inflow.
+    /// Subsonic inflow from a reservoir.
     Inflow(Inflow),
+    /// Subsonic inflow of given velocity or mass flux.
+    VelocityInflow(VelocityInflow),
+    /// Supersonic inflow of a state as a function of position and time: all of it enters, whatever the gas inside does.
+    SupersonicInflow(State),
     /// Outflow.
     Outflow(Outflow),
 }
@@ -267,26 +272,6 @@ pub struct IsothermalWall {
     pub temperature: f64,
     /// The velocity with which the wall slides in its plane, relative to the mesh. Default: zero.
     pub slide: Option<Vec<f64>>,
-}
-
-/// Subsonic inflow of given total state, as seen by an observer at rest.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Inflow {
-    /// The total pressure.
-    pub total_pressure: f64,
-    /// The total temperature.
-    pub total_temperature: f64,
-    /// The direction, of any length.
-    pub direction: Vec<f64>,
-}
-
-/// Outflow to a static pressure; nothing is imposed where it is supersonic.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Outflow {
-    /// The static pressure.
-    pub pressure: f64,
 }
 
 /// Typical sizes.
@@ -323,4 +308,21 @@ pub struct Forces {
     pub length: Option<f64>,
     /// The direction of drag, of any length; lift is to its left in the x-y plane. Default: along x.
     pub drag_direction: Option<Vec<f64>>,
+    /// Which moments are positive.
+    #[serde(default)]
+    pub moment_positive: MomentPositive,
+}
+
+/// Which moments are positive. In two dimensions this is the sign of `<wall>_moment`, `<wall>_moment_impulse` and of the moment coefficient.
+/// In three the moments about x, y and z follow the right-hand rule always, and this says about which axis the coefficient is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MomentPositive {
+    /// Counter-clockwise in the x-y plane: about the axis z.
+    #[default]
+    CounterClockwise,
+    /// Those that raise a nose which is upstream, towards the lift: clockwise, about the axis -z.
+    NoseUp,
+    /// In three dimensions: about this axis, of any length, by the right-hand rule.
+    Axis([f64; 3]),
 }

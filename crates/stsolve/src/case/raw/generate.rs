@@ -15,6 +15,8 @@ pub enum Generate {
     RotatingBox(RotatingBoxGenerator),
     /// A box between two walls. Its boundaries are bottom and top, and inflow and outflow if it is not periodic.
     Channel(ChannelGenerator),
+    /// A channel along x with a cylinder across it. Its boundaries are inflow, outflow, bottom, top and cylinder.
+    ChannelCylinder(ChannelCylinderGenerator),
     /// Cells between two circles around the origin. Its boundaries are wall, the inner one, and far.
     Annulus(AnnulusGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
@@ -113,6 +115,23 @@ pub struct ChannelGenerator {
     /// Whether the channel is periodic along x.
     #[serde(default)]
     pub periodic: bool,
+}
+
+/// The channel [0, L] x [0, H] without a circle. Cells between the circle and the rectangle that ends at twice the x of its centre grow
+/// outwards; those after it lie in rows along the channel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelCylinderGenerator {
+    /// Length and height of the channel.
+    pub extent: [f64; 2],
+    /// The centre of the circle.
+    pub centre: [f64; 2],
+    /// The diameter of the circle.
+    pub diameter: f64,
+    /// The height of the cells at the cylinder, where it is nearest to a wall or the inflow.
+    pub first_cell: f64,
+    /// Cells along a quarter of the cylinder, as many as across the channel; outwards from the cylinder; from the rectangle to the end.
+    pub cells: [usize; 3],
 }
 
 /// Cells between two circles, growing by a constant factor outwards.

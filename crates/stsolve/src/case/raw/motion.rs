@@ -37,8 +37,8 @@ pub struct Elasticity {
     pub law: Law,
     /// The mesh from which strain is counted; of the linear law.
     pub reference: Option<ReferenceMesh>,
-    /// Where Newton's method stops, an error of position relative to the distance of nodes; of the neo-Hookean law. With a flow the mesh
-    /// is found to round-off.
+    /// Where Newton's method stops, a root mean square error of position relative to the distance of nodes; of the neo-Hookean law. At
+    /// most 1e-3; 1e-6 unless it is given. With a flow the mesh is found to round-off.
     pub tolerance: Option<f64>,
 }
 

@@ -69,6 +69,11 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "elasticity = { law = \"neo_hookean\", tolerance = 0 }",
         &["`motion.elasticity.tolerance = 0`", "a positive number"],
     ),
+    (
+        "elasticity =",
+        "elasticity = { law = \"neo_hookean\", tolerance = 1e-2 }",
+        &["`motion.elasticity.tolerance = 0.01`", "at most 1e-3", "1e-6"],
+    ),
     ("elasticity =", "elasticity = { stiffness = { expression = \"t\" } }", &["unknown name `t`"]),
     ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown choice `lu`", "`direct`", "`multigrid`"]),
     ("elasticity =", "displacement = [0, 0]", &["`motion.boundary`", "has no effect", "remove the other"]),

@@ -53,6 +53,11 @@ fn every_generator_takes_its_parameters() {
     assert_eq!(boundaries(&format!("{channel}, periodic = true }}")), ["bottom", "top"]);
     let annulus = "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 0.2, cells = [8, 3] }";
     assert_eq!(boundaries(annulus), ["wall", "far"]);
+    let cylinder = "generate.channel_cylinder = { extent = [2.2, 0.41], centre = [0.2, 0.2], diameter = 0.1, first_cell = 0.02, \
+                    cells = [2, 2, 3] }";
+    let mut around_cylinder = boundaries(cylinder);
+    around_cylinder.sort();
+    assert_eq!(around_cylinder, ["bottom", "cylinder", "inflow", "outflow", "top"]);
     assert_eq!(boundaries("generate.disc = { radius = 2, core_cells = 2, radial_cells = 1 }"), ["wall"]);
     let space = mesh_in_space("order = 2\ngenerate.channel = { extent = [4, 1, 2], cells = [4, 2, 2] }");
     assert_eq!((space.n_cells(), space.volume()), (16, 8.0));

@@ -124,6 +124,33 @@ fn options_write_over_the_file() {
     assert!(replaced.boundary.iter().all(|data| matches!(data.condition, Boundary::Symmetry(_))));
 }
 
+/// In the plane the sign of the moment is chosen; in space the moment is a vector, and the axis of its coefficient is chosen.
+#[test]
+fn moments_are_positive_about_the_axis_that_is_asked_for() {
+    let force = navier_stokes::WallForce::<2> { moment: [0.0, 0.0, 3.0], ..Default::default() };
+    for (choice, moment) in [("counter_clockwise", 3.0), ("nose_up", -3.0)] {
+        let wall = plane(BASE, &[&format!("flow.forces.left.moment_positive={choice}")]).flow.unwrap().walls.remove(0);
+        assert_eq!((wall.moments(&force), wall.scales.coefficients(&force).moment), (vec![moment], moment / 0.125));
+    }
+    assert_eq!(plane(BASE, &[]).flow.unwrap().walls[0].moments(&force), [3.0]);
+    let axis = ["flow.forces.left.moment_positive={ axis = [0, 0, -1] }"];
+    let message = check_text(BASE, &axis).unwrap_err().to_string();
+    assert!(message.contains("a moment has no axis but that along z"), "{message}");
+
+    let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] }\n[flow]\norder = 2\ninitial.uniform = { velocity = [1, 0, 0], pressure = 1 }\nboundary.others = \"slip_wall\"\n[time]\norder = 1\nend = 1\nslabs = 1\n";
+    let force = navier_stokes::WallForce::<3> { moment: [1.0, 2.0, 3.0], ..Default::default() };
+    for (choice, moment) in [("nose_up", -3.0), ("{ axis = [0, -5, 0] }", -2.0)] {
+        let options = [format!("flow.forces.others.moment_positive={choice}")];
+        let Ok(AnyCase::Space(case)) = check_text(text, &[&options[0]]) else { panic!("in space") };
+        let wall = case.flow.unwrap().walls.remove(0);
+        assert_eq!(wall.moments(&force), [1.0, 2.0, 3.0]);
+        assert_eq!(wall.scales.coefficients(&force).moment, moment / 0.5);
+    }
+    let message =
+        check_text(text, &["flow.forces.others.moment_positive={ axis = [0, 0, 0] }"]).unwrap_err().to_string();
+    assert!(message.contains("three numbers that are not all zero"), "{message}");
+}
+
 #[test]
 fn constants_may_use_those_above_them() {
     let bound = |options: &[&str]| match plane(BASE, options).motion {

@@ -2,7 +2,9 @@
 
 use super::measured::TYPICAL_ITERATIONS;
 use super::{Facts, mesh_memory};
-use crate::case::{Flow, Preconditioner};
+use crate::case::{Case, Flow, Preconditioner};
+use crate::failure::Failure;
+use crate::memory;
 use crate::run::elasticity_plan;
 use coupled::preconditioner::{coarse_functions_per_direction, padded};
 use navier_stokes::Viscosity;
@@ -25,6 +27,9 @@ const NUMBERS_TO_INVERT: usize = 11;
 /// airfoils and cylinders of 250 to 3600 cells.
 const COARSE_FILL: f64 = 9.5;
 
+/// The estimate is right to a fifth; a run is refused if it needs so many times what is there.
+const MARGIN: f64 = 1.25;
+
 /// Bytes of the parts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Memory {
@@ -45,6 +50,13 @@ pub(super) struct Memory {
 impl Memory {
     /// Of the case in `facts`.
     pub(super) fn new<const D: usize>(facts: &Facts<'_, D>) -> Self {
+        let memory = Memory::of_flow(facts);
+        let solver = elasticity_plan(facts.case).map_or(0, |plan| plan.bytes);
+        Memory { mesh: memory.mesh + solver, ..memory }
+    }
+
+    /// The same without the solver of the mesh, which takes long to plan.
+    fn of_flow<const D: usize>(facts: &Facts<'_, D>) -> Self {
         let case = facts.case;
         let (_, flow) = facts.flow_unknowns();
         let mesh = case.mesh_unknowns().unwrap_or(0);
@@ -63,7 +75,7 @@ impl Memory {
             vectors,
             steady: case.solver.steady.map(|_| blocks + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
             most_krylov: vector * krylov_vectors(restart),
-            mesh: mesh_memory::bytes(case) + elasticity_plan(case).map_or(0, |plan| plan.bytes),
+            mesh: mesh_memory::bytes(case),
         }
     }
 
@@ -72,6 +84,20 @@ impl Memory {
         let slab = self.jacobian + self.factors + self.vectors;
         PROGRAM + self.mesh + slab.max(self.steady.unwrap_or(0))
     }
+}
+
+/// Refuses a run whose flow needs more memory than there is, by a margin wider than the error of the estimate.
+///
+/// # Errors
+/// The memory needed, and that which is there.
+pub(crate) fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    let needed = Memory::of_flow(&Facts::without_scales(case)).peak();
+    let Some(_) = memory::shortage((needed as f64 / MARGIN) as u64) else { return Ok(()) };
+    let shortage = memory::shortage(needed as u64).unwrap_or_default();
+    Err(Failure::bad_input(anyhow::anyhow!(
+        "the run does not fit into memory: {shortage}; fewer cells or a lower `flow.order` need less, and so does `solver.preconditioner = \
+         \"lines\"`; `stsolve check` tells the parts"
+    )))
 }
 
 /// v_0 ... v_k and z_1 ... z_k after k iterations of FGMRES.

@@ -12,7 +12,7 @@
 
 mod doubts;
 mod measured;
-mod memory;
+pub(crate) mod memory;
 mod mesh_memory;
 mod scales;
 mod tables;
@@ -23,7 +23,7 @@ use super::table::Table;
 use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::Probe;
 use crate::failure::Failure;
-use crate::run::{move_over_run, time_flow};
+use crate::run::{move_over_run, openings, time_flow};
 use doubts::{Doubt, doubts};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -76,6 +76,11 @@ impl<'a, const D: usize> Facts<'a, D> {
         }
     }
 
+    /// The sizes alone, without what takes long to find out.
+    fn without_scales(case: &'a Case<D>) -> Self {
+        Facts { case, smallest_size: 0.0, motion: None, walls: None, plate: None }
+    }
+
     fn orders(&self, flow: &Flow<D>) -> fem::Orders {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
@@ -111,11 +116,25 @@ where
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut doubts = doubts(&facts);
+    doubts.extend(misused_openings::<D, M>(case));
     tables.extend(mesh_over_run(case, probe, &mut doubts));
     tables.extend(seconds::<D, M>(&facts, probe, &mut doubts));
     tables.push(tables::defaults(&case.about));
     tables.push(doubtful(&doubts));
     tables
+}
+
+/// Doubts inflows and outflows that the initial state does not fit.
+fn misused_openings<const D: usize, const M: usize>(case: &Case<D>) -> Vec<Doubt>
+where
+    State<D>: ExactState<D, M>,
+{
+    let Some(flow) = &case.flow else { return Vec::new() };
+    let doubt = |record: &openings::Record| {
+        let name = &case.mesh.boundary_names()[record.now.boundary];
+        Doubt { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
+    };
+    openings::at_start::<D, M>(case, flow).iter().map(doubt).collect()
 }
 
 /// Moves the mesh over the run, if that is wanted, and doubts what cannot be proved.

@@ -4,6 +4,7 @@ use crate::any_mesh::AnyMesh;
 use crate::commands::print;
 use crate::commands::table::Table;
 use crate::failure::Failure;
+use crate::mesh_file;
 use mesh::{Mesh, ValidityCheck};
 use serde_json::{Map, Value};
 use std::fs::File;
@@ -27,7 +28,7 @@ pub(super) fn is_one(path: &Path) -> bool {
 /// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
 pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     let in_file = |error: anyhow::Error| Failure::bad_input(anyhow::anyhow!("{}: {error}", path.display()));
-    let bytes = std::fs::read(path).map_err(|error| in_file(error.into()))?;
+    let bytes = mesh_file::read(path).map_err(|error| in_file(error.into()))?;
     let tables = match AnyMesh::from_gmsh(&bytes, &[]).map_err(|error| in_file(error.into()))? {
         AnyMesh::Plane(mesh) => tables(path, &mesh),
         AnyMesh::Space(mesh) => tables(path, &mesh),

@@ -5,6 +5,7 @@ mod mesh_file;
 use super::print;
 use super::table::Table;
 use crate::failure::Failure;
+use crate::input_file;
 use output::{RESULT_FILE, ResultInfo};
 use std::fs::File;
 use std::io::Read;
@@ -19,10 +20,13 @@ const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// # Errors
 /// If the file cannot be read, is damaged or neither.
 pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
+    let path = &if path.is_dir() { path.join(RESULT_FILE) } else { path.to_owned() };
+    if let Err(error) = input_file::require_regular(path) {
+        return Err(Failure::bad_input(anyhow::anyhow!("`{}` cannot be read: {error}", path.display())));
+    }
     if mesh_file::is_one(path) {
         return mesh_file::info(path, json);
     }
-    let path = &if path.is_dir() { path.join(RESULT_FILE) } else { path.to_owned() };
     if let Some(problem) = other_kind(path) {
         return Err(Failure::bad_input(anyhow::anyhow!("`{}` {problem}", path.display())));
     }

@@ -5,6 +5,7 @@ use super::finding::Finding;
 use output::{OutputError, RESULT_FILE, write_atomically};
 use serde_json::json;
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// The folder, in the output directory.
@@ -33,17 +34,23 @@ pub struct Story<'a> {
     pub again: Option<&'a str>,
 }
 
-/// Removes what an earlier run has left in `directory`.
+/// Removes what an earlier run has left in `directory`. Files of others in the folder stay.
 ///
 /// # Errors
-/// A folder that cannot be removed.
+/// A file that cannot be removed.
 pub fn clear(directory: &Path) -> Result<(), OutputError> {
-    match std::fs::remove_dir_all(directory.join(FOLDER)) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(OutputError::File { path: directory.join(FOLDER), source })
+    let folder = directory.join(FOLDER);
+    for path in [TEXT_FILE, NUMBERS_FILE, PICTURE_FILE].map(|name| folder.join(name)) {
+        match std::fs::remove_file(&path) {
+            Err(source) if !matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                return Err(OutputError::File { path, source });
+            }
+            _ => {}
         }
-        _ => Ok(()),
     }
+    // With files of others in it the folder stays.
+    let _ = std::fs::remove_dir(folder);
+    Ok(())
 }
 
 /// Writes the files into a folder of `directory`; returns the likeliest cause and where more is told, for the end of a message.

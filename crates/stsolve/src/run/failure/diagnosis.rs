@@ -45,7 +45,8 @@ const OF_MESH: [Rule; 8] = [
 const OF_STRUCTURE: [Rule; 3] =
     [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
 
-const OF_FLOW: [Rule; 11] = [
+const OF_FLOW: [Rule; 12] = [
+    gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
     gas_rules::kick,

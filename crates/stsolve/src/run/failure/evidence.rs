@@ -1,5 +1,6 @@
 //! What was measured where a run has failed: plain numbers, relative where there is something to relate them to.
 
+use super::super::openings::Record;
 use serde::Serialize;
 
 /// All that the diagnosis reads, and nothing that it does not.
@@ -90,6 +91,10 @@ pub struct Mesh {
     pub evenness: f64,
     /// Poisson's ratio of an elastic mesh, otherwise 0.
     pub poisson_ratio: f64,
+    /// The tolerance of the equilibrium of a neo-Hookean mesh; none with another law.
+    pub tolerance: Option<f64>,
+    /// Whether it moves without a flow, as with `stsolve motion`.
+    pub alone: bool,
 }
 
 /// A prescribed displacement that is no number.
@@ -151,6 +156,19 @@ pub struct Gas {
     pub quadrature: [usize; 2],
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
+    /// What was seen at inflows and outflows that their conditions are not made for.
+    pub openings: Vec<OpeningEvidence>,
+}
+
+/// What was seen at an inflow or outflow.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpeningEvidence {
+    /// The boundary.
+    pub boundary: String,
+    /// What, on how much of it, since when.
+    pub record: Record,
+    /// The same in words.
+    pub told: String,
 }
 
 /// The gas at one time.

@@ -3,9 +3,9 @@
 use super::evidence::{Extreme, Mismatch, Moment};
 use super::grid::{Grid, difference};
 use crate::case::{Flow, State};
-use mesh::{BoundaryFacet, axis_and_side, face_nodes, outward_sign};
+use mesh::{BoundaryFacet, face_nodes, outward_area};
 use navier_stokes::{ExactState, Gas, Primitive};
-use tensor::{cofactor, norm};
+use tensor::norm;
 
 /// States `[point][component]` of a cell with its points at given positions.
 type StateAt<'a, const D: usize, const M: usize> = dyn Fn(usize, &[[f64; D]]) -> Vec<[f64; M]> + 'a;
@@ -150,7 +150,8 @@ where
         let jacobians = self.grid.jacobians(cell, then.displacement);
         let boundary = &self.flow.boundary[facet.boundary];
         let point = |p: usize| {
-            let n = normal(&jacobians[p], face);
+            let area = outward_area(&jacobians[p], face);
+            let n = area.map(|a| a / norm(&area));
             let inside: [f64; M] = states[p].pack(&self.flow.law.gas);
             let data = boundary.state.as_ref().map_or(inside, |state| state.state(&x[p], then.time));
             let asked = |v: &[f64; D]| {
@@ -195,13 +196,4 @@ fn velocity_along<const D: usize>(
     let axis = (0..D).fold(0, |most, axis| if gap(axis) > gap(most) { axis } else { most });
     let name = ["velocity along x", "velocity along y", "velocity along z"][axis];
     (name, inside.velocity[axis], asked.velocity[axis], size)
-}
-
-/// The outward unit normal of a face, cof(dx/dxi) e_axis with the sign of the side.
-fn normal<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
-    let (axis, _) = axis_and_side(face);
-    let cofactor = cofactor(jacobian);
-    let outward: [f64; D] = std::array::from_fn(|i| outward_sign(face) * cofactor[i][axis]);
-    let length = norm(&outward);
-    outward.map(|n| n / length)
 }

@@ -24,6 +24,8 @@ mod picture;
 
 pub use bundle::{Story, clear, tell};
 pub use finding::Finding;
-pub use of_flow::Failed;
+pub use gas::Then;
+pub use grid::Grid;
+pub use of_flow::{Failed, by_point};
 pub use of_mesh::{examine as examine_mesh, examine_inverted};
 pub use of_structure::examine as examine_structure;

@@ -1,6 +1,7 @@
 //! What is found out about a run of mesh and flow that has failed.
 
-use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton};
+use super::super::openings::Record;
+use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton, OpeningEvidence};
 use super::finding::{Finding, Verdict, WorstCell};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
@@ -18,6 +19,7 @@ pub struct Failed<'a, const D: usize, const M: usize> {
     error: Option<&'a SlabError>,
     steady: bool,
     interval: Interval,
+    openings: &'a [Record],
 }
 
 /// The gas at the start as the case has it, and in the last good state.
@@ -30,10 +32,16 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M>
 where
     State<D>: ExactState<D, M>,
 {
-    /// The run of `case` that stopped with `error`.
-    pub fn new(case: &'a Case<D>, flow: &'a Flow<D>, march: &'a March<D, M>, error: &'a anyhow::Error) -> Self {
+    /// The run of `case` that stopped with `error`, and what was seen at its openings.
+    pub fn new(
+        case: &'a Case<D>,
+        flow: &'a Flow<D>,
+        march: &'a March<D, M>,
+        error: &'a anyhow::Error,
+        openings: &'a [Record],
+    ) -> Self {
         let here = Interval { start: march.state.time, end: march.state.time, halvings: 0 };
-        let failed = |error, steady, interval| Failed { case, flow, march, error, steady, interval };
+        let failed = |error, steady, interval| Failed { case, flow, march, error, steady, interval, openings };
         match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SlabError>()) {
             (Some(march), _) => failed(Some(&march.source), false, march.interval),
             (None, Some(slab)) => failed(Some(slab), true, here),
@@ -154,8 +162,14 @@ where
             waves_per_slab: most(&|gas, distance| gas.fastest * dt / distance),
             cell_reynolds: viscous.then(|| most(&|gas, distance| gas.reynolds * distance)),
             quadrature: [flow.quadrature.space_points(D, orders), fem::Quadrature::Conserving.space_points(D, orders)],
+            openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
         }
+    }
+
+    fn opening(&self, record: &Record) -> OpeningEvidence {
+        let boundary = self.case.mesh.boundary_names()[record.now.boundary].clone();
+        OpeningEvidence { record: *record, told: record.told(&boundary).to_string(), boundary }
     }
 
     /// The cell that is inverted, else that with the largest residual, else that where the gas is thinnest.
@@ -209,7 +223,7 @@ fn rate<const D: usize>(mover: &MeshMover<D>, t: f64, step: f64) -> Vec<f64> {
 }
 
 /// `[component][point]` as `[point][component]`.
-fn by_point<const M: usize>(state: &[f64]) -> Vec<[f64; M]> {
+pub fn by_point<const M: usize>(state: &[f64]) -> Vec<[f64; M]> {
     let points = state.len() / M;
     (0..points).map(|p| std::array::from_fn(|m| state[m * points + p])).collect()
 }

@@ -17,7 +17,8 @@ pub fn mesh<const D: usize>(
 ) -> Mesh {
     let (motion, poisson_ratio) = kind(case);
     let (undefined, reach) = prescribed(mover, interval);
-    Mesh { motion, travel: travel(mover, grid, d, interval), undefined, reach, poisson_ratio, ..shape(grid, d) }
+    let travel = travel(mover, grid, d, interval);
+    Mesh { motion, travel, undefined, reach, poisson_ratio, tolerance: tolerance(case), ..shape(grid, d) }
 }
 
 /// The first place and time in `interval` where the prescribed displacement is no number, and its largest size over that of the mesh.
@@ -54,6 +55,14 @@ fn kind<const D: usize>(case: &Case<D>) -> (Motion, f64) {
             (Motion::Elastic, *poisson_ratio)
         }
         Some(case::Motion::Elastic { poisson_ratio, .. }) => (Motion::Graded, *poisson_ratio),
+    }
+}
+
+/// The tolerance of the equilibrium, if the law needs one.
+fn tolerance<const D: usize>(case: &Case<D>) -> Option<f64> {
+    match &case.motion {
+        Some(case::Motion::Elastic { law, tolerance, .. }) if !law.is_linear() => Some(*tolerance),
+        _ => None,
     }
 }
 
@@ -117,6 +126,7 @@ fn grid<const D: usize>(mover: &MeshMover<D>) -> Grid<'_, D> {
 }
 
 fn evidence(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> Evidence {
+    let mesh = Mesh { alone: true, ..mesh };
     let Interval { start, end, halvings } = interval;
     let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
     Evidence { gave_up, attempt, newton: None, mesh, gas: None, structure: None }

@@ -4,10 +4,17 @@ use crate::case::CaseError;
 use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
+use crate::memory;
 use ::mesh::MeshError;
 
-/// Nodes of a mesh at most: coordinates of some gigabytes.
+/// Nodes of a mesh at most where the system does not tell how much memory there is.
 const MOST_NODES: usize = 1 << 28;
+
+/// Bytes per node of a mesh that an elastic body moves: its C0 numbering, positions and the proof of validity.
+const BYTES_TO_MOVE: usize = 130;
+
+/// Bytes per corner of a cell for vertices, facets and the maps that join them.
+const BYTES_TO_JOIN: usize = 80;
 
 /// A generator of meshes.
 pub(super) struct Family<'a> {
@@ -29,9 +36,8 @@ impl Family<'_> {
     /// An error at `key` if the product of `cells`, each with order^D nodes, is more than can be stored: to be asked before
     /// anything is allocated.
     pub(super) fn check_size<const D: usize>(&self, key: &str, cells: &[usize], order: usize) -> Checked<()> {
-        let nodes = cells.iter().fold(order.pow(D as u32), |product, n| product.saturating_mul(*n));
-        let accepted = "fewer cells: at most 2^28 nodes in all";
-        self.checker.require(&self.key.child(key), "the size of the mesh", nodes <= MOST_NODES, accepted)
+        let cells = cells.iter().fold(1, |product: usize, n| product.saturating_mul(*n));
+        check_size::<D>(self.checker, &self.key.child(key), cells, order)
     }
 
     /// The error of the generator, at the key of the quantity that it names.
@@ -48,4 +54,23 @@ impl Family<'_> {
     pub(super) fn refused_at(&self, key: &Key, error: MeshError) -> Box<CaseError> {
         self.checker.error(key, Cause::Mesh(error))
     }
+}
+
+/// An error at `key` if a mesh of so many `cells` of an order does not fit into memory: what is needed and what is there.
+pub(super) fn check_size<const D: usize>(checker: &Checker<'_>, key: &Key, cells: usize, order: usize) -> Checked<()> {
+    let (nodes, needed) = (cells.saturating_mul(order.pow(D as u32)), bytes::<D>(cells, order, checker.is_elastic()));
+    let problem = match (memory::shortage(needed as u64), memory::available()) {
+        (Some(shortage), _) => shortage,
+        (None, None) if nodes > MOST_NODES => format!("about {} are needed", memory::in_words(needed as u64)),
+        _ => return Ok(()),
+    };
+    let problem =
+        format!("a mesh of {cells} cells with {} nodes each does not fit into memory: {problem}", order.pow(D as u32));
+    Err(checker.combination(key, &problem, "fewer cells, or a lower `mesh.order`"))
+}
+
+/// Bytes that a mesh takes while it is made, measured for 2 to 16 nodes per direction: coordinates twice, and what joins the cells.
+fn bytes<const D: usize>(cells: usize, order: usize, is_elastic: bool) -> usize {
+    let per_node = 16 * D + if is_elastic { BYTES_TO_MOVE } else { 0 };
+    cells.saturating_mul(order.pow(D as u32) * per_node + (BYTES_TO_JOIN << D))
 }

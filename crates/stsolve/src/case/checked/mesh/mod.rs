@@ -4,6 +4,7 @@ mod airfoil;
 mod annulus;
 mod box_mesh;
 mod channel;
+mod channel_cylinder;
 mod disc;
 mod family;
 mod gmsh;
@@ -54,6 +55,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
     match generate {
         Generate::Box(raw) => box_mesh::build(checker, raw, order),
         Generate::Channel(raw) => channel::build(checker, raw, order),
+        Generate::ChannelCylinder(raw) => channel_cylinder::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::RotatingBox(raw) => rotating_box::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Annulus(raw) => annulus::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Disc(raw) => disc::build(checker, raw, order).map(AnyMesh::Plane),
@@ -72,6 +74,10 @@ fn raised(checker: &Checker<'_>, raw: &Raw, mesh: AnyMesh) -> Checked<AnyMesh> {
     let asked = order(checker, &key, "the order of the mesh", asked)?;
     let accepted = format!("{of_file}, the order of the file, or more: with less the shape of the cells would change");
     checker.require(&key, "the order of the mesh", asked >= of_file, &accepted)?;
+    match &mesh {
+        AnyMesh::Plane(mesh) => family::check_size::<2>(checker, &key, mesh.n_cells(), asked)?,
+        AnyMesh::Space(mesh) => family::check_size::<3>(checker, &key, mesh.n_cells(), asked)?,
+    }
     Ok(mesh.with_order(asked))
 }
 

@@ -5,6 +5,7 @@ use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw::{BladeCells, Profile, TurbineBladeGenerator};
+use crate::input_file::{self, LARGEST_TABLE};
 use ::mesh::generate::{BladeMesh, ClosedCurve, low_pressure_turbine_profile};
 use ::mesh::{Mesh, MeshError};
 use std::path::Path;
@@ -72,7 +73,8 @@ fn profile(family: &Family<'_>, raw: &Profile) -> Checked<ClosedCurve> {
 
 /// The points of a text file: a line for each with two numbers; # begins a comment.
 fn points(path: &Path) -> Result<Vec<[f64; 2]>, Cause> {
-    let text = std::fs::read_to_string(path).map_err(|error| Cause::File { path: path.to_owned(), error })?;
+    let text = input_file::read_text(path, LARGEST_TABLE);
+    let text = text.map_err(|error| Cause::File { path: path.to_owned(), error })?;
     let mut points = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();

@@ -1,7 +1,8 @@
 //! Causes in the gas: its initial state, its boundaries, its resolution.
 
-use super::super::evidence::{Evidence, Extreme, Mismatch};
+use super::super::evidence::{Evidence, Extreme, Mismatch, OpeningEvidence};
 use super::{Cause, number, rises};
+use crate::run::openings::Misuse;
 
 /// There is hardly any gas somewhere.
 pub fn near_vacuum(evidence: &Evidence) -> Option<Cause> {
@@ -17,6 +18,25 @@ pub fn near_vacuum(evidence: &Evidence) -> Option<Cause> {
         what: format!("the gas is close to vacuum {when}: in cell {cell} the {quantity} is {} of its mean", number(value)),
         remedy: "start from a state with less contrast: a higher smallest pressure and density, smoothed over two cells or more"
             .into(),
+    })
+}
+
+/// Gas does at an inflow or outflow what the condition is not made for.
+pub fn opening(evidence: &Evidence) -> Option<Cause> {
+    // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
+    // well: it explains a failure only where there is much of it now.
+    let weighed = |opening: &OpeningEvidence| match opening.record.now.misuse {
+        Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.largest_share, 0.02),
+        Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
+    };
+    let openings = evidence.gas.as_ref()?.openings.iter();
+    let (likelihood, opening) =
+        openings.map(|opening| (weighed(opening), opening)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Cause {
+        name: "opening",
+        likelihood,
+        what: opening.told.clone(),
+        remedy: opening.record.now.misuse.remedy(&opening.boundary),
     })
 }
 

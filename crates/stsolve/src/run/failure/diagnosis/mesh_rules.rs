@@ -40,18 +40,39 @@ pub fn deformation(evidence: &Evidence) -> Option<Cause> {
         name: "deformation",
         likelihood: 0.9 * trust(mesh),
         what: format!(
-            "the boundary moves further than the mesh follows: det J / det J_0 is {} in the worst cell",
-            number(mesh.smallest_det_j)
+            "the boundary moves further than the mesh follows: det J / det J_0 is {} in the worst cell{}",
+            number(mesh.smallest_det_j),
+            in_equilibrium(mesh)
         ),
-        remedy: "look at the motion alone with `stsolve motion CASE`; move less, make the cells between moving and fixed boundaries \
-                 larger, or take `motion.elasticity.law = \"neo_hookean\"`"
-            .into(),
+        remedy: to_follow_further(mesh, &["move less", "make the cells between moving and fixed boundaries larger"]),
     })
 }
 
 /// How much det J says of the motion: nothing where that is no number or too far away.
 fn trust(mesh: &Mesh) -> f64 {
     if mesh.undefined.is_some() { 0.0 } else { 1.0 - rises(mesh.reach, FAR) }
+}
+
+/// What the equilibrium was found to, where that is a choice of the case.
+fn in_equilibrium(mesh: &Mesh) -> String {
+    mesh.tolerance.map_or_else(String::new, |tolerance| {
+        format!(", in equilibrium to {} distances of nodes (`motion.elasticity.tolerance`)", number(tolerance))
+    })
+}
+
+/// `remedies`, and those that are not taken yet.
+fn to_follow_further(mesh: &Mesh, remedies: &[&str]) -> String {
+    let look = (!mesh.alone).then_some("look at the motion alone with `stsolve motion CASE`");
+    let law = mesh.tolerance.is_none().then_some("take `motion.elasticity.law = \"neo_hookean\"`");
+    let graded = match mesh.motion {
+        Motion::Elastic => Some("let small cells be stiffer with `motion.elasticity.stiffness`"),
+        Motion::Graded => {
+            Some("let them be stiffer still: a larger power or amplitude in `motion.elasticity.stiffness`")
+        }
+        Motion::Still | Motion::Prescribed => None,
+    };
+    let elastic = law.filter(|_| graded.is_some());
+    look.into_iter().chain(remedies.iter().copied()).chain(elastic).chain(graded).collect::<Vec<_>>().join("; ")
 }
 
 /// The formula of the displacement maps two points to one.
@@ -126,8 +147,6 @@ pub fn nearly_inverted(evidence: &Evidence) -> Option<Cause> {
         name: "nearly_inverted",
         likelihood: 0.9 * (1.0 - rises(smallest.max(0.0), 0.05)),
         what: format!("cells are nearly inverted: det J / det J_0 is down to {}", number(smallest)),
-        remedy: "look at the motion alone with `stsolve motion CASE`; let small cells be stiffer with \
-                 `motion.elasticity.stiffness`"
-            .into(),
+        remedy: to_follow_further(&evidence.mesh, &["move less"]),
     })
 }

@@ -4,8 +4,9 @@
 
 use super::*;
 use crate::run::failure::evidence::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, Structure, Undefined,
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Structure, Undefined,
 };
+use crate::run::openings::{Misuse, Record, Seen};
 
 /// Newton has failed, and nothing is suspicious.
 fn nothing_suspicious() -> Evidence {
@@ -29,6 +30,7 @@ fn nothing_suspicious() -> Evidence {
             cell_reynolds: None,
             quadrature: [6, 6],
             kick: 0.0,
+            openings: Vec::new(),
         }),
         structure: None,
     }
@@ -62,6 +64,35 @@ fn a_fact_of_the_gas_names_its_cause() {
     assert_eq!(first(|e| gas(e).at_start.steepest.value = 4.0), "steep_initial_state");
     assert_eq!(first(|e| gas(e).last.steepest.value = 4.0), "not_resolved");
     assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
+}
+
+/// Before, a run with a supersonic flow through `inflow` was told another cause.
+#[test]
+fn a_misused_opening_is_named_first() {
+    let seen = |misuse, share| {
+        let record = Record { since: 0.5, now: Seen { boundary: 0, misuse, share, mach: 2.0 }, largest_share: share };
+        OpeningEvidence { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
+    };
+    let mismatch = Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, asked: 10.0, size: 2.3 };
+    for misuse in [Misuse::Supersonic, Misuse::Subsonic] {
+        assert_eq!(
+            first(|e| {
+                gas(e).openings = vec![seen(misuse, 1.0)];
+                gas(e).at_start.mismatch = Some(mismatch.clone());
+                gas(e).last.steepest.value = 4.0;
+            }),
+            "opening"
+        );
+    }
+    for misuse in [Misuse::Leaving, Misuse::Backflow] {
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.3)]), "opening");
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.01)]), "not_resolved");
+    }
+    let mut evidence = nothing_suspicious();
+    gas(&mut evidence).openings = vec![seen(Misuse::Backflow, 0.01), seen(Misuse::Supersonic, 0.5)];
+    let Cause { what, remedy, .. } = &causes(&evidence)[0];
+    assert!(what.contains("`inlet` faster than sound") && what.contains("50 % of it, since t = 0.5"), "{what}");
+    assert!(remedy.contains("supersonic_inflow"), "{remedy}");
 }
 
 #[test]
@@ -117,6 +148,25 @@ fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
         assert_eq!(moved(motion, |mesh| mesh.reach = 1e20).name, "far_away");
         assert_ne!(moved(motion, |mesh| mesh.reach = 1e3).name, "far_away");
     }
+}
+
+/// A remedy that is taken already is no remedy, and a tolerance that the case chose is named.
+#[test]
+fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
+    let deformation = |change: fn(&mut Mesh)| {
+        let mut evidence = nothing_suspicious();
+        (evidence.mesh.motion, evidence.gave_up) = (Motion::Elastic, GaveUp::Equilibrium);
+        change(&mut evidence.mesh);
+        let cause = causes(&evidence).into_iter().find(|cause| cause.name == "deformation").unwrap();
+        (cause.what, cause.remedy)
+    };
+    let (what, remedy) = deformation(|_| {});
+    assert!(!what.contains("tolerance"), "{what}");
+    assert!(remedy.contains("neo_hookean") && remedy.contains("stsolve motion"), "{remedy}");
+    let (what, remedy) = deformation(|mesh| (mesh.tolerance, mesh.alone) = (Some(1e-3), true));
+    assert!(what.contains("0.001 distances of nodes (`motion.elasticity.tolerance`)"), "{what}");
+    assert!(!remedy.contains("neo_hookean") && !remedy.contains("stsolve motion"), "{remedy}");
+    assert!(remedy.contains("motion.elasticity.stiffness"), "{remedy}");
 }
 
 /// A structure has failed, and nothing is suspicious.

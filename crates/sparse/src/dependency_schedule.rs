@@ -1,16 +1,18 @@
-//! Work on cells that wait for each other: every thread takes the next one in order, and waits for what that needs.
+//! Parallel work on items that depend on each other. Every thread takes the next item in order and waits for those that it needs.
 //!
-//! What others wait for is taken already, and the first of those that are not done waits for nothing: no number of threads, and no
-//! thread that comes late, can make all of them wait. A barrier after each level of cells would cost more than the work on short ones.
+//! The items that a thread waits for are already taken, and the first item that is not done waits for nothing. So no number of threads can
+//! block all of them. A barrier after each level of the graph would cost more than the work on short items.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// A thread looks at a flag so often before it lets others have its core.
+/// A thread checks a flag this many times before it yields its core.
 const SPINS: usize = 1000;
 
-/// Does `work(k)` for all k in 0..`count`, each after those that `needs(k)` names, which are less than k. No more than `width` threads
-/// take part. `work` must not run parallel loops: a thread that waits for one may begin another k, which needs the one that it is at.
-pub fn wavefront<N: IntoIterator<Item = usize>>(
+/// Does `work(k)` for all k in 0..`count`, each after the items `needs(k)`, which are less than k. At most `width` threads take part.
+///
+/// `work` must not run parallel loops. A thread that waits for such a loop may begin another item, which may need the one that the thread
+/// has not finished.
+pub fn dependency_schedule<N: IntoIterator<Item = usize>>(
     count: usize,
     width: usize,
     needs: impl Fn(usize) -> N + Sync,
@@ -36,7 +38,7 @@ pub fn wavefront<N: IntoIterator<Item = usize>>(
     });
 }
 
-/// Raises a flag at the end of the work, even of work that panics: nobody is to wait for ever.
+/// Sets the flag of an item at the end of its work, also where the work panics, so that no thread waits for ever.
 struct Done<'a>(&'a AtomicBool);
 
 impl Drop for Done<'_> {
@@ -68,7 +70,7 @@ mod tests {
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             let log = Mutex::new(Vec::new());
-            pool.install(|| wavefront(200, 4, needs, |k| log.lock().expect("no work panics").push(k)));
+            pool.install(|| dependency_schedule(200, 4, needs, |k| log.lock().expect("no work panics").push(k)));
             let log = log.into_inner().expect("no work panics");
             let place = |k: usize| log.iter().position(|&other| other == k).expect("all are done");
             assert_eq!(log.len(), 200);
@@ -76,18 +78,18 @@ mod tests {
         }
     }
 
-    /// Two at a time in one pool: threads that wait in one may be those that the other is to be done by.
+    /// Two schedules in one pool: a thread that waits in one may be needed by the other.
     #[test]
     fn several_share_a_pool() {
         let sum = AtomicUsize::new(0);
-        let one = || wavefront(500, 4, needs, |k| _ = sum.fetch_add(k, Ordering::Relaxed));
+        let one = || dependency_schedule(500, 4, needs, |k| _ = sum.fetch_add(k, Ordering::Relaxed));
         rayon::join(|| rayon::join(one, one), || rayon::join(one, one));
         assert_eq!(sum.into_inner(), 4 * 499 * 500 / 2);
     }
 
     #[test]
     fn work_that_panics_does_not_make_others_wait() {
-        let broken = || wavefront(50, 4, needs, |k| assert!(k != 20, "broken"));
+        let broken = || dependency_schedule(50, 4, needs, |k| assert!(k != 20, "broken"));
         assert!(std::panic::catch_unwind(broken).is_err());
     }
 }

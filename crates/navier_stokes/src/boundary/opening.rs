@@ -1,0 +1,113 @@
+//! The opening to a reservoir, which inflow and outflow share.
+//!
+//! Of the waves at a boundary, by their speed relative to it along the outward normal n,
+//!
+//! | speed | carries | data or inside |
+//! |---|---|---|
+//! | w_n + c | R+ = w_n + 2 c / (gamma - 1) | inside |
+//! | w_n | entropy, tangential velocity | inside where gas leaves, **data where it enters** |
+//! | w_n - c | R- | data |
+//!
+//! The middle row decides stability. The energy a^2 / 2 of what it carries in the cell at the boundary loses |w_n| a^2 / 2 if data are
+//! taken exactly where gas enters. It gains as much if data are imposed on gas that leaves, or if gas enters with what the inside has.
+//! An opening therefore has a complete state outside: gas at rest, of total pressure p_0 and total temperature T_0, which enters along
+//! the direction d. Gas that leaves does so at the static pressure p_0. Since p_0 is a total pressure where gas enters, the energy that
+//! comes in is bounded by data.
+
+use crate::error::{InvalidParameter, positive};
+use crate::gas::Gas;
+use crate::state::{Primitive, along};
+use tensor::{Over, Real, dot};
+
+/// Gas at rest of the total pressure p_0 and the total temperature T_0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reservoir {
+    total_pressure: f64,
+    total_temperature: f64,
+}
+
+/// How a facet meets the gas: its unit normal n, its normal velocity v_n, the direction d in which gas enters and the velocity of the
+/// reservoir.
+#[derive(Clone, Copy)]
+pub(super) struct Facet<G, const D: usize> {
+    pub(super) normal: [G; D],
+    pub(super) normal_velocity: G,
+    pub(super) direction: [G; D],
+    pub(super) reservoir_velocity: [G; D],
+}
+
+impl Reservoir {
+    /// # Errors
+    /// A total pressure or temperature that is not positive.
+    pub(super) fn new(total_pressure: f64, total_temperature: f64) -> Result<Self, InvalidParameter> {
+        positive("total pressure", total_pressure)?;
+        positive("total temperature", total_temperature)?;
+        Ok(Reservoir { total_pressure, total_temperature })
+    }
+
+    /// The state on a facet between the gas `inside` and the reservoir.
+    ///
+    /// With k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, a = d . n < 0, w_n and I = R+ of the gas inside in the frame of the
+    /// reservoir, and c_s the sound speed of that gas at the pressure p_0,
+    ///
+    /// ```text
+    /// q a + (c_s / k) sqrt(1 - k q^2 / c_0^2) = I                      gas that enters with speed q: R+ across the contact    (q)
+    /// p* = p_0 theta^(gamma / (gamma - 1)),   theta = (1 - k q^2 / c_0^2) (b / c_s)^2                                       (p*)
+    /// w*_n = q a + max(I - b / k, 0),   b = max(c_s, I k / (1 + k))                                                        (w*)
+    /// ```
+    ///
+    /// Gas enters for I < c_s / k. R+ is constant at the entropy of the gas inside only, hence c_s and not c_0 in (q). Gas that enters
+    /// chokes where q |a| is its sound speed, gas that leaves where b is (a rarefaction that is sonic at the facet).
+    #[inline(always)]
+    pub(super) fn state<T: Over<G>, G: Real, const D: usize>(
+        &self,
+        gas: &Gas,
+        inside: &Primitive<T, D>,
+        facet: &Facet<G, D>,
+    ) -> Primitive<T, D> {
+        let Facet { normal: n, normal_velocity, direction, reservoir_velocity } = facet;
+        let k = 0.5 * (gas.gamma() - 1.0);
+        let zero = inside.pressure.zero();
+        let frame_n = dot(reservoir_velocity, n);
+        let w_n = along(&inside.velocity, n).minus(frame_n);
+        let c = gas.sound_speed(inside.density, inside.pressure);
+
+        let c_0_squared = gas.gamma() * gas.gas_constant() * self.total_temperature;
+        let c_s = c * (inside.pressure * (1.0 / self.total_pressure)).powf(-k / gas.gamma());
+        let invariant = w_n + c * (1.0 / k);
+        let a = T::lift(dot(direction, n));
+        let q = entering_speed(a, c_s, invariant, k, c_0_squared);
+
+        let b = c_s.max(invariant * (k / (1.0 + k)));
+        let push = (invariant - b * (1.0 / k)).max(zero);
+        let choking = b / c_s;
+        let theta = (-(q * q * (k / c_0_squared)) + 1.0) * (choking * choking);
+        let pressure = theta.powf(gas.gamma() / (gas.gamma() - 1.0)) * self.total_pressure;
+
+        let normal_velocity_here = q * a + push;
+        let relative = normal_velocity_here.plus(frame_n).minus(*normal_velocity);
+        let c_squared = relative.select_ge(zero, c_s * c_s, zero.constant(c_0_squared)) * theta;
+        let mut velocity = inside.velocity;
+        for i in 0..D {
+            let leaves = inside.velocity[i] + (normal_velocity_here - w_n).scale(n[i]);
+            let enters = (q.scale(direction[i]) + push.scale(n[i])).plus(reservoir_velocity[i]);
+            velocity[i] = relative.select_ge(zero, leaves, enters);
+        }
+        Primitive { density: pressure * gas.gamma() / c_squared, velocity, pressure }
+    }
+}
+
+/// q, the speed of the gas that enters, 0 where none does: the root of (q), which is quadratic, of the larger sign.
+#[inline(always)]
+fn entering_speed<T: Real>(a: T, c_s: T, invariant: T, k: f64, c_0_squared: f64) -> T {
+    /// Keeps the root differentiable where d lies in the facet.
+    const LEAST: f64 = 1e-24;
+    let (a_squared, c_s_squared) = (a * a, c_s * c_s);
+    let ratio = c_s_squared * (1.0 / c_0_squared);
+    let entering = invariant.max(a.zero()).min(c_s * (1.0 / k));
+    let discriminant = c_s_squared * (a_squared + ratio * (1.0 / k)) - ratio * entering * entering * k;
+    let root = discriminant.max(c_s_squared * LEAST).sqrt();
+    let q = (entering * a * k + root) / (a_squared * k + ratio);
+    let sonic = ((a_squared + k).recip() * c_0_squared).sqrt();
+    q.max(a.zero()).min(sonic)
+}

@@ -1,0 +1,51 @@
+//! Supersonic inflow of a given state.
+
+use super::{Condition, lifted, through};
+use crate::flux::Stresses;
+use crate::law::NavierStokes;
+use crate::state::Primitive;
+use tensor::{Over, Real};
+
+/// A complete state, given at every point and time. All waves enter, so that the flux is F_c(u_b) whatever the gas inside does. Viscous
+/// terms take the state as Dirichlet data. Well posed only where the given normal velocity relative to the facet exceeds the speed of
+/// sound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupersonicInflow;
+
+impl<const D: usize> Condition<D> for SupersonicInflow {
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        _law: &NavierStokes<D>,
+        minus: &[T; M],
+        _n: &[G; D],
+        _v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        lifted(minus, data)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        through(&law.gas, &Primitive::unpack(&law.gas, &lifted(minus, data)), n, v)
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        _v: &[G; D],
+    ) -> [T; M] {
+        Stresses::new(&law.gas, state, gradient).normal_flux(n)
+    }
+}

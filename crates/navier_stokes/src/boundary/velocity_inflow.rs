@@ -1,0 +1,121 @@
+//! Subsonic inflow of given velocity, or mass flux, and temperature.
+
+use super::{Condition, lifted, through};
+use crate::flux::Stresses;
+use crate::gas::Gas;
+use crate::law::NavierStokes;
+use crate::state::{Primitive, along};
+use tensor::{Over, Real, dot};
+
+/// Velocity and temperature given at every point and time; the pressure comes from inside, with the acoustic wave that leaves. Viscous
+/// terms take the state on the facet as Dirichlet data. It reflects sound.
+///
+/// Data are a conserved state of density 1: its momentum is w_g, or rho w_g if the mass flux is given, and its pressure R T_g.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VelocityInflow {
+    /// The velocity w_g is given.
+    OfVelocity,
+    /// The mass flux rho w_g is given: what flows in has exactly this, whatever its pressure.
+    OfMassFlux,
+}
+
+impl VelocityInflow {
+    /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,
+    ///
+    /// ```text
+    /// c* = c + k (w_n - w_gn), within its bounds,   p* = p (c* / c)^(gamma / k)
+    /// ```
+    ///
+    /// Gas that enters has the given velocity and temperature; gas that leaves has the given normal velocity, and its own entropy and
+    /// tangential velocity. A given mass flux becomes a velocity at the pressure inside for c*, then at p* for the state: the two
+    /// pressures differ by the jump at the facet only, and the mass flux is exact.
+    #[inline(always)]
+    fn on_facet<T: Over<G>, G: Real, const D: usize, const M: usize>(
+        self,
+        gas: &Gas,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> Primitive<T, D> {
+        let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
+        let given: Primitive<T, D> = Primitive::unpack(gas, &lifted(minus, data));
+        let k = 0.5 * (gas.gamma() - 1.0);
+        let c = gas.sound_speed(inside.density, inside.pressure);
+        let (w_n, given_n) = (along(&inside.velocity, n), along(&given.velocity, n));
+        let specific_pressure = given.pressure / given.density;
+
+        let expected_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
+        let [lowest, highest] = self.bounds();
+        let c_here = (c + (w_n - expected_n) * k).max(c * lowest).min(c * highest);
+        let pressure = inside.pressure * (c_here / c).powf(gas.gamma() / k);
+
+        let entering_density = pressure / specific_pressure;
+        let leaving_density = pressure * gas.gamma() / (c_here * c_here);
+        let entering = self.specific_volume(entering_density.recip());
+        let gain = given_n * self.specific_volume(leaving_density.recip()) - w_n;
+        let into_domain = T::lift(dot(v, n)) - expected_n;
+        let mut velocity = inside.velocity;
+        for i in 0..D {
+            let leaves = inside.velocity[i] + gain.scale(n[i]);
+            velocity[i] = into_domain.select_ge(c.zero(), given.velocity[i] * entering, leaves);
+        }
+        Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
+    }
+
+    /// The bounds of c* / c. A mass flux at a low pressure is a high velocity, hence closer bounds: p* / p is then between 0.5 and 2.
+    #[inline(always)]
+    fn bounds(self) -> [f64; 2] {
+        match self {
+            VelocityInflow::OfVelocity => [0.5, 2.0],
+            VelocityInflow::OfMassFlux => [0.9, 1.1],
+        }
+    }
+
+    /// What turns the given vector into a velocity: 1 / rho for a mass flux, 1 for a velocity.
+    #[inline(always)]
+    fn specific_volume<T: Real>(self, inverse_density: T) -> T {
+        match self {
+            VelocityInflow::OfVelocity => inverse_density.constant(1.0),
+            VelocityInflow::OfMassFlux => inverse_density,
+        }
+    }
+}
+
+impl<const D: usize> Condition<D> for VelocityInflow {
+    #[inline(always)]
+    fn state<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        self.on_facet::<T, G, D, M>(&law.gas, minus, n, v, data).pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        n: &[G; D],
+        v: &[G; D],
+        data: &[G; M],
+    ) -> [T; M] {
+        through(&law.gas, &self.on_facet(&law.gas, minus, n, v, data), n, v)
+    }
+
+    #[inline(always)]
+    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        n: &[G; D],
+        _v: &[G; D],
+    ) -> [T; M] {
+        Stresses::new(&law.gas, state, gradient).normal_flux(n)
+    }
+}

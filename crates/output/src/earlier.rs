@@ -1,0 +1,134 @@
+//! What an earlier run has left in a directory.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::directory::RunDirectory;
+use crate::error::OutputError;
+use crate::files::file_error;
+use crate::history::{HISTORY_FILE, HistoryTable};
+use crate::result_file::RESULT_FILE;
+use crate::summary::SUMMARY_FILE;
+
+/// An earlier run: its end, as far as its files tell it.
+///
+/// A run has no `summary.json` until it ends, so a directory without one holds a run that was killed. A run that was killed before its
+/// first checkpoint leaves nothing that could be continued, and counts as none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EarlierRun {
+    /// Whether it has reached its end.
+    pub completed: bool,
+    /// Why it stopped before its end, if it has told.
+    pub reason: Option<String>,
+    /// The time that it has reached, if a file tells.
+    pub time: Option<f64>,
+    /// Whether there is a result file, and with it a checkpoint.
+    pub has_checkpoint: bool,
+    /// Whether the mesh alone was moved.
+    pub is_mesh_alone: bool,
+}
+
+impl EarlierRun {
+    /// The run whose files are in `directory`; none if there is none.
+    pub fn find(directory: &Path) -> Option<Self> {
+        let has_checkpoint = is_there(&directory.join(RESULT_FILE));
+        let summary = directory.join(SUMMARY_FILE);
+        if !has_checkpoint && !is_there(&summary) {
+            return None;
+        }
+        let summary: Value =
+            fs::read_to_string(summary).ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+        Some(EarlierRun {
+            completed: summary["completed"] == true,
+            reason: summary["reason"].as_str().map(str::to_owned),
+            time: summary["time"].as_f64().or_else(|| last_time(directory)),
+            has_checkpoint,
+            is_mesh_alone: summary["mesh"].is_object()
+                && summary["unknowns"]["flow"].is_null()
+                && summary["structure"].is_null(),
+        })
+    }
+}
+
+/// Whether there is something at `path`, be it a link that leads nowhere.
+fn is_there(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok()
+}
+
+/// The time of the last row of the history.
+fn last_time(directory: &Path) -> Option<f64> {
+    HistoryTable::read(directory).ok()?.column("t")?.last().copied()
+}
+
+impl RunDirectory {
+    /// A file in the directory that has the name of one of a run and was written by another program, so that a run would destroy it.
+    pub fn foreign_history(path: &Path) -> Option<PathBuf> {
+        let history = path.join(HISTORY_FILE);
+        let text = fs::read(&history).ok()?;
+        let is_ours = text.is_empty() || text.starts_with(b"t,dt,");
+        (!is_ours).then_some(history)
+    }
+
+    /// Removes what would be mistaken for the work of the run that now begins: the summary of the run before, and unless that run is
+    /// resumed its result and the `others` that were made of it.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if the system refuses.
+    pub fn clear(&self, resumed: bool, others: &[&str]) -> Result<(), OutputError> {
+        remove(&self.path().join(SUMMARY_FILE))?;
+        if resumed {
+            return Ok(());
+        }
+        [&[RESULT_FILE], others].concat().iter().try_for_each(|name| remove(&self.path().join(name)))
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(file_error(path, source)),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_run_is_told_by_its_files() {
+        let directory = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(directory.path().join(name), text).unwrap();
+        let find = || EarlierRun::find(directory.path());
+        write("notes.txt", "not ours");
+        write(HISTORY_FILE, "t,dt,newton\n0.5,0.5,3\n");
+        assert_eq!(find(), None, "killed before its first checkpoint");
+        write(RESULT_FILE, "");
+        let killed = EarlierRun { time: Some(0.5), has_checkpoint: true, ..Default::default() };
+        assert_eq!(find(), Some(killed.clone()));
+        write(SUMMARY_FILE, r#"{"completed": true, "time": 2.0, "mesh": {}, "unknowns": {"flow": 8}}"#);
+        assert_eq!(find(), Some(EarlierRun { completed: true, time: Some(2.0), ..killed }));
+        write(SUMMARY_FILE, "torn");
+        assert!(!find().unwrap().completed);
+        let held = RunDirectory::open(directory.path()).unwrap();
+        held.clear(true, &["report.html"]).unwrap();
+        assert!(find().unwrap().has_checkpoint);
+        held.clear(false, &["report.html"]).unwrap();
+        assert_eq!(find(), None);
+        assert!(directory.path().join("notes.txt").exists() && directory.path().join(HISTORY_FILE).exists());
+    }
+
+    #[test]
+    fn the_history_of_another_program_is_recognised() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join(HISTORY_FILE);
+        assert_eq!(RunDirectory::foreign_history(directory.path()), None);
+        fs::write(&path, "t,dt,elasticity_iterations\n").unwrap();
+        assert_eq!(RunDirectory::foreign_history(directory.path()), None);
+        fs::write(&path, "date,price\n").unwrap();
+        assert_eq!(RunDirectory::foreign_history(directory.path()), Some(path));
+    }
+}

@@ -1,0 +1,187 @@
+//! The factors of a sparse matrix, and solutions by them.
+
+use crate::elimination_tree::{EliminationTree, Front};
+use crate::front::{Factors, Kind};
+use crate::{Error, Scalar, dependency_schedule};
+use faer::{Mat, MatMut};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The matrix of a front while it is assembled.
+pub struct FrontMatrix<'a, T> {
+    /// The front.
+    pub front: &'a Front,
+    matrix: Mat<T>,
+    block: usize,
+    kind: Kind,
+}
+
+impl<T: Scalar> FrontMatrix<'_, T> {
+    /// Adds a matrix of blocks whose node k is at `positions[k]`; rows and columns without a position are left out. A Cholesky
+    /// factorisation takes the lower triangle only.
+    pub fn add(&mut self, positions: impl Iterator<Item = Option<usize>>, matrix: &Mat<T>) {
+        let n = self.block;
+        let places: Vec<_> = positions.map(|position| position.map(|p| self.front.place(p) * n)).collect();
+        for (l, column) in places.iter().enumerate().filter_map(|(l, place)| place.map(|place| (l, place))) {
+            for j in 0..n {
+                let (to, from) = (self.matrix.col_as_slice_mut(column + j), matrix.col_as_slice(l * n + j));
+                for (from, row) in from.chunks_exact(n).zip(&places) {
+                    if let Some(row) = row.filter(|row| self.kind == Kind::Lu || *row >= column) {
+                        to[row..row + n].iter_mut().zip(from).for_each(|(to, from)| *to += *from);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds `block`, by columns, at the rows of the node at position `row` and the columns of the node at position `column`.
+    pub fn add_block(&mut self, row: usize, column: usize, block: &[T]) {
+        let n = self.block;
+        let (row, column) = (self.front.place(row) * n, self.front.place(column) * n);
+        for (j, from) in block.chunks_exact(n).enumerate() {
+            let to = &mut self.matrix.col_as_slice_mut(column + j)[row..row + n];
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += *from);
+        }
+    }
+}
+
+/// The factors of a matrix of square blocks.
+pub struct Factorisation<T> {
+    tree: Arc<EliminationTree>,
+    block: usize,
+    factors: Vec<Factors<T>>,
+    /// Nodes of the largest front.
+    largest: usize,
+}
+
+impl<T: Scalar> Factorisation<T> {
+    /// Factors the matrix with `block` rows per node of `tree`, to which `assemble` adds what enters at each front.
+    ///
+    /// # Errors
+    /// [`Error::NotDefinite`] or [`Error::Singular`], of the first front that fails.
+    pub fn new(
+        tree: Arc<EliminationTree>,
+        block: usize,
+        kind: Kind,
+        assemble: impl Fn(&mut FrontMatrix<'_, T>) + Sync,
+    ) -> Result<Self, Error> {
+        let fronts = &tree.fronts;
+        let complements: Vec<Mutex<Mat<T>>> = fronts.iter().map(|_| Mutex::new(Mat::new())).collect();
+        let factors: Vec<OnceLock<Result<Factors<T>, Error>>> = fronts.iter().map(|_| OnceLock::new()).collect();
+        let exchange = |number: usize, complement| {
+            std::mem::replace(&mut *complements[number].lock().unwrap_or_else(PoisonError::into_inner), complement)
+        };
+        let children = |number: usize| fronts[number].children.iter().copied();
+        dependency_schedule(fronts.len(), fronts.len(), children, |number| {
+            let front = &fronts[number];
+            let size = front.len() * block;
+            let mut f = FrontMatrix { front, matrix: Mat::zeros(size, size), block, kind };
+            assemble(&mut f);
+            for child in children(number) {
+                let complement = exchange(child, Mat::new());
+                // A child that has failed leaves nothing.
+                if complement.nrows() > 0 {
+                    f.add(fronts[child].boundary.iter().map(|&position| Some(position)), &complement);
+                }
+            }
+            let eliminated = Factors::new(kind, f.matrix, front.eliminated.len() * block);
+            let own = eliminated.map(|(own, complement)| {
+                exchange(number, complement);
+                own
+            });
+            let _ = factors[number].set(own);
+        });
+        let factors = factors.into_iter().filter_map(OnceLock::into_inner).collect::<Result<Vec<_>, _>>()?;
+        let largest = fronts.iter().map(Front::len).max().unwrap_or(0);
+        Ok(Factorisation { tree, block, factors, largest })
+    }
+
+    /// The order of elimination, for the factors of another matrix of the same pattern.
+    pub fn tree(&self) -> &Arc<EliminationTree> {
+        &self.tree
+    }
+
+    /// Memory of the factors in bytes.
+    pub fn bytes(&self) -> usize {
+        self.factors.iter().map(Factors::bytes).sum()
+    }
+
+    /// x := A^{-1} x for `count` right-hand sides, `[right-hand side][node][row of the block]`. Entries of nodes that take no part are
+    /// neither read nor written. After a first call with as many right-hand sides and the same `work` nothing is allocated.
+    pub fn solve(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
+        let local = self.largest * self.block * count;
+        work.resize(2 * local, T::zero_impl());
+        let (work, scratch) = work.split_at_mut(local);
+        let fronts = || self.tree.fronts.iter().zip(&self.factors);
+        fronts().for_each(|(front, factors)| self.forward(front, factors, x, count, work, scratch));
+        fronts().rev().for_each(|(front, factors)| self.backward(front, factors, x, count, work));
+    }
+
+    fn forward(
+        &self,
+        front: &Front,
+        factors: &Factors<T>,
+        x: &mut [T],
+        count: usize,
+        work: &mut [T],
+        scratch: &mut [T],
+    ) {
+        let [e, b] = self.rows(front);
+        let (x_e, change) = work[..(e + b) * count].split_at_mut(e * count);
+        self.gather(front.eliminated.clone(), x, x_e, count);
+        factors.forward(columns(x_e, e, count), columns(change, b, count), &mut scratch[..e * count]);
+        self.scatter(front.eliminated.clone(), x_e, x, count, |x, new| *x = new);
+        self.scatter(front.boundary.iter().copied(), change, x, count, |x, change| *x -= change);
+    }
+
+    fn backward(&self, front: &Front, factors: &Factors<T>, x: &mut [T], count: usize, work: &mut [T]) {
+        let [e, b] = self.rows(front);
+        let (x_e, x_b) = work[..(e + b) * count].split_at_mut(e * count);
+        self.gather(front.eliminated.clone(), x, x_e, count);
+        self.gather(front.boundary.iter().copied(), x, x_b, count);
+        factors.backward(columns(x_e, e, count), columns(x_b, b, count));
+        self.scatter(front.eliminated.clone(), x_e, x, count, |x, new| *x = new);
+    }
+
+    /// The rows that a front eliminates, and those of its boundary.
+    fn rows(&self, front: &Front) -> [usize; 2] {
+        [front.eliminated.len(), front.boundary.len()].map(|nodes| nodes * self.block)
+    }
+
+    /// The first entry of the node at `position` in a vector.
+    fn start(&self, position: usize) -> usize {
+        self.tree.nodes[position] * self.block
+    }
+
+    /// Copies the entries of the nodes at `positions` of every right-hand side to `local`.
+    fn gather(&self, positions: impl Iterator<Item = usize> + Clone, x: &[T], local: &mut [T], count: usize) {
+        let (n, length, mut local) = (self.block, x.len() / count, local.chunks_exact_mut(self.block));
+        for column in 0..count {
+            for (position, local) in positions.clone().zip(&mut local) {
+                local.copy_from_slice(&x[column * length + self.start(position)..][..n]);
+            }
+        }
+    }
+
+    /// Changes the entries of the nodes at `positions` of every right-hand side by those of `local`.
+    fn scatter(
+        &self,
+        positions: impl Iterator<Item = usize> + Clone,
+        local: &[T],
+        x: &mut [T],
+        count: usize,
+        change: impl Fn(&mut T, T),
+    ) {
+        let (n, length, mut local) = (self.block, x.len() / count, local.chunks_exact(self.block));
+        for column in 0..count {
+            for (position, local) in positions.clone().zip(&mut local) {
+                let x = &mut x[column * length + self.start(position)..][..n];
+                x.iter_mut().zip(local).for_each(|(x, local)| change(x, *local));
+            }
+        }
+    }
+}
+
+/// A matrix of `rows` rows and `count` columns.
+fn columns<T>(entries: &mut [T], rows: usize, count: usize) -> MatMut<'_, T> {
+    MatMut::from_column_major_slice_mut(entries, rows, count)
+}
