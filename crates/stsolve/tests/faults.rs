@@ -34,7 +34,7 @@ const CYLINDER: &[&str] = &[
 const DISC: &[&str] =
     &["mesh.order=3", "flow.order=3", "mesh.generate.disc.radial_cells=1", "time.slabs=10", "solver.slab_halvings=2"];
 
-const FAULTS: [Fault; 14] = [
+const FAULTS: [Fault; 15] = [
     Fault {
         what: "one Newton step allowed",
         case: "vortex",
