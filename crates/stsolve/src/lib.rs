@@ -17,6 +17,7 @@
 //! | `memory` | the memory that is there |
 //! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
 //! | `clock` | where the time of a run goes |
+//! | `excerpt` | a piece of a line with carets below it |
 //! | `failure` | error messages and exit codes |
 
 mod any_mesh;
@@ -25,6 +26,7 @@ pub mod case;
 pub mod cli;
 pub mod clock;
 pub mod commands;
+mod excerpt;
 pub mod expression;
 pub mod failure;
 mod input_file;

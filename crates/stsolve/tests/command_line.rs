@@ -112,6 +112,12 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
         (&["mesh.generate.airfoil={first_cell=0.2}"], "first cell", "`first_cell`"),
         (&["flow.quadrature={points=5}"], "quadrature", "\"conserving\""),
         (&["motion.boundary.airfoil.displacement=[0, \"t\"]"], "start of the motion", "at_rest"),
+        (&["motion={displacement=[0, \"0.5*t\"]}"], "start of the motion", "with a speed of 5.00e-1"),
+        (
+            &["flow.gas={viscosity={sutherland={viscosity=2e-2,temperature=288.15,constant=110.4}}}"],
+            "Sutherland's law",
+            "`flow.gas.gas_constant`",
+        ),
         // This one starts from rest, however fast it is within the first slab.
         (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),

@@ -34,7 +34,7 @@ const CYLINDER: &[&str] = &[
 const DISC: &[&str] =
     &["mesh.order=3", "flow.order=3", "mesh.generate.disc.radial_cells=1", "time.slabs=10", "solver.slab_halvings=2"];
 
-const FAULTS: [Fault; 14] = [
+const FAULTS: [Fault; 15] = [
     Fault {
         what: "one Newton step allowed",
         case: "vortex",
@@ -137,6 +137,13 @@ const FAULTS: [Fault; 14] = [
         small: BOX,
         spoil: &["motion.displacement=[\"0.6*sin(pi*x)*sin(pi*y)*sin(2*pi*t)\",0]"],
         cause: "folding_formula",
+    },
+    Fault {
+        what: "displacement that is no number for a while",
+        case: "couette",
+        small: BOX,
+        spoil: &["time.end=1", "motion.displacement=[\"if(abs(t-0.4)<0.1, log(-t), 0)*sin(pi*x)\",0]"],
+        cause: "undefined_motion",
     },
     Fault {
         what: "motion too far for one slab",

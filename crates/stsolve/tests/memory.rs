@@ -44,3 +44,16 @@ fn in_three_dimensions() {
     let set = ["mesh.generate.box.cells=[4,4,4]", "flow.order=4", "flow.boundary.others=slip_wall", "time.slabs=1"];
     assert_estimate("free_stream_3d", &[&set[..], &["time.end=0.05"]].concat());
 }
+
+/// Many nodes of the mesh to few of the flow: the estimate was 0.57 of what is needed.
+#[test]
+fn of_a_mesh_of_high_order() {
+    assert_estimate("couette", &["mesh.order=12", "flow.order=3", "mesh.generate.box.cells=[16,16]", "time.end=0.1"]);
+}
+
+/// In space the proof that cells are valid takes more than the flow: the estimate was 0.18 of what is needed.
+#[test]
+fn of_a_mesh_of_high_order_in_three_dimensions() {
+    let set = ["mesh.generate.box.cells=[4,4,4]", "mesh.order=8", "flow.order=2", "flow.boundary.others=slip_wall"];
+    assert_estimate("free_stream_3d", &[&set[..], &["time.slabs=1", "time.end=0.05"]].concat());
+}

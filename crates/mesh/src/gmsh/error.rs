@@ -71,6 +71,24 @@ pub enum GmshError {
         /// Its name.
         section: &'static str,
     },
+    /// A section is there twice.
+    #[error("{place}: the file has a second section ${section}: keep one")]
+    SecondSection {
+        /// Where the second one begins.
+        place: Place,
+        /// Its name.
+        section: String,
+    },
+    /// A node, or a physical group, is defined twice.
+    #[error("{place}: {what} {number} is defined a second time: give every one a number of its own")]
+    Twice {
+        /// Where the second definition stands.
+        place: Place,
+        /// What is defined.
+        what: &'static str,
+        /// Its number.
+        number: u64,
+    },
     /// There are no cells of the dimension asked for, or cells of a higher one.
     #[error(
         "the file has {quadrilaterals} quadrilaterals and {hexahedra} hexahedra, which is no mesh in {dimension} \

@@ -38,7 +38,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
     let mut file = File::default();
     let mut entities = version4::Entities::default();
     let mut seen = Vec::new();
-    while let Some(header) = section(&mut source)? {
+    loop {
+        let mark = source.mark();
+        let Some(header) = section(&mut source)? else { break };
+        if seen.contains(&header) {
+            return Err(GmshError::SecondSection { place: source.place_at(mark), section: header.to_owned() });
+        }
         match (header, version) {
             ("PhysicalNames", _) => file.names = physical_names(&mut source)?,
             ("Entities", Version::Four) => entities = version4::entities(&mut source)?,
@@ -108,10 +113,11 @@ fn physical_names(source: &mut Source) -> Result<BTreeMap<(usize, i64), String>,
     let mut names = BTreeMap::new();
     let count = text_count(source, "the number of physical names")?;
     for _ in 0..count {
+        let mark = source.mark();
         let expected = source.unexpected("dimension, number and \"name\" of a physical group");
         let line = source.line()?.unwrap_or_default();
         let (key, name) = physical_name(line).ok_or(expected)?;
-        names.insert(key, name);
+        source.once("physical group", key.1.unsigned_abs(), mark, names.insert(key, name).is_none())?;
     }
     Ok(names)
 }
@@ -131,7 +137,7 @@ pub(super) fn text_count(source: &mut Source, what: &str) -> Result<u64, GmshErr
 
 /// The kind of elements that comes next in the file.
 pub(super) fn kind(source: &mut Source) -> Result<Kind, GmshError> {
-    let place = source.place();
+    let mark = source.mark();
     let code = source.int("the type of an element")?;
-    Kind::from_code(code).map_err(|kind| GmshError::Element { place, code, kind })
+    Kind::from_code(code).map_err(|kind| GmshError::Element { place: source.place_at(mark), code, kind })
 }

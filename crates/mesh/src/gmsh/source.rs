@@ -22,15 +22,33 @@ impl<'a> Source<'a> {
         Source { bytes, position: 0, encoding: Encoding::Text }
     }
 
-    /// The place that is read next.
+    /// The place that is read next. Lines are counted anew: to be asked for where something is wrong only.
     pub(super) fn place(&self) -> Place {
+        self.place_at(self.position)
+    }
+
+    /// The byte that is read next, in a text that of the next word.
+    pub(super) fn mark(&mut self) -> usize {
+        if self.encoding == Encoding::Text {
+            self.skip_spaces();
+        }
+        self.position
+    }
+
+    /// The place of the byte `position`.
+    pub(super) fn place_at(&self, position: usize) -> Place {
         match self.encoding {
             Encoding::Text => {
-                let before = &self.bytes[..self.position];
+                let before = &self.bytes[..position];
                 Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
             }
-            _ => Place::Byte(self.position),
+            _ => Place::Byte(position),
         }
+    }
+
+    /// An error at the byte `mark` where a number is used a second time: unless it is `first`.
+    pub(super) fn once(&self, what: &'static str, number: u64, mark: usize, first: bool) -> Result<(), GmshError> {
+        if first { Ok(()) } else { Err(GmshError::Twice { place: self.place_at(mark), what, number }) }
     }
 
     /// The error that `expected` is not what comes next.

@@ -133,6 +133,22 @@ fn meshes_that_are_none_are_refused() {
     assert!(missing.to_string().starts_with("no/such.msh: "), "{missing}");
 }
 
+/// The second definition took the place of the first one, without a word.
+#[test]
+fn what_is_defined_twice_is_refused() {
+    let error = spoiled(SQUARE_2, "4 0 1 1\n9 5", "3 0 1 1\n9 5");
+    assert_eq!(error, GmshError::Twice { place: Place::Line(14), what: "node", number: 3 });
+    let error = spoiled(SQUARE_4, "3\n4\n9\n2 1 1", "3\n3\n9\n2 1 1");
+    assert!(matches!(error, GmshError::Twice { place: Place::Line(_), what: "node", number: 3 }), "{error}");
+    let error = spoiled(SQUARE_2, "2 1 \"fluid\"", "1 7 \"fluid\"");
+    assert_eq!(error, GmshError::Twice { place: Place::Line(7), what: "physical group", number: 7 });
+    let error = read(&format!("{SQUARE_2}$Nodes\n0\n$EndNodes\n")).unwrap_err();
+    assert!(
+        matches!(&error, GmshError::SecondSection { section, place: Place::Line(26) } if section == "Nodes"),
+        "{error}"
+    );
+}
+
 #[test]
 fn an_inverted_cell_is_named_by_its_element() {
     // Node 3 moved across the diagonal: the cell folds over.

@@ -10,8 +10,10 @@ use std::collections::BTreeMap;
 pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, GmshError> {
     let mut nodes = BTreeMap::new();
     for _ in 0..text_count(source, "the number of nodes")? {
+        let mark = source.mark();
         let number = unsigned(source, "the number of a node")?;
-        nodes.insert(number, source.point("the position of a node")?);
+        let position = source.point("the position of a node")?;
+        source.once("node", number, mark, nodes.insert(number, position).is_none())?;
     }
     Ok(nodes)
 }
@@ -56,6 +58,12 @@ fn element(source: &mut Source, number: u64, kind: Kind, tags: u64) -> Result<El
 
 /// An `int` that is not negative.
 fn unsigned(source: &mut Source, what: &str) -> Result<u64, GmshError> {
-    let wrong = source.unexpected(what);
-    u64::try_from(source.int(what)?).map_err(|_| wrong)
+    let mark = source.mark();
+    let number = source.int(what)?;
+    let wrong = |_| GmshError::Syntax {
+        place: source.place_at(mark),
+        expected: what.to_owned(),
+        found: format!("the number {number}"),
+    };
+    u64::try_from(number).map_err(wrong)
 }

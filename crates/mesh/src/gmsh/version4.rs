@@ -48,9 +48,11 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
         source.int("the number of an entity")?;
         let parametric = source.int("0 or 1, for nodes with parameters")?;
         let count = source.size("the number of nodes in a block")?;
-        let numbers = (0..count).map(|_| source.size("the number of a node")).collect::<Result<Vec<_>, GmshError>>()?;
-        for number in numbers {
-            nodes.insert(number, source.point("the position of a node")?);
+        let number = |_| -> Result<_, GmshError> { Ok((source.mark(), source.size("the number of a node")?)) };
+        let numbers = (0..count).map(number).collect::<Result<Vec<_>, GmshError>>()?;
+        for (mark, number) in numbers {
+            let position = source.point("the position of a node")?;
+            source.once("node", number, mark, nodes.insert(number, position).is_none())?;
             for _ in 0..if parametric == 0 { 0 } else { dimension } {
                 source.real("a parameter of a node")?;
             }

@@ -23,6 +23,19 @@ pub enum BoundaryMotion<const D: usize> {
 pub type DisplacementOf<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> [f64; D] + 'a>;
 
 impl<const D: usize> BoundaryMotion<D> {
+    /// How many operations an evaluation of its formulas takes.
+    pub fn operations(&self) -> usize {
+        let of_step = |step: &RigidStep<D>| match step {
+            RigidStep::Translate(displacement) => displacement.operations(),
+            RigidStep::Rotate { angle, centre, .. } => angle.operations() + centre.operations(),
+        };
+        match self {
+            BoundaryMotion::Formulas(displacement) => displacement.operations(),
+            BoundaryMotion::Rigid(motion) => motion.steps.iter().map(of_step).sum(),
+            BoundaryMotion::Normal(motion) => motion.amount.operations(),
+        }
+    }
+
     /// The displacement at time `t` as a function of the position, if it is one.
     pub fn of_position(&self, t: f64) -> Option<DisplacementOf<'_, D>> {
         match self {

@@ -8,6 +8,7 @@ use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program, Table};
 use navier_stokes::InvalidParameter;
+use serde::Serialize;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -114,12 +115,26 @@ impl<'a> Checker<'a> {
     /// Which of the axes of the mesh are listed.
     pub(super) fn axes<const D: usize>(&self, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
         let mut listed = [false; D];
-        for (index, axis) in axes.iter().enumerate() {
+        for (index, axis) in self.distinct(key, "axis", axes)?.iter().enumerate() {
             let place = *axis as usize;
             self.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
             listed[place] = true;
         }
         Ok(listed)
+    }
+
+    /// `entries` of the list at `key`, if none is there twice.
+    pub(super) fn distinct<'b, T: Serialize + PartialEq>(
+        &self,
+        key: &Key,
+        kind: &'static str,
+        entries: &'b [T],
+    ) -> Checked<&'b [T]> {
+        let repeated = (0..entries.len()).find(|&index| entries[..index].contains(&entries[index]));
+        let Some(index) = repeated else { return Ok(entries) };
+        // A name of the case file, as serde writes it.
+        let name = serde_json::to_string(&entries[index]).unwrap_or_default().trim_matches('"').to_owned();
+        Err(self.error(&key.entry(index), Cause::Twice { kind, name }))
     }
 
     /// `value`, if it is 1 or more.
@@ -224,7 +239,7 @@ impl<'a> Checker<'a> {
             };
             known.iter().position(|other| other == name).ok_or_else(unknown)
         };
-        names.iter().enumerate().map(index).collect()
+        self.distinct(key, "boundary", names)?.iter().enumerate().map(index).collect()
     }
 
     /// For each of the `boundaries` of the mesh its entry of the table `given` at `key`, with the key of that entry.

@@ -2,8 +2,10 @@
 
 use super::brackets;
 use super::choices::choices;
-use super::error::{CaseError, Cause, ONE_OF_SEVERAL, Place};
+use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
+use super::shape;
+use crate::excerpt::shortened;
 use crate::input_file;
 use serde::de::DeserializeOwned;
 use std::ops::Range;
@@ -84,6 +86,9 @@ impl Document {
     pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
         // Whole numbers of TOML have 64 bits with a sign. The parser lets longer ones pass, its own tables do not.
         self.deserialize_as::<toml::Table>()?;
+        if let Some((key, cause)) = shape::first_misfit(self.tree()?.get_ref()) {
+            return Err(self.error(&key, cause));
+        }
         self.deserialize_as()
     }
 
@@ -168,12 +173,7 @@ impl Document {
 
     /// The text at `span`, on one line, cut if it is long.
     fn excerpt(&self, span: &Range<usize>) -> String {
-        let text = self.text_at(span.start).1.get(span.clone()).unwrap_or_default();
-        let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        match line.char_indices().nth(60) {
-            Some((end, _)) => format!("{} ...", &line[..end]),
-            None => line,
-        }
+        shortened(self.text_at(span.start).1.get(span.clone()).unwrap_or_default(), LONGEST_VALUE)
     }
 
     /// The text in which `offset` lies, and its number.

@@ -1,11 +1,21 @@
 //! What can be wrong with a case, and where.
 
+use crate::excerpt::{Excerpt, shortened};
 use crate::expression::{ExpressionError, TableError};
 use std::fmt;
 use std::path::PathBuf;
 
 /// How the parser begins to say that a choice is not one.
 pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
+
+/// How the parser says that a choice is neither a text nor a table.
+const NAME_OR_TABLE: &str = "wanted string or table";
+
+/// Characters of an option that an error repeats at most.
+const LONGEST_OPTION: usize = 300;
+
+/// Characters of a name or a value that the sentence of an error repeats at most.
+pub(super) const LONGEST_VALUE: usize = 60;
 
 /// Something wrong with a case: where, the key and its value, what is wrong, what is accepted.
 #[derive(Debug)]
@@ -87,6 +97,22 @@ pub enum Cause {
         found: usize,
         /// How many there should be.
         dimension: usize,
+    },
+    /// A list with more or fewer entries than it has a meaning for.
+    #[error("wrong number of entries: {found}")]
+    Entries {
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        accepted: usize,
+    },
+    /// An entry of a list that is there before.
+    #[error("{kind} `{name}` is listed twice")]
+    Twice {
+        /// What it names: a field, an axis, ...
+        kind: &'static str,
+        /// Its name.
+        name: String,
     },
     /// A boundary of the mesh without a condition.
     #[error("{}", without(.names, .kind))]
@@ -198,7 +224,9 @@ impl Cause {
                 let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
                 Cause::Type { found: format!("`{name}` alone"), accepted }
             }
-            Some((found, expected)) => Cause::Type { found: found.to_owned(), accepted: plain_type(expected) },
+            Some((found, expected)) => {
+                Cause::Type { found: shortened(found, LONGEST_VALUE), accepted: plain_type(expected) }
+            }
             None if message.starts_with(ONE_OF_SEVERAL) => {
                 let found =
                     if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
@@ -207,6 +235,9 @@ impl Cause {
                     problem,
                     accepted: format!("a table with a single key, the choice: {}", quoted(&choices())),
                 }
+            }
+            None if message == NAME_OR_TABLE => {
+                Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted: quoted(&choices()) }
             }
             None if message.ends_with("value was too large") => Cause::OutOfRange {
                 quantity: "the whole number".to_owned(),
@@ -228,6 +259,8 @@ impl Cause {
                 "2 entries, one per axis; `mesh.extrude = { depth = .., layers = .. }` gives the mesh a third".to_owned(),
             ),
             Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
+            Cause::Entries { accepted, .. } => Some(format!("{accepted} entries")),
+            Cause::Twice { .. } => Some("each name once: remove this one".to_owned()),
             Cause::NoCondition { names, choices, .. } => Some(format!(
                 "a key {} in this table, or `others` for all boundaries that are not named: {}; none where the mesh is `periodic`",
                 quoted(names),
@@ -262,6 +295,7 @@ fn plain_type(expected: &str) -> String {
         "a string" => "a text in quotes".to_owned(),
         "a sequence" => "a list in brackets, [ ... ]".to_owned(),
         "a map" => "a table".to_owned(),
+        "path string" => "a path in quotes".to_owned(),
         _ if expected.starts_with("struct ") => "a table, { ... }".to_owned(),
         _ if expected.starts_with("string or table") => "a name in quotes, or a table".to_owned(),
         _ => expected.to_owned(),
@@ -283,7 +317,8 @@ impl fmt::Display for CaseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.place {
             Place::File { path, line, column, .. } => write!(f, "{}:{line}:{column}: ", path.display())?,
-            Place::Option(option) => write!(f, "--set {option}: ")?,
+            Place::Option(option) if option.len() <= LONGEST_OPTION => write!(f, "--set {option}: ")?,
+            Place::Option(option) => write!(f, "--set {}: ", shortened(option, LONGEST_OPTION))?,
             Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
         }
         // An option that sets just this key says key and value itself.
@@ -311,9 +346,9 @@ impl CaseError {
     fn write_excerpt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place::File { line, column, text, length, .. } = &self.place else { return Ok(()) };
         let margin = " ".repeat(line.to_string().len());
-        // Tabs stay tabs, so that the carets stay below what they mark.
-        let indent: String = text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        write!(f, "\n {margin} |\n {line} | {text}\n {margin} | {indent}{}", "^".repeat((*length).max(1)))
+        write!(f, "\n {margin} |\n")?;
+        let excerpt = Excerpt { line: text, position: column - 1, length: *length };
+        excerpt.write(f, &format!(" {line} | "), &format!(" {margin} | "))
     }
 }
 

@@ -13,6 +13,7 @@
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation` | which cases may continue each other's runs |
 //! | `checked` | the case as the program needs it; no other code sees `raw` |
+//! | `shape` | keys that there are not, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
 //! | `boundary_motion` | how a boundary moves |
@@ -27,6 +28,7 @@ mod document;
 mod error;
 mod key;
 mod raw;
+mod shape;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -21,6 +21,11 @@ impl<const D: usize> Vector<D> {
         Vector { components: std::array::from_fn(|_| Program::constant(0.0)) }
     }
 
+    /// How many operations an evaluation takes.
+    pub fn operations(&self) -> usize {
+        self.components.iter().map(Program::operations).sum()
+    }
+
     /// The vector at `x` and `t`.
     pub fn evaluate<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
         std::array::from_fn(|axis| self.components[axis].evaluate(x, t))

@@ -1,5 +1,6 @@
 //! What can be wrong with a formula, and where.
 
+use crate::excerpt::Excerpt;
 use std::fmt;
 
 /// A formula that cannot be compiled.
@@ -62,6 +63,9 @@ pub enum Problem {
         /// How many there are.
         found: usize,
     },
+    /// More operations than a formula may have.
+    #[error("too long: at most {0} operations; `[tables]` give a function by points")]
+    TooLong(usize),
     /// More nesting than the evaluation has room for.
     #[error("too deeply nested: at most {0} levels")]
     TooDeep(usize),
@@ -76,7 +80,6 @@ impl fmt::Display for ExpressionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line: String = self.text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         writeln!(f, "at character {}: {}", self.position + 1, self.problem)?;
-        writeln!(f, "    {line}")?;
-        write!(f, "    {}{}", " ".repeat(self.position), "^".repeat(self.length.max(1)))
+        Excerpt { line: &line, position: self.position, length: self.length }.write(f, "    ", "    ")
     }
 }

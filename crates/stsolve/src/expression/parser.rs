@@ -9,6 +9,9 @@ use crate::nearest::nearest;
 /// Levels of recursion at most.
 const DEPTH: usize = 64;
 
+/// Operations of a formula at most. It is evaluated at every node and time: a longer one would take the time of the run.
+pub(super) const LONGEST: usize = 50_000;
+
 /// Exponents up to this size are taken by multiplication.
 const LARGEST_INTEGER_POWER: f64 = 1024.0;
 
@@ -182,6 +185,9 @@ impl Parser<'_> {
         self.height = self.height + 1 - arguments;
         if self.height > STACK {
             return Err(self.error(Problem::TooDeep(STACK)));
+        }
+        if self.instructions.len() == LONGEST {
+            return Err(self.error(Problem::TooLong(LONGEST)));
         }
         self.instructions.push(instruction);
         let start = self.instructions.len() - 1 - arguments;

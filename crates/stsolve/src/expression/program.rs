@@ -78,6 +78,11 @@ impl Program {
         (!varies).then(|| self.evaluate(&[], 0.0))
     }
 
+    /// How many operations an evaluation takes.
+    pub fn operations(&self) -> usize {
+        self.instructions.len()
+    }
+
     /// Whether the value depends on `variable`.
     pub fn contains(&self, variable: Variable) -> bool {
         self.instructions.contains(&Instruction::Variable(variable))

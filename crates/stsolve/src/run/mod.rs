@@ -42,6 +42,6 @@ mod summary;
 mod tally;
 mod walls;
 
-pub use build::{elasticity_plan, mover, prescribed_nodes};
+pub use build::{PrescribedNode, elasticity_plan, mover, prescribed_nodes};
 pub use drive::{motion, run};
 pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};

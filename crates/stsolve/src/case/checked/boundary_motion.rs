@@ -46,6 +46,10 @@ impl<'a, const D: usize> Boundaries<'a, D> {
             }
             raw::BoundaryMotion::Rigid(steps) => {
                 let key = key.child("rigid");
+                if steps.is_empty() {
+                    let accepted = "`[{ translate = [...] }]`, `[{ rotate = { angle = ... } }]` or several of them; \"fixed\" for a boundary that rests";
+                    return Err(self.checker.combination(&key, "a rigid motion without a step", accepted));
+                }
                 let step = |(index, step)| rigid_step(self.checker, &key.entry(index), step);
                 let steps = steps.iter().enumerate().map(step).collect::<Checked<_>>()?;
                 (key, BoundaryMotion::Rigid(RigidMotion { steps }))

@@ -1,9 +1,12 @@
 //! The flow.
 
 use super::forces::{self, Wall};
+use super::initial;
 use super::mesh_crate::Mesh;
 use super::openings;
+use super::slide;
 use super::states::{self, Typical};
+use super::time::Time;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw;
@@ -49,12 +52,12 @@ pub struct BoundaryData<const D: usize> {
     pub state: Option<State<D>>,
 }
 
-/// Checks `[flow]` of a run that starts at time `start`.
+/// Checks `[flow]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Flow<D>> {
     let key = Key::new("flow");
     let order = super::order(checker, &key.child("order"), "the order of the flow", raw.order)?;
@@ -75,15 +78,16 @@ pub(super) fn check<const D: usize>(
     if initial.is_none() && exact.is_some() {
         checker.note_default(&key.child("initial"), "flow.exact");
     }
-    check_initial(checker, &key, &start_state, mesh, start)?;
+    let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
+    initial::check(checker, &of_start, &start_state, mesh, order, time.start)?;
     if raw.source.is_some() && exact.is_none() {
         let problem = "a manufactured source needs a solution to be made for";
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
     }
     let given = Given { exact: exact.as_ref(), gas, reference };
-    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, start)?;
-    let walls =
-        forces::check(checker, &key.child("forces"), &raw.forces, mesh, &boundary, reference, reference_length)?;
+    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, time)?;
+    let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
+    let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
     let manufactured = raw.source.is_some();
@@ -103,14 +107,16 @@ pub(super) fn check<const D: usize>(
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
-    let accepted = "a number above 1 (air: 1.4)";
+    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
+    let gamma = (1.0001..=100.0).contains(&raw.gamma);
+    checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted)?;
+    let prandtl = (1e-6..=1e6).contains(&raw.prandtl);
     checker.require(
-        &key.child("gamma"),
-        "the ratio of specific heats",
-        raw.gamma > 1.0 && raw.gamma.is_finite(),
-        accepted,
+        &key.child("prandtl"),
+        "the Prandtl number",
+        prandtl,
+        "a positive number, 1e-6 to 1e6 (air: 0.72)",
     )?;
-    checker.positive(&key.child("prandtl"), "the Prandtl number", raw.prandtl)?;
     let gas_constant = match (raw.gas_constant, raw.mach) {
         (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
         (None, None) => {
@@ -159,7 +165,11 @@ fn reference<const D: usize>(
             checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
         }
         let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
-        return Ok((checker.physics(&key_reference, reference)?, raw.speed, raw.length));
+        let reference = checker.physics(&key_reference, reference)?;
+        let (mach, accepted) = (reference.mach(), "sizes of one flow: a Mach number from 1e-6 to 100");
+        let quantity = format!("the Mach number, speed over sqrt(gamma p / rho), {mach:.3e},");
+        checker.require(&key_reference.child("speed"), &quantity, (1e-6..=100.0).contains(&mach), accepted)?;
+        return Ok((reference, raw.speed, raw.length));
     }
     let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
     let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
@@ -173,34 +183,6 @@ fn reference<const D: usize>(
     checker.note_default(&key_reference, &taken);
     let reference = Reference::new(&gas, density, speed, pressure);
     Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
-}
-
-/// Formulas may give anything: the initial state must be one.
-fn check_initial<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    initial: &State<D>,
-    mesh: &Mesh<D>,
-    start: f64,
-) -> Checked<()> {
-    let State::Expression(formulas) = initial else { return Ok(()) };
-    for x in mesh.coordinates().chunks_exact(D) {
-        let state = formulas.primitive(&std::array::from_fn(|axis| x[axis]), start);
-        let key = key.child("initial").child("expression");
-        let positive = |value: f64| value > 0.0 && value.is_finite();
-        for (name, value) in [("density", state.density), ("pressure", state.pressure)] {
-            let quantity = format!("the {name} at {x:?}, {value},");
-            checker.require(&key.child(name), &quantity, positive(value), "a formula that is positive everywhere")?;
-        }
-        let finite = state.velocity.iter().all(|w| w.is_finite());
-        checker.require(
-            &key.child("velocity"),
-            &format!("the velocity at {x:?}"),
-            finite,
-            "formulas that are finite everywhere",
-        )?;
-    }
-    Ok(())
 }
 
 fn riemann(raw: raw::Riemann) -> Riemann {
@@ -229,12 +211,16 @@ fn boundary<const D: usize>(
     raw: &raw::Flow,
     mesh: &Mesh<D>,
     given: &Given<'_, D>,
-    start: f64,
+    time: &Time,
 ) -> Checked<Vec<BoundaryData<D>>> {
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
-    let check = |(index, (key, condition)): (usize, &(Key, &raw::Condition))| {
-        let data = self::condition(checker, key, condition, given)?;
-        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, start)?;
+    let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
+        let data = self::condition(checker, key, raw, given)?;
+        slide::check(checker, key, raw, mesh, index)?;
+        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time.start)?;
+        if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
+            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
+        }
         Ok(data)
     };
     named.iter().enumerate().map(check).collect()

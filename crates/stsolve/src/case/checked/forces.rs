@@ -2,6 +2,7 @@
 
 use super::flow::BoundaryData;
 use super::mesh_crate::Mesh;
+use super::time::Time;
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use crate::case::raw;
@@ -35,15 +36,25 @@ impl<const D: usize> Wall<D> {
     }
 }
 
+/// What `[flow.forces]` says, and what its defaults follow from.
+pub(super) struct Given<'a> {
+    /// The section.
+    pub(super) forces: &'a BTreeMap<String, raw::Forces>,
+    /// The reference state.
+    pub(super) reference: Reference,
+    /// The reference length.
+    pub(super) length: f64,
+    /// The time that the run covers.
+    pub(super) time: &'a Time,
+}
+
 /// Checks `[flow.forces]`: the walls among the boundaries, with what is given or by default.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
-    raw: &BTreeMap<String, raw::Forces>,
+    &Given { forces: raw, reference, length, time }: &Given<'_>,
     mesh: &Mesh<D>,
     boundaries: &[BoundaryData<D>],
-    reference: Reference,
-    length: f64,
 ) -> Checked<Vec<Wall<D>>> {
     let names = mesh.boundary_names();
     let is_wall = |number: usize| boundaries[number].condition.is_wall();
@@ -57,12 +68,34 @@ pub(super) fn check<const D: usize>(
     let wall = |(boundary, (key, forces)): (usize, &(Key, raw::Forces))| {
         let scales = scales(checker, key, forces, reference, length)?;
         let point = match &forces.point {
-            Some(formulas) => checker.formulas_of_time(&key.child("point"), formulas)?,
+            Some(formulas) => point(checker, &key.child("point"), formulas, time)?,
             None => Vector::zero(),
         };
         Ok(Wall { boundary, name: names[boundary].clone(), point, scales })
     };
     walls.map(wall).collect()
+}
+
+/// The point of moments, which has a place over the whole run.
+fn point<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    formulas: &[raw::Formula],
+    time: &Time,
+) -> Checked<Vector<D>> {
+    let point = checker.formulas_of_time(key, formulas)?;
+    for t in time.instants() {
+        for (axis, value) in point.evaluate(&[0.0; D], t).into_iter().enumerate() {
+            let quantity = format!("the coordinate of the point at t = {t}, {value},");
+            checker.require(
+                &key.entry(axis),
+                &quantity,
+                value.is_finite(),
+                "a formula that is finite over the whole run",
+            )?;
+        }
+    }
+    Ok(point)
 }
 
 fn scales<const D: usize>(
@@ -82,7 +115,12 @@ fn scales<const D: usize>(
         let key = key.child("drag_direction");
         let direction: [f64; D] = checker.finite_vector(&key, "the direction", direction)?;
         let norm = tensor::norm(&direction);
-        checker.require(&key, "the direction", norm > 0.0, "a vector that is not zero")?;
+        checker.require(
+            &key,
+            "the direction",
+            norm > 0.0 && norm.is_finite(),
+            "a vector that is not zero, nor of infinite length",
+        )?;
         drag_direction = direction.map(|component| component / norm);
     }
     Ok(ForceScales {

@@ -1,12 +1,15 @@
 //! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
 
 mod boundary_motion;
+mod displacement;
 mod flow;
 mod forces;
+mod initial;
 mod mesh;
 mod motion;
 mod openings;
 mod shared_nodes;
+mod slide;
 mod solver;
 mod states;
 mod structure;
@@ -130,7 +133,7 @@ impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
         let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
-        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time.start)).transpose()?;
+        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, &time)).transpose()?;
         let structure =
             raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;

@@ -2,6 +2,7 @@
 
 use super::Time;
 use super::boundary_motion::Boundaries;
+use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
 use crate::case::boundary_motion::BoundaryMotion;
 use crate::case::checker::{Checked, Checker};
@@ -32,6 +33,18 @@ pub enum Motion<const D: usize> {
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
         boundary: Vec<Option<BoundaryMotion<D>>>,
     },
+}
+
+impl<const D: usize> Motion<D> {
+    /// How many operations the longest of its formulas takes, at a node and a time.
+    pub fn operations(&self) -> usize {
+        match self {
+            Motion::Prescribed(displacement) => displacement.operations(),
+            Motion::Elastic { boundary, .. } => {
+                boundary.iter().flatten().map(BoundaryMotion::operations).max().unwrap_or(0)
+            }
+        }
+    }
 }
 
 /// [`Motion::Elastic::tolerance`] unless the case says otherwise. det J is then right to four digits, and so is what the next slab starts
@@ -67,6 +80,9 @@ pub enum Stiffness {
     },
 }
 
+/// Powers of det J up to this size: of larger ones the stiffness overflows or leaves the matrix singular.
+const LARGEST_POWER: f64 = 10.0;
+
 /// Checks `[motion]` of a run that covers `time`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
@@ -91,6 +107,10 @@ pub(super) fn check<const D: usize>(
     mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
         check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
     })?;
+    for t in time.instants() {
+        let mut all = mesh.coordinates().chunks_exact(D).map(position);
+        all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
+    }
     Ok(Motion::Prescribed(displacement))
 }
 
@@ -169,7 +189,7 @@ fn stiffness<const D: usize>(
         raw::Stiffness::Constant => Ok(Stiffness::Constant),
         raw::Stiffness::InverseJacobian { power } => {
             let key = key.child("inverse_jacobian").child("power");
-            checker.require(&key, "the power", power.is_finite(), "a finite number")?;
+            checker.require(&key, "the power", power.abs() <= LARGEST_POWER, "a number from -10 to 10")?;
             Ok(Stiffness::InverseJacobian { power: *power })
         }
         raw::Stiffness::Expression(formula) => {
@@ -196,6 +216,14 @@ fn wall_distance<const D: usize>(
     let boundaries = |name: &str, names| checker.boundaries(&key.child(name), names, mesh.boundary_names());
     let (inner, outer) = (boundaries("inner", &raw.inner)?, boundaries("outer", &raw.outer)?);
     checker.require(&key.child("inner"), "the list", !inner.is_empty(), "the name of a boundary, or several")?;
+    if let Some(entry) = outer.iter().position(|boundary| inner.contains(boundary)) {
+        let problem = format!("boundary `{}` is in `inner` too: it moves or rests", raw.outer[entry]);
+        return Err(checker.combination(
+            &key.child("outer").entry(entry),
+            &problem,
+            "each boundary in one of the lists",
+        ));
+    }
     Ok(Stiffness::WallDistance {
         amplitude: checker.positive(&key.child("amplitude"), "the amplitude", raw.amplitude)?,
         distance: checker.positive(&key.child("distance"), "the distance", raw.distance)?,

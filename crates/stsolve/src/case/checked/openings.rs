@@ -73,7 +73,7 @@ pub(super) fn supersonic_inflow<const D: usize>(
 }
 
 /// Position and outward unit normal of every node on a boundary of the mesh at rest.
-fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<([f64; D], [f64; D])> {
+pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize) -> Vec<([f64; D], [f64; D])> {
     let order = mesh.order();
     let map = CellMap::on_grid(order, &gauss_lobatto(order).points);
     let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);

@@ -1,14 +1,11 @@
 //! A node moves once: boundaries that share it must agree where it goes.
 
 use super::Time;
+use super::displacement::check_displacement;
 use super::mesh_crate::{Mesh, NodeNumbering, face_nodes};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
 use std::collections::BTreeMap;
-
-/// Instants of the run at which motions are looked at, as fractions of its length. But for the ends they have no simple ratio, so that
-/// a motion that vanishes at one of them is not zero at all.
-const INSTANTS: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
 
 /// The displacement of a node of a boundary, each component if it is prescribed, for (boundary, node, position at rest, time).
 pub(super) type Displacement<'a, const D: usize> = dyn Fn(usize, usize, &[f64; D], f64) -> [Option<f64>; D] + 'a;
@@ -37,19 +34,17 @@ impl<const D: usize> SharedNodes<'_, D> {
     /// The displacements of all boundaries, given at `keys`, have values over the whole run and agree at the nodes that two of them share, or
     /// that periodicity makes of two places.
     pub(super) fn check(&self, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
-        let instants = INSTANTS.map(|part| (1.0 - part) * self.time.start + part * self.time.end);
-        instants.into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
+        self.time.instants().into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
     }
 
     fn check_at(&self, t: f64, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
-        let tolerance = 1e-9 * self.mesh.diameter();
+        let size = self.mesh.diameter();
+        let tolerance = 1e-9 * size;
         let mut moved: BTreeMap<usize, First<D>> = BTreeMap::new();
         for (boundary, key) in keys.iter().enumerate() {
             for (node, x) in nodes_on(self.mesh, self.numbering, boundary) {
                 let d = displacement(boundary, node, &x, t);
-                if d.iter().flatten().any(|d| !d.is_finite()) {
-                    return Err(self.undefined(key, &x, t));
-                }
+                check_displacement(self.checker, key, &x, &d.map(|d| d.unwrap_or(0.0)), t, size)?;
                 let first = *moved.entry(node).or_insert(First { boundary, x, d });
                 let apart = |i: usize| matches!((d[i], first.d[i]), (Some(a), Some(b)) if (a - b).abs() > tolerance);
                 if (0..D).any(apart) {
@@ -60,16 +55,6 @@ impl<const D: usize> SharedNodes<'_, D> {
             }
         }
         Ok(())
-    }
-
-    fn undefined(&self, key: &Key, x: &[f64; D], t: f64) -> Box<crate::case::CaseError> {
-        let ranges = self.checker.tables().map(|(name, table)| {
-            let (first, last) = table.range();
-            format!("; table `{name}` reaches from {first} to {last}")
-        });
-        let problem = format!("the displacement has no value at {x:?}, t = {t}{}", ranges.collect::<String>());
-        let remedy = "a formula with a value over the whole run; a table that covers it, or one whose `ends` are \"at_rest\" or \"periodic\"";
-        self.checker.combination(key, &problem, remedy)
     }
 
     fn conflict(&self, key: &Key, first: First<D>, second: First<D>, t: f64) -> Box<crate::case::CaseError> {

@@ -5,6 +5,12 @@ use crate::case::key::Key;
 use crate::case::raw::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
+/// Krylov iterations between restarts at most.
+const MOST_VECTORS: usize = 10_000;
+
+/// Halvings of a slab at most: after more of them it drowns in the round-off of the time.
+const MOST_HALVINGS: usize = 40;
+
 /// Checks `[solver]`.
 pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
     let key = Key::new("solver");
@@ -24,6 +30,15 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
     ] {
         checker.at_least_one(&key.child(name), "the number", value)?;
     }
+    checker.require(
+        &key.child("krylov_restart"),
+        "the number",
+        raw.krylov_restart <= MOST_VECTORS,
+        "1 or more, at most 10000: each keeps two vectors",
+    )?;
+    let accepted = format!("0 to {MOST_HALVINGS}: half as long each time");
+    let halvings = raw.slab_halvings <= MOST_HALVINGS;
+    checker.require(&key.child("slab_halvings"), "the number of halvings", halvings, &accepted)?;
     if let Some(steady) = &raw.steady {
         check_steady(checker, &key.child("steady"), steady)?;
     }

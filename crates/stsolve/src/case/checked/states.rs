@@ -107,7 +107,19 @@ pub(super) fn free_stream<const D: usize>(
         (None, None, None) => return Err(checker.combination(key, "the pressure is missing", ONE_OF_THREE)),
         _ => return Err(checker.combination(key, "the pressure is given more than once", ONE_OF_THREE)),
     };
-    Ok(Primitive { density, velocity, pressure })
+    let stream = Primitive { density, velocity, pressure };
+    check_mach(checker, &key.child(if raw.mach.is_some() { "mach" } else { "velocity" }), &stream, gas)?;
+    Ok(stream)
+}
+
+/// The highest Mach number: the pressure is the difference of energies, of which the kinetic one is M^2 gamma (gamma - 1) / 2 times as large,
+/// and the fluxes capture no shocks.
+const HIGHEST_MACH: f64 = 100.0;
+
+fn check_mach<const D: usize>(checker: &Checker<'_>, key: &Key, stream: &Primitive<f64, D>, gas: Gas) -> Checked<()> {
+    let mach = tensor::norm(&stream.velocity) / gas.sound_speed(stream.density, stream.pressure);
+    let accepted = format!("a velocity of at most {HIGHEST_MACH} times the speed of sound, sqrt(gamma p / rho)");
+    checker.require(key, &format!("the Mach number, {mach:.4e},"), mach <= HIGHEST_MACH, &accepted)
 }
 
 const ONE_OF_THREE: &str = "one of `pressure`, `temperature` and `mach`";

@@ -105,6 +105,10 @@ pub(super) fn check<const D: usize>(
     let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
     shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
     let displacement = vector("initial.displacement", &raw.initial.displacement)?;
+    let velocity = vector("initial.velocity", &raw.initial.velocity)?;
+    for (name, given) in [("displacement", &displacement), ("velocity", &velocity)] {
+        check_finite(checker, &child(&key, "initial").child(name), name, given.as_ref(), mesh, time.start)?;
+    }
     match raw.analysis {
         Analysis::Dynamic => check_start(checker, &boundary, displacement.as_ref(), &shared)?,
         Analysis::Static => check_static(checker, &key, raw)?,
@@ -120,7 +124,7 @@ pub(super) fn check<const D: usize>(
         body_force: vector("body_force", &raw.body_force)?,
         boundary,
         displacement,
-        velocity: vector("initial.velocity", &raw.initial.velocity)?,
+        velocity,
         natural_modes: raw.natural_modes,
         points: points(checker, &key.child("points"), raw, mesh)?,
     })
@@ -190,7 +194,16 @@ fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoun
     Ok(match raw {
         StructureBoundary::Free => Support::Free,
         StructureBoundary::Fixed => Support::Held([true; D]),
-        StructureBoundary::Held(axes) => Support::Held(checker.axes(&key.child("held"), axes)?),
+        StructureBoundary::Held(axes) => {
+            let key = key.child("held");
+            checker.require(
+                &key,
+                "the list",
+                !axes.is_empty(),
+                "an axis or several; \"free\" where nothing holds it",
+            )?;
+            Support::Held(checker.axes(&key, axes)?)
+        }
         StructureBoundary::Displacement(formulas) => {
             Support::Moved(checker.formulas(&key.child("displacement"), formulas)?)
         }
@@ -199,6 +212,26 @@ fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoun
             Support::Pressure(checker.formula::<D>(&key.child("pressure"), formula)?)
         }
     })
+}
+
+/// The motion at the `start` has a value at every node.
+fn check_finite<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    name: &str,
+    given: Option<&Vector<D>>,
+    mesh: &Mesh<D>,
+    start: f64,
+) -> Checked<()> {
+    let Some(vector) = given else { return Ok(()) };
+    for (k, x) in mesh.coordinates().chunks_exact(D).enumerate() {
+        let x: [f64; D] = std::array::from_fn(|axis| x[axis]);
+        for (axis, value) in vector.evaluate(&x, start).into_iter().enumerate() {
+            let quantity = format!("the {name} in cell {} at {x:?}, {value},", k / mesh.nodes_per_cell());
+            checker.require(&key.entry(axis), &quantity, value.is_finite(), "a formula that is finite everywhere")?;
+        }
+    }
+    Ok(())
 }
 
 /// At the start the body is where its supports are, up to round-off of the size of the mesh.

@@ -4,7 +4,7 @@ use crate::case::checker::{Checked, Checker};
 use crate::case::error::Cause;
 use crate::case::key::Key;
 use crate::case::raw;
-use crate::expression::{Ends, Table};
+use crate::expression::{Ends, Table, TableError};
 use crate::input_file::{self, LARGEST_TABLE};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,7 +32,17 @@ pub(in crate::case) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table)
         raw::Ends::AtRest => Ends::AtRest,
         raw::Ends::Periodic => Ends::Periodic,
     };
-    Table::new(t, values, ends).map_err(|error| checker.error(&values_key, Cause::Table(error)))
+    let of_file = raw.file.is_some();
+    let times_are_finite = t.iter().all(|t| t.is_finite());
+    Table::new(t, values, ends).map_err(|error| {
+        let of_times = match error {
+            TableError::NotIncreasing { .. } => true,
+            TableError::NotFinite(_) => !times_are_finite,
+            _ => false,
+        };
+        let key = if of_times && !of_file { key.child("t") } else { values_key };
+        checker.error(&key, Cause::Table(error))
+    })
 }
 
 /// The tables, with what was read from files in its place.

@@ -23,7 +23,16 @@ pub struct Time {
     pub control: Option<StepControl>,
 }
 
+/// Instants of a run at which formulas are looked at, as fractions of its length. But for the ends they have no simple ratio, so that
+/// a formula that vanishes at one of them is not zero at all.
+const INSTANTS: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
+
 impl Time {
+    /// Instants of the run at which formulas are looked at, its ends among them.
+    pub(super) fn instants(&self) -> [f64; 5] {
+        INSTANTS.map(|part| (1.0 - part) * self.start + part * self.end)
+    }
+
     /// The slabs.
     pub fn schedule(&self) -> Schedule {
         let Time { start, end, step, slabs, control, .. } = *self;
@@ -57,10 +66,12 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
     let (step, slabs) = match (raw.step, raw.slabs) {
         (Some(step), None) => {
             let step = checker.positive(&key.child("step"), "the length of a slab", step)?;
+            check_resolved(checker, &key.child("step"), raw, step)?;
             if duration > 0.0 { (step.min(duration), slabs_to_cover(duration, step)) } else { (step, 0) }
         }
         (None, Some(slabs)) if duration > 0.0 => {
             checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
+            check_resolved(checker, &key.child("slabs"), raw, duration / slabs as f64)?;
             (duration / slabs as f64, slabs)
         }
         (None, None) => {
@@ -76,6 +87,23 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
     Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
 }
 
+/// Round-off of a time moves the ends of a slab by this part of its length at most.
+const ROUND_OFF: f64 = 1e-3;
+
+/// Slabs of `length`, which follows from the value at `key`, are longer than the round-off of time: a run of shorter ones never gets on.
+fn check_resolved(checker: &Checker<'_>, key: &Key, raw: &raw::Time, length: f64) -> Checked<()> {
+    let latest = raw.start.abs().max(raw.end.abs());
+    let shortest = f64::EPSILON * latest / ROUND_OFF;
+    if length >= shortest {
+        return Ok(());
+    }
+    let problem = format!(
+        "slabs of length {length:e} drown in the round-off of the time, which is {:.1e} at t = {latest}",
+        f64::EPSILON * latest
+    );
+    Err(checker.combination(key, &problem, &format!("slabs of length {shortest:.1e} or more")))
+}
+
 /// Checks `[time.adaptive]` of a run of length `duration` with the first slab of length `step`.
 fn control(
     checker: &Checker<'_>,
@@ -89,10 +117,13 @@ fn control(
         let problem = "`time.slabs` makes all slabs of the same length, `time.adaptive` does not";
         return Err(checker.combination(&Key::new("time.slabs"), problem, "`time.step`, the length of the first slab"));
     }
-    let tolerance = checker.positive(&key.child("tolerance"), "the tolerance", adaptive.tolerance)?;
+    let tolerance = adaptive.tolerance;
+    let accepted = "a positive number, 1e-14 to 1: a jump in units of `flow.reference`";
+    checker.require(&key.child("tolerance"), "the tolerance", (1e-14..=1.0).contains(&tolerance), accepted)?;
     let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
     let accepted = format!("a positive number, at most the step, {step}");
     checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
+    check_resolved(checker, &key.child("smallest"), raw, smallest)?;
     let largest = adaptive.largest.unwrap_or(duration.max(step));
     let accepted = format!("at least the step, {step}");
     checker.require(&key.child("largest"), "the longest slab", largest >= step && largest.is_finite(), &accepted)?;
@@ -113,6 +144,10 @@ fn slabs_to_cover(duration: f64, step: f64) -> usize {
 /// Checks `[output]`.
 pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<Output> {
     let key = Key::new("output");
+    if raw.directory.as_ref().is_some_and(|directory| directory.as_os_str().is_empty()) {
+        let accepted = "a directory beside the case file, or no key `directory`";
+        return Err(checker.combination(&key.child("directory"), "the name of the directory is empty", accepted));
+    }
     Ok(Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: checker.at_least_one(
@@ -121,6 +156,6 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
             raw.checkpoint_every,
         )?,
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
-        fields: raw.fields.clone(),
+        fields: checker.distinct(&key.child("fields"), "field", &raw.fields)?.to_vec(),
     })
 }

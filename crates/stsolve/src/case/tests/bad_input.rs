@@ -172,6 +172,114 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ("step = 0.3", "step = 0.3\nslabs = 3", &["`time`", "twice", "`step` or `slabs`"]),
     ("step = 0.3", "step = 0.3\n[solver]\nnewton_tolerance = 1", &["`solver.newton_tolerance = 1`", "below 1"]),
     ("step = 0.3", "step = 0.3\n[output]\nfields = [\"mass\"]", &["`output.fields[0] = \"mass\"`", "`mach`"]),
+    ("[flow]", "[folw]", &["`folw`", "unknown key `folw`", "did you mean `flow`"]),
+    (
+        "generate.box",
+        "generate.annulus = { inner_radius = 1, outer_radius = 2, first_cell = 0.1, cells = [8, 2, 7] }",
+        &["`mesh.generate.annulus.cells = [8, 2, 7]`", "wrong number of entries: 3", "accepted: 2 entries"],
+    ),
+    (
+        "generate.box",
+        "generate.annulus = [1, 2, 0.1, [8, 2]]",
+        &["`mesh.generate.annulus = [1", "a list", "`inner_radius`"],
+    ),
+    ("elasticity =", "elasticity = [0.3]", &["`motion.elasticity = [0.3]`", "a list", "a table", "`poisson_ratio`"]),
+    ("order = 4", "order = 4\ngas.viscosity.sutherland = [1, 2, 3]", &["sutherland = [1, 2, 3]`", "a table"]),
+    (
+        "generate.box",
+        "generate.box = { lower = [0, 0], upper = [2, 1], cells = [4, 2], periodic = [\"y\", \"x\", \"y\"] }",
+        &["periodic[2] = \"y\"`", "axis `y` is listed twice", "remove this one"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\n[output]\nfields = [\"density\", \"density\"]",
+        &["`output.fields[1] = \"density\"`", "field `density` is listed twice"],
+    ),
+    (
+        "order = 4",
+        "order = 4\nforces.left.point = [0, \"sqrt(0.5-t)\"]",
+        &["`flow.forces.left.point[1]", "t = 0.618", "NaN", "finite over the whole run"],
+    ),
+    ("step = 0.3", "step = 1e-300", &["`time.step = 1e-300`", "round-off of the time", "2.2e-13 or more"]),
+    ("step = 0.3", "slabs = 1000000000000000", &["`time.slabs = 1000000000000000`", "round-off of the time"]),
+    (
+        "step = 0.3",
+        "step = 0.3\nadaptive = { tolerance = 1e-3, smallest = 1e-300 }",
+        &["`time.adaptive.smallest = 1e-300`", "round-off of the time", "2.2e-13 or more"],
+    ),
+    (
+        "left = \"slip_wall\"",
+        "left = { adiabatic_wall = { slide = [1, 0.5] } }",
+        &["adiabatic_wall.slide = [1, 0.5]`", "does not slide in its plane", "[0.0, 0.0]", "along the wall"],
+    ),
+    (
+        "others = {",
+        "others = { far_field = { velocity = [1e6, 0], pressure = 1 } }",
+        &["`flow.boundary.others.far_field.velocity = [1e6, 0]`", "the Mach number, 8.4515e5", "at most 100 times"],
+    ),
+    (
+        "others = {",
+        "others = { prescribed_state = { expression = { density = \"sqrt(-1)\", velocity = [0.5, 0], pressure = 1 } } }",
+        &["prescribed_state.expression.density = \"sqrt(-1)\"`", "in cell 3", "NaN", "positive everywhere"],
+    ),
+    (
+        "left = { displacement",
+        "left = { rigid = [{ translate = [\"1e20*t\", 0] }] }",
+        &["`motion.boundary.left", "times the size of the mesh", "digits", "a displacement below 2.2e6"],
+    ),
+    (
+        "left = { displacement",
+        "left = { displacement = [\"sqrt(0.5-t)-sqrt(0.5)\", 0] }",
+        &["has no value", "t = 0.618"],
+    ),
+    (
+        "generate.box",
+        "generate.box = { lower = [nan, 0], upper = [2, 1], cells = [4, 2] }",
+        &["lower[0] = nan`", "finite"],
+    ),
+    (
+        "generate.box",
+        "generate.box = { lower = [0, 0], upper = [2, 1e-18], cells = [4, 2] }",
+        &["`mesh.generate.box.upper[1] = 1e-18`", "aspect ratio"],
+    ),
+    (
+        "left = { displacement",
+        "left = { rigid = [] }",
+        &["`motion.boundary.left.rigid = []`", "without a step", "\"fixed\""],
+    ),
+    (
+        "elasticity =",
+        "elasticity = { stiffness = { inverse_jacobian = { power = 1e300 } } }",
+        &["inverse_jacobian.power = 1e300`", "-10 to 10"],
+    ),
+    (
+        "elasticity =",
+        "elasticity = { stiffness = { wall_distance = { distance = 1, inner = [\"left\"], outer = [\"left\"] } } }",
+        &["wall_distance.outer[0] = \"left\"`", "in `inner` too"],
+    ),
+    ("order = 4", "order = 4\ngas.gamma = 1e300", &["`flow.gas.gamma = 1e300`", "1.0001 to 100"]),
+    ("order = 4", "order = 4\ngas.viscosity = 0.1", &["`flow.gas.viscosity = 0.1`", "wrong type", "`sutherland`"]),
+    (
+        "order = 4",
+        "order = 4\nreference = { speed = 1e300, pressure = 1 }",
+        &["`flow.reference.speed = 1e300`", "Mach"],
+    ),
+    (
+        "order = 4",
+        "order = 4\nforces.left.drag_direction = [1e200, 1e200]",
+        &["`flow.forces.left.drag_direction = [1e200, 1e200]`", "infinite"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\n[solver]\nslab_halvings = 4294967297",
+        &["`solver.slab_halvings = 4294967297`", "0 to 40"],
+    ),
+    ("step = 0.3", "step = 0.3\n[output]\ndirectory = \"\"", &["`output.directory = \"\"`", "empty"]),
+    (
+        "step = 0.3",
+        "step = 0.3\n[tables]\nh = { t = [0, 1, 1, 3], values = [0, 1, 2, 3] }",
+        &["`tables.h.t = [0, 1, 1, 3]`", "times must increase"],
+    ),
 ];
 
 #[test]
@@ -186,6 +294,56 @@ fn bad_input_is_named_with_file_line_key_value_and_what_is_accepted() {
             assert!(message.contains(part), "no {part} in:\n{message}");
         }
     }
+}
+
+/// What is wrong is in the window that is shown of a long line, and the message stays short.
+#[test]
+fn a_long_line_is_shown_where_it_is_wrong() {
+    let sum = |terms: usize| (0..terms).map(|k| format!("a*sin({k}*t)+")).collect::<String>();
+    let formula = format!("{}sni(t)+{}0", sum(300), sum(300));
+    let message = message_with("left = { displacement", &format!("left = {{ displacement = [\"{formula}\", 0] }}"));
+    assert!(message.contains("sni(t)+a*sin(0*t)") && message.len() < 2000, "{message}");
+    let list = format!("cells = [{}4, \"two\"]", "4,".repeat(1000));
+    let message = message_with("generate.box", &format!("generate.box = {{ lower = [0, 0], upper = [2, 1], {list} }}"));
+    assert!(message.contains("4, \"two\"] }") && message.contains("^^^^^") && message.len() < 2000, "{message}");
+}
+
+/// Such a formula was evaluated for hours by `check`.
+#[test]
+fn a_formula_of_200000_terms_is_refused_at_once() {
+    let formula = (0..200_000).map(|k| format!("a*sin({k}*t)+")).collect::<String>() + "0";
+    let message = message_with("left = { displacement", &format!("left = {{ displacement = [\"{formula}\", 0] }}"));
+    assert!(message.contains("too long: at most 50000 operations") && message.contains("`[tables]`"), "{message}");
+    assert!(message.len() < 2000, "{} characters", message.len());
+}
+
+/// The displacement everywhere is looked at over the run, as that of boundaries is.
+#[test]
+fn a_displacement_everywhere_has_a_value_that_coordinates_can_hold() {
+    for (formula, parts) in [
+        ("sqrt(0.5-t)-sqrt(0.5)", ["has no value at [0.0, 0.0], t = 0.618034", "over the whole run"]),
+        ("1e20*t", ["times the size of the mesh", "digits"]),
+    ] {
+        let message =
+            check_text(BASE, &[&format!("motion={{displacement=[\"{formula}\",0]}}")]).unwrap_err().to_string();
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}
+
+/// The state at the start is looked at where the flow has its nodes, not only where the mesh has.
+#[test]
+fn a_state_at_the_start_that_is_none_is_named_with_cell_and_value() {
+    let start = |pressure: &str| {
+        let state = format!("{{expression={{density=1,velocity=[0.5,0],pressure=\"{pressure}\"}}}}");
+        check_text(BASE, &[&format!("flow.initial={state}"), "flow.reference={speed=1,pressure=1}"])
+    };
+    let message = start("sqrt(-1)").unwrap_err().to_string();
+    let parts =
+        ["`flow.initial.expression.pressure = \"sqrt(-1)\"`", "the pressure in cell 0 at [0.0, 0.0], t = 0, NaN"];
+    parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    // Of the nodes of a line of the first cell only those of the flow, of order 4, lie near x = 0.138.
+    let message = start("1 - 2*(abs(x - 0.138) < 0.01)").unwrap_err().to_string();
+    assert!(message.contains("in cell 0 at [0.138") && message.contains(", -1,"), "{message}");
 }
 
 #[test]

@@ -286,3 +286,17 @@ fn undescribed(schema: &serde_json::Value, path: &str, keys: &mut usize) {
         }
     }
 }
+
+/// A comparison with what is no number is false: it passed for zero.
+#[test]
+fn the_start_of_a_structure_is_finite() {
+    let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0,0], upper = [1,1], cells = [1,1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n\
+                [structure]\nyoung_modulus = 1\npoisson_ratio = 0.3\ndensity = 1\nboundary.others = \"free\"\n";
+    assert!(check_text(text, &[]).is_ok());
+    for name in ["displacement", "velocity"] {
+        let message =
+            check_text(text, &[&format!("structure.initial.{name}=[0,\"sqrt(-1)\"]")]).unwrap_err().to_string();
+        let parts = [format!("structure.initial.{name}[1]"), format!("the {name} in cell 0 at [0.0, 0.0], NaN")];
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}

@@ -1,6 +1,7 @@
 //! Choices of a case that are allowed, and doubtful.
 
 use super::Facts;
+use super::scales::walls_at_start;
 use crate::case::{Flow, Motion, Preconditioner, State};
 use fem::Quadrature;
 use navier_stokes::{Boundary, Viscosity};
@@ -21,6 +22,9 @@ const SUDDEN: f64 = 0.01;
 /// they take 18 iterations per slab at 0.3, 44 at 0.75, 116 at 1.5, where blocks take 7, 9 and 12.
 const CELLS_CROSSED: f64 = 1.0;
 
+/// The factor between the reference temperature and that of Sutherland's law beyond which the gas constant is doubtful.
+const FAR_FROM_SUTHERLAND: f64 = 3.0;
+
 /// A result file above this size is worth a thought, in MB.
 const LARGE_FILE: f64 = 5000.0;
 
@@ -36,7 +40,7 @@ pub(super) struct Doubt {
 pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
-        let of_start = [start(facts, flow), sudden_flow(facts, flow)];
+        let of_start = [start(facts, flow), sudden_flow(facts, flow), sutherland(flow)];
         let of_resolution = [quadrature(facts, flow), layer(facts, flow), mach(flow), lines(facts, flow)];
         of_boundaries.into_iter().chain(of_start).chain(of_resolution)
     });
@@ -162,17 +166,37 @@ fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
     doubt("first cell", text)
 }
 
+/// A wall that has a speed at the start pushes the gas at once, whatever moves the mesh inside.
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
-    let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
-    let speed = facts.motion?.speed_at_start / flow.reference_speed;
-    if speed <= SUDDEN || !flow.walls.iter().any(|wall| boundary[wall.boundary].is_some()) {
+    let speed = walls_at_start(facts.case, flow)?;
+    let relative = speed / flow.reference_speed;
+    if relative <= SUDDEN {
         return None;
     }
     let text = format!(
-        "walls start with {speed:.2e} of the speed of the flow, which sends a pressure wave into it: a motion that starts from rest, for instance \
-         multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
+        "walls start with a speed of {speed:.2e}, {relative:.2e} of that of the flow, which sends a pressure wave into it: a motion that starts from \
+         rest, for instance multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
     );
     doubt("start of the motion", text)
+}
+
+/// Sutherland's law depends on the temperature itself, and that on the gas constant: with R left at 1 it is p / rho.
+fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+    let gas = &flow.law.gas;
+    let Viscosity::Sutherland { temperature, .. } = gas.viscosity() else { return None };
+    let sound = flow.reference_speed / flow.law.reference.mach();
+    let reference = sound * sound / (gas.gamma() * gas.gas_constant());
+    let ratio = reference / temperature;
+    if (1.0 / FAR_FROM_SUTHERLAND..=FAR_FROM_SUTHERLAND).contains(&ratio) {
+        return None;
+    }
+    let text = format!(
+        "the reference temperature p / (rho R), {reference:.4e}, is {ratio:.1e} times `sutherland.temperature`, {temperature}: the viscosity there is \
+         {:.2e}; `flow.gas.gas_constant` in the units of the case (air in SI units: 287.05), now {}",
+        gas.dynamic_viscosity(reference),
+        gas.gas_constant()
+    );
+    doubt("Sutherland's law", text)
 }
 
 /// A uniform stream does not stick to walls: where it is the state at the start, their layers arise at once.

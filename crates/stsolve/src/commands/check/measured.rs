@@ -18,12 +18,17 @@ const CHEAP_MOTION: usize = 10_000_000;
 const CHEAP_MESH_IN_SPACE: usize = 60_000;
 const CHEAP_FLOW: [usize; 2] = [1_000_000, 200_000];
 
+/// Operations of a formula that take about as long as the rest of a displacement.
+const CHEAP_FORMULA: usize = 1000;
+
 /// Whether the mesh is moved over the run.
 pub(super) fn moves_mesh<const D: usize>(case: &Case<D>, probe: Probe) -> bool {
     let Some(motion) = &case.motion else { return false };
     let newton = if matches!(motion, Motion::Elastic { law: Law::NeoHookean, .. }) { 10 } else { 1 };
     let displacements = case.mesh.coordinates().len();
-    let work = displacements * case.time.order * case.time.slabs * newton;
+    // A long formula costs more than what is done with its value.
+    let formulas = 1 + motion.operations() / CHEAP_FORMULA;
+    let work = (displacements * case.time.order * newton * formulas).saturating_mul(case.time.slabs);
     chosen(probe, work <= CHEAP_MOTION && (D == 2 || displacements <= CHEAP_MESH_IN_SPACE))
 }
 

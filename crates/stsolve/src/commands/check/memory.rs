@@ -1,7 +1,7 @@
 //! The memory of a run, estimated beforehand.
 
-use super::Facts;
 use super::measured::TYPICAL_ITERATIONS;
+use super::{Facts, mesh_memory};
 use crate::case::{Case, Flow, Preconditioner};
 use crate::failure::Failure;
 use crate::memory;
@@ -12,9 +12,12 @@ use navier_stokes::Viscosity;
 /// What the program takes before a case is large: its code, libraries, and the buffers of the result file.
 const PROGRAM: usize = 27_000_000;
 
-/// Vectors as long as the unknowns of a slab, without those of the linear solver: states, residuals and increments of Newton's method,
-/// traces of the operator.
+/// Vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and increments of Newton's
+/// method, traces of the operator.
 const VECTORS: usize = 26;
+
+/// The same for the unknowns of an elastic mesh, beside what every mesh takes.
+const VECTORS_OF_MESH: usize = 6;
 
 /// Numbers in single precision per entry of a block while it is inverted, for a thread: its parts, panels of their rows, and what they hand on
 /// to neighbours.
@@ -38,7 +41,7 @@ pub(super) struct Memory {
     pub(super) vectors: usize,
     /// The vectors of the linear solver, if it takes all iterations that it is allowed.
     pub(super) most_krylov: usize,
-    /// The solver of the mesh.
+    /// The mesh, by its order, and its solver.
     pub(super) mesh: usize,
     /// What the search for the steady flow takes, where the run begins with it; its preconditioner goes before that of the slabs comes.
     pub(super) steady: Option<usize>,
@@ -47,17 +50,20 @@ pub(super) struct Memory {
 impl Memory {
     /// Of the case in `facts`.
     pub(super) fn new<const D: usize>(facts: &Facts<'_, D>) -> Self {
-        let mesh = elasticity_plan(facts.case).map_or(0, |plan| plan.bytes);
-        Memory { mesh, ..Memory::of_flow(facts) }
+        let memory = Memory::of_flow(facts);
+        let solver = elasticity_plan(facts.case).map_or(0, |plan| plan.bytes);
+        Memory { mesh: memory.mesh + solver, ..memory }
     }
 
     /// The same without the solver of the mesh, which takes long to plan.
     fn of_flow<const D: usize>(facts: &Facts<'_, D>) -> Self {
         let case = facts.case;
         let (_, flow) = facts.flow_unknowns();
-        let vector = 8 * (flow + case.mesh_unknowns().unwrap_or(0));
+        let mesh = case.mesh_unknowns().unwrap_or(0);
+        let vector = 8 * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
-        let vectors = vector * (VECTORS + krylov_vectors(restart.min(TYPICAL_ITERATIONS)));
+        let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
+        let vectors = newton + vector * krylov_vectors(restart.min(TYPICAL_ITERATIONS));
         let (time_order, blocks) = (case.time.order, jacobian(facts));
         let (jacobian, factors_of_slab) = match case.solver.preconditioner {
             Preconditioner::Blocks => (blocks, factors(facts, time_order)),
@@ -69,7 +75,7 @@ impl Memory {
             vectors,
             steady: case.solver.steady.map(|_| blocks + factors(facts, 1) + vectors / time_order + coarse_level(facts)),
             most_krylov: vector * krylov_vectors(restart),
-            mesh: 0,
+            mesh: mesh_memory::bytes(case),
         }
     }
 

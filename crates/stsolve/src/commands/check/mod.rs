@@ -6,12 +6,14 @@
 //! | `scales` | how fast and how far the mesh is moved |
 //! | `walls` | what the first cell at a wall resolves |
 //! | `memory` | the memory of a run, estimated |
+//! | `mesh_memory` | the part of it that the mesh takes |
 //! | `measured` | what is found out by trying |
 //! | `doubts` | choices that are allowed, and doubtful |
 
 mod doubts;
 mod measured;
 pub(crate) mod memory;
+mod mesh_memory;
 mod scales;
 mod tables;
 mod walls;

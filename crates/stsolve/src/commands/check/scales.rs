@@ -1,13 +1,21 @@
 //! How fast and how far a mesh is moved.
 
-use crate::case::Case;
-use crate::run::prescribed_nodes;
+use crate::case::{Case, Flow, Motion, Wall};
+use crate::run::{PrescribedNode, prescribed_nodes};
+use mesh::NodeNumbering;
+use std::collections::BTreeSet;
 
 /// Nodes that are looked at, at most.
 const NODES: usize = 200;
 
 /// Instants in a slab, and in a run at most.
 const INSTANTS: [usize; 2] = [8, 4000];
+
+/// Instants of a run at least, however long its formulas are.
+const FEWEST_INSTANTS: usize = 40;
+
+/// Operations of formulas that all of that may take: below a second.
+const OPERATIONS: usize = 200_000_000;
 
 /// The part of the time between instants after which the motion at the start is looked at: it may start from rest and be fast by then.
 const MOMENT: f64 = 1e-4;
@@ -22,8 +30,6 @@ pub(super) struct MotionScales {
     pub(super) amplitude: f64,
     /// V, between instants.
     pub(super) speed: f64,
-    /// The speed at the start.
-    pub(super) speed_at_start: f64,
 }
 
 impl MotionScales {
@@ -31,7 +37,10 @@ impl MotionScales {
     pub(super) fn new<const D: usize>(case: &Case<D>) -> Option<Self> {
         let nodes = prescribed_nodes(case);
         let stride = nodes.len().div_ceil(NODES).max(1);
-        let instants = (INSTANTS[0] * case.time.slabs).min(INSTANTS[1]);
+        let operations =
+            case.motion.as_ref().map_or(0, Motion::operations).max(1) * nodes.len().div_ceil(stride).max(1);
+        let affordable = (OPERATIONS / operations).max(FEWEST_INSTANTS);
+        let instants = INSTANTS[0].saturating_mul(case.time.slabs).clamp(1, INSTANTS[1]).min(affordable);
         let (start, dt) = (case.time.start, (case.time.end - case.time.start) / instants as f64);
         let mut scales = MotionScales::default();
         for (node, x, field) in nodes.iter().step_by(stride) {
@@ -51,19 +60,32 @@ impl MotionScales {
         MotionScales {
             amplitude: 0.5 * (0..D).map(extent).fold(0.0, f64::max),
             speed: path.windows(2).map(|pair| speed(&pair[0], &pair[1], dt)).fold(0.0, f64::max),
-            speed_at_start: speed(&at(0.0), &at(MOMENT), MOMENT * dt),
         }
     }
 
     fn larger(&self, other: &Self) -> Self {
-        let faster = if other.amplitude > self.amplitude { other } else { self };
-        MotionScales { speed_at_start: self.speed_at_start.max(other.speed_at_start), ..*faster }
+        if other.amplitude > self.amplitude { *other } else { *self }
     }
 
     /// omega.
     pub(super) fn frequency(&self) -> f64 {
         self.speed / self.amplitude
     }
+}
+
+/// The largest speed at the start of a node on a wall of `flow` that is moved as prescribed; None if no wall is.
+pub(super) fn walls_at_start<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<f64> {
+    let moment = MOMENT * case.time.step / INSTANTS[0] as f64;
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let on_wall = |wall: &Wall<D>| numbering.on_boundary(&case.mesh, wall.boundary);
+    let walls: BTreeSet<usize> = flow.walls.iter().flat_map(on_wall).collect();
+    let moved = prescribed_nodes(case).into_iter().filter(|(node, ..)| walls.contains(node));
+    let start = case.time.start;
+    let at_start = |(node, x, field): PrescribedNode<D>| {
+        let path = |t: f64| field.displacement(node, &x, t);
+        speed(&path(start), &path(start + moment), moment)
+    };
+    moved.map(at_start).reduce(f64::max)
 }
 
 /// The mean speed between two displacements, `dt` apart.
@@ -81,6 +103,5 @@ mod tests {
         let scales = MotionScales::of_path(|i| [0.1, amplitude * (omega * i * dt).sin()], 599, dt);
         assert!((scales.amplitude / amplitude - 1.0).abs() < 1e-4, "{scales:?}");
         assert!((scales.frequency() / omega - 1.0).abs() < 1e-3, "{scales:?}");
-        assert!((scales.speed_at_start / (amplitude * omega) - 1.0).abs() < 1e-3, "{scales:?}");
     }
 }

@@ -193,6 +193,7 @@ fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
         .row("flow unknowns", flow, "per slab")
         .row("mesh unknowns", mesh, "per slab")
         .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
+        .row("mesh", megabytes(memory.mesh), "MB, with the solver of an elastic one")
         .row("Jacobian blocks", megabytes(memory.jacobian), "MB")
         .row("preconditioner", megabytes(memory.factors), "MB")
         .row("vectors", megabytes(memory.vectors), format!("MB, with {TYPICAL_ITERATIONS} Krylov iterations"))

@@ -31,7 +31,9 @@ const NAMED: usize = 3;
 
 type Rule = fn(&Evidence) -> Option<Cause>;
 
-const OF_MESH: [Rule; 6] = [
+const OF_MESH: [Rule; 8] = [
+    mesh_rules::undefined_motion,
+    mesh_rules::far_away,
     mesh_rules::deformation,
     mesh_rules::folding_formula,
     mesh_rules::far_in_one_slab,

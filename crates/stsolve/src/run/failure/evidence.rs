@@ -73,7 +73,7 @@ pub struct Newton {
 }
 
 /// The mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Mesh {
     /// How it moves.
     pub motion: Motion,
@@ -81,6 +81,10 @@ pub struct Mesh {
     pub smallest_det_j: f64,
     /// How far a node with a prescribed displacement goes in the slab, in thicknesses of its cell.
     pub travel: f64,
+    /// Where the prescribed displacement is no number in the slab, if anywhere.
+    pub undefined: Option<Undefined>,
+    /// The largest prescribed displacement in the slab, over the size of the mesh.
+    pub reach: f64,
     /// The largest aspect ratio at rest.
     pub aspect_ratio: f64,
     /// The smallest ratio of the smallest to the largest det J in a cell at rest.
@@ -91,6 +95,15 @@ pub struct Mesh {
     pub tolerance: Option<f64>,
     /// Whether it moves without a flow, as with `stsolve motion`.
     pub alone: bool,
+}
+
+/// A prescribed displacement that is no number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Undefined {
+    /// The time.
+    pub time: f64,
+    /// The position at rest.
+    pub position: Vec<f64>,
 }
 
 /// How a mesh moves.

@@ -1,6 +1,6 @@
 //! What is found out about the mesh of a run that has failed.
 
-use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion};
+use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion, Undefined};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use crate::case::{self, Case, Stiffness};
@@ -16,8 +16,24 @@ pub fn mesh<const D: usize>(
     interval: Interval,
 ) -> Mesh {
     let (motion, poisson_ratio) = kind(case);
+    let (undefined, reach) = prescribed(mover, interval);
     let travel = travel(mover, grid, d, interval);
-    Mesh { motion, travel, poisson_ratio, tolerance: tolerance(case), ..shape(grid, d) }
+    Mesh { motion, travel, undefined, reach, poisson_ratio, tolerance: tolerance(case), ..shape(grid, d) }
+}
+
+/// The first place and time in `interval` where the prescribed displacement is no number, and its largest size over that of the mesh.
+fn prescribed<const D: usize>(mover: &MeshMover<D>, interval: Interval) -> (Option<Undefined>, f64) {
+    let mut g = vec![0.0; mover.field_len()];
+    let mut largest = 0.0_f64;
+    for s in mover.slab_motion.time().nodes() {
+        let time = interval.start + s * (interval.end - interval.start);
+        mover.prescribed(time, &mut g);
+        if let Some(node) = g.chunks_exact(D).position(|g| g.iter().any(|g| !g.is_finite())) {
+            return (Some(Undefined { time, position: mover.positions()[node].to_vec() }), 0.0);
+        }
+        largest = g.iter().fold(largest, |largest, g| largest.max(g.abs()));
+    }
+    (None, largest / mover.reference.diameter())
 }
 
 /// What is known of the cells, displaced by `d`, whatever moves them.

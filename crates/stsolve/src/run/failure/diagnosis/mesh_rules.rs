@@ -1,14 +1,44 @@
 //! Causes in the mesh and its motion.
 
-use super::super::evidence::{Evidence, GaveUp, Mesh, Motion};
+use super::super::evidence::{Evidence, GaveUp, Mesh, Motion, Undefined};
 use super::{Cause, number, rises};
+
+/// A reach, in sizes of the mesh, at which coordinates have lost half of their digits.
+const FAR: f64 = 1e8;
+
+/// A formula of the motion has no value.
+pub fn undefined_motion(evidence: &Evidence) -> Option<Cause> {
+    let Undefined { time, position } = evidence.mesh.undefined.as_ref()?;
+    Some(Cause {
+        name: "undefined_motion",
+        likelihood: 1.0,
+        what: format!("the prescribed displacement of the point at rest at {position:?} is not a number at t = {time}"),
+        remedy: "correct its formula in [motion]: `sqrt` and `log` need arguments that are not negative, quotients a divisor that is not zero, \
+                 tables must cover the run"
+            .into(),
+    })
+}
+
+/// The motion leads so far away that coordinates keep no digits for the cells.
+pub fn far_away(evidence: &Evidence) -> Option<Cause> {
+    let reach = evidence.mesh.reach;
+    (reach > 1.0).then(|| Cause {
+        name: "far_away",
+        likelihood: rises(reach, FAR),
+        what: format!(
+            "the prescribed displacement reaches {} times the size of the mesh: coordinates keep too few digits to tell nodes apart",
+            number(reach)
+        ),
+        remedy: "correct the formula in [motion], or move by less: by a million sizes of the mesh at most".into(),
+    })
+}
 
 /// The boundary goes further than an elastic mesh follows.
 pub fn deformation(evidence: &Evidence) -> Option<Cause> {
     let mesh = &evidence.mesh;
     matches!(mesh.motion, Motion::Elastic | Motion::Graded).then(|| Cause {
         name: "deformation",
-        likelihood: 0.9,
+        likelihood: 0.9 * trust(mesh),
         what: format!(
             "the boundary moves further than the mesh follows: det J / det J_0 is {} in the worst cell{}",
             number(mesh.smallest_det_j),
@@ -16,6 +46,11 @@ pub fn deformation(evidence: &Evidence) -> Option<Cause> {
         ),
         remedy: to_follow_further(mesh, &["move less", "make the cells between moving and fixed boundaries larger"]),
     })
+}
+
+/// How much det J says of the motion: nothing where that is no number or too far away.
+fn trust(mesh: &Mesh) -> f64 {
+    if mesh.undefined.is_some() { 0.0 } else { 1.0 - rises(mesh.reach, FAR) }
 }
 
 /// What the equilibrium was found to, where that is a choice of the case.
@@ -45,7 +80,7 @@ pub fn folding_formula(evidence: &Evidence) -> Option<Cause> {
     let mesh = &evidence.mesh;
     (mesh.motion == Motion::Prescribed).then(|| Cause {
         name: "folding_formula",
-        likelihood: 0.9,
+        likelihood: 0.9 * trust(mesh),
         what: format!(
             "the prescribed displacement folds the domain: det J / det J_0 is {} in the worst cell",
             number(mesh.smallest_det_j)

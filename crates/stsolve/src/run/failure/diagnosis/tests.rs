@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::run::failure::evidence::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Structure,
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Structure, Undefined,
 };
 use crate::run::openings::{Misuse, Record, Seen};
 
@@ -130,6 +130,24 @@ fn a_fact_of_the_mesh_names_its_cause() {
     let mut evidence = nothing_suspicious();
     moves(&mut evidence, Motion::Prescribed, GaveUp::InvertedCell);
     assert_eq!(causes(&evidence)[0].name, "folding_formula");
+}
+
+/// det J is no number, or round-off, and says nothing of folds.
+#[test]
+fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
+    let moved = |motion, change: fn(&mut Mesh)| {
+        let mut evidence = Evidence { gave_up: GaveUp::InvertedCell, ..nothing_suspicious() };
+        evidence.mesh.motion = motion;
+        change(&mut evidence.mesh);
+        causes(&evidence)[0].clone()
+    };
+    for motion in [Motion::Prescribed, Motion::Graded] {
+        let cause = moved(motion, |mesh| mesh.undefined = Some(Undefined { time: 0.25, position: vec![1.0, 2.0] }));
+        assert_eq!(cause.name, "undefined_motion");
+        assert!(cause.what.contains("[1.0, 2.0]") && cause.what.contains("t = 0.25"), "{}", cause.what);
+        assert_eq!(moved(motion, |mesh| mesh.reach = 1e20).name, "far_away");
+        assert_ne!(moved(motion, |mesh| mesh.reach = 1e3).name, "far_away");
+    }
 }
 
 /// A remedy that is taken already is no remedy, and a tolerance that the case chose is named.
