@@ -3,12 +3,15 @@
 use crate::{gas, prescribed};
 use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
-use mesh::{BoxMesh, Curving, NodeNumbering};
+use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
-use navier_stokes::{Compiled, Exact, Manufactured, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+use navier_stokes::{Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Viscosity};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
+
+/// The end of the runs.
+const END: f64 = 0.1;
 
 /// A motion that bends cells inside and moves the boundary.
 struct Swaying;
@@ -28,37 +31,80 @@ impl VectorField<2> for Swaying {
     }
 }
 
-/// The L2 error of all components at t = 0.1, for orders N_s and N_t on `cells` x `cells` curved cells in `slabs` slabs.
-pub fn error(order: usize, time_order: usize, cells: usize, slabs: usize) -> f64 {
-    let gas = gas(Viscosity::Constant(0.05));
-    // About as fast as sound. Where the flow carries density much more slowly than the numerical flux damps it (a third of
-    // this speed, say), even degrees are still half an order short on meshes of this size.
-    let mean = Primitive { density: 1.0, velocity: [1.2, 1.0], pressure: 1.0 };
-    let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 1.5, 1.0).unwrap() };
-    let waves = Waves::new(gas, mean, 0.1, 1.0).unwrap();
-    let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
-    let (lower, upper, cells) = ([0.0; 2], [1.0; 2], [cells; 2]);
-    let curving = Curving::Smooth { amplitude: 0.03 };
-    let mesh = BoxMesh { lower, upper, cells, order, curving, periodic: [false; 2] }.build().unwrap();
-    let numbering = NodeNumbering::new(&mesh, order);
-    let problem = Problem {
-        kernels: law.kernels(vec![prescribed(); mesh.boundary_names().len()]),
-        data: vec![Some(exact.clone()); mesh.boundary_names().len()],
-        source: Some(Arc::new(Manufactured { law, exact: waves })),
-    };
-    let orders = Orders { flow: order, mesh: order, time: time_order };
-    let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
-    let u = coupled::interpolate(&flow, exact.as_ref(), 0.0);
-    let mover = MeshMover::new(MeshMotion::Prescribed(Arc::new(Swaying)), mesh, numbering, time_order);
-    let newton =
-        newton::Settings { relative_tolerance: 1e-8, absolute_tolerance: 1e-13, ..newton::Settings::default() };
-    let (schedule, predictor, jacobian) = (Schedule::uniform(0.1, slabs), Predictor::Elastic, Jacobian::Exact);
-    let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
-    let mut march = March::new(SlabProblem::new(flow, mover), u, settings);
-    while !march.is_done() {
-        march.advance().unwrap();
+/// Waves of length 1 on the unit square, in a gas of density and pressure 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// N_s of flow and mesh; N_t is 3.
+    pub order: usize,
+    /// Cells along each side.
+    pub cells: usize,
+    /// Slabs until the end.
+    pub slabs: usize,
+    /// The Mach number of the mean flow.
+    pub mach: f64,
+    /// mu.
+    pub viscosity: f64,
+    /// The amplitude of the waves that curve the mesh: 0 for squares at the start.
+    pub curving: f64,
+}
+
+impl Setting {
+    /// The L2 errors of density, momentum and energy at the end.
+    pub fn errors(self) -> [f64; 3] {
+        let gas = gas(Viscosity::Constant(self.viscosity));
+        let speed = self.mach * gas.gamma().sqrt();
+        let mean = Primitive { density: 1.0, velocity: [0.8 * speed, 0.6 * speed], pressure: 1.0 };
+        let exact = Waves::new(gas, mean, 0.1, 1.0).unwrap();
+        let mut march = self.march(gas, speed, exact);
+        while !march.is_done() {
+            march.advance().unwrap();
+        }
+        let (flow, state) = (&march.problem.flow, &march.state);
+        let squares = squared_errors(flow, &state.u, flow.top_row().row(0), &Exact(exact), state.time);
+        [squares[0].sqrt(), (squares[1] + squares[2]).sqrt(), squares[3].sqrt()]
     }
-    let flow = &march.problem.flow;
-    let squares = squared_errors(flow, &march.state.u, flow.top_row().row(0), exact.as_ref(), march.state.time);
-    squares.iter().sum::<f64>().sqrt()
+
+    fn mesh(self) -> Mesh<2> {
+        let curving = match self.curving {
+            0.0 => Curving::None,
+            amplitude => Curving::Smooth { amplitude },
+        };
+        let (lower, upper, cells) = ([0.0; 2], [1.0; 2], [self.cells; 2]);
+        BoxMesh { lower, upper, cells, order: self.order, curving, periodic: [false; 2] }.build().unwrap()
+    }
+
+    fn march(self, gas: Gas, speed: f64, waves: Waves<2>) -> March<2, 4> {
+        let law =
+            NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap() };
+        let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
+        let mesh = self.mesh();
+        let numbering = NodeNumbering::new(&mesh, self.order);
+        let problem = Problem {
+            kernels: law.kernels(vec![prescribed(); mesh.boundary_names().len()]),
+            data: vec![Some(exact.clone()); mesh.boundary_names().len()],
+            source: Some(Arc::new(Manufactured { law, exact: waves })),
+        };
+        let orders = Orders { flow: self.order, mesh: self.order, time: 3 };
+        let flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
+        let u = coupled::interpolate(&flow, exact.as_ref(), 0.0);
+        let mover = MeshMover::new(MeshMotion::Prescribed(Arc::new(Swaying)), mesh, numbering, orders.time);
+        let newton =
+            newton::Settings { relative_tolerance: 1e-8, absolute_tolerance: 1e-13, ..newton::Settings::default() };
+        let (schedule, predictor, jacobian) = (Schedule::uniform(END, self.slabs), Predictor::Elastic, Jacobian::Exact);
+        let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
+        March::new(SlabProblem::new(flow, mover), u, settings)
+    }
+}
+
+/// The orders of density, momentum and energy between two meshes of `cells`, otherwise as in `setting`; printed, with the errors.
+pub fn orders(setting: Setting, cells: [usize; 2]) -> [f64; 3] {
+    let [coarse, fine] = cells.map(|cells| Setting { cells, ..setting }.errors());
+    let ratio = (cells[1] as f64 / cells[0] as f64).ln();
+    let orders = std::array::from_fn(|c| (coarse[c] / fine[c]).ln() / ratio);
+    let Setting { order, mach, viscosity, curving, .. } = setting;
+    println!(
+        "N_s = {order}, M = {mach}, mu = {viscosity}, curving {curving}, {cells:?} cells: orders of density, momentum, energy \
+         {orders:.2?}, errors {fine:.1e?}"
+    );
+    orders
 }

@@ -18,6 +18,7 @@ use crate::kernels::Times;
 use crate::mode::Mode;
 use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::{FacetScratch, SideScratch};
+use crate::slope;
 use crate::tables::Tables;
 use crate::tensor_product::{Lattice, Parts, Scratch, integrate};
 use std::marker::PhantomData;
@@ -156,7 +157,7 @@ fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K:
     let gradient_plus = physical_gradient::<D, M, K, S>(simd, &side_plus.gradient, at, &cof_plus, det_plus);
     let (flux_minus, flux_plus) = (law.viscous_flux(minus, &gradient_minus), law.viscous_flux(plus, &gradient_plus));
     let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, plus, &here.n);
-    let (jump_flux_minus, jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
+    let (mut jump_flux_minus, mut jump_flux_plus) = (law.viscous_flux(minus, &jump), law.viscous_flux(plus, &jump));
     let sigma = here.area * here.det.recip().abs().max(det_plus.recip().abs()) * penalty(tables);
     for m in 0..M {
         for k in 0..D {
@@ -164,6 +165,11 @@ fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K:
             let mean_jump = (jump_flux_minus[k][m] + jump_flux_plus[k][m]) * 0.5;
             f[m] -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
         }
+    }
+    if slope::is_penalised(tables) {
+        let gradients = [&gradient_minus, &gradient_plus];
+        let flux = slope::flux::<D, M, L, K, S>(law, tables, [minus, plus], gradients, &here.n, sigma);
+        slope::join(&flux, &here.n, &mut jump_flux_minus, &mut jump_flux_plus);
     }
     // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
     let scale = here.area * (-0.5 * weight);

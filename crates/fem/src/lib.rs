@@ -40,6 +40,7 @@ mod pool;
 mod prescribed;
 mod sampler;
 mod scratch;
+mod slope;
 mod tables;
 mod tensor_product;
 mod traces;

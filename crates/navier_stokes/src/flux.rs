@@ -77,6 +77,32 @@ pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
     flux
 }
 
+/// Gas of the state `u` that is exchanged between two cells where the slope of the density jumps: it takes its momentum and its energy along,
+///
+/// ```text
+/// s = a [rho_,n] [1 ; w ; E],   1 / a = 1 / c + rho / (sigma mu)                                                   (exchange)
+/// ```
+///
+/// with a speed a that is near c where viscosity governs the cell, and near that of viscosity, sigma mu / rho, where it does not.
+#[inline(always)]
+pub(crate) fn mass_exchange<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    gas: &Gas,
+    u: &[T; M],
+    slope: T,
+    sigma: G,
+) -> [T; M] {
+    let state = Primitive::<T, D>::unpack(gas, u);
+    let c = gas.sound_speed(state.density, state.pressure);
+    let viscous = gas.dynamic_viscosity(gas.temperature(state.density, state.pressure)).scale(sigma);
+    let mass = c * viscous / (c * state.density + viscous) * slope;
+    let per_mass = mass / state.density;
+    let mut flux = *u;
+    for m in 0..M {
+        flux[m] = u[m] * per_mass;
+    }
+    flux
+}
+
 /// Viscous stress and conducted heat at a point.
 pub(crate) struct Stresses<T, const D: usize> {
     /// w, at which they do work

@@ -48,6 +48,11 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     }
 
     #[inline(always)]
+    fn slope_flux<T: Over<G>, G: Real>(&self, mean: &[T; M], slope: &[T; M], sigma: G) -> [T; M] {
+        flux::mass_exchange::<T, G, D, M>(&self.gas, mean, slope[0], sigma)
+    }
+
+    #[inline(always)]
     fn numerical_flux<T: Over<G>, G: Real>(&self, minus: &[T; M], plus: &[T; M], n: &[G; D], v_n: G) -> [T; M] {
         self.riemann.flux(&self.gas, minus, plus, n, v_n)
     }
