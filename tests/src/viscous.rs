@@ -104,7 +104,7 @@ pub fn orders(setting: Setting, cells: [usize; 2]) -> [f64; 3] {
     let Setting { order, mach, viscosity, curving, .. } = setting;
     println!(
         "N_s = {order}, M = {mach}, mu = {viscosity}, curving {curving}, {cells:?} cells: orders of density, momentum, energy \
-         {orders:.2?}, errors {fine:.1e?}"
+         {orders:.2?}, errors {fine:.1?}"
     );
     orders
 }
