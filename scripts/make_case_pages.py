@@ -21,7 +21,7 @@ SCRIPTS = ROOT / "scripts"
 
 # What is drawn: the mesh where the flow is uniform or there is none, otherwise a field; and in which window (x0, y0, x1, y1), if not all.
 UNIFORM = {"free_stream", "free_stream_3d"}
-FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity",
+FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity", "channel_cylinder": "vorticity",
          "cylinder_street": "pressure"}
 WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
@@ -34,7 +34,7 @@ WIDTH = 800
 # Sections of summary.json that are figures of the run, and what they are called.
 FIGURES = {
     "unknowns": "unknowns of a slab", "slabs": "slabs", "time": "time reached", "newton": "Newton steps", "krylov": "Krylov iterations",
-    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls",
+    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings",
     "structure": "structure", "cost": "cost",
 }
 # Below this a number is round-off, of which no digit is to be expected.

@@ -29,5 +29,5 @@ pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, Remainder, SlabProblem};
 pub use state::{Interval, Past, State};
 pub use steady::solve_steady;
-pub use structure_march::{StructureMarch, StructureReport, Supports};
+pub use structure_march::{Equations, StructureMarch, StructureReport, Supports};
 pub use wear::Wear;

@@ -1,8 +1,8 @@
-//! The march of a structure.
+//! The march of a structure, with or without inertia.
 
 use crate::schedule::Schedule;
 use crate::state::{Interval, Past, State};
-use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom};
+use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Statics, Structure};
 use fem::VectorField;
 use std::sync::Arc;
 
@@ -30,10 +30,32 @@ pub struct Supports<const D: usize> {
     pub field_of_node: Vec<Option<usize>>,
 }
 
+/// The equations of a structure.
+pub enum Equations<const D: usize> {
+    /// With inertia.
+    Dynamic(Box<Dynamics<D>>),
+    /// Without.
+    Static(Box<Statics<D>>),
+}
+
+impl<const D: usize> Equations<D> {
+    fn structure(&self) -> &Structure<D> {
+        match self {
+            Equations::Dynamic(dynamics) => dynamics.structure(),
+            Equations::Static(statics) => statics.structure(),
+        }
+    }
+    fn motion(&self) -> &SlabMotion {
+        match self {
+            Equations::Dynamic(dynamics) => dynamics.motion(),
+            Equations::Static(statics) => statics.motion(),
+        }
+    }
+}
+
 /// A structure, slab by slab.
 pub struct StructureMarch<const D: usize> {
-    /// The structure and its equations.
-    pub dynamics: Dynamics<D>,
+    equations: Equations<D>,
     /// Where the run stands; the flow is empty, and velocities are those of the past slab.
     pub state: State,
     /// How its fixed entries move; those of no field rest.
@@ -44,13 +66,34 @@ pub struct StructureMarch<const D: usize> {
 
 impl<const D: usize> StructureMarch<D> {
     /// A march through the slabs of `schedule`, at its fixed step, from the displacement `d` and the velocity `v`, both
-    /// `[C0 node][component]`; fixed entries have the velocity of their support.
-    pub fn new(dynamics: Dynamics<D>, supports: Supports<D>, d: Vec<f64>, mut v: Vec<f64>, schedule: Schedule) -> Self {
+    /// `[C0 node][component]`; fixed entries have the velocity of their support. Without inertia it starts from the equilibrium at the
+    /// start of the schedule, which is found from the guess `d`.
+    ///
+    /// # Errors
+    /// As [`Statics::equilibrium`].
+    pub fn new(
+        equations: Equations<D>,
+        supports: Supports<D>,
+        d: Vec<f64>,
+        mut v: Vec<f64>,
+        schedule: Schedule,
+    ) -> Result<Self, ElasticityError> {
         let (state, velocity_at_start) = (State::new(schedule.start, Vec::new(), d), Vec::new());
         let schedule = Schedule { control: None, ..schedule };
-        let march = StructureMarch { dynamics, state, supports, velocity_at_start, schedule };
-        march.move_supports(schedule.start, &mut v);
-        StructureMarch { velocity_at_start: v, ..march }
+        let mut march = StructureMarch { equations, state, supports, velocity_at_start, schedule };
+        if let Equations::Static(statics) = &march.equations {
+            let mut d = march.state.d.clone();
+            march.set_supports(&mut d, |field, x| field.value(x, schedule.start));
+            statics.equilibrium(schedule.start, &mut d)?;
+            march.state.d = d;
+        }
+        march.set_supports(&mut v, |field, x| field.rate(x, schedule.start));
+        Ok(StructureMarch { velocity_at_start: v, ..march })
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &Structure<D> {
+        self.equations.structure()
     }
 
     /// Whether the end is reached.
@@ -66,25 +109,33 @@ impl<const D: usize> StructureMarch<D> {
         }
     }
 
-    /// Kinetic and strain energy at the time reached.
+    /// Kinetic and strain energy at the time reached; without inertia the former is zero.
     pub fn energies(&self) -> [f64; 2] {
-        let structure = self.dynamics.structure();
-        [structure.kinetic_energy(self.velocity()), structure.strain_energy(&self.state.d)]
+        let strain = self.structure().strain_energy(&self.state.d);
+        match &self.equations {
+            Equations::Dynamic(_) => [self.structure().kinetic_energy(self.velocity()), strain],
+            Equations::Static(_) => [0.0, strain],
+        }
     }
 
     /// Advances one slab.
     ///
     /// # Errors
-    /// As [`Dynamics::solve`].
+    /// As [`Dynamics::solve`] and [`Statics::solve`].
     pub fn advance(&mut self) -> Result<StructureReport, ElasticityError> {
         let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let interval = self.schedule.next(&self.state);
         let dt = interval.end - interval.start;
-        let mut v = self.guess(interval.start, dt);
-        let (bottom, velocity) = (self.state.d.clone(), self.velocity().to_vec());
-        let at_bottom = SlabBottom { time: interval.start, displacement: &bottom, velocity: &velocity };
-        let dynamics = self.dynamics.solve(at_bottom, dt, &mut v)?;
-        self.dynamics.motion().displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
+        let bottom = self.state.d.clone();
+        let (dynamics, v) = self.solve(interval.start, dt, &bottom)?;
+        match &self.equations {
+            Equations::Dynamic(dynamics) => dynamics.motion().displacement(dt, &bottom, &v, 1.0, &mut self.state.d),
+            // The last node is the top.
+            Equations::Static(statics) => {
+                let last = statics.motion().time().order() - 1;
+                statics.motion().displacement_at_node(dt, &bottom, &v, last, &mut self.state.d);
+            }
+        }
         self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
         self.state.pending.push(interval);
         self.state.finish(interval);
@@ -92,26 +143,54 @@ impl<const D: usize> StructureMarch<D> {
         Ok(StructureReport { slab: self.state.slab, interval, dynamics, kinetic_energy, strain_energy })
     }
 
+    /// The velocities of the slab above `bottom`, and what they have cost.
+    fn solve(&mut self, start: f64, dt: f64, bottom: &[f64]) -> Result<(DynamicsReport, Vec<f64>), ElasticityError> {
+        let mut v = match &self.equations {
+            Equations::Dynamic(_) => self.guess(start, dt),
+            Equations::Static(_) => self.prescribed(start, dt, bottom),
+        };
+        let velocity = self.velocity().to_vec();
+        let report = match &mut self.equations {
+            Equations::Dynamic(dynamics) => {
+                let at_bottom = SlabBottom { time: start, displacement: bottom, velocity: &velocity };
+                dynamics.solve(at_bottom, dt, &mut v)?
+            }
+            Equations::Static(statics) => statics.solve(start, dt, bottom, &mut v)?,
+        };
+        Ok((report, v))
+    }
+
+    /// The displacement at the bottom at free entries, that of the supports at the time nodes at fixed ones.
+    fn prescribed(&self, start: f64, dt: f64, bottom: &[f64]) -> Vec<f64> {
+        let time = self.equations.motion().time();
+        let mut d = bottom.repeat(time.order());
+        for (s, d) in time.nodes().iter().zip(d.chunks_exact_mut(bottom.len())) {
+            self.set_supports(d, |field, x| field.value(x, start + s * dt));
+        }
+        d
+    }
+
     /// The velocities of the slab before, extended, at free entries; those of the supports at fixed ones.
     fn guess(&self, start: f64, dt: f64) -> Vec<f64> {
-        let (time, length) = (self.dynamics.motion().time(), self.state.d.len());
+        let (time, length) = (self.equations.motion().time(), self.state.d.len());
         let mut v = match self.state.past {
             Some(_) => self.state.extrapolated_velocities(time, length, dt),
             None => self.velocity_at_start.repeat(time.order()),
         };
         for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(length)) {
-            self.move_supports(start + s * dt, v);
+            self.set_supports(v, |field, x| field.rate(x, start + s * dt));
         }
         v
     }
 
-    /// Sets the fixed entries to the velocity of their support at time `t`.
-    fn move_supports(&self, t: f64, v: &mut [f64]) {
-        let structure = self.dynamics.structure();
-        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D)).zip(v.chunks_exact_mut(D));
-        for (((x, fixed), v), field) in entries.zip(&self.supports.field_of_node) {
-            let rate = field.map_or([0.0; D], |field| self.supports.fields[field].rate(x, t));
-            (0..D).filter(|&i| fixed[i]).for_each(|i| v[i] = rate[i]);
+    /// Sets the fixed entries to the `value` of their support, zero where it does not move.
+    fn set_supports(&self, vector: &mut [f64], value: impl Fn(&dyn VectorField<D>, &[f64; D]) -> [f64; D]) {
+        let structure = self.structure();
+        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D));
+        let entries = entries.zip(vector.chunks_exact_mut(D)).zip(&self.supports.field_of_node);
+        for (((x, fixed), entry), field) in entries {
+            let value = field.map_or([0.0; D], |field| value(&*self.supports.fields[field], x));
+            (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
         }
     }
 }

@@ -36,13 +36,13 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use rayon::prelude::*;
 
 /// A slab is solved when its residual is this small against the forces in it ...
-const TOLERANCE: f64 = 1e-12;
+pub(crate) const TOLERANCE: f64 = 1e-12;
 /// ... or when a correction leaves more than this part of it: that is round-off.
-const ROUND_OFF: f64 = 0.1;
+pub(crate) const ROUND_OFF: f64 = 0.1;
 /// A residual that round-off holds above this is an error.
-const STALLED: f64 = 1e-5;
+pub(crate) const STALLED: f64 = 1e-5;
 /// Relative tolerance of the systems of one correction, where the modes separate well.
-const CORRECTION_TOLERANCE: f64 = 1e-6;
+pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
 /// Slabs whose lengths differ by less than this, relatively, share their factors.
 const SAME_LENGTH: f64 = 1e-9;
 
@@ -143,7 +143,12 @@ impl<const D: usize> Dynamics<D> {
         if norm.is_nan() || norm > STALLED * residual.scale {
             return Err(ElasticityError::Stalled { time: bottom.time, residual: norm / residual.scale });
         }
-        self.add_energies(bottom, dt, &forces, v, &residual.r, &mut report);
+        let at_bottom = self.motion.time().values(0.0);
+        let mut velocity_jump: Vec<f64> = bottom.velocity.iter().map(|v| -v).collect();
+        add_combination(&at_bottom, v, &mut velocity_jump);
+        let slab = Slab { structure: &self.structure, motion: &self.motion, dt, bottom: bottom.displacement };
+        slab.add_works(&forces, v, &residual.r, &mut report);
+        report.dissipation += self.structure.kinetic_energy(&velocity_jump);
         Ok(report)
     }
 
@@ -217,34 +222,35 @@ impl<const D: usize> Dynamics<D> {
         v.iter_mut().zip(&modes).for_each(|(v, w)| *v -= w);
         solved.into_iter().sum()
     }
+}
 
-    /// The terms of (energy) for the solution `v` with the residual `r`.
-    fn add_energies(
-        &self,
-        bottom: SlabBottom<'_>,
-        dt: f64,
-        forces: &[f64],
-        v: &[f64],
-        r: &[f64],
-        report: &mut DynamicsReport,
-    ) {
+/// A slab that is solved, with or without inertia.
+pub(crate) struct Slab<'a, const D: usize> {
+    pub(crate) structure: &'a Structure<D>,
+    pub(crate) motion: &'a SlabMotion,
+    /// Its length.
+    pub(crate) dt: f64,
+    /// d_n
+    pub(crate) bottom: &'a [f64],
+}
+
+impl<const D: usize> Slab<'_, D> {
+    /// The terms of (energy) but the kinetic one, for the solution `v` with the residual `r` of (dynamics).
+    pub(crate) fn add_works(&self, forces: &[f64], v: &[f64], r: &[f64], report: &mut DynamicsReport) {
         let (time, length) = (self.motion.time(), self.structure.length());
         let at_bottom = time.values(0.0);
-        let mut velocity_jump: Vec<f64> = bottom.velocity.iter().map(|v| -v).collect();
-        add_combination(&at_bottom, v, &mut velocity_jump);
-        let mut displacement_jump: Vec<f64> = bottom.displacement.iter().map(|d| -d).collect();
+        let mut displacement_jump: Vec<f64> = self.bottom.iter().map(|d| -d).collect();
         let mut d = vec![0.0; length];
         for a in 0..time.order() {
             let node = a * length..(a + 1) * length;
-            report.load_work += dt * time.weights()[a] * Euclidean.dot(&forces[node.clone()], &v[node.clone()]);
+            report.load_work += self.dt * time.weights()[a] * Euclidean.dot(&forces[node.clone()], &v[node.clone()]);
             let mut reaction = vec![0.0; length];
             self.structure.at_fixed(&mut reaction, |i| r[a * length + i]);
             report.support_work += Euclidean.dot(&reaction, &v[node]);
-            self.motion.displacement_at_node(dt, bottom.displacement, v, a, &mut d);
+            self.motion.displacement_at_node(self.dt, self.bottom, v, a, &mut d);
             add_combination(&at_bottom[a..=a], &d, &mut displacement_jump);
         }
-        report.dissipation =
-            self.structure.kinetic_energy(&velocity_jump) + self.structure.strain_energy(&displacement_jump);
+        report.dissipation += self.structure.strain_energy(&displacement_jump);
     }
 }
 

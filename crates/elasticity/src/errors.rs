@@ -67,6 +67,14 @@ pub enum ElasticityError {
     /// The stiffness matrix is not factored, for another reason.
     #[error("the stiffness matrix is not factored")]
     Factorisation(#[source] sparse::Error),
+    /// A material is none at a point.
+    #[error("the material at {position:?} is not possible: check the formulas of its constants")]
+    MaterialAt {
+        /// The point, at rest.
+        position: Vec<f64>,
+        /// Why.
+        source: Box<ElasticityError>,
+    },
     /// CG did not reach the tolerance.
     #[error("the elasticity solve failed")]
     Solver(#[from] cg::Error),

@@ -1,6 +1,7 @@
 //! The reference mesh and its stiffness at points of the cells.
 
-use crate::{ElasticityError, Stiffness};
+use crate::solid::{Relative, Solid};
+use crate::{ElasticityError, Lame, Stiffness};
 use basis::gauss_lobatto;
 use mesh::{CellMap, Mesh, NodeNumbering};
 use tensor::{cofactor, determinant, norm};
@@ -22,14 +23,24 @@ pub(crate) struct Sample<const D: usize> {
     pub(crate) determinant: f64,
     /// G = J^{-1}, `[a][j]` = d xi_a / d x_j.
     pub(crate) inverse_jacobian: [[f64; D]; D],
-    /// The factor on Young's modulus.
+    /// The factor on the constants of Lame.
     pub(crate) stiffness: f64,
+    /// What the first of them has beyond that.
+    pub(crate) excess: f64,
+}
+
+/// Where the stiffness at a point comes from.
+enum Source<'a, const D: usize> {
+    /// A mesh.
+    Mesh(Stiffness<'a, D>),
+    /// A structure, relative to constants.
+    Solid(&'a Solid<D>, Lame),
 }
 
 /// Samples every cell at the same grid of reference points.
 pub(crate) struct Sampler<'a, const D: usize> {
     mesh: &'a Mesh<D>,
-    stiffness: Stiffness<'a, D>,
+    source: Source<'a, D>,
     mean_determinant: f64,
     map: CellMap<D>,
 }
@@ -37,15 +48,25 @@ pub(crate) struct Sampler<'a, const D: usize> {
 impl<'a, const D: usize> Sampler<'a, D> {
     /// For the grid with the coordinates `points` along every axis.
     pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, points: &[f64]) -> Self {
+        Self::with_source(mesh, Source::Mesh(stiffness), points)
+    }
+
+    /// The same for a structure of `solid`, relative to the constants `base`.
+    pub(crate) fn of_solid(mesh: &'a Mesh<D>, solid: &'a Solid<D>, base: Lame, points: &[f64]) -> Self {
+        Self::with_source(mesh, Source::Solid(solid, base), points)
+    }
+
+    fn with_source(mesh: &'a Mesh<D>, source: Source<'a, D>, points: &[f64]) -> Self {
         let reference_volume = (mesh.n_cells() << D) as f64;
         let mean_determinant = mesh.volume() / reference_volume;
-        Sampler { mesh, stiffness, mean_determinant, map: CellMap::on_grid(mesh.order(), points) }
+        Sampler { mesh, source, mean_determinant, map: CellMap::on_grid(mesh.order(), points) }
     }
 
     /// The samples of `cell`, axis 0 fastest.
     ///
     /// # Errors
-    /// [`ElasticityError::Stiffness`] where the modulus is not positive and finite.
+    /// [`ElasticityError::Stiffness`] where the modulus is not positive and finite, [`ElasticityError::MaterialAt`] where a solid is not
+    /// possible.
     pub(crate) fn cell(&self, cell: usize) -> Result<Vec<Sample<D>>, ElasticityError> {
         let nodes = self.mesh.cell_coordinates(cell);
         let points = self.map.positions(nodes).into_iter().zip(self.map.jacobians(nodes));
@@ -54,11 +75,16 @@ impl<'a, const D: usize> Sampler<'a, D> {
 
     fn sample(&self, cell: usize, position: [f64; D], jacobian: &[[f64; D]; D]) -> Result<Sample<D>, ElasticityError> {
         let (determinant, inverse_jacobian) = determinant_and_inverse(jacobian);
-        let stiffness = self.stiffness.at(&position, determinant / self.mean_determinant);
+        let Relative { stiffness, excess } = match &self.source {
+            Source::Mesh(stiffness) => {
+                Relative { stiffness: stiffness.at(&position, determinant / self.mean_determinant), excess: 0.0 }
+            }
+            Source::Solid(solid, base) => solid.relative(*base, &position)?,
+        };
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(ElasticityError::Stiffness { cell, position: position.to_vec(), value: stiffness });
         }
-        Ok(Sample { position, determinant, inverse_jacobian, stiffness })
+        Ok(Sample { position, determinant, inverse_jacobian, stiffness, excess })
     }
 }
 

@@ -23,7 +23,8 @@
 //! | `equilibrium` | their solution |
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
-//! | `dynamics` | the motion of a structure in a time slab |
+//! | `solid` | the material of a structure, point by point |
+//! | `dynamics`, `statics` | the motion of a structure in a time slab, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
 //! | `modes` | natural frequencies and shapes |
 //!
@@ -48,7 +49,9 @@ mod operator;
 mod pool;
 mod shifted;
 mod slab;
+mod solid;
 mod solver;
+mod statics;
 mod stiffness;
 mod structure;
 #[cfg(test)]
@@ -61,11 +64,13 @@ pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
 pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
-pub use material::{Lame, Material};
+pub use material::{Lame, Material, Plane};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
+pub use solid::{Field, Quantity, Solid};
 pub use solver::{Plan, Solver};
+pub use statics::Statics;
 pub use stiffness::Stiffness;
 pub use structure::Structure;
 pub use wall_distance::WallDistance;

@@ -149,8 +149,9 @@ struct SubCells<const D: usize> {
 struct Corner<const D: usize> {
     /// det / 2^D.
     volume: f64,
-    /// The factor on Young's modulus.
+    /// The factor on the constants of Lame, and what the first has beyond that.
     stiffness: f64,
+    excess: f64,
     /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself, the last one and the
     /// only one that does not vanish there.
     gradients: Vec<(usize, [f64; D])>,
@@ -202,13 +203,13 @@ impl<const D: usize> SubCells<D> {
         corner: usize,
     ) -> Result<Corner<D>, ElasticityError> {
         let node = |corner: usize| first + self.offsets[corner];
-        let Sample { position, stiffness, .. } = samples[node(corner)];
+        let Sample { position, stiffness, excess, .. } = samples[node(corner)];
         let (determinant, inverse) = determinant_and_inverse(&edges(samples, corner, node));
         if determinant.is_nan() || determinant <= 0.0 {
             return Err(ElasticityError::SubCell { cell, position: position.to_vec(), determinant });
         }
         let gradients = corner_gradients(corner, &inverse).into_iter().map(|(corner, g)| (node(corner), g)).collect();
-        Ok(Corner { volume: determinant / (1 << D) as f64, stiffness, gradients })
+        Ok(Corner { volume: determinant / (1 << D) as f64, stiffness, excess, gradients })
     }
 }
 
@@ -220,11 +221,12 @@ fn add_corner<const D: usize>(
     matrix: &mut BlockMatrix<f64>,
 ) {
     let own = corner.gradients.len() - 1;
+    let lame = Lame { lambda: terms.lame.lambda + corner.excess / corner.stiffness, ..terms.lame };
     for (k, (row, grad_row)) in corner.gradients.iter().enumerate() {
         for (l, (column, grad_column)) in corner.gradients.iter().enumerate() {
             if let (Some(row), Some(column)) = (unknowns[*row], unknowns[*column]) {
                 let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
-                let mut block = terms.lame.block(grad_row, &weighted);
+                let mut block = lame.block(grad_row, &weighted);
                 if (k, l) == (own, own) {
                     (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
                 }
@@ -323,8 +325,13 @@ mod tests {
 
     #[test]
     fn an_inverted_sub_cell_is_named() {
-        let sample =
-            |x, y| Sample { position: [x, y], determinant: 1.0, inverse_jacobian: [[0.0; 2]; 2], stiffness: 1.0 };
+        let sample = |x, y| Sample {
+            position: [x, y],
+            determinant: 1.0,
+            inverse_jacobian: [[0.0; 2]; 2],
+            stiffness: 1.0,
+            excess: 0.0,
+        };
         // The last corner is pulled over the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);

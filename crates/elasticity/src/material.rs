@@ -3,7 +3,18 @@
 use crate::{ElasticityError, Law};
 use tensor::Real;
 
-/// An isotropic material: Young's modulus E and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane.
+/// What does not happen along the third axis of a body in the plane. In 3-D neither is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plane {
+    /// No strain: a slice of a long body, held at its ends.
+    #[default]
+    Strain,
+    /// No stress: a thin sheet, free to become thinner. For the linear law.
+    Stress,
+}
+
+/// An isotropic material: Young's modulus E and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane, unless
+/// [`Self::in_plane`] says otherwise.
 ///
 /// Where only the motion of a mesh is sought E may be 1: it scales the stress, not the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +22,7 @@ pub struct Material {
     young: f64,
     poisson: f64,
     law: Law,
+    plane: Plane,
 }
 
 impl Material {
@@ -33,22 +45,37 @@ impl Material {
                 accepted: "-1 < nu < 0.5",
             });
         }
-        Ok(Material { young, poisson, law: Law::Linear })
+        Ok(Material { young, poisson, law: Law::Linear, plane: Plane::default() })
     }
 
     /// The same constants with another law.
     pub fn with_law(self, law: Law) -> Self {
         Material { law, ..self }
     }
+    /// E and nu.
+    pub(crate) fn constants(&self) -> (f64, f64) {
+        (self.young, self.poisson)
+    }
+    /// What is plane in 2-D.
+    pub(crate) fn plane(&self) -> Plane {
+        self.plane
+    }
     /// The law.
     pub fn law(&self) -> Law {
         self.law
     }
 
-    /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu).
+    /// The same in plane strain or plane stress.
+    pub fn in_plane(self, plane: Plane) -> Self {
+        Material { plane, ..self }
+    }
+
+    /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu); in plane stress lambda = 2 mu nu / (1 - nu), which leaves no stress along
+    /// the third axis.
     pub fn lame(&self) -> Lame {
         let mu = self.young / (2.0 * (1.0 + self.poisson));
-        Lame { mu, lambda: 2.0 * mu * self.poisson / (1.0 - 2.0 * self.poisson) }
+        let factor = if self.plane == Plane::Strain { 2.0 } else { 1.0 };
+        Lame { mu, lambda: 2.0 * mu * self.poisson / (1.0 - factor * self.poisson) }
     }
 }
 
@@ -108,6 +135,15 @@ mod tests {
         let sigma = lame.stress(&[[stretch, 0.0, 0.0], [0.0, side, 0.0], [0.0, 0.0, side]]);
         assert!((sigma[0][0] - young * stretch).abs() < 1e-15);
         assert!(sigma[1][1].abs() < 1e-15 && sigma[2][2].abs() < 1e-15);
+    }
+
+    /// Stretched by eps along x and free along y, a sheet contracts by nu eps there, and the stress is E eps.
+    #[test]
+    fn plane_stress_is_uniaxial_where_a_sheet_is_free() {
+        let (young, poisson, stretch) = (3.0, 0.3, 0.01);
+        let lame = Material::new(young, poisson).unwrap().in_plane(Plane::Stress).lame();
+        let sigma = lame.stress(&[[stretch, 0.0], [0.0, -poisson * stretch]]);
+        assert!((sigma[0][0] - young * stretch).abs() < 1e-16 && sigma[1][1].abs() < 1e-16, "{sigma:?}");
     }
 
     #[test]

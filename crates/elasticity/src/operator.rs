@@ -18,7 +18,7 @@ mod updated;
 mod work;
 
 use crate::batches::Batches;
-use crate::geometry::Sampler;
+use crate::geometry::{Sample, Sampler};
 use crate::law::{Law, NeoHookean, PointLaw};
 use crate::material::Lame;
 use crate::pool::Pool;
@@ -84,7 +84,20 @@ impl<const D: usize> Operator<D> {
         rule: &Rule,
         sampler: &Sampler<'_, D>,
     ) -> Result<Self, ElasticityError> {
-        let metric = metric(&batches, rule, sampler)?;
+        Self::weighted(law, lame, order, batches, rule, sampler, |sample| sample.stiffness)
+    }
+
+    /// The same with another factor on the constants of Lame than the stiffness of the samples.
+    pub(crate) fn weighted(
+        law: Law,
+        lame: Lame,
+        order: usize,
+        batches: Batches<D>,
+        rule: &Rule,
+        sampler: &Sampler<'_, D>,
+        factor: impl Fn(&Sample<D>) -> f64 + Sync,
+    ) -> Result<Self, ElasticityError> {
+        let metric = metric(&batches, rule, sampler, factor)?;
         Ok(Operator { law, lame, batches, lines: Lines::new(order, &rule.points), metric, workspaces: Pool::new() })
     }
 
@@ -187,6 +200,7 @@ fn metric<const D: usize>(
     batches: &Batches<D>,
     rule: &Rule,
     sampler: &Sampler<'_, D>,
+    factor: impl Fn(&Sample<D>) -> f64 + Sync,
 ) -> Result<Vec<Pack>, ElasticityError> {
     let weights = tensor_weights::<D>(&rule.weights);
     let length = weights.len() * (1 + D * D);
@@ -195,7 +209,7 @@ fn metric<const D: usize>(
         for lane in 0..WIDTH {
             let samples = sampler.cell(batches.cell(batch, lane))?;
             for ((weight, sample), entry) in weights.iter().zip(&samples).zip(metric.chunks_exact_mut(1 + D * D)) {
-                entry[0].0[lane] = weight * sample.determinant * sample.stiffness;
+                entry[0].0[lane] = weight * sample.determinant * factor(sample);
                 for (pack, g) in entry[1..].iter_mut().zip(sample.inverse_jacobian.as_flattened()) {
                     pack.0[lane] = *g;
                 }

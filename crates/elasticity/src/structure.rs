@@ -7,7 +7,7 @@ use crate::low_order::LowOrder;
 use crate::mass::Mass;
 use crate::operator::Operator;
 use crate::shifted::Shifted;
-use crate::{ElasticityError, Law, Material, Stiffness};
+use crate::{ElasticityError, Lame, Law, Solid};
 use basis::gauss_lobatto;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -23,25 +23,29 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 /// motion then is prescribed. All methods take `&self`.
 pub struct Structure<const D: usize> {
     operator: Operator<D>,
+    /// What lambda adds to K beyond `operator`, where Poisson's ratio varies: see `solid`.
+    excess: Option<Operator<D>>,
     mass: Mass<D>,
     surface: Surface<D>,
     fixed: Vec<[bool; D]>,
     coordinates: Vec<[f64; D]>,
     mesh: Mesh<D>,
     numbering: NodeNumbering,
-    material: Material,
+    solid: Solid<D>,
+    /// A shear modulus of the body.
+    shear_modulus: f64,
 }
 
 impl<const D: usize> Structure<D> {
-    /// A body of `material` and `density` that fills `mesh`, with displacements of the order of `numbering`. `fixed[node][component]`
-    /// says where the motion is prescribed; it may be so nowhere.
+    /// A body of `solid` (or a `Material`, the same everywhere) and `density` that fills `mesh`, with displacements of the
+    /// order of `numbering`. `fixed[node][component]` says where the motion is prescribed; it may be so nowhere.
     ///
     /// # Errors
-    /// A density that is not positive, or a `fixed` of the wrong length.
+    /// A material that is not possible, a density that is not positive, or a `fixed` of the wrong length.
     pub fn new(
         mesh: Mesh<D>,
         numbering: NodeNumbering,
-        material: Material,
+        solid: impl Into<Solid<D>>,
         density: f64,
         fixed: Vec<[bool; D]>,
     ) -> Result<Self, ElasticityError> {
@@ -55,12 +59,20 @@ impl<const D: usize> Structure<D> {
         }
         let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
-        let rule = Law::Linear.rule(D, order);
-        let at_points = Sampler::new(&mesh, Stiffness::Constant, &rule.points);
-        let operator = Operator::new(Law::Linear, material.lame(), order, batches, &rule, &at_points)?;
+        let (solid, rule) = (solid.into(), Law::Linear.rule(D, order));
+        let base = solid.base()?;
+        let at_points = Sampler::of_solid(&mesh, &solid, base, &rule.points);
+        let excess = if solid.ratio_varies() {
+            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, Batches::new(&mesh, &numbering));
+            Some(Operator::weighted(Law::Linear, unit, order, batches, &rule, &at_points, |sample| sample.excess)?)
+        } else {
+            None
+        };
+        let operator = Operator::new(Law::Linear, base, order, batches, &rule, &at_points)?;
+        let shear_modulus = solid.lame(&mesh.position(0, &[0.0; D]))?.mu;
         let surface = Surface::new(&mesh, &numbering);
         let coordinates = nodal_coordinates(&mesh, &numbering);
-        Ok(Structure { operator, mass, surface, fixed, coordinates, mesh, numbering, material })
+        Ok(Structure { operator, excess, mass, surface, fixed, coordinates, mesh, numbering, solid, shear_modulus })
     }
 
     /// The length of a vector: D times the number of C0 nodes.
@@ -88,6 +100,11 @@ impl<const D: usize> Structure<D> {
     pub fn apply_stiffness(&self, d: &[f64], out: &mut [f64]) {
         // A linear K is the same everywhere.
         self.operator.product(d, d, out);
+        if let Some(excess) = &self.excess {
+            let mut forces = vec![0.0; out.len()];
+            excess.product(d, d, &mut forces);
+            out.iter_mut().zip(&forces).for_each(|(out, force)| *out += force);
+        }
     }
 
     /// out = M v on all entries, fixed or not.
@@ -124,36 +141,20 @@ impl<const D: usize> Structure<D> {
         0.5 * Euclidean.dot(d, &forces)
     }
 
-    /// The equilibrium K d = f at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
-    /// Returns the CG iterations.
-    ///
-    /// # Errors
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
-    pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        let mut residual = vec![0.0; d.len()];
-        self.apply_stiffness(d, &mut residual);
-        residual.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
-        self.at_fixed(&mut residual, |_| 0.0);
-        let mut increment = vec![0.0; d.len()];
-        let iterations = self.shifted(0.0)?.solve(self, &residual, &mut increment, 1e-13)?;
-        d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
-        Ok(iterations)
-    }
-
     /// The preconditioner of K + m M at free entries.
     pub(crate) fn shifted(&self, m: f64) -> Result<Shifted<D>, ElasticityError> {
-        let (lame, cells) = (self.material.lame(), self.mesh.n_cells());
+        let (base, cells) = (self.solid.base()?, self.mesh.n_cells());
         let nodes = gauss_lobatto(self.numbering.order()).points;
-        let at_nodes = Sampler::new(&self.mesh, Stiffness::Constant, &nodes);
+        let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
         let mass = m * self.mass.density();
         let samples = |cell| at_nodes.cell(cell);
-        let low_order = LowOrder::with_mass(lame, mass, cells, &self.numbering, samples, &self.fixed, None)?;
+        let low_order = LowOrder::with_mass(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
         Ok(Shifted { m, low_order })
     }
 
     /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
     pub(crate) fn typical_shift(&self) -> f64 {
-        self.material.lame().mu / self.mass.density() / self.mesh.diameter().powi(2)
+        self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
     }
 
     /// Sets the fixed entries.

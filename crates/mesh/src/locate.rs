@@ -80,6 +80,16 @@ mod tests {
         finds_what_it_maps::<3>();
     }
 
+    /// The tolerance is below the distance of numbers there: positions relative to the cell reach it.
+    #[test]
+    fn points_are_found_far_from_the_origin() {
+        let curving = Curving::None;
+        let (lower, upper) = ([1e6, 0.0], [1e6 + 1.0, 0.05]);
+        let mesh = BoxMesh { lower, upper, cells: [12, 1], order: 5, curving, periodic: [false; 2] }.build().unwrap();
+        assert!(mesh.locate(&[1e6 + 1.0, 0.025]).is_some());
+        assert!((0..10).all(|k| mesh.locate(&[1e6 + 0.1 * f64::from(k) + 0.013, 0.01]).is_some()));
+    }
+
     #[test]
     fn corners_belong_to_the_first_cell_and_points_outside_to_none() {
         let mesh = curved::<2>();

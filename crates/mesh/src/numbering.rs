@@ -231,6 +231,24 @@ mod tests {
         every_pair_of_rotations::<3>(&[2, 3, 4]);
     }
 
+    /// Neighbours interpolate in different orders of operations, and once differed in their last bits.
+    #[test]
+    fn nodes_that_are_shared_are_the_same_to_the_bit() {
+        let cells = [2, 2, 2];
+        let curving = Curving::Wavy { amplitude: 0.03 };
+        let (lower, upper) = ([1e6; 3], [1e6 + 1.0; 3]);
+        let mesh = BoxMesh { lower, upper, cells, order: 4, curving, periodic: [false; 3] }.build().unwrap();
+        let fine = mesh.scrambled(5).with_order(6);
+        let numbering = NodeNumbering::new(&fine, 6);
+        let mut places: Vec<Option<[f64; 3]>> = vec![None; numbering.count];
+        for cell in 0..fine.n_cells() {
+            for (k, &number) in numbering.cell(cell).iter().enumerate() {
+                let x = point(fine.cell_coordinates(cell), k);
+                assert_eq!(*places[number].get_or_insert(x), x, "node {number}");
+            }
+        }
+    }
+
     #[test]
     fn scrambled_boxes() {
         let mesh = wavy_box([3, 2], [false; 2]).scrambled(5);

@@ -114,7 +114,7 @@ fn work_of_a_rotating_wall_depends_little_on_the_step() {
     let directory = TempDir::new().unwrap();
     let work = |step: &str| {
         let mesh = "motion.elasticity={ law = \"neo_hookean\", stiffness = { wall_distance = { distance = 0.03, amplitude = 1e4, inner = [\"airfoil\"] } } }";
-        let set = [&COARSE[..], &SLOW, &[mesh, "time.end=0.8", step]].concat();
+        let set = [&COARSE[..], &SLOW, &[mesh, "time.end=0.6", step]].concat();
         number(&finished(directory.path(), "naca0012_heave_pitch", &set)["walls"]["airfoil"], "work")
     };
     let (long, short) = (work("time.step=0.05"), work("time.step=0.0125"));

@@ -6,7 +6,7 @@ use verification::rotating_box::Turn;
 
 /// Degrees reached with `step` degrees per slab, and the cost, as a row of the table.
 fn turned(order: usize, step: f64, end: f64) -> f64 {
-    let turn = Turn { order, time_order: 1, law: Law::NeoHookean, step, end, accuracy: 1e-2 };
+    let turn = Turn { order, time_order: 1, law: Law::NeoHookean, step, end, accuracy: 1e-6 };
     let start = Instant::now();
     let (reports, error) = turn.run();
     let angle = reports.last().map_or(0.0, |report| report.interval.end);

@@ -6,9 +6,8 @@ use super::*;
 const P_0: f64 = 2.0;
 const T_0: f64 = 2.5;
 
-/// p, T, rho, speed and mass flux of what crosses a facet with the normal along -x (inflow) or x (outflow) at rest, told from its flux.
+/// What crosses a facet with the normal along -x (inflow) or x (outflow) at rest, told from its flux.
 struct Crossing {
-    mass: f64,
     pressure: f64,
     velocity: [f64; 2],
     density: f64,
@@ -31,7 +30,7 @@ impl Crossing {
         let roots = [(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)];
         let w_x = if roots[0].abs() < roots[1].abs() { roots[0] } else { roots[1] };
         let density = mass / (w_x * n_x);
-        Crossing { mass, pressure: (flux[1] - mass * w_x) / n_x, velocity: [w_x, w_y], density }
+        Crossing { pressure: (flux[1] - mass * w_x) / n_x, velocity: [w_x, w_y], density }
     }
 
     fn entropy(&self) -> f64 {

@@ -48,6 +48,7 @@ impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, step) in self.0.iter().enumerate() {
             match step {
+                Step::Name(name) if name.contains(char::is_control) => write!(f, ".{name:?}")?,
                 Step::Name(name) if i == 0 => write!(f, "{name}")?,
                 Step::Name(name) => write!(f, ".{name}")?,
                 Step::Entry(index) => write!(f, "[{index}]")?,

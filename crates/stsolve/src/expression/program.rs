@@ -77,6 +77,12 @@ impl Program {
         self.instructions.len()
     }
 
+    /// The value of a formula without variables.
+    pub fn as_constant(&self) -> Option<f64> {
+        let varies = self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Variable(_)));
+        (!varies).then(|| self.evaluate(&[], 0.0))
+    }
+
     /// Whether the value depends on `variable`.
     pub fn contains(&self, variable: Variable) -> bool {
         self.instructions.contains(&Instruction::Variable(variable))

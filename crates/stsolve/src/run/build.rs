@@ -1,13 +1,17 @@
 //! From a checked case to the problem of the numerics.
 
 use crate::case::{
-    Case, Flow, Jacobian, Motion, Preconditioner, Predictor, State, Stiffness, Structure, Support, Vector,
+    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure, Support,
+    Vector,
 };
+use crate::expression::Program;
 use coupled::{
-    BoundaryField, BoundaryMotion, March, MeshMotion, MeshMover, Method, SlabProblem, StructureMarch, Supports,
+    BoundaryField, BoundaryMotion, Equations, March, MeshMotion, MeshMover, Method, SlabProblem, StructureMarch,
+    Supports,
 };
 use elasticity::{
-    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Structure as Body, Traction, WallDistance,
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Quantity, Solid, Statics, Structure as Body,
+    Traction, WallDistance,
 };
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, NodeNumbering};
@@ -162,22 +166,43 @@ where
 /// The march of a structure, at its start.
 ///
 /// # Errors
-/// As [`Body::new`] and [`Dynamics::new`].
+/// As [`Body::new`], [`Dynamics::new`], [`Statics::new`] and [`StructureMarch::new`].
 pub fn structure_march<const D: usize>(
     case: &Case<D>,
     structure: &Structure<D>,
 ) -> Result<StructureMarch<D>, ElasticityError> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let (fixed, supports) = supports(case, &numbering, &structure.boundary);
-    let material = Material::new(structure.young_modulus, structure.poisson_ratio)?;
-    let body = Body::new(case.mesh.clone(), numbering, material, structure.density, fixed)?;
+    // Equilibria do not depend on a density.
+    let density = structure.density.unwrap_or(1.0);
+    let body = Body::new(case.mesh.clone(), numbering, solid(structure), density, fixed)?;
     let start = |field: &Option<Vector<D>>| -> Vec<f64> {
         let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
         body.coordinates().iter().flat_map(value).collect()
     };
     let (d, v) = (start(&structure.displacement), start(&structure.velocity));
-    let dynamics = Dynamics::new(body, loads(structure), case.time.order, case.time.step)?;
-    Ok(StructureMarch::new(dynamics, supports, d, v, case.time.schedule()))
+    let (loads, order) = (loads(structure), case.time.order);
+    let equations = match structure.analysis {
+        Analysis::Dynamic => Equations::Dynamic(Box::new(Dynamics::new(body, loads, order, case.time.step)?)),
+        Analysis::Static => Equations::Static(Box::new(Statics::new(body, loads, order)?)),
+    };
+    StructureMarch::new(equations, supports, d, v, case.time.schedule())
+}
+
+/// The material of a structure.
+fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
+    let quantity = |formula: &Program| match formula.as_constant() {
+        Some(value) => Quantity::Constant(value),
+        None => {
+            let formula = formula.clone();
+            Quantity::Field(Arc::new(move |x: &[f64; D]| formula.evaluate(x, 0.0)))
+        }
+    };
+    let plane = match structure.plane {
+        Plane::Strain => elasticity::Plane::Strain,
+        Plane::Stress => elasticity::Plane::Stress,
+    };
+    Solid { young: quantity(&structure.young_modulus), poisson: quantity(&structure.poisson_ratio), plane }
 }
 
 /// Which components of which nodes are prescribed, and how they move.

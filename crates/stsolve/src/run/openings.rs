@@ -110,7 +110,7 @@ where
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let grid = Grid::new(&case.mesh, &numbering, flow.order);
     let (still, time) = (vec![0.0; grid.field_len()], case.time.start);
-    let state = |_, x: &[[f64; D]]| x.iter().map(|x| flow.initial.state(x, time)).collect();
+    let state = |_: usize, x: &[[f64; D]]| -> Vec<[f64; M]> { x.iter().map(|x| flow.initial.state(x, time)).collect() };
     let then = Then::<D, M> { time, displacement: &still, velocity: &still, state: &state };
     let mut records = Vec::new();
     let mut seen = measure(flow, &case.mesh, &grid, &then);

@@ -223,7 +223,7 @@ impl Origin {
         Ok(jump.map(|motion_jump::Jump { position, there, here }| {
             format!(
                 "the boundary changes its velocity at once at t = {}, which sends a pressure wave into the flow: the point at {position:?} \
-                 moves with {there:?} in `{path}`, and with {here:?} from here on",
+                 moves with {there:.6?} in `{path}`, and with {here:.6?} from here on",
                 state.time
             )
         }))

@@ -26,7 +26,7 @@ pub fn run_structure<const D: usize, const M: usize>(
 ) -> Result<(), Failure> {
     let call = Call { arguments, command: "run", begun: Instant::now(), origin: None };
     let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
-    let mesh = MeshView::new(&case.mesh, march.dynamics.structure().numbering());
+    let mesh = MeshView::new(&case.mesh, march.structure().numbering());
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
     drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
 }
@@ -48,7 +48,7 @@ struct Observed {
 
 impl Observed {
     fn new<const D: usize>(structure: &Structure<D>, march: &StructureMarch<D>) -> Result<Self, ElasticityError> {
-        let body = march.dynamics.structure();
+        let body = march.structure();
         let modes =
             if structure.natural_modes > 0 { natural_modes(body, structure.natural_modes)? } else { Vec::new() };
         let momentum = |mode: &NaturalMode| {

@@ -141,7 +141,7 @@ pub fn of_structure<const D: usize>(
     stop: Option<&Stop>,
 ) -> Summary {
     let balance = books.tally.structure;
-    let free = march.dynamics.structure().fixed().iter().filter(|fixed| !**fixed).count();
+    let free = march.structure().fixed().iter().filter(|fixed| !**fixed).count();
     let mut summary = common(case, &march.state, books, stop);
     summary.unknowns.structure = Some(free * case.time.order);
     summary.structure = Some(StructureSummary {

@@ -16,11 +16,11 @@ mod structure;
 mod tables;
 mod time;
 
-pub use super::raw::{Field, Jacobian, Preconditioner, Predictor, PseudoTime, Solver, Steady};
+pub use super::raw::{Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
-pub use structure::{Structure, Support};
+pub use structure::{Largest, Structure, Support};
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker};

@@ -5,19 +5,25 @@ use super::mesh_crate::{Mesh, NodeNumbering};
 use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::raw::{self, StructureBoundary};
+use crate::case::raw::{self, Analysis, Plane, StructureBoundary};
 use crate::case::vector::Vector;
 use crate::expression::Program;
 
-/// An elastic body with mass.
+/// An elastic body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure<const D: usize> {
-    /// E
-    pub young_modulus: f64,
-    /// nu
-    pub poisson_ratio: f64,
-    /// Mass per volume.
-    pub density: f64,
+    /// E, in the position at rest.
+    pub young_modulus: Program,
+    /// nu, in the position at rest.
+    pub poisson_ratio: Program,
+    /// Mass per volume; None: a static analysis does without.
+    pub density: Option<f64>,
+    /// Whether it has inertia.
+    pub analysis: Analysis,
+    /// What is plane in two dimensions.
+    pub plane: Plane,
+    /// The largest shear modulus mu = E / (2 (1 + nu)), and the largest nu, at the nodes.
+    pub largest: Largest,
     /// Force per volume, in the position at rest and time.
     pub body_force: Option<Vector<D>>,
     /// Each boundary, in the order of `Mesh::boundary_names`.
@@ -33,10 +39,19 @@ pub struct Structure<const D: usize> {
 }
 
 impl<const D: usize> Structure<D> {
-    /// The speed of shear waves, (mu / rho)^1/2 with the shear modulus mu = E / (2 (1 + nu)).
+    /// The largest speed of shear waves, (mu / rho)^1/2; zero where there is no density.
     pub fn shear_speed(&self) -> f64 {
-        (0.5 * self.young_modulus / (1.0 + self.poisson_ratio) / self.density).sqrt()
+        self.density.map_or(0.0, |density| (self.largest.shear_modulus / density).sqrt())
     }
+}
+
+/// Extremes of a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Largest {
+    /// mu
+    pub shear_modulus: f64,
+    /// nu
+    pub poisson_ratio: f64,
 }
 
 /// How a boundary is supported or loaded.
@@ -94,11 +109,18 @@ pub(super) fn check<const D: usize>(
     for (name, given) in [("displacement", &displacement), ("velocity", &velocity)] {
         check_finite(checker, &child(&key, "initial").child(name), name, given.as_ref(), mesh, time.start)?;
     }
-    check_start(checker, &boundary, displacement.as_ref(), &shared)?;
+    match raw.analysis {
+        Analysis::Dynamic => check_start(checker, &boundary, displacement.as_ref(), &shared)?,
+        Analysis::Static => check_static(checker, &key, raw)?,
+    }
+    let (young_modulus, poisson_ratio, largest) = material(checker, &key, raw, mesh)?;
     Ok(Structure {
-        young_modulus: checker.positive(&key.child("young_modulus"), "Young's modulus", raw.young_modulus)?,
-        poisson_ratio: checker.poisson_ratio(&key.child("poisson_ratio"), raw.poisson_ratio)?,
-        density: checker.positive(&key.child("density"), "the density", raw.density)?,
+        young_modulus,
+        poisson_ratio,
+        density: density(checker, &key, raw)?,
+        analysis: raw.analysis,
+        plane: plane::<D>(checker, &key, raw)?,
+        largest,
         body_force: vector("body_force", &raw.body_force)?,
         boundary,
         displacement,
@@ -106,6 +128,61 @@ pub(super) fn check<const D: usize>(
         natural_modes: raw.natural_modes,
         points: points(checker, &key.child("points"), raw, mesh)?,
     })
+}
+
+/// E and nu, which must be possible at all nodes of the mesh, and their extremes there.
+fn material<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Structure,
+    mesh: &Mesh<D>,
+) -> Checked<(Program, Program, Largest)> {
+    let [key_young, key_poisson] = ["young_modulus", "poisson_ratio"].map(|name| key.child(name));
+    let young = checker.formula_of_position::<D>(&key_young, &raw.young_modulus)?;
+    let poisson = checker.formula_of_position::<D>(&key_poisson, &raw.poisson_ratio)?;
+    let mut largest = Largest { shear_modulus: 0.0, poisson_ratio: -1.0 };
+    for x in mesh.coordinates().chunks_exact(D) {
+        let [e, nu] = [&young, &poisson].map(|constant| constant.evaluate(x, 0.0));
+        checker.positive(&key_young, "Young's modulus", e)?;
+        checker.poisson_ratio(&key_poisson, nu)?;
+        largest.shear_modulus = largest.shear_modulus.max(0.5 * e / (1.0 + nu));
+        largest.poisson_ratio = largest.poisson_ratio.max(nu);
+    }
+    Ok((young, poisson, largest))
+}
+
+/// The density, which inertia needs.
+fn density(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Option<f64>> {
+    let key = key.child("density");
+    if let Some(density) = raw.density {
+        return Ok(Some(checker.positive(&key, "the density", density)?));
+    }
+    if raw.analysis == Analysis::Static && raw.natural_modes == 0 {
+        return Ok(None);
+    }
+    let accepted = "`density`, a mass per volume; or `analysis = \"static\"` without natural modes";
+    Err(checker.combination(&key, "missing key `density`: inertia needs one", accepted))
+}
+
+/// What is plane; in three dimensions nothing is.
+fn plane<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Plane> {
+    if raw.plane.is_some() && D == 3 {
+        let problem = "`structure.plane` has no effect on a three-dimensional body";
+        return Err(checker.combination(&key.child("plane"), problem, "remove it"));
+    }
+    Ok(raw.plane.unwrap_or_default())
+}
+
+/// A static analysis has no motion at the start.
+fn check_static(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<()> {
+    for (name, given) in [("displacement", &raw.initial.displacement), ("velocity", &raw.initial.velocity)] {
+        if given.is_some() {
+            let problem = format!("`structure.initial.{name}` has no effect on a static analysis");
+            let accepted = "remove it: the body starts in equilibrium with its loads and supports";
+            return Err(checker.combination(&key.child("initial").child(name), &problem, accepted));
+        }
+    }
+    Ok(())
 }
 
 /// The key `a.b` below `key`.

@@ -6,23 +6,28 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A linear elastic body with mass that fills the mesh; in two dimensions its strain is plane. Its displacement has the order of the
-/// mesh, and is small: loads act where the body is at rest.
+/// A linear elastic body that fills the mesh. Its displacement has the order of the mesh, and is small: loads act where the body is at
+/// rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
-    /// Young's modulus E.
-    pub young_modulus: f64,
-    /// Poisson's ratio nu, -1 < nu < 0.5.
-    pub poisson_ratio: f64,
-    /// The density: mass per volume.
-    pub density: f64,
+    /// Young's modulus E: a number, or a formula in the position x, y, z at rest.
+    pub young_modulus: Formula,
+    /// Poisson's ratio nu, -1 < nu < 0.5: a number, or a formula in the position x, y, z at rest.
+    pub poisson_ratio: Formula,
+    /// The density: mass per volume. A static analysis without natural modes needs none.
+    pub density: Option<f64>,
+    /// Whether the body has inertia.
+    #[serde(default)]
+    pub analysis: Analysis,
+    /// What does not happen along the third axis of a two-dimensional body.
+    pub plane: Option<Plane>,
     /// The force per volume, a formula per axis in the position x, y, z at rest and the time t. Without it there is none.
     pub body_force: Option<Vec<Formula>>,
     /// How each boundary is supported or loaded, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, StructureBoundary>,
-    /// The motion at the start. Without it the body is at rest.
+    /// The motion at the start. Without it the body is at rest. A static analysis starts from the equilibrium at the start.
     #[serde(default)]
     pub initial: InitialMotion,
     /// How many natural modes to find, those of lowest frequency: their frequencies go to summary.json, and the coordinate of the motion
@@ -32,6 +37,28 @@ pub struct Structure {
     /// Points at rest whose displacement goes to history.csv, by name.
     #[serde(default)]
     pub points: BTreeMap<String, Vec<f64>>,
+}
+
+/// Whether a structure has inertia.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Analysis {
+    /// It vibrates: the equation of motion is solved.
+    #[default]
+    Dynamic,
+    /// It is in equilibrium with its loads and supports at all times: time numbers the steps of the load. One slab is one step.
+    Static,
+}
+
+/// What does not happen along the third axis of a two-dimensional body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Plane {
+    /// No strain: a slice of a long body. This is what a case without the key has.
+    #[default]
+    Strain,
+    /// No stress: a thin sheet, free to change its thickness.
+    Stress,
 }
 
 /// How a boundary of a structure is supported or loaded.

@@ -4,7 +4,7 @@ use super::super::table::Table;
 use super::Facts;
 use super::measured::TYPICAL_ITERATIONS;
 use super::memory::Memory;
-use crate::case::{About, Case, Flow, Motion, Structure, Support};
+use crate::case::{About, Analysis, Case, Flow, Motion, Plane, Structure, Support};
 use crate::run::elasticity_plan;
 use elasticity::{Law, Solver};
 use mesh::Mesh;
@@ -97,12 +97,26 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
 fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> Table {
     let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
     let mut table = Table::new("structure");
+    table.row("analysis", if structure.analysis == Analysis::Static { "static" } else { "dynamic" }, "");
+    if D == 2 {
+        table.row("plane", if structure.plane == Plane::Stress { "stress" } else { "strain" }, "");
+    }
+    for (name, formula) in
+        [("Young's modulus", &structure.young_modulus), ("Poisson's ratio", &structure.poisson_ratio)]
+    {
+        match formula.as_constant() {
+            Some(value) => table.row(name, value, ""),
+            None => table.row(name, "a formula", ""),
+        };
+    }
+    if let Some(density) = structure.density {
+        table.row("density", density, "").row("mass", density * case.mesh.volume(), "").row(
+            "speed of shear waves",
+            structure.shear_speed(),
+            "",
+        );
+    }
     table
-        .row("Young's modulus", structure.young_modulus, "")
-        .row("Poisson's ratio", structure.poisson_ratio, "")
-        .row("density", structure.density, "")
-        .row("mass", structure.density * case.mesh.volume(), "")
-        .row("speed of shear waves", structure.shear_speed(), "")
         .row("supported boundaries", count(|support| support.fixes() != [false; D]), "")
         .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
         .row("natural modes", structure.natural_modes, "");

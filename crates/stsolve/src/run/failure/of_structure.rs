@@ -15,7 +15,7 @@ pub fn examine<const D: usize>(
     march: &StructureMarch<D>,
     error: &anyhow::Error,
 ) -> Finding {
-    let (state, body) = (&march.state, march.dynamics.structure());
+    let (state, body) = (&march.state, march.structure());
     let grid = Grid::new(body.mesh(), body.numbering(), body.mesh().order());
     let bad_load = match error.downcast_ref::<ElasticityError>() {
         Some(ElasticityError::Load { time, position, .. }) => Some(BadLoad { time: *time, position: position.clone() }),
@@ -32,7 +32,7 @@ pub fn examine<const D: usize>(
             mesh: shape(&grid, &state.d),
             gas: None,
             structure: Some(Structure {
-                poisson_ratio: structure.poisson_ratio,
+                poisson_ratio: structure.largest.poisson_ratio,
                 waves_per_slab: structure.shear_speed() * length / smallest_distance(&grid, &state.d),
                 bad_load,
             }),

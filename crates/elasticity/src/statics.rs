@@ -1,0 +1,116 @@
+//! The equilibrium of a structure under given loads and supports, without inertia.
+//!
+//! Loads and supports may change with time, which then numbers the steps of the load:
+//!
+//! ```text
+//! K d(t) = f(t)   at free entries,      d(t) = g(t)   at fixed entries                                         (statics)
+//! ```
+//!
+//! It holds at the time nodes of a slab; in between d is the polynomial through them and the bottom, as (motion) of `slab` has it. Works
+//! and energies are those of `dynamics` without the kinetic terms.
+
+use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, Slab, TOLERANCE};
+use crate::shifted::Shifted;
+use crate::{ElasticityError, Loads, SlabMotion, Structure};
+use basis::RadauTime;
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
+
+/// A structure, its loads, and the preconditioner of K.
+pub struct Statics<const D: usize> {
+    structure: Structure<D>,
+    loads: Loads<D>,
+    motion: SlabMotion,
+    stiffness: Shifted<D>,
+}
+
+impl<const D: usize> Statics<D> {
+    /// The equilibria of `structure` under `loads` at `time_order` nodes per slab.
+    ///
+    /// # Errors
+    /// [`ElasticityError::NotDefinite`] if too little is fixed; a sub-cell between Gauss-Lobatto nodes that is inverted.
+    pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
+        let stiffness = structure.shifted(0.0)?;
+        Ok(Statics { structure, loads, motion: SlabMotion::new(RadauTime::new(time_order)), stiffness })
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &Structure<D> {
+        &self.structure
+    }
+    /// The polynomials of a slab.
+    pub fn motion(&self) -> &SlabMotion {
+        &self.motion
+    }
+
+    /// (statics) at time `t`: `d` holds the prescribed displacement at fixed entries and a guess at the others. Returns the iterations.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or that of a system that cannot be solved.
+    pub fn equilibrium(&self, t: f64, d: &mut [f64]) -> Result<usize, ElasticityError> {
+        let mut f = vec![0.0; d.len()];
+        self.structure.load(&self.loads, t, &mut f)?;
+        self.structure.balance(&self.stiffness, t, &f, d)
+    }
+
+    /// The equilibria at the time nodes of the slab of length `dt` above the displacement `bottom` at time `start`. `v`, `[time node][C0
+    /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it becomes the velocities.
+    ///
+    /// # Errors
+    /// As [`Self::equilibrium`].
+    pub fn solve(&self, start: f64, dt: f64, bottom: &[f64], v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
+        let (time, length) = (self.motion.time(), self.structure.length());
+        let (mut forces, mut residual) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+        let mut report = DynamicsReport { corrections: 1, ..Default::default() };
+        for (a, d) in v.chunks_exact_mut(length).enumerate() {
+            let (node, t) = (a * length..(a + 1) * length, start + time.nodes()[a] * dt);
+            let (f, r) = (&mut forces[node.clone()], &mut residual[node]);
+            self.structure.load(&self.loads, t, f)?;
+            report.iterations += self.structure.balance(&self.stiffness, t, f, d)?;
+            self.structure.apply_stiffness(d, r);
+            r.iter_mut().zip(&*f).for_each(|(r, f)| *r = dt * time.weights()[a] * (*r - f));
+        }
+        self.motion.velocities(dt, bottom, v);
+        let slab = Slab { structure: &self.structure, motion: &self.motion, dt, bottom };
+        slab.add_works(&forces, v, &residual, &mut report);
+        Ok(report)
+    }
+}
+
+impl<const D: usize> Structure<D> {
+    /// The equilibrium K d = f at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
+    /// Returns the CG iterations.
+    ///
+    /// # Errors
+    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
+    pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
+        self.balance(&self.shifted(0.0)?, 0.0, f, d)
+    }
+
+    /// The same with the preconditioner of K, at time `t`: corrections until the residual is round-off.
+    fn balance(&self, stiffness: &Shifted<D>, t: f64, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
+        let (mut r, mut increment, mut iterations) = (vec![0.0; d.len()], vec![0.0; d.len()], 0);
+        let (mut norm, mut scale) = self.imbalance(f, d, &mut r);
+        while norm > TOLERANCE * scale {
+            iterations += stiffness.solve(self, &r, &mut increment, CORRECTION_TOLERANCE)?;
+            d.iter_mut().zip(&increment).for_each(|(d, increment)| *d += increment);
+            let before = norm;
+            (norm, scale) = self.imbalance(f, d, &mut r);
+            if norm > ROUND_OFF * before {
+                break;
+            }
+        }
+        if norm.is_nan() || norm > STALLED * scale {
+            return Err(ElasticityError::Stalled { time: t, residual: norm / scale });
+        }
+        Ok(iterations)
+    }
+
+    /// r = f - K d at free entries, 0 at the others; returns |r| and the size of the forces that cancel in it.
+    fn imbalance(&self, f: &[f64], d: &[f64], r: &mut [f64]) -> (f64, f64) {
+        self.apply_stiffness(d, r);
+        let scale = Euclidean.norm(r) + Euclidean.norm(f);
+        r.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
+        self.at_fixed(r, |_| 0.0);
+        (Euclidean.norm(r), scale)
+    }
+}
