@@ -72,15 +72,15 @@ impl Program {
         Program { instructions: vec![Instruction::Constant(value)] }
     }
 
+    /// How many operations an evaluation takes.
+    pub fn operations(&self) -> usize {
+        self.instructions.len()
+    }
+
     /// The value of a formula without variables.
     pub fn as_constant(&self) -> Option<f64> {
         let varies = self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Variable(_)));
         (!varies).then(|| self.evaluate(&[], 0.0))
-    }
-
-    /// How many operations an evaluation takes.
-    pub fn operations(&self) -> usize {
-        self.instructions.len()
     }
 
     /// Whether the value depends on `variable`.
