@@ -102,9 +102,10 @@ pub fn orders(setting: Setting, cells: [usize; 2]) -> [f64; 3] {
     let ratio = (cells[1] as f64 / cells[0] as f64).ln();
     let orders = std::array::from_fn(|c| (coarse[c] / fine[c]).ln() / ratio);
     let Setting { order, mach, viscosity, curving, .. } = setting;
+    let fine = fine.map(|error| format!("{error:.1e}")).join(", ");
     println!(
         "N_s = {order}, M = {mach}, mu = {viscosity}, curving {curving}, {cells:?} cells: orders of density, momentum, energy \
-         {orders:.2?}, errors {fine:.1?}"
+         {orders:.2?}, errors {fine}"
     );
     orders
 }
