@@ -126,6 +126,11 @@ fn survives(case: &str, set: &[&str]) -> serde_json::Value {
 fn vortices_leave_through_an_outflow() {
     for strength in ["1", "2.5", "4"] {
         let summary = survives(VORTEX, &[&format!("flow.initial.vortex.strength={strength}")]);
+        // The weakest one is slower than the stream: nothing comes back.
+        if strength == "1" {
+            assert!(summary["openings"]["right"].get("backflow").is_none(), "{summary}");
+            continue;
+        }
         let backflow = &summary["openings"]["right"]["backflow"];
         assert!((2.0..6.0).contains(&number(backflow, "since")), "{summary}");
         assert!((0.05..0.7).contains(&number(backflow, "largest_share")), "{summary}");
