@@ -101,7 +101,7 @@ inflow = { inflow = { total_pressure = 8.4476, total_temperature = 8.0794, direc
 outflow = { outflow = { pressure = 7.2 } }
 [time]
 order = 2
-end = 1
+end = 0.7
 step = 0.05
 "#;
 
@@ -126,6 +126,11 @@ fn survives(case: &str, set: &[&str]) -> serde_json::Value {
 fn vortices_leave_through_an_outflow() {
     for strength in ["1", "2.5", "4"] {
         let summary = survives(VORTEX, &[&format!("flow.initial.vortex.strength={strength}")]);
+        // The weakest one is slower than the stream: nothing comes back.
+        if strength == "1" {
+            assert!(summary["openings"]["right"].get("backflow").is_none(), "{summary}");
+            continue;
+        }
         let backflow = &summary["openings"]["right"]["backflow"];
         assert!((2.0..6.0).contains(&number(backflow, "since")), "{summary}");
         assert!((0.05..0.7).contains(&number(backflow, "largest_share")), "{summary}");
@@ -158,16 +163,16 @@ fn the_pressure_is_that_of_the_outlet_30_after_shear() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
         let driven = "flow.exact={ uniform = { density = 1, velocity = [0.29475, 0], pressure = 7.936507936507937 } }";
         let summary = survives(SHEAR, &[&format!("constants.push={push}"), driven, "time.end=30"]);
-        println!("{push}: {summary}");
         assert!(number(&summary, "conservation.free_stream_error") < 2e-3, "{push}: {summary}");
     }
 }
 
+/// Before, it died at t = 0.565.
 #[test]
 fn a_blade_starts_from_a_uniform_stream() {
     let summary = survives(BLADE, &[]);
     let through = |name: &str| number(&summary["openings"][name], "mass_flow");
-    println!("{summary}");
+    assert!(number(&summary, "openings.inflow.leaving.largest_share") > 0.5, "{summary}");
     assert!(through("inflow") < 0.0 && through("outflow") > 0.0, "{summary}");
 }
 
@@ -228,32 +233,20 @@ fn a_misused_opening_is_the_first_cause() {
     );
 }
 
-/// DFG 2D-1 (Schäfer & Turek 1996), coarse: the mass flux is the given one, 0.2 times the height.
+/// DFG 2D-1 (Schäfer & Turek 1996) at M = 0.025: the drag, and the mass flux that is given, 0.2 times the height. Before, a prescribed state
+/// lost 2.5 % of the mass flux.
 #[test]
-fn a_channel_takes_the_given_mass_flux() {
-    let directory = TempDir::new().unwrap();
-    let set = ["mesh.order=4", "flow.order=4", "mesh.generate.channel_cylinder.cells=[4,3,5]"];
-    on_case(directory.path(), "run", "channel_cylinder", &set, "run", &[]).expect(0, &[]);
-    let summary = summary(&directory.path().join("run"));
-    let flow = |name: &str| number(&summary["openings"][name], "mass_flow");
-    assert!((flow("inflow") / -0.082 - 1.0).abs() < 1e-8, "{summary}");
-    assert!((flow("outflow") / 0.082 - 1.0).abs() < 1e-6, "{summary}");
-    let history = column(&directory.path().join("run"), "inflow_mass_flow");
-    assert_eq!(history.last().copied(), Some(flow("inflow")));
-    let drag = number(&summary, "steady.walls.cylinder.drag_coefficient");
-    assert!((drag - 5.577).abs() < 0.05, "{drag}");
-}
-
-#[test]
-#[ignore = "a minute"]
 fn the_cylinder_in_a_channel_has_the_drag_of_the_benchmark() {
     let directory = TempDir::new().unwrap();
     on_case(directory.path(), "run", "channel_cylinder", &[], "run", &[]).expect(0, &[]);
     let summary = summary(&directory.path().join("run"));
+    let flow = |name: &str| number(&summary["openings"][name], "mass_flow");
+    assert!((flow("inflow") / -0.082 - 1.0).abs() < 1e-10, "{summary}");
+    assert!((flow("outflow") / 0.082 - 1.0).abs() < 1e-6, "{summary}");
+    let history = column(&directory.path().join("run"), "inflow_mass_flow");
+    assert_eq!(history.last().copied(), Some(flow("inflow")));
     let drag = number(&summary, "steady.walls.cylinder.drag_coefficient");
     assert!((drag - 5.577).abs() < 0.003, "{drag}");
-    let flow = |name: &str| number(&summary["openings"][name], "mass_flow");
-    assert!((flow("inflow") / -0.082 - 1.0).abs() < 1e-6 && (flow("outflow") / 0.082 - 1.0).abs() < 1e-6, "{summary}");
 }
 
 #[test]

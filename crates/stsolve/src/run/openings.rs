@@ -13,6 +13,9 @@ use tensor::{dot, norm};
 /// Slower than this part of the reference speed, gas counts as resting: at the edge of a wall its direction is round-off.
 const RESTING: f64 = 0.01;
 
+/// Less than this part of a boundary is a point or two, for a moment: entered, but not told while the run goes on.
+const TOLD: f64 = 0.05;
+
 /// What a condition is not made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -176,22 +179,28 @@ fn trapezoid<const D: usize>(points: usize, index: usize) -> f64 {
     (0..D - 1).map(|axis| if digit(axis) == 0 || digit(axis) == points - 1 { 0.5 } else { 1.0 }).product()
 }
 
-/// Enters what is seen at a `time` into the `records` of a run; returns those that are new.
+/// Enters what is seen at a `time` into the `records` of a run; returns those that now reach [`TOLD`] for the first time.
 pub fn enter(records: &mut Vec<Record>, seen: &[Seen], time: f64) -> Vec<Record> {
     records.iter_mut().for_each(|record| record.now.share = 0.0);
-    let mut new = Vec::new();
+    let mut reached = Vec::new();
     for &now in seen {
         let same = |record: &&mut Record| record.now.boundary == now.boundary && record.now.misuse == now.misuse;
         match records.iter_mut().find(same) {
             Some(record) => {
-                record.now = now;
-                record.largest_share = record.largest_share.max(now.share);
+                let before = record.largest_share;
+                (record.now, record.largest_share) = (now, before.max(now.share));
+                if before < TOLD && now.share >= TOLD {
+                    reached.push(*record);
+                }
             }
-            None => new.push(Record { since: time, now, largest_share: now.share }),
+            None => {
+                let record = Record { since: time, now, largest_share: now.share };
+                records.push(record);
+                reached.extend((now.share >= TOLD).then_some(record));
+            }
         }
     }
-    records.extend(&new);
-    new
+    reached
 }
 
 impl Record {
@@ -283,7 +292,11 @@ mod tests {
     fn records_keep_the_first_time_and_the_largest_share() {
         let seen = |share| Seen { boundary: 3, misuse: Misuse::Backflow, share, mach: 0.25 };
         let mut records = Vec::new();
-        assert_eq!(enter(&mut records, &[seen(0.125)], 1.0).len(), 1);
+        assert_eq!(enter(&mut records, &[seen(0.01)], 1.0), []);
+        assert_eq!(
+            enter(&mut records, &[seen(0.125)], 1.5),
+            [Record { since: 1.0, now: seen(0.125), largest_share: 0.125 }]
+        );
         assert_eq!(enter(&mut records, &[seen(0.5)], 2.0), []);
         assert_eq!(enter(&mut records, &[], 3.0), []);
         assert_eq!(records, [Record { since: 1.0, now: seen(0.0), largest_share: 0.5 }]);

@@ -26,7 +26,7 @@ pub fn opening(evidence: &Evidence) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
     let weighed = |opening: &OpeningEvidence| match opening.record.now.misuse {
-        Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.largest_share, 0.02),
+        Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.now.share, 0.02),
         Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
     };
     let openings = evidence.gas.as_ref()?.openings.iter();
