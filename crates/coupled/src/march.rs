@@ -1,5 +1,6 @@
 //! The march from slab to slab.
 
+use crate::balance::{self, Balance};
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
 use crate::slab_problem::{Counts, Remainder, SlabProblem, inadmissible};
@@ -74,11 +75,13 @@ pub struct SlabReport<const M: usize> {
 }
 
 /// A slab that is solved.
-struct Solved {
+struct Solved<const M: usize> {
     newton: newton::Report,
     quality: MeshQuality,
     /// See [`SlabReport::jump`].
     jump: f64,
+    /// What the slab holds and lets pass.
+    balance: Balance<M>,
     /// Mesh and flow.
     z: Vec<f64>,
 }
@@ -211,7 +214,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Solves one slab from the current state.
-    fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
+    fn attempt(&mut self, interval: Interval) -> Result<Solved<M>, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
         self.problem.frozen_flow.patience = self.state.wear.patience();
@@ -238,10 +241,13 @@ impl<const D: usize, const M: usize> March<D, M> {
             }
         };
         let report = solved.map_err(|source| self.cause(&z, interval, source))?;
+        let timed = std::time::Instant::now();
+        let balance = balance::put_right(&mut self.problem, &mut z, self.workspace.residual());
+        if std::env::var("H2T").is_ok() { eprintln!("balance {:e}", timed.elapsed().as_secs_f64()); }
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         self.check_top(&z, interval)?;
         let jump = self.jump(&z);
-        Ok(Solved { newton: report, quality, jump, z })
+        Ok(Solved { newton: report, quality, jump, balance, z })
     }
 
     /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
@@ -337,21 +343,16 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved) -> SlabReport<M> {
-        let Solved { newton, quality, jump, z } = solved;
+    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved<M>) -> SlabReport<M> {
+        let Solved { newton, quality, jump, balance, z } = solved;
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
-        self.problem.set_point(&z);
-        let fluxes = self.problem.flow.boundary_fluxes();
         let v = self.problem.velocities().to_vec();
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
-        let one = layout.at_one_time();
-        for cell in 0..layout.cells {
-            self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
-        }
-        let totals = self.totals();
+        self.state.u = balance::at_top(layout, &u);
+        let Balance { totals, fluxes } = balance;
         let frozen_flow = &mut self.problem.frozen_flow;
         let (iterations, frozen) = (frozen_flow.iterations_since_frozen(), frozen_flow.frozen_in_slab());
         frozen_flow.stale = self.state.wear.record(iterations, frozen);

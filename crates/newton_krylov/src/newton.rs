@@ -85,6 +85,11 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// R at the state where the last solve has ended.
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// Makes room for a problem of the given length.
     fn prepare(&mut self, length: usize) {
         for vector in [

@@ -8,9 +8,13 @@ use crate::operator::LinearSystem;
 use crate::problem::{Inadmissible, NonlinearProblem};
 use crate::pseudo_time::PseudoTime;
 use crate::{fgmres, line_search};
+use std::cell::RefCell;
 
 /// After so many steps in a row, each no longer than this part of its increment, fields are damped.
 const SHORT_STEPS: (usize, f64) = (3, 0.25);
+
+/// A step that leaves more than this part of the residual has brought next to nothing: perhaps only rounding is left.
+const NO_PROGRESS: f64 = 0.5;
 
 /// A solve under way, between two steps.
 pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
@@ -58,7 +62,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         report.initial_norm = norm;
         report.initial_field_norms = field_norms;
         let mut driver = Self { problem, settings, workspace, tolerances, pseudo_time, previous: None, report };
-        driver.judge(true)?;
+        driver.judge(z, true)?;
         Ok(driver)
     }
 
@@ -75,6 +79,9 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// One accepted step, after as many rejected attempts as it takes.
     pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
         if self.report.steps.len() >= self.settings.max_steps {
+            if self.ends_at_round_off(z) {
+                return Ok(());
+            }
             let (tolerance, report) = (self.tolerances.total, Box::new(self.report.clone()));
             return Err(Error::MaxSteps { tolerance, report });
         }
@@ -86,6 +93,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         loop {
             match self.attempt(z, forcing) {
                 Ok(attempt) => return self.accept(z, forcing, rejections, &attempt),
+                Err(_) if self.ends_at_round_off(z) => return Ok(()),
                 Err(rejection) => self.damp(rejections, rejection)?,
             }
             rejections += 1;
@@ -127,11 +135,14 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
         }
         let largest = problem.largest_step(z, &w.increment);
-        let evaluations = &mut self.report.residual_evaluations;
+        let (evaluations, tolerances) = (&mut self.report.residual_evaluations, &mut self.tolerances);
+        let problem = RefCell::new(problem);
+        let round_off = || tolerances.floor(|| problem.borrow_mut().round_off(z));
         let merit_norm = |a: f64| {
             copy(z, &mut w.trial);
             axpy(a, &w.increment, &mut w.trial);
             *evaluations += 1;
+            let mut problem = problem.borrow_mut();
             problem.residual(&w.trial, &mut w.trial_residual)?;
             copy(&w.trial_residual, &mut w.merit);
             if damped {
@@ -139,7 +150,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             }
             Ok(problem.inner_product().norm(&w.merit))
         };
-        line_search::search(&self.settings.line_search, initial, largest, self.tolerances.round_off, merit_norm)
+        line_search::search(&self.settings.line_search, initial, largest, round_off, merit_norm)
     }
 
     /// Moves to the state in the workspace.
@@ -162,7 +173,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.pseudo_time.accept(&step.field_norms);
         self.report.steps.push(step);
         self.damp_after_short_steps();
-        self.judge(attempt.search.decreased)
+        self.judge(z, attempt.search.decreased)
     }
 
     /// Damping where the last steps all were short: such increments are of little use, and shorter and shorter steps would follow.
@@ -191,8 +202,18 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         })
     }
 
-    /// Converged, diverged or neither, after a step with or without decrease.
-    fn judge(&mut self, decreased: bool) -> Result<(), Error> {
+    /// Whether the iterate `z`, from which a step has brought or would bring next to nothing, differs from a solution by rounding alone.
+    fn ends_at_round_off(&mut self, z: &[f64]) -> bool {
+        self.tolerances.floor(|| self.problem.round_off(z));
+        let ends = self.tolerances.met_but_for_rounding(self.report.final_norm(), self.report.final_field_norms());
+        if ends {
+            self.report.convergence = Some(Convergence::RoundOff);
+        }
+        ends
+    }
+
+    /// Converged, diverged or neither, after a step to `z` with or without decrease.
+    fn judge(&mut self, z: &[f64], decreased: bool) -> Result<(), Error> {
         let norm = self.report.final_norm();
         let reference = self.tolerances.reference;
         if self.tolerances.met(norm, self.report.final_field_norms()) {
@@ -201,6 +222,8 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             self.report.convergence = Some(Convergence::RoundOff);
         } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
             return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
+        } else if self.report.last_reduction() > NO_PROGRESS {
+            self.ends_at_round_off(z);
         }
         Ok(())
     }

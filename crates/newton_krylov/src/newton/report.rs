@@ -63,6 +63,14 @@ impl Report {
         self.steps.last().map_or(self.initial_norm, |step| step.residual_norm)
     }
 
+    /// The part of |R| that the last step has left; 0 before the first.
+    pub fn last_reduction(&self) -> f64 {
+        match self.residual_history()[..] {
+            [.., before, last] => last / before,
+            _ => 0.0,
+        }
+    }
+
     /// |R_k| of each field at the last accepted iterate.
     pub fn final_field_norms(&self) -> &[f64] {
         self.steps.last().map_or(&self.initial_field_norms, |step| &step.field_norms)
