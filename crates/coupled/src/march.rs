@@ -46,9 +46,12 @@ pub struct Settings {
     pub max_halvings: u32,
 }
 
-/// What round-off leaves of a residual, in units of the reference state: in a uniform flow there is nothing else, and no
-/// tolerance relative to it can be met.
+/// The finest absolute tolerance, in units of the reference state: no residual of a flow is known better. A residual whose rounding is
+/// larger ends at its own estimate of that, see [`NonlinearProblem::round_off`].
 pub const ROUND_OFF: f64 = 1e-13;
+
+/// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.
+const QUIET: f64 = 1e-6;
 
 /// What a slab has done.
 #[derive(Clone, Debug)]
@@ -157,6 +160,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     /// A run of `problem` from the flow `u` at one time. Newton's absolute tolerance is raised to [`ROUND_OFF`] if it is less.
     pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, mut settings: Settings) -> Self {
         settings.newton.absolute_tolerance = settings.newton.absolute_tolerance.max(ROUND_OFF);
+        settings.newton.quiet = QUIET;
         let Schedule { start, step, .. } = settings.schedule;
         let d = problem.mover.displacement_at_start(start);
         let state = State { step, ..State::new(start, u, d) };
@@ -241,9 +245,7 @@ impl<const D: usize, const M: usize> March<D, M> {
             }
         };
         let report = solved.map_err(|source| self.cause(&z, interval, source))?;
-        let timed = std::time::Instant::now();
-        let balance = balance::put_right(&mut self.problem, &mut z, self.workspace.residual());
-        if std::env::var("H2T").is_ok() { eprintln!("balance {:e}", timed.elapsed().as_secs_f64()); }
+        let balance = balance::correct(&mut self.problem, &mut z, self.workspace.residual());
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         self.check_top(&z, interval)?;
         let jump = self.jump(&z);

@@ -20,7 +20,8 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.set_point(z);
         let range = self.flow_range();
-        let change: Vec<f64> = z[range.clone()].iter().zip(0..).map(|(u, i)| SAFETY * f64::EPSILON * u * noise(i)).collect();
+        let change: Vec<f64> =
+            z[range.clone()].iter().zip(0..).map(|(u, i)| SAFETY * f64::EPSILON * u * noise(i)).collect();
         let mut effect = vec![0.0; z.len()];
         self.counts.products += 1;
         self.flow.product(&change, &mut effect[range]);

@@ -13,8 +13,11 @@ use std::cell::RefCell;
 /// After so many steps in a row, each no longer than this part of its increment, fields are damped.
 const SHORT_STEPS: (usize, f64) = (3, 0.25);
 
-/// A step that leaves more than this part of the residual has brought next to nothing: perhaps only rounding is left.
-const NO_PROGRESS: f64 = 0.5;
+/// A step that leaves more than this part of the residual has brought little: perhaps only rounding is left.
+const LITTLE_PROGRESS: f64 = 0.2;
+
+/// So has one, where the residual is small, that leaves more than this times what its linear solve promised.
+const SHORT_OF_LINEAR: f64 = 1.5;
 
 /// A solve under way, between two steps.
 pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
@@ -202,9 +205,17 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         })
     }
 
-    /// Whether the iterate `z`, from which a step has brought or would bring next to nothing, differs from a solution by rounding alone.
+    /// Whether the last step has brought so little that rounding may be the reason.
+    fn has_met_rounding(&self) -> bool {
+        let (left, norm) = (self.report.last_reduction(), self.report.final_norm());
+        let promised = self.report.steps.last().map_or(1.0, |step| step.linear_residual);
+        left > LITTLE_PROGRESS || norm <= self.settings.quiet && left > SHORT_OF_LINEAR * promised
+    }
+
+    /// Ends the solve if the residual of the iterate `z` is within its rounding. The caller has seen a step that brought little or failed.
     fn ends_at_round_off(&mut self, z: &[f64]) -> bool {
         self.tolerances.floor(|| self.problem.round_off(z));
+        self.report.round_off = self.tolerances.rounding_norm();
         let ends = self.tolerances.met_but_for_rounding(self.report.final_norm(), self.report.final_field_norms());
         if ends {
             self.report.convergence = Some(Convergence::RoundOff);
@@ -222,7 +233,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             self.report.convergence = Some(Convergence::RoundOff);
         } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
             return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
-        } else if self.report.last_reduction() > NO_PROGRESS {
+        } else if self.has_met_rounding() {
             self.ends_at_round_off(z);
         }
         Ok(())

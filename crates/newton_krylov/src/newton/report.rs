@@ -48,6 +48,8 @@ pub struct Report {
     pub jacobian_products: usize,
     /// Iterations of the linear solver, those of rejected attempts included.
     pub krylov_iterations: usize,
+    /// The part of |R| that rounding causes, as the problem estimates it; `None` where it was not asked.
+    pub round_off: Option<f64>,
     /// How the solve converged; `None` in the report of a failure.
     pub convergence: Option<Convergence>,
 }

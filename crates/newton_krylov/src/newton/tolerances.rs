@@ -46,6 +46,11 @@ impl Tolerances {
         self.round_off.max(total(rounding))
     }
 
+    /// The norm of the rounding of all fields, if the problem was asked and knows.
+    pub(super) fn rounding_norm(&self) -> Option<f64> {
+        self.rounding.as_ref().map(|fields| total(fields)).filter(|&norm| norm > 0.0)
+    }
+
     /// (converged), or above it by rounding alone. The rounding must be known.
     pub(super) fn met_but_for_rounding(&self, norm: f64, field_norms: &[f64]) -> bool {
         let Some(rounding) = &self.rounding else { return false };
