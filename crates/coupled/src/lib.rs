@@ -1,5 +1,6 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
+mod balance;
 mod freezing;
 mod initial;
 mod march;

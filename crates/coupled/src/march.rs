@@ -1,5 +1,6 @@
 //! The march from slab to slab.
 
+use crate::balance::{self, Balance};
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
 use crate::slab_problem::{Counts, Remainder, SlabProblem, inadmissible};
@@ -45,9 +46,12 @@ pub struct Settings {
     pub max_halvings: u32,
 }
 
-/// What round-off leaves of a residual, in units of the reference state: in a uniform flow there is nothing else, and no
-/// tolerance relative to it can be met.
+/// The finest absolute tolerance, in units of the reference state: no residual of a flow is known better. A residual whose rounding is
+/// larger ends at its own estimate of that, see [`NonlinearProblem::round_off`].
 pub const ROUND_OFF: f64 = 1e-13;
+
+/// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.
+const QUIET: f64 = 1e-6;
 
 /// What a slab has done.
 #[derive(Clone, Debug)]
@@ -74,11 +78,13 @@ pub struct SlabReport<const M: usize> {
 }
 
 /// A slab that is solved.
-struct Solved {
+struct Solved<const M: usize> {
     newton: newton::Report,
     quality: MeshQuality,
     /// See [`SlabReport::jump`].
     jump: f64,
+    /// What the slab holds and lets pass.
+    balance: Balance<M>,
     /// Mesh and flow.
     z: Vec<f64>,
 }
@@ -154,6 +160,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     /// A run of `problem` from the flow `u` at one time. Newton's absolute tolerance is raised to [`ROUND_OFF`] if it is less.
     pub fn new(problem: SlabProblem<D, M>, u: Vec<f64>, mut settings: Settings) -> Self {
         settings.newton.absolute_tolerance = settings.newton.absolute_tolerance.max(ROUND_OFF);
+        settings.newton.quiet = QUIET;
         let Schedule { start, step, .. } = settings.schedule;
         let d = problem.mover.displacement_at_start(start);
         let state = State { step, ..State::new(start, u, d) };
@@ -211,7 +218,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Solves one slab from the current state.
-    fn attempt(&mut self, interval: Interval) -> Result<Solved, SlabError> {
+    fn attempt(&mut self, interval: Interval) -> Result<Solved<M>, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
         self.problem.frozen_flow.patience = self.state.wear.patience();
@@ -238,10 +245,12 @@ impl<const D: usize, const M: usize> March<D, M> {
             }
         };
         let report = solved.map_err(|source| self.cause(&z, interval, source))?;
+        let velocity_at_top = self.velocity_at_top(interval.end, self.problem.velocities());
+        let balance = balance::correct(&mut self.problem, &mut z, self.workspace.residual(), &velocity_at_top);
         let quality = self.check_mesh(self.problem.velocities(), interval)?;
         self.check_top(&z, interval)?;
         let jump = self.jump(&z);
-        Ok(Solved { newton: report, quality, jump, z })
+        Ok(Solved { newton: report, quality, jump, balance, z })
     }
 
     /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
@@ -337,22 +346,16 @@ impl<const D: usize, const M: usize> March<D, M> {
     }
 
     /// Moves the state to the top of the slab.
-    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved) -> SlabReport<M> {
-        let Solved { newton, quality, jump, z } = solved;
+    fn accept(&mut self, interval: Interval, rejected: usize, solved: Solved<M>) -> SlabReport<M> {
+        let Solved { newton, quality, jump, balance, z } = solved;
         let dt = interval.end - interval.start;
         let layout = self.problem.flow.layout;
         let u = z[self.problem.flow_range()].to_vec();
-        self.problem.set_point(&z);
         let v = self.problem.velocities().to_vec();
-        let velocity_at_top = self.velocity_at_top(interval.end, &v);
-        let fluxes = self.problem.flow.boundary_fluxes(Some(&velocity_at_top));
         let bottom = self.state.d.clone();
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
-        let one = layout.at_one_time();
-        for cell in 0..layout.cells {
-            self.state.u[one.cell(cell)].copy_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]);
-        }
-        let totals = self.totals();
+        self.state.u = balance::at_top(layout, &u);
+        let Balance { totals, fluxes } = balance;
         let frozen_flow = &mut self.problem.frozen_flow;
         let (iterations, frozen) = (frozen_flow.iterations_since_frozen(), frozen_flow.frozen_in_slab());
         frozen_flow.stale = self.state.wear.record(iterations, frozen);

@@ -7,6 +7,7 @@
 //! Motions that are prescribed everywhere leave V out of z.
 
 mod remainder;
+mod rounding;
 
 pub use remainder::Remainder;
 
@@ -344,6 +345,10 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
         self.frozen_flow.apply(&rest, x);
         drop(timed);
         self.flow_work = rest;
+    }
+
+    fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {
+        Some(self.rounding(z))
     }
 
     /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part `KEPT` of the bound of det J / det J_0

@@ -117,6 +117,10 @@ impl<P: NonlinearProblem + ?Sized> NonlinearProblem for FiniteDifference<'_, P> 
         self.problem.precondition(r, out);
     }
 
+    fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {
+        self.problem.round_off(z)
+    }
+
     fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64 {
         self.problem.largest_step(z, increment)
     }

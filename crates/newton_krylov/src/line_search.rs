@@ -76,8 +76,8 @@ impl Error {
 
 /// Finds a step a = `largest`, `largest` x shrink, ... that satisfies (decrease).
 ///
-/// `norm_at(a)` is |G(a)|, `initial` is |G(0)|, `round_off` the level at which no decrease is asked for. A norm that is not a
-/// number never satisfies (decrease).
+/// `norm_at(a)` is |G(a)|, `initial` is |G(0)|, `round_off()` the level at which no decrease is asked for; it is called only after a
+/// trial without a decrease. A norm that is not a number never satisfies (decrease).
 ///
 /// # Errors
 /// [`Error`] after `max_trials` trials, by what was wrong with the last one.
@@ -85,7 +85,7 @@ pub fn search(
     settings: &Settings,
     initial: f64,
     largest: f64,
-    round_off: f64,
+    mut round_off: impl FnMut() -> f64,
     mut norm_at: impl FnMut(f64) -> Result<f64, Inadmissible>,
 ) -> Result<Report, Error> {
     let mut step_length = largest;
@@ -94,7 +94,7 @@ pub fn search(
         let trial = norm_at(step_length);
         if let Ok(norm) = trial {
             let decreased = norm <= (1.0 - settings.sufficient_decrease * step_length) * initial;
-            if decreased || norm <= round_off {
+            if decreased || norm <= round_off() {
                 return Ok(Report { step_length, norm, trials, decreased });
             }
         }
@@ -122,23 +122,23 @@ mod tests {
 
     #[test]
     fn the_largest_step_is_tried_first_and_taken_if_it_is_good() {
-        let report = search(&SETTINGS, 1.0, 0.7, 0.0, |a| Ok(1.0 - a)).unwrap();
+        let report = search(&SETTINGS, 1.0, 0.7, || 0.0, |a| Ok(1.0 - a)).unwrap();
         assert_eq!(report, Report { step_length: 0.7, norm: 1.0 - 0.7, trials: 1, decreased: true });
     }
 
     #[test]
     fn steps_are_halved_until_the_norm_falls() {
         // 1 - a + 8 a^3 exceeds 1 for a > 0.354.
-        let report = search(&SETTINGS, 1.0, 1.0, 0.0, |a| Ok((1.0 - a).abs() + 8.0 * a * a * a)).unwrap();
+        let report = search(&SETTINGS, 1.0, 1.0, || 0.0, |a| Ok((1.0 - a).abs() + 8.0 * a * a * a)).unwrap();
         assert_eq!((report.step_length, report.trials), (0.25, 3));
     }
 
     #[test]
     fn a_decrease_that_is_not_sufficient_is_none() {
         let flat = |a: f64| Ok(1.0 - 0.5e-4 * a);
-        assert!(matches!(search(&SETTINGS, 1.0, 1.0, 0.0, flat), Err(Error::NoDecrease { trials: 4, .. })));
+        assert!(matches!(search(&SETTINGS, 1.0, 1.0, || 0.0, flat), Err(Error::NoDecrease { trials: 4, .. })));
         let steep = |a: f64| Ok(1.0 - 2e-4 * a);
-        assert_eq!(search(&SETTINGS, 1.0, 1.0, 0.0, steep).unwrap().step_length, 1.0);
+        assert_eq!(search(&SETTINGS, 1.0, 1.0, || 0.0, steep).unwrap().step_length, 1.0);
     }
 
     #[test]
@@ -148,20 +148,20 @@ mod tests {
             a if a > 0.3 => Ok(f64::NAN),
             a => Ok(1.0 - a),
         };
-        assert_eq!(search(&SETTINGS, 1.0, 1.0, 0.0, guarded).unwrap().step_length, 0.25);
+        assert_eq!(search(&SETTINGS, 1.0, 1.0, || 0.0, guarded).unwrap().step_length, 0.25);
     }
 
     #[test]
     fn at_round_off_no_decrease_is_asked_for() {
-        let report = search(&SETTINGS, 1e-14, 1.0, 1e-13, |_| Ok(3e-14)).unwrap();
+        let report = search(&SETTINGS, 1e-14, 1.0, || 1e-13, |_| Ok(3e-14)).unwrap();
         assert_eq!((report.step_length, report.decreased), (1.0, false));
     }
 
     #[test]
     fn failures_name_the_last_trial() {
-        let error = search(&SETTINGS, 1.0, 1.0, 0.0, |a| Ok(1.0 + a)).unwrap_err();
+        let error = search(&SETTINGS, 1.0, 1.0, || 0.0, |a| Ok(1.0 + a)).unwrap_err();
         assert_eq!(error, Error::NoDecrease { initial: 1.0, norm: 1.125, step_length: 0.125, trials: 4 });
-        let error = search(&SETTINGS, 1.0, 1.0, 0.0, |_| Err(inadmissible())).unwrap_err();
+        let error = search(&SETTINGS, 1.0, 1.0, || 0.0, |_| Err(inadmissible())).unwrap_err();
         assert_eq!(error, Error::Inadmissible { step_length: 0.125, trials: 4, source: inadmissible() });
     }
 }

@@ -13,6 +13,9 @@
 //! the residual of one implicit Euler step in pseudo-time: dz is a direction of descent of |G| for any T, and G = R without
 //! damping. While fields are damped |R| itself may grow.
 //!
+//! A solve also ends where only rounding is left: a step has brought less than its linear solve promised, or failed, and the norm is
+//! within what the problem estimates for its rounding ([`NonlinearProblem::round_off`]).
+//!
 //! A step is rejected if the linear solver makes no use of the increment or the search finds no a. It is then repeated with
 //! more damping, until that has no effect.
 
@@ -35,6 +38,8 @@ pub struct Settings {
     pub absolute_tolerance: f64,
     /// The level of round-off, relative to the reference norm: no decrease is asked for below.
     pub round_off: f64,
+    /// The norm below which a step that falls short of its linear solve may have met rounding: the problem is then asked for an estimate.
+    pub quiet: f64,
     /// The number of steps after which the driver gives up.
     pub max_steps: usize,
     /// Diverged is what exceeds the reference and the initial norm by this factor.
@@ -69,6 +74,7 @@ impl Default for Settings {
             relative_tolerance: 1e-8,
             absolute_tolerance: 0.0,
             round_off: 1e-13,
+            quiet: 0.0,
             max_steps: 30,
             divergence: 1e6,
             stall: None,
@@ -98,6 +104,11 @@ pub struct Workspace {
 }
 
 impl Workspace {
+    /// R at the state where the last solve has ended.
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// Makes room for a problem of the given length.
     fn prepare(&mut self, length: usize) {
         for vector in [

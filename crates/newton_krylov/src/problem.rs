@@ -76,6 +76,13 @@ pub trait NonlinearProblem {
     /// out := P^-1 r, where P approximates dR/dz + T.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]);
 
+    /// An estimate of the part of each |R_k| at `z` that rounding causes, at the cost of about one product; `None` if nothing is known.
+    /// The point of linearisation is lost. The driver asks only where a step has brought next to nothing.
+    fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {
+        debug_assert_eq!(z.len(), self.len());
+        None
+    }
+
     /// The largest a in (0, 1] for which z + a dz is known not to leave the admissible states (1 where nothing is known).
     fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64;
 }

@@ -97,6 +97,8 @@ pub(crate) struct Small {
     inverse_pseudo_time: Vec<f64>,
     /// What `largest_step` returns.
     pub(crate) largest_step: f64,
+    /// What `round_off` returns.
+    pub(crate) rounding: Option<Vec<f64>>,
 }
 
 impl Small {
@@ -121,6 +123,7 @@ impl Small {
             matrix: Dense(Vec::new()),
             inverse_pseudo_time: Vec::new(),
             largest_step: 1.0,
+            rounding: None,
         }
     }
 }
@@ -165,6 +168,10 @@ impl NonlinearProblem for Small {
 
     fn largest_step(&mut self, _: &[f64], _: &[f64]) -> f64 {
         self.largest_step
+    }
+
+    fn round_off(&mut self, _: &[f64]) -> Option<Vec<f64>> {
+        self.rounding.clone()
     }
 }
 

@@ -8,9 +8,16 @@ use crate::operator::LinearSystem;
 use crate::problem::{Inadmissible, NonlinearProblem};
 use crate::pseudo_time::PseudoTime;
 use crate::{fgmres, line_search};
+use std::cell::RefCell;
 
 /// After so many steps in a row, each no longer than this part of its increment, fields are damped.
 const SHORT_STEPS: (usize, f64) = (3, 0.25);
+
+/// A step that leaves more than this part of the residual has brought little: perhaps only rounding is left.
+const LITTLE_PROGRESS: f64 = 0.2;
+
+/// So has one, where the residual is small, that leaves more than this times what its linear solve promised.
+const SHORT_OF_LINEAR: f64 = 1.5;
 
 /// A solve under way, between two steps.
 pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
@@ -77,7 +84,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let best = Best::new(norm);
         let mut driver = Self { problem, settings, workspace, tolerances, pseudo_time, previous: None, best, report };
         driver.note_progress(z);
-        driver.judge(true)?;
+        driver.judge(z, true)?;
         Ok(driver)
     }
 
@@ -120,10 +127,16 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// One accepted step, after as many rejected attempts as it takes.
     pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
         if self.report.steps.len() >= self.settings.max_steps {
+            if self.ends_at_round_off(z) {
+                return Ok(());
+            }
             let (tolerance, report) = (self.tolerances.total, Box::new(self.report.clone()));
             return Err(Error::MaxSteps { tolerance, report });
         }
         if self.has_stalled() {
+            if self.ends_at_round_off(z) {
+                return Ok(());
+            }
             let (least, since) = (self.best.progress_norm, self.best.progress);
             return Err(Error::Stalled { least, since, report: Box::new(self.report.clone()) });
         }
@@ -135,6 +148,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         loop {
             match self.attempt(z, forcing) {
                 Ok(attempt) => return self.accept(z, forcing, rejections, &attempt),
+                Err(_) if self.ends_at_round_off(z) => return Ok(()),
                 Err(rejection) => self.damp(rejections, rejection)?,
             }
             rejections += 1;
@@ -176,11 +190,14 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
         }
         let largest = problem.largest_step(z, &w.increment);
-        let evaluations = &mut self.report.residual_evaluations;
+        let (evaluations, tolerances) = (&mut self.report.residual_evaluations, &mut self.tolerances);
+        let problem = RefCell::new(problem);
+        let round_off = || tolerances.floor(|| problem.borrow_mut().round_off(z));
         let merit_norm = |a: f64| {
             copy(z, &mut w.trial);
             axpy(a, &w.increment, &mut w.trial);
             *evaluations += 1;
+            let mut problem = problem.borrow_mut();
             problem.residual(&w.trial, &mut w.trial_residual)?;
             copy(&w.trial_residual, &mut w.merit);
             if damped {
@@ -188,7 +205,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             }
             Ok(problem.inner_product().norm(&w.merit))
         };
-        line_search::search(&self.settings.line_search, initial, largest, self.tolerances.round_off, merit_norm)
+        line_search::search(&self.settings.line_search, initial, largest, round_off, merit_norm)
     }
 
     /// Moves to the state in the workspace.
@@ -212,7 +229,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.report.steps.push(step);
         self.note_progress(z);
         self.damp_after_short_steps();
-        self.judge(attempt.search.decreased)
+        self.judge(z, attempt.search.decreased)
     }
 
     /// Damping where the last steps all were short: such increments are of little use, and shorter and shorter steps would follow.
@@ -241,8 +258,26 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         })
     }
 
-    /// Converged, diverged or neither, after a step with or without decrease.
-    fn judge(&mut self, decreased: bool) -> Result<(), Error> {
+    /// Whether the last step has brought so little that rounding may be the reason.
+    fn has_met_rounding(&self) -> bool {
+        let (left, norm) = (self.report.last_reduction(), self.report.final_norm());
+        let promised = self.report.steps.last().map_or(1.0, |step| step.linear_residual);
+        left > LITTLE_PROGRESS || norm <= self.settings.quiet && left > SHORT_OF_LINEAR * promised
+    }
+
+    /// Ends the solve if the residual of the iterate `z` is within its rounding. The caller has seen a step that brought little or failed.
+    fn ends_at_round_off(&mut self, z: &[f64]) -> bool {
+        self.tolerances.floor(|| self.problem.round_off(z));
+        self.report.round_off = self.tolerances.rounding_norm();
+        let ends = self.tolerances.met_but_for_rounding(self.report.final_norm(), self.report.final_field_norms());
+        if ends {
+            self.report.convergence = Some(Convergence::RoundOff);
+        }
+        ends
+    }
+
+    /// Converged, diverged or neither, after a step to `z` with or without decrease.
+    fn judge(&mut self, z: &[f64], decreased: bool) -> Result<(), Error> {
         let norm = self.report.final_norm();
         let reference = self.tolerances.reference;
         if self.tolerances.met(norm, self.report.final_field_norms()) {
@@ -251,6 +286,8 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             self.report.convergence = Some(Convergence::RoundOff);
         } else if !norm.is_finite() || norm > self.settings.divergence * reference.max(self.report.initial_norm) {
             return Err(Error::Diverged { reference, report: Box::new(self.report.clone()) });
+        } else if self.has_met_rounding() {
+            self.ends_at_round_off(z);
         }
         Ok(())
     }

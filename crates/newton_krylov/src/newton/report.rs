@@ -48,6 +48,8 @@ pub struct Report {
     pub jacobian_products: usize,
     /// Iterations of the linear solver, those of rejected attempts included.
     pub krylov_iterations: usize,
+    /// The part of |R| that rounding causes, as the problem estimates it; `None` where it was not asked.
+    pub round_off: Option<f64>,
     /// How the solve converged; `None` in the report of a failure.
     pub convergence: Option<Convergence>,
 }
@@ -61,6 +63,14 @@ impl Report {
     /// |R| at the last accepted iterate.
     pub fn final_norm(&self) -> f64 {
         self.steps.last().map_or(self.initial_norm, |step| step.residual_norm)
+    }
+
+    /// The part of |R| that the last step has left; 0 before the first.
+    pub fn last_reduction(&self) -> f64 {
+        match self.residual_history()[..] {
+            [.., before, last] => last / before,
+            _ => 0.0,
+        }
     }
 
     /// |R_k| of each field at the last accepted iterate.

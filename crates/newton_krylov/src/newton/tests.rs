@@ -229,6 +229,40 @@ fn a_tolerance_below_round_off_ends_at_round_off() {
     assert!(report.final_norm() <= 1e-13 * report.initial_norm);
 }
 
+/// x^2 - 2 with a last digit that is worth 1e-6: f(x) is rounded to multiples of it, and sqrt(2) is no solution.
+fn coarse_problem() -> Small {
+    let rounded = |x: &[f64]| Ok(vec![1e-6 * ((x[0] * x[0] - 2.0) / 1e-6 + 0.3).round() + 4e-7]);
+    Small::new(1, rounded, |x| vec![vec![2.0 * x[0]]])
+}
+
+#[test]
+fn without_an_estimate_of_rounding_a_solve_fails_at_it() {
+    assert!(run(&mut coarse_problem(), &mut [2.0], &exact()).is_err());
+}
+
+#[test]
+fn a_solve_ends_at_the_rounding_that_the_problem_estimates() {
+    let mut problem = Small { rounding: Some(vec![2e-6]), ..coarse_problem() };
+    let mut x = [2.0];
+    let report = run(&mut problem, &mut x, &exact()).unwrap();
+    assert_eq!((report.convergence, report.round_off), (Some(Convergence::RoundOff), Some(2e-6)));
+    assert!((x[0] - 2.0_f64.sqrt()).abs() <= 1e-6, "{x:?}");
+    assert!(report.steps.iter().all(|step| step.rejections == 0), "no damping against rounding: {report:?}");
+}
+
+/// An estimate far above the true rounding ends no solve that still makes progress.
+#[test]
+fn an_estimate_of_rounding_does_not_end_a_solve_that_makes_progress() {
+    let mut problem = Small {
+        rounding: Some(vec![1.0]),
+        ..Small::new(1, |x| Ok(vec![x[0] * x[0] - 2.0]), |x| vec![vec![2.0 * x[0]]])
+    };
+    let mut x = [1.5];
+    let report = run(&mut problem, &mut x, &exact()).unwrap();
+    assert_eq!(report.convergence, Some(Convergence::Tolerance));
+    assert!((x[0] - 2.0_f64.sqrt()).abs() <= 1e-13, "{x:?}");
+}
+
 #[test]
 fn a_solution_as_guess_takes_no_step() {
     let report = run(&mut logarithm_problem(), &mut [1.0], &exact()).unwrap();

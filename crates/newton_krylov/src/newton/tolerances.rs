@@ -5,7 +5,8 @@
 //!               |R_k| <= max(absolute, relative |R_k|_ref, round-off |R|_ref)
 //! ```
 //!
-//! No field can hide behind another; but none is asked for less than the round-off of the whole.
+//! No field can hide behind another; but none is asked for less than the round-off of the whole. Where steps bring nothing any more,
+//! the rounding that the problem itself estimates counts as well.
 
 use super::Settings;
 
@@ -19,12 +20,14 @@ pub(super) struct Tolerances {
     pub(super) fields: Vec<f64>,
     /// The norm at which no decrease is asked for any more.
     pub(super) round_off: f64,
+    /// The rounding of each field as the problem estimates it, once it was asked: zero where it knows nothing.
+    pub(super) rounding: Option<Vec<f64>>,
 }
 
 impl Tolerances {
     /// From the reference norm of each field.
     pub(super) fn new(settings: &Settings, references: &[f64]) -> Self {
-        let reference = references.iter().fold(0.0, |sum: f64, norm| sum.hypot(*norm));
+        let reference = total(references);
         let round_off = settings.round_off * reference;
         let tolerance = |reference| settings.absolute_tolerance.max(settings.relative_tolerance * reference);
         Self {
@@ -32,7 +35,28 @@ impl Tolerances {
             total: tolerance(reference),
             fields: references.iter().map(|&norm| tolerance(norm).max(round_off)).collect(),
             round_off,
+            rounding: None,
         }
+    }
+
+    /// The norm at which no decrease is asked for any more, by what `ask` tells of the rounding of each field. It is asked once.
+    pub(super) fn floor(&mut self, ask: impl FnOnce() -> Option<Vec<f64>>) -> f64 {
+        let fields = self.fields.len();
+        let rounding = self.rounding.get_or_insert_with(|| ask().unwrap_or_else(|| vec![0.0; fields]));
+        self.round_off.max(total(rounding))
+    }
+
+    /// The norm of the rounding of all fields, if the problem was asked and knows.
+    pub(super) fn rounding_norm(&self) -> Option<f64> {
+        self.rounding.as_ref().map(|fields| total(fields)).filter(|&norm| norm > 0.0)
+    }
+
+    /// (converged), or above it by rounding alone. The rounding must be known.
+    pub(super) fn met_but_for_rounding(&self, norm: f64, field_norms: &[f64]) -> bool {
+        let Some(rounding) = &self.rounding else { return false };
+        let mut fields = field_norms.iter().zip(&self.fields).zip(rounding);
+        norm <= self.total.max(total(rounding))
+            && fields.all(|((norm, tolerance), rounding)| *norm <= tolerance.max(*rounding))
     }
 
     /// (converged)
@@ -46,4 +70,9 @@ impl Tolerances {
         let total = if norm > self.total { self.total } else { norm };
         unmet.fold(total, |aim, (_, &tolerance)| aim.min(tolerance))
     }
+}
+
+/// The norm of all fields together.
+fn total(field_norms: &[f64]) -> f64 {
+    field_norms.iter().fold(0.0, |sum: f64, norm| sum.hypot(*norm))
 }

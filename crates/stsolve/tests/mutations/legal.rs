@@ -15,7 +15,8 @@ pub fn is_legal_number(path: &str, value: &toml::Value) -> bool {
         "seed" | "scramble" | "natural_modes" | "slab_halvings" => Domain::Whole(0.0, f64::INFINITY),
         "gamma" => Domain::Above(1.0, f64::INFINITY),
         "poisson_ratio" => Domain::Above(-1.0, 0.5),
-        "newton_tolerance" | "krylov_tolerance" => Domain::Above(0.0, 1.0),
+        "newton_tolerance" => Domain::Above(0.0, 0.1_f64.next_up()),
+        "krylov_tolerance" => Domain::Above(0.0, 1.0),
         "density" if path.contains(".expression.") => Domain::Finite,
         "mach" | "prandtl" | "viscosity" | "gas_constant" | "density" | "pressure" | "temperature" | "radius"
         | "height" | "lower_temperature" | "upper_temperature" | "length" | "step" | "tolerance" | "young_modulus"

@@ -10,17 +10,26 @@ const MOST_VECTORS: usize = 10_000;
 
 /// Halvings of a slab at most: after more of them it drowns in the round-off of the time.
 const MOST_HALVINGS: usize = 40;
+/// The loosest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
+const LOOSEST: f64 = 0.1;
+
+/// The same in words.
+const LOOSEST_RELATIVE: &str =
+    "a number above 0, at most 0.1; with more a residual counts as solved that has hardly been reduced";
 
 /// Checks `[solver]`.
 pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
     let key = Key::new("solver");
-    for (name, value, positive) in [
-        ("newton_tolerance", raw.newton_tolerance, true),
-        ("newton_absolute_tolerance", raw.newton_absolute_tolerance, false),
-        ("krylov_tolerance", raw.krylov_tolerance, true),
+    let (relative, absolute) = (raw.newton_tolerance, raw.newton_absolute_tolerance);
+    for (name, fine, accepted) in [
+        ("newton_tolerance", 0.0 < relative && relative <= LOOSEST, LOOSEST_RELATIVE),
+        (
+            "newton_absolute_tolerance",
+            (0.0..=LOOSEST).contains(&absolute),
+            "a number from 0 to 0.1; a slab with more is not solved",
+        ),
+        ("krylov_tolerance", 0.0 < raw.krylov_tolerance && raw.krylov_tolerance < 1.0, "a number above 0 and below 1"),
     ] {
-        let accepted = if positive { "a number above 0 and below 1" } else { "a number from 0 to below 1" };
-        let fine = value < 1.0 && (value > 0.0 || value == 0.0 && !positive);
         checker.require(&key.child(name), "the tolerance", fine, accepted)?;
     }
     for (name, value) in [
@@ -55,13 +64,12 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
 }
 
 fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {
-    for (name, value) in [("tolerance", raw.tolerance), ("krylov_tolerance", raw.krylov_tolerance)] {
-        checker.require(
-            &key.child(name),
-            "the tolerance",
-            value > 0.0 && value < 1.0,
-            "a number above 0 and below 1",
-        )?;
+    let (newton, krylov) = (raw.tolerance, raw.krylov_tolerance);
+    for (name, fine, accepted) in [
+        ("tolerance", 0.0 < newton && newton <= LOOSEST, LOOSEST_RELATIVE),
+        ("krylov_tolerance", 0.0 < krylov && krylov < 1.0, "a number above 0 and below 1"),
+    ] {
+        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
     }
     checker.positive(&key.child("first_step"), "the first step", raw.first_step)?;
     checker.require(&key.child("power"), "the power", raw.power >= 0.0 && raw.power.is_finite(), "0 or more")?;

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// A slab is done when the residual has fallen by this factor below that of its first guess ...
+    /// A slab is done when the residual has fallen by this factor below that of its first guess, at most 0.1. Mass, momentum and energy
+    /// are balanced to round-off whatever the tolerance. A slab is also done ...
     pub newton_tolerance: f64,
-    /// ... or below this size, in units of the reference state.
+    /// ... when the residual is below this size, in units of the reference state, at most 0.1; or where only round-off is left of it.
     pub newton_absolute_tolerance: f64,
     /// Newton steps per slab at most.
     pub newton_steps: usize,
@@ -111,7 +112,7 @@ impl Default for PseudoTime {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Steady {
-    /// The flow is steady when the residual has fallen by this factor below that of the initial state.
+    /// The flow is steady when the residual has fallen by this factor below that of the initial state. At most 0.1.
     pub tolerance: f64,
     /// The first step in pseudo-time.
     pub first_step: f64,

@@ -170,7 +170,21 @@ const BAD: &[(&str, &str, &[&str])] = &[
         &["`time.adaptive.largest = 0.1`", "at least the step, 0.3"],
     ),
     ("step = 0.3", "step = 0.3\nslabs = 3", &["`time`", "twice", "`step` or `slabs`"]),
-    ("step = 0.3", "step = 0.3\n[solver]\nnewton_tolerance = 1", &["`solver.newton_tolerance = 1`", "below 1"]),
+    (
+        "step = 0.3",
+        "step = 0.3\n[solver]\nnewton_tolerance = 0.99",
+        &["`solver.newton_tolerance = 0.99`", "at most 0.1"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\n[solver]\nnewton_absolute_tolerance = 0.2",
+        &["`solver.newton_absolute_tolerance = 0.2`", "from 0 to 0.1"],
+    ),
+    (
+        "step = 0.3",
+        "step = 0.3\n[solver]\nsteady = { tolerance = 0.5 }",
+        &["`solver.steady.tolerance = 0.5`", "at most 0.1"],
+    ),
     ("step = 0.3", "step = 0.3\n[output]\nfields = [\"mass\"]", &["`output.fields[0] = \"mass\"`", "`mach`"]),
     ("[flow]", "[folw]", &["`folw`", "unknown key `folw`", "did you mean `flow`"]),
     (

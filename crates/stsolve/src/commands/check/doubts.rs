@@ -4,7 +4,7 @@ use super::Facts;
 use super::scales::walls_at_start;
 use crate::case::{Flow, Motion, Preconditioner, State};
 use fem::Quadrature;
-use navier_stokes::{Boundary, Viscosity};
+use navier_stokes::{Boundary, Riemann, Viscosity};
 
 /// Nodes in time in a period of the motion below which it is badly resolved.
 const NODES_PER_PERIOD: f64 = 12.0;
@@ -220,6 +220,14 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
         _ if mach < 0.02 => {
             let text = format!(
                 "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0"
+            );
+            doubt("Mach number", text)
+        }
+        _ if mach < 0.1 && flow.law.riemann == Riemann::LaxFriedrichs => {
+            let text = format!(
+                "{mach:.1e} with `flow.riemann = \"lax_friedrichs\"`, which damps every difference with the speed of sound: at this Mach \
+                 number Krylov iterations take many times as many, up to their limit in steady flows, and low orders lose accuracy: \
+                 `flow.riemann = \"roe\"`"
             );
             doubt("Mach number", text)
         }

@@ -62,6 +62,8 @@ pub struct Attempt {
 pub struct Newton {
     /// |R| at the first guess and after every step.
     pub residuals: Vec<f64>,
+    /// What rounding leaves of the residual, where it was estimated.
+    pub round_off: Option<f64>,
     /// Steps allowed.
     pub steps_allowed: usize,
     /// Whether they were used up.

@@ -115,6 +115,7 @@ where
         let unfinished = report.steps.iter().filter(|step| step.krylov_iterations >= krylov_allowed).count();
         Newton {
             residuals: report.residual_history(),
+            round_off: report.round_off,
             steps_allowed,
             steps_used_up: matches!(error, newton::Error::MaxSteps { .. }),
             unfinished_linear_solves: unfinished as f64 / report.steps.len().max(1) as f64,

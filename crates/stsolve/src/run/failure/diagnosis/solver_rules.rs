@@ -3,6 +3,9 @@
 use super::super::evidence::{Attempt, Evidence, GaveUp};
 use super::{Cause, number, rises};
 
+/// A residual that stands at less than this times the estimate of its rounding probably is rounding.
+const NEAR_ROUND_OFF: f64 = 30.0;
+
 /// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each, or less in the last one.
 pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
     let newton = evidence.newton.as_ref().filter(|newton| newton.steps_used_up)?;
@@ -64,18 +67,21 @@ pub fn time_step(evidence: &Evidence) -> Option<Cause> {
     })
 }
 
-/// The residual has fallen far, and falls no more.
+/// The residual falls no more, and rounding alone leaves not much less of it.
 pub fn tolerance(evidence: &Evidence) -> Option<Cause> {
     let newton = evidence.newton.as_ref()?;
-    let [.., before, _, last] = newton.residuals[..] else { return None };
-    let (fallen, stalls) = (newton.residuals[0] / last, before / last < 1.5);
-    stalls.then(|| Cause {
+    let (round_off, last) = (newton.round_off?, *newton.residuals.last()?);
+    Some(Cause {
         name: "tolerance",
-        likelihood: 0.8 * rises(fallen.log10().max(0.0), 8.0),
+        likelihood: 0.95 * (1.0 - rises(last / round_off, NEAR_ROUND_OFF)),
         what: format!(
-            "the tolerance is below what round-off allows: the residual has fallen by {} and stalls",
-            number(fallen)
+            "the tolerance is below what round-off allows: the residual stands at {}, and about {} of it is rounding",
+            number(last),
+            number(round_off)
         ),
-        remedy: "raise `solver.newton_tolerance`".into(),
+        remedy: format!(
+            "raise `solver.newton_tolerance`, or set `solver.newton_absolute_tolerance = {:.0e}`",
+            2.0 * last
+        ),
     })
 }

@@ -98,7 +98,14 @@ fn a_misused_opening_is_named_first() {
 #[test]
 fn a_fact_of_the_solver_names_its_cause() {
     assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-2, 1e-4]), "newton_steps");
-    assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9]), "tolerance");
+    let stalls = |e: &mut Evidence, round_off| {
+        newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9];
+        newton(e).round_off = round_off;
+    };
+    assert_eq!(first(|e| stalls(e, Some(1e-10))), "tolerance");
+    // A residual that stands far above its rounding has another cause.
+    assert_ne!(first(|e| stalls(e, Some(1e-13))), "tolerance");
+    assert_ne!(first(|e| stalls(e, None)), "tolerance");
     assert_eq!(
         first(|e| {
             newton(e).unfinished_linear_solves = 1.0;
