@@ -125,6 +125,9 @@ pub struct Steady {
     pub krylov_tolerance: f64,
     /// Krylov iterations per step at most; each keeps two vectors.
     pub krylov_iterations: usize,
+    /// Whether to go by lower orders, the lowest with a dissipative flux, where the order asked for does not converge at once; and to
+    /// march in time for some slabs where that fails.
+    pub sequence: bool,
 }
 
 impl Default for Steady {
@@ -137,6 +140,7 @@ impl Default for Steady {
             steps: 100,
             krylov_tolerance: 0.1,
             krylov_iterations: 200,
+            sequence: true,
         }
     }
 }
