@@ -8,6 +8,7 @@
 use super::settling::{Settling, settle};
 use super::solve_steady;
 use crate::march::{SlabError, SlabReport};
+use crate::mesh_mover::MeshMover;
 use crate::slab_problem::SlabProblem;
 use crate::transfer::transfer_flow;
 use newton_krylov::newton::{self, Stall};
@@ -31,6 +32,8 @@ pub struct Discretisation {
     pub time_order: usize,
     /// Whether the flux between cells is the most dissipative one, instead of that of the case.
     pub dissipative: bool,
+    /// Finer quadrature.
+    pub finer: bool,
 }
 
 /// What was done in one discretisation.
@@ -55,7 +58,9 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub discretise: &'a dyn Fn(Discretisation) -> Discretised<D, M>,
     /// N_s.
     pub order: usize,
-    /// The displacement of the mesh.
+    /// The mesh.
+    pub mover: &'a MeshMover<D>,
+    /// Its displacement.
     pub displacement: &'a [f64],
     /// The time of all data.
     pub time: f64,
@@ -113,6 +118,9 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             *u = start;
             solved = self.climb(u, &mut stages);
         }
+        if solved.is_ok() && std::env::var("PROBE").is_ok() {
+            self.probe(u);
+        }
         let source = match solved {
             Ok(report) => return Ok(SteadyFlow { report, stages }),
             Err(source) => source,
@@ -126,6 +134,39 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             return Ok(SteadyFlow { report, stages });
         }
         Err(SteadyError { settling, stages, source })
+    }
+
+    fn rate(&self, discretisation: Discretisation, u: &[f64]) -> f64 {
+        let (mut problem, _) = (self.discretise)(discretisation);
+        problem.at_rest(self.time, u, self.displacement).unwrap();
+        super::residual_norms(&mut problem, u).map_or(f64::NAN, |norms| norms[0] / super::LONG)
+    }
+
+    fn probe(&self, u: &[f64]) {
+        let own = self.own();
+        let n = self.order;
+        let (_problem, initial) = (self.discretise)(own);
+        let moved = |to: usize| transfer_flow(u, self.mover, self.displacement, M, n, to);
+        let at = |order: usize| Discretisation { order, ..own };
+        let initial_up = (self.discretise)(at(n + 1)).1;
+        eprintln!("PROBE initial {:.3e} at N+1 {:.3e}", self.rate(own, &initial), self.rate(at(n + 1), &initial_up));
+        eprintln!("PROBE own {:.3e}", self.rate(own, u));
+        eprintln!("PROBE fine quadrature {:.3e}", self.rate(Discretisation { finer: true, ..own }, u));
+        eprintln!("PROBE N+1 {:.3e}", self.rate(at(n + 1), &moved(n + 1)));
+        let mut lower = moved(n - 1);
+        let back = transfer_flow(&lower, self.mover, self.displacement, M, n - 1, n);
+        eprintln!("PROBE N-1 at N-1 {:.3e}, back at N {:.3e}", self.rate(at(n - 1), &lower), self.rate(own, &back));
+        for (order, mut v) in [(n - 1, std::mem::take(&mut lower)), (n + 1, moved(n + 1))] {
+            let mut stages = Vec::new();
+            let before = v.clone();
+            let result = self.solve(at(order), &mut v, newton::Settings { relative_tolerance: 1e-4, ..self.with(PATIENT) }, &mut stages);
+            let (p, _) = (self.discretise)(at(order));
+            let change: f64 = p.field_norms(&v.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<_>>())[0];
+            let forces: Vec<_> = result.map(|r| r.fluxes[0].boundaries.iter().map(|b| b.total()).collect()).unwrap_or_default();
+            eprintln!("PROBE solved at {order}: {stages:?} change {change:.3e} forces {forces:?}");
+        }
+        let mut marched = u.to_vec();
+        eprintln!("PROBE settle {:?}", settle(self, &mut marched));
     }
 
     /// From order 2 upwards.
@@ -147,7 +188,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     }
 
     pub(super) fn own(&self) -> Discretisation {
-        Discretisation { order: self.order, time_order: 1, dissipative: false }
+        Discretisation { order: self.order, time_order: 1, dissipative: false, finer: false }
     }
 
     /// The settings with a watch for stalls. Steps that the line search would shorten much are damped instead.
@@ -162,8 +203,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
 
     fn carry(&self, u: &mut Vec<f64>, from: usize, to: usize) {
         if from != to {
-            let (problem, _) = (self.discretise)(Discretisation { order: to, ..self.own() });
-            *u = transfer_flow(u, &problem.mover, self.displacement, M, from, to);
+            *u = transfer_flow(u, self.mover, self.displacement, M, from, to);
         }
     }
 

@@ -57,21 +57,24 @@ where
 {
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, books: &mut Books) -> anyhow::Result<Vec<f64>> {
-        let (case, flow, state) = (self.case, self.flow, &mut self.march.state);
+        let (case, flow, March { problem, state, .. }) = (self.case, self.flow, &mut self.march);
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
             order: flow.order,
+            mover: &problem.mover,
             displacement: &state.d,
             time: case.time.start,
             time_unit: flow.reference_length / flow.reference_speed,
             settings: steady.newton(),
             sequence: steady.sequence,
         };
-        let SteadyFlow { report, stages } = search.find(&mut state.u)?;
+        let found = search.find(&mut state.u);
+        let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
+        stages.iter().for_each(|stage| books.progress.say(&told(stage)));
+        let SteadyFlow { report, stages } = found?;
         let felt = felt(self.flow, &report);
         books.tally.start_from_steady(&report, &stages, &felt);
         books.tally.totals_at_start = report.totals.clone();
-        stages.iter().for_each(|stage| books.progress.say(&told(stage)));
         books.progress.say(&format!("steady flow: {:.1} s", books.seconds()));
         books.progress.begin_slabs();
         Ok(history::row(self.flow, &report, &felt, &books.tally))
