@@ -59,17 +59,6 @@ fn a_gust_is_not_felt_before_it_has_begun() {
     assert!(number(wall, "lift_coefficient").abs() < 1e-7, "{wall}");
 }
 
-/// The nodes between the plates are displaced at the start: the exact solution must be met there, not where they rest.
-#[test]
-fn a_steady_start_knows_where_the_mesh_is() {
-    let directory = TempDir::new().unwrap();
-    let set = ["time={order=1,start=0.25,end=0.25,step=1}", "solver.steady={}"];
-    on_case(directory.path(), "run", "couette", &set, "couette", &[]).expect(0, &[]);
-    let error = number(&summary(&directory.path().join("couette")), "error.density_l2");
-    println!("error of the density {error:e}");
-    assert!(error < 1e-5, "{error:e}");
-}
-
 /// Euler flow around the airfoil at two degrees, on 216 cells; the drag of a flow without shocks is zero.
 fn inviscid(mach: f64, order: usize) -> String {
     let [x, y] = [2.0_f64.to_radians().cos(), 2.0_f64.to_radians().sin()];

@@ -32,8 +32,6 @@ pub struct Discretisation {
     pub time_order: usize,
     /// Whether the flux between cells is the most dissipative one, instead of that of the case.
     pub dissipative: bool,
-    /// Finer quadrature.
-    pub finer: bool,
 }
 
 /// What was done in one discretisation.
@@ -118,9 +116,6 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             *u = start;
             solved = self.climb(u, &mut stages);
         }
-        if solved.is_ok() && std::env::var("PROBE").is_ok() {
-            self.probe(u);
-        }
         let source = match solved {
             Ok(report) => return Ok(SteadyFlow { report, stages }),
             Err(source) => source,
@@ -134,39 +129,6 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             return Ok(SteadyFlow { report, stages });
         }
         Err(SteadyError { settling, stages, source })
-    }
-
-    fn rate(&self, discretisation: Discretisation, u: &[f64]) -> f64 {
-        let (mut problem, _) = (self.discretise)(discretisation);
-        problem.at_rest(self.time, u, self.displacement).unwrap();
-        super::residual_norms(&mut problem, u).map_or(f64::NAN, |norms| norms[0] / super::LONG)
-    }
-
-    fn probe(&self, u: &[f64]) {
-        let own = self.own();
-        let n = self.order;
-        let (_problem, initial) = (self.discretise)(own);
-        let moved = |to: usize| transfer_flow(u, self.mover, self.displacement, M, n, to);
-        let at = |order: usize| Discretisation { order, ..own };
-        let initial_up = (self.discretise)(at(n + 1)).1;
-        eprintln!("PROBE initial {:.3e} at N+1 {:.3e}", self.rate(own, &initial), self.rate(at(n + 1), &initial_up));
-        eprintln!("PROBE own {:.3e}", self.rate(own, u));
-        eprintln!("PROBE fine quadrature {:.3e}", self.rate(Discretisation { finer: true, ..own }, u));
-        eprintln!("PROBE N+1 {:.3e}", self.rate(at(n + 1), &moved(n + 1)));
-        let mut lower = moved(n - 1);
-        let back = transfer_flow(&lower, self.mover, self.displacement, M, n - 1, n);
-        eprintln!("PROBE N-1 at N-1 {:.3e}, back at N {:.3e}", self.rate(at(n - 1), &lower), self.rate(own, &back));
-        for (order, mut v) in [(n - 1, std::mem::take(&mut lower)), (n + 1, moved(n + 1))] {
-            let mut stages = Vec::new();
-            let before = v.clone();
-            let result = self.solve(at(order), &mut v, newton::Settings { relative_tolerance: 1e-4, ..self.with(PATIENT) }, &mut stages);
-            let (p, _) = (self.discretise)(at(order));
-            let change: f64 = p.field_norms(&v.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<_>>())[0];
-            let forces: Vec<_> = result.map(|r| r.fluxes[0].boundaries.iter().map(|b| b.total()).collect()).unwrap_or_default();
-            eprintln!("PROBE solved at {order}: {stages:?} change {change:.3e} forces {forces:?}");
-        }
-        let mut marched = u.to_vec();
-        eprintln!("PROBE settle {:?}", settle(self, &mut marched));
     }
 
     /// From order 2 upwards.
@@ -188,7 +150,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     }
 
     pub(super) fn own(&self) -> Discretisation {
-        Discretisation { order: self.order, time_order: 1, dissipative: false, finer: false }
+        Discretisation { order: self.order, time_order: 1, dissipative: false }
     }
 
     /// The settings with a watch for stalls. Steps that the line search would shorten much are damped instead.

@@ -1,7 +1,7 @@
 //! Whether a flow settles when it is marched in time.
 
-use super::search::{Discretisation, Search};
 use super::residual_norms;
+use super::search::{Discretisation, Search};
 use crate::march::{Jacobian, March, Predictor, Settings};
 use crate::schedule::Schedule;
 use newton_krylov::newton;
@@ -33,7 +33,9 @@ impl Settling {
     /// What was seen, as part of a sentence.
     pub fn describe(&self) -> String {
         let Settling { early, late, duration } = self;
-        let seen = format!("marched in time for {duration:.3} from the best state, its rate of change went from {early:.2e} to {late:.2e}");
+        let seen = format!(
+            "marched in time for {duration:.3} from the best state, its rate of change went from {early:.2e} to {late:.2e}"
+        );
         match self.calms_down() {
             true => format!("though the flow calms down: {seen}"),
             false => format!("for the flow is unsteady: {seen}"),
@@ -63,13 +65,8 @@ pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, 
 fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], step: f64) -> March<D, M> {
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
     problem.flow.hold_time(search.time);
-    let schedule = Schedule {
-        start: search.time,
-        end: search.time + step * SLABS as f64,
-        step,
-        slabs: SLABS,
-        control: None,
-    };
+    let schedule =
+        Schedule { start: search.time, end: search.time + step * SLABS as f64, step, slabs: SLABS, control: None };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
     let settings =
         Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };

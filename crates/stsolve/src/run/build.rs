@@ -159,12 +159,12 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let Discretisation { order, time_order, dissipative, finer } = discretisation;
+    let Discretisation { order, time_order, dissipative } = discretisation;
     let riemann = if dissipative { Riemann::LaxFriedrichs } else { flow.law.riemann };
     let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, ..flow.clone() };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
-    let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, if finer { fem::Quadrature::Double } else { flow.quadrature });
+    let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(d));
     let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);

@@ -38,5 +38,5 @@ mod walls;
 
 pub use build::{elasticity_plan, mover, prescribed_nodes};
 pub use drive::{motion, run};
-pub use restart::check as check_restart;
 pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};
+pub use restart::check as check_restart;

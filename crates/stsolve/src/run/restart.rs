@@ -1,8 +1,8 @@
 //! A run that starts where another one stands.
 
-use super::{build, checkpoint};
 use super::history::columns;
 use super::tally::Tally;
+use super::{build, checkpoint};
 use crate::case::{AllowedChange, Case, Flow, Time, gas_of, reference_pressure_of};
 use crate::failure::Failure;
 use coupled::{Frozen, MeshMover, State};
@@ -180,7 +180,8 @@ impl Origin {
 
     /// The gas there and here, as text and without what is `allowed` to change.
     fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
-        let gas = |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
+        let gas =
+            |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
         Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
     }
 

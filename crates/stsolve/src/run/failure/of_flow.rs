@@ -47,8 +47,13 @@ where
         let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
         let (gases, d) = (self.gases(&grid), &self.march.state.d);
         let Interval { start, end, halvings } = self.interval;
-        let attempt =
-            Attempt { steady: self.steady.is_some(), slabs_done: self.march.state.slab, start, length: end - start, halvings };
+        let attempt = Attempt {
+            steady: self.steady.is_some(),
+            slabs_done: self.march.state.slab,
+            start,
+            length: end - start,
+            halvings,
+        };
         let mut mesh = of_mesh::mesh(self.case, self.mover(), &grid, d, self.interval);
         if let Some(SlabError::Invalid { quality }) = self.error {
             mesh.smallest_det_j = quality.sampled_min;

@@ -26,10 +26,15 @@ pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
 pub fn no_steady_flow(evidence: &Evidence) -> Option<Cause> {
     let Settling { early, late, duration, calms_down } = evidence.newton.as_ref()?.settling?;
     let [early, late, duration] = [early, late, duration].map(number);
-    let seen = format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
+    let seen =
+        format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
     let (name, likelihood, what) = match calms_down {
         false => ("unsteady_flow", 0.9, format!("perhaps there is no steady flow, for the flow is unsteady: {seen}")),
-        true => ("slow_settling", 0.7, format!("the flow becomes steady too slowly for Newton's method: {seen}")),
+        true => (
+            "slow_settling",
+            0.7,
+            format!("Newton's method does not find the steady flow, though the flow calms down: {seen}"),
+        ),
     };
     let remedy = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`".into();
     Some(Cause { name, likelihood, what, remedy })
