@@ -13,6 +13,8 @@ import json
 import math
 import os
 import pathlib
+import re
+import shutil
 import subprocess
 import sys
 import time
@@ -33,6 +35,7 @@ gas = {{ gamma = 1.4, prandtl = 0.72, mach = {mach}, viscosity = {viscosity} }}
 initial = {{ uniform = {stream} }}
 [flow.boundary]
 {boundary}
+{forces}
 [time]
 order = 1
 end = 0
@@ -52,7 +55,15 @@ def external(mesh, wall, mach, reynolds=None, degrees=0.0):
     far = stream(mach, degrees)
     viscosity = f"{{ constant = {1 / reynolds} }}" if reynolds else '"inviscid"'
     name = "wall" if mesh.startswith("annulus") else "airfoil"
-    return dict(mesh=mesh, mach=mach, viscosity=viscosity, stream=far, boundary=f"{name} = {wall}\nfar = {{ far_field = {far} }}")
+    drag = [math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]
+    return dict(
+        mesh=mesh,
+        mach=mach,
+        viscosity=viscosity,
+        stream=far,
+        boundary=f"{name} = {wall}\nfar = {{ far_field = {far} }}",
+        forces=f"[flow.forces]\n{name} = {{ drag_direction = {drag} }}",
+    )
 
 
 def generator(text):
@@ -102,7 +113,7 @@ def passage(reynolds, mach=0.2, degrees=37.7):
     )
     mesh = generator("turbine_blade = { cells = { side = 12, end = 4, normal = 4, gap = 2, before = 4, after = 8 }, first_cell = 0.015 }")
     viscosity = f"{{ constant = {1 / reynolds} }}"
-    return dict(mesh=mesh, mach=mach, viscosity=viscosity, stream=stream(mach, degrees), boundary=boundary)
+    return dict(mesh=mesh, mach=mach, viscosity=viscosity, stream=stream(mach, degrees), boundary=boundary, forces="")
 
 
 def channel(reynolds=100, mach=0.2):
@@ -113,7 +124,7 @@ def channel(reynolds=100, mach=0.2):
         f"outflow = {{ outflow = {{ pressure = {1 / (1.4 * mach**2)} }} }}"
     )
     mesh = generator("channel = { extent = [4, 1], cells = [16, 8] }")
-    return dict(mesh=mesh, mach=mach, viscosity=f"{{ constant = {1 / reynolds} }}", stream=stream(mach), boundary=boundary)
+    return dict(mesh=mesh, mach=mach, viscosity=f"{{ constant = {1 / reynolds} }}", stream=stream(mach), boundary=boundary, forces="")
 
 
 STARTS = {
@@ -127,26 +138,34 @@ STARTS = {
 
 def run(directory, name, start, order, arguments):
     place = directory / f"{''.join(c if c.isalnum() else '_' for c in name)}_{order}"
+    shutil.rmtree(place, ignore_errors=True)
     place.parent.mkdir(parents=True, exist_ok=True)
     case = place.with_suffix(".toml")
     case.write_text(CASE.format(title=name, order=order, **start))
     changes = [part for change in arguments.set for part in ("--set", change)]
-    command = [PROGRAM, "run", case, "--output", place, "--quiet", "--threads", str(arguments.threads), *changes]
+    command = [PROGRAM, "run", case, "--output", place, "--threads", str(arguments.threads), *changes]
     begun = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     seconds = time.monotonic() - begun
     place.with_suffix(".err").write_text(done.stderr)
+    place.with_suffix(".out").write_text(done.stdout + done.stderr)
     if done.returncode != 0:
         return f"{name} | {order} | no | | | | | {seconds:.1f} | {message(done.stderr)}", "unsteady" in done.stderr
     steady = json.loads((place / "summary.json").read_text())["steady"]
     walls = list(steady["walls"].values())
     drag, lift = (sum(wall.get(f"{key}_coefficient") or 0 for wall in walls) for key in ("drag", "lift"))
     counts = f"{steady['newton']} | {steady['krylov']} | {drag:.6f} | {lift:.6f} | {seconds:.1f}"
-    return f"{name} | {order} | yes | {counts} | {steady.get('path', '')}", True
+    return f"{name} | {order} | yes | {counts} | {stages(place)}", True
+
+
+def stages(place):
+    """The orders of the solves that led to the flow, a cross at those that were given up."""
+    found = re.findall(r"steady flow of order (\d+)(, dissipative flux)?: .*?( {2}given up)?$", (place.with_suffix(".out")).read_text(), re.M)
+    return " ".join(f"{order}{'d' if flux else ''}{'x' if failed else ''}" for order, flux, failed in found)
 
 
 def message(text):
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if "steady flow" in line or "likely cause" in line]
     return " ".join(lines)[:300].replace("|", "/")
 
 

@@ -29,6 +29,6 @@ pub use observation::Observation;
 pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, Remainder, SlabProblem};
 pub use state::{Interval, Past, State};
-pub use steady::solve_steady;
+pub use steady::{Discretisation, Discretised, Search, Settling, Stage, SteadyError, SteadyFlow, solve_steady};
 pub use structure_march::{Equations, StructureMarch, StructureReport, Supports};
 pub use wear::Wear;

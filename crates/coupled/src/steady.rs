@@ -7,6 +7,12 @@
 //! one slab with one node in time (implicit Euler) that is so long that its mass term vanishes. Newton is damped by
 //! pseudo-time, (1/dtau) M, and dtau grows as the residual falls.
 
+mod search;
+mod settling;
+
+pub use search::{Discretisation, Discretised, Search, Stage, SteadyError, SteadyFlow};
+pub use settling::Settling;
+
 use crate::march::{ROUND_OFF, SlabError, SlabReport};
 use crate::slab_problem::SlabProblem;
 use crate::state::Interval;
@@ -19,19 +25,21 @@ use newton_krylov::pseudo_time;
 /// to round-off.
 const LONG: f64 = 1e12;
 
-/// Replaces `u` by the steady flow on the mesh of `problem` at rest, found from `u` by pseudo-time. `problem` has one node in time
-/// and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those for the residual of the state
-/// `initial`: a better `u` begins with the longer steps that its smaller residual allows. The report is that of a slab of no length at
-/// `time`, the start of a run.
+/// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
+/// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those
+/// for the residual of the state `initial`: a better `u` begins with the longer steps that its smaller residual allows. The report is
+/// that of a slab of no length at `time`, the start of a run.
 ///
 /// # Errors
-/// [`SlabError::Guess`] if `u` or `initial` is no state, [`SlabError::Newton`] if there is no convergence; `u` is then unchanged.
+/// [`SlabError::Guess`] if `u` or `initial` is no state; `u` is then unchanged. [`SlabError::Newton`] if there is no convergence; `u` is
+/// then where [`newton::solve`] has ended.
 ///
 /// # Panics
 /// If `problem` has more than one node in time or solves for its mesh.
 pub fn solve_steady<const D: usize, const M: usize>(
     problem: &mut SlabProblem<D, M>,
     u: &mut [f64],
+    d: &[f64],
     initial: &[f64],
     time: f64,
     settings: &newton::Settings,
@@ -41,9 +49,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
         "one node in time, and no mesh to solve for"
     );
     let at_rest = vec![0.0; problem.mover.field_len()];
-    problem.begin(time, LONG, u, &at_rest)?;
-    problem.flow.stop_clock();
-    problem.move_mesh(&mut vec![0.0; at_rest.len()])?;
+    problem.at_rest(time, u, d)?;
     problem.frozen_flow.steady = true;
     // Residuals are those of (steady): dt times rates.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
@@ -52,12 +58,14 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let settings = newton::Settings { absolute_tolerance, pseudo_time, ..*settings };
     let mut z = u.to_vec();
     let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
-    let newton = solved.map_err(|source| {
+    u.copy_from_slice(&z);
+    let mut newton = solved.map_err(|source| {
         let remainder = problem.remainder(&z).map(Box::new);
         SlabError::Newton { remainder, source: Box::new(source) }
     })?;
+    // What the tolerance refers to, whatever the guess was.
+    newton.initial_norm = references[0];
     problem.set_point(&z);
-    u.copy_from_slice(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
     let top = problem.flow.boundary_fluxes(None).pop();
     Ok(SlabReport {
@@ -67,10 +75,20 @@ pub fn solve_steady<const D: usize, const M: usize>(
         rejected: 0,
         newton,
         counts: std::mem::take(&mut problem.counts),
-        quality: problem.mover.quality(&at_rest, &at_rest, interval),
+        quality: problem.mover.quality(d, &at_rest, interval),
         fluxes: top.map(|top| FluxesAt { time, ..top }).into_iter().collect(),
         totals: problem.totals(u),
     })
+}
+
+impl<const D: usize, const M: usize> SlabProblem<D, M> {
+    /// Begins the slab of (steady) at `time` on top of `u`, on the mesh displaced by `d`.
+    fn at_rest(&mut self, time: f64, u: &[f64], d: &[f64]) -> Result<(), SlabError> {
+        self.flow.hold_time(time);
+        self.begin(time, LONG, u, d)?;
+        self.move_mesh(&mut vec![0.0; d.len()])?;
+        Ok(())
+    }
 }
 
 fn residual_norms<const D: usize, const M: usize>(

@@ -17,6 +17,29 @@ use faer::linalg::solvers::Solve;
 use fem::{Layout, Orders, Sampler};
 use rayon::prelude::*;
 
+/// The flow `u` at one time, of order `from` in space, as one of order `to`, on the mesh of `mover` displaced by `d`.
+///
+/// # Panics
+/// If the length of `u` does not fit.
+pub fn transfer_flow<const D: usize>(
+    u: &[f64],
+    mover: &MeshMover<D>,
+    d: &[f64],
+    components: usize,
+    from: usize,
+    to: usize,
+) -> Vec<f64> {
+    let orders = |flow| Orders { flow, mesh: mover.reference.order(), time: 1 };
+    let space = Space::<D>::new(orders(from), orders(to));
+    carried(&space, mover, d, u, components * from.pow(D as u32))
+}
+
+/// The state `u`, of `len` numbers in a cell, by `space`.
+fn carried<const D: usize>(space: &Space<D>, mover: &MeshMover<D>, d: &[f64], u: &[f64], len: usize) -> Vec<f64> {
+    let cells = u.par_chunks_exact(len).enumerate();
+    cells.flat_map_iter(|(cell, u)| space.carry(u, || mover.cell_positions(cell, d))).collect()
+}
+
 impl State {
     /// This state of a flow of `components` on the mesh of `mover`, with the orders `from`, as one with the orders `to`.
     ///
@@ -30,10 +53,7 @@ impl State {
         };
         let (old, new, space) = (layout(from), layout(to), Space::<D>::new(from, to));
         let time = RadauTime::new(from.time).lagrange().value_matrix(RadauTime::new(to.time).nodes());
-        let carried = |u: &[f64], len: usize| -> Vec<f64> {
-            let cells = u.par_chunks_exact(len).enumerate();
-            cells.flat_map_iter(|(cell, u)| space.carry(u, || mover.cell_positions(cell, &self.d))).collect()
-        };
+        let carried = |u: &[f64], len: usize| carried(&space, mover, &self.d, u, len);
         let past = self.past.as_ref().map(|past| Past {
             u: by_time(&time, &carried(&past.u, old.cell_len()), new.time_len()),
             v: by_time(&time, &past.v, self.d.len()),

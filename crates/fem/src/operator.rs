@@ -67,6 +67,8 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     start: f64,
     dt: f64,
     clock: Clock,
+    /// The time at which all data are taken, if that is always the same.
+    held_time: Option<f64>,
     pub(crate) position_rows: Vec<Matrix>,
     /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
     positions: Matrix,
@@ -110,6 +112,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_faces: FaceMaps::new(&tables.mesh, D),
             start: 0.0,
             clock: Clock::stopped(0.0),
+            held_time: None,
             dt: 0.0,
             position_rows: Vec::new(),
             positions: Matrix::identity(0),
@@ -142,9 +145,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.clock
     }
 
-    /// Takes all data of this slab at its start: a steady flow is that of one time, however long its slab is.
-    pub fn stop_clock(&mut self) {
-        self.clock = Clock::stopped(self.start);
+    /// Takes all data of this and of later slabs at `time`: a steady flow is that of one time, however long its slab is.
+    pub fn hold_time(&mut self, time: f64) {
+        self.held_time = Some(time);
+        self.clock = Clock::stopped(time);
     }
 
     /// The row of positions at the top of the slab.
@@ -156,7 +160,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// `displacement` of the C0 nodes.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
         (self.start, self.dt) = (start, dt);
-        self.clock = Clock::running(start, dt);
+        self.clock = self.held_time.map_or(Clock::running(start, dt), Clock::stopped);
         let instants = self.tables.instants.iter().chain([&self.tables.top]);
         self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
         let (rows, slots, count) = (&self.position_rows, self.mesh.slots(), self.tables.instants.len());

@@ -163,3 +163,59 @@ fn a_restart_with_another_velocity_is_warned_of() {
         assert_eq!(log.contains("the boundary changes its velocity at once at t = 0.8"), warns, "{log}");
     }
 }
+
+/// From one Reynolds number to the next: the flow at Re = 10 is a better start of that at Re = 40 than the free stream.
+#[test]
+fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_allowed() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let small = ["mesh.order=3", "mesh.generate.annulus.cells=[12,8]", "time={order=1,end=0,step=1}", "flow.order=3"];
+    let go = |changes: &[&str], output: &str| {
+        on_case(at, "run", "cylinder_steady", &[&small[..], changes].concat(), output, &[])
+    };
+    let drag = |output: &str| number(&summary(&at.join(output)), "steady.walls.wall.drag_coefficient");
+    go(&["flow.gas.viscosity.constant=0.1"], "re_10").expect(0, &[]);
+    let from = from(at, "re_10");
+    let refused = go(&[&from], "refused");
+    refused.expect(2, &["the gas", "0.1", "0.025", "restart.allow = [\"viscosity\"]"]);
+    go(&[], "re_40").expect(0, &[]);
+    go(&[&from, "restart.allow=[\"viscosity\"]"], "viscosity").expect(0, &[]);
+    println!("C_D: Re = 10 {}, Re = 40 {}, continued {}", drag("re_10"), drag("re_40"), drag("viscosity"));
+    assert!((drag("viscosity") - drag("re_40")).abs() < 1e-6 && drag("re_10") > drag("re_40") + 0.5);
+
+    let faster = [
+        "flow.gas.mach=0.3",
+        "flow.initial.uniform.mach=0.3",
+        "flow.boundary.far.far_field.mach=0.3",
+        "flow.gas.viscosity.constant=0.1",
+    ];
+    go(&faster, "mach").expect(0, &[]);
+    go(&[&faster[..], &[&from]].concat(), "refused").expect(2, &["the gas", "mach"]);
+    go(&[&faster[..], &[&from, "restart.allow=[\"mach\"]"]].concat(), "continued_mach").expect(0, &[]);
+    println!("C_D at M = 0.3: {}, continued {}", drag("mach"), drag("continued_mach"));
+    assert!((drag("continued_mach") - drag("mach")).abs() < 1e-6);
+    let steps = |output: &str| number(&summary(&at.join(output)), "steady.newton");
+    assert!(steps("continued_mach") < steps("mach"), "the pressure is shifted to its new level");
+}
+
+/// `check` refuses what a run would refuse.
+#[test]
+fn check_looks_at_the_result_that_a_run_would_start_from() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    run(at, &["flow.order=2", "time.order=1"], 0.4, "first").expect(0, &[]);
+    let check = |changes: &[&str]| {
+        let case = common::shipped("vortex.toml");
+        let set = [&SMALL[..], &["time.end=0.8"], changes].concat();
+        let mut arguments = vec!["check", &case];
+        set.iter().for_each(|change| arguments.extend(["--set", change]));
+        common::stsolve(at, &arguments)
+    };
+    let from = from(at, "first");
+    check(&[&from]).expect(0, &[]);
+    check(&["restart.from=nowhere"]).expect(2, &["nowhere", "does not exist"]);
+    check(&[&from, "mesh.order=2"]).expect(2, &["the mesh", "4 nodes each"]);
+    check(&[&from, "flow.gas.gamma=1.3"]).expect(2, &["the gas"]);
+    std::fs::write(at.join("broken.vtkhdf"), "no result").unwrap();
+    check(&[&format!("restart.from={}", at.join("broken.vtkhdf").display())]).expect(2, &["broken.vtkhdf"]);
+}

@@ -6,8 +6,8 @@ use crate::case::{
 };
 use crate::expression::Program;
 use coupled::{
-    BoundaryField, BoundaryMotion, Equations, March, MeshMotion, MeshMover, Method, SlabProblem, StructureMarch,
-    Supports,
+    BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, March, MeshMotion, MeshMover, Method,
+    SlabProblem, StructureMarch, Supports,
 };
 use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Quantity, Solid, Statics, Structure as Body,
@@ -15,7 +15,7 @@ use elasticity::{
 };
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, NodeNumbering};
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
 
 /// Tolerance of a solve with K: displacements are then good to round-off.
@@ -150,17 +150,28 @@ where
     Ok(March::new(problem, u, settings(case)))
 }
 
-/// The problem of the steady flow of a case, on the mesh at rest.
-pub fn steady<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> SlabProblem<D, M>
+/// A discretisation of the flow of a case on the mesh that rests with the displacement `d`, and the initial state there.
+pub fn steady<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    d: &[f64],
+    discretisation: Discretisation,
+) -> Discretised<D, M>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    let Discretisation { order, time_order, dissipative } = discretisation;
+    let riemann = if dissipative { Riemann::LaxFriedrichs } else { flow.law.riemann };
+    let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, ..flow.clone() };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: 1 };
-    let operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
-    SlabProblem::new(operator, MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1))
+    let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
+    let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
+    operator.mesh.set_bottom(Some(d));
+    let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+    let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);
+    (SlabProblem::new(operator, mover), initial)
 }
 
 /// The march of a structure, at its start.

@@ -8,16 +8,14 @@ use super::record::MeshView;
 use super::tally::Tally;
 use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
-use crate::case::{Case, Flow, State};
+use crate::case::{Case, Flow, State, Steady};
 use crate::cli::RunArguments;
 use crate::commands::{Session, require_memory};
 use crate::failure::Failure;
 use crate::progress::SlabDone;
-use anyhow::Context;
-use coupled::{March, SlabReport};
+use coupled::{Discretisation, March, Search, SlabReport, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use newton_krylov::newton::Settings;
 use output::{SolverState, Summary};
 use std::time::Instant;
 
@@ -84,21 +82,38 @@ where
     }
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
-    fn start_from_steady_flow(&mut self, settings: &Settings, books: &mut Books) -> anyhow::Result<Vec<f64>> {
-        let mut problem = build::steady::<D, M>(self.case, self.flow);
-        let (u, start) = (&mut self.march.state.u, self.case.time.start);
-        let initial = coupled::interpolate(&problem.flow, &Exact(self.flow.initial.clone()), start);
-        let report =
-            coupled::solve_steady(&mut problem, u, &initial, start, settings).context("there is no steady flow")?;
+    fn start_from_steady_flow(&mut self, steady: &Steady, books: &mut Books) -> anyhow::Result<Vec<f64>> {
+        let (case, flow, March { problem, state, .. }) = (self.case, self.flow, &mut self.march);
+        let search = Search {
+            discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
+            order: flow.order,
+            mover: &problem.mover,
+            displacement: &state.d,
+            time: case.time.start,
+            time_unit: flow.reference_length / flow.reference_speed,
+            settings: steady.newton(),
+            sequence: steady.sequence,
+        };
+        let found = search.find(&mut state.u);
+        let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
+        stages.iter().for_each(|stage| books.progress.say(&told(stage)));
+        let SteadyFlow { report, stages } = found?;
         let felt = felt(self.flow, &report);
-        books.tally.start_from_steady(&report, &felt);
+        books.tally.start_from_steady(&report, &stages, &felt);
         books.tally.totals_at_start = report.totals.clone();
         self.observe(books);
-        let (steps, iterations) = (report.newton.steps.len(), report.newton.krylov_iterations);
-        books.progress.say(&format!("steady flow: newton {steps}  krylov {iterations}  {:.1} s", books.seconds()));
+        books.progress.say(&format!("steady flow: {:.1} s", books.seconds()));
         books.progress.begin_slabs();
         Ok(history::row(self.flow, &report, &felt, &books.tally))
     }
+}
+
+/// A solve for the steady flow, in a line.
+fn told(stage: &Stage) -> String {
+    let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
+    let flux = if *dissipative { ", dissipative flux" } else { "" };
+    let end = if *converged { "" } else { "  given up" };
+    format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
 }
 
 impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
@@ -131,7 +146,7 @@ where
         // A run that continues another one has its start behind it, but for a steady flow of other orders.
         let row = match &self.case.solver.steady {
             Some(steady) if self.march.state.slab == 0 && books.tally.steady.is_none() => {
-                Some(self.start_from_steady_flow(&steady.newton(), books)?)
+                Some(self.start_from_steady_flow(steady, books)?)
             }
             _ => None,
         };

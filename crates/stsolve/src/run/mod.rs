@@ -45,3 +45,4 @@ mod walls;
 pub use build::{PrescribedNode, elasticity_plan, mover, prescribed_nodes};
 pub use drive::{motion, run};
 pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};
+pub use restart::check as check_restart;

@@ -3,8 +3,8 @@
 use super::history::columns;
 use super::tally::Tally;
 use super::walls::numbers_per_wall;
-use super::{checkpoint, motion_jump};
-use crate::case::{Case, Flow, Time, gas_of, motion_of};
+use super::{build, checkpoint, motion_jump};
+use crate::case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
 use crate::failure::Failure;
 use coupled::{Frozen, MeshMover, State};
 use fem::Orders;
@@ -14,6 +14,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
+
+/// What to do where the gas differs.
+const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
 
 /// Why a case cannot start from a result.
 #[derive(Debug, thiserror::Error)]
@@ -89,6 +92,18 @@ pub struct Start {
     pub warnings: Vec<String>,
 }
 
+/// Whether `case` can start from the result that it names, if it names one.
+///
+/// # Errors
+/// As [`read`].
+pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<(), Failure> {
+    if case.restart.is_some() {
+        let mover = build::mover(case).map_err(Failure::bad_input)?;
+        read::<D, M>(case, flow, &mover)?;
+    }
+    Ok(())
+}
+
 /// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
 /// history of the run there.
 ///
@@ -126,6 +141,7 @@ impl Origin {
     ) -> Result<Start, RestartError> {
         self.check_mesh(case)?;
         self.check_flow(case)?;
+        let gas_changed = self.check_gas(case)?;
         let mut sums = self.sums(case, flow)?;
         let metadata = &self.result.metadata;
         let mesh = case.mesh.order();
@@ -134,14 +150,16 @@ impl Origin {
         let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
         self.join_schedule(&mut state, &case.time)?;
         let warnings = self.check_motion(case, mover, &state)?.into_iter().collect();
-        let mut continued = if from == to {
-            checkpoint::store(&state, frozen.as_ref(), stale)
-        } else {
-            if state.slab == 0 {
-                // Nothing has happened but the search for the steady flow, which goes on with the new orders.
-                sums = Tally::default().to_arrays();
-            }
-            checkpoint::store(&state.transfer(mover, M, from, to), None, false)
+        if gas_changed && case.allows(AllowedChange::Mach) {
+            self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
+        }
+        if state.slab == 0 && (gas_changed || from != to) {
+            // Nothing has happened but the search for the steady flow, which goes on with the new orders and the new gas.
+            sums = Tally::default().to_arrays();
+        }
+        let mut continued = match from == to {
+            true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed),
+            false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
         };
         continued.arrays.extend(sums);
         Ok(Start { state: continued, warnings })
@@ -182,17 +200,47 @@ impl Origin {
         Ok(())
     }
 
-    /// There must be a flow, of the same gas.
+    /// There must be a flow.
     fn check_flow<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
-        let gas =
-            |text: &str| gas_of(text).map_err(|reason| RestartError::Unreadable { path: self.path.clone(), reason });
-        let (there, here) = (gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?);
+        self.gases(case, &[])?;
         if !self.result.layout.exact.iter().any(|array| array.name == "flow") {
             return Err(self.differs("what is solved", "no flow", "a flow"));
         }
+        Ok(())
+    }
+
+    /// The gas there and here, as text and without what is `allowed` to change.
+    fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
+        let gas =
+            |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
+        Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
+    }
+
+    /// The gas must be the same but for what the case allows to change. Returns whether anything has changed.
+    fn check_gas<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
+        let [there, here] = self.gases(case, &case.allowed_changes)?;
         if there != here {
-            let text = |gas: Option<String>| gas.unwrap_or_default();
-            return Err(self.differs("the gas", text(there), text(here)));
+            return Err(self.differs("the gas", there, here + ALLOW));
+        }
+        let [there, here] = self.gases(case, &[])?;
+        Ok(there != here)
+    }
+
+    /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...
+    fn shift_pressure<const D: usize, const M: usize>(
+        &self,
+        flow: &Flow<D>,
+        order: usize,
+        state: &mut State,
+    ) -> Result<(), RestartError> {
+        let there = reference_pressure_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let shift = (flow.reference_pressure() - there) / (flow.law.gas.gamma() - 1.0);
+        let nodes = order.pow(D as u32);
+        let past = state.past.iter_mut().flat_map(|past| past.u.iter_mut().enumerate());
+        for (i, u) in state.u.iter_mut().enumerate().chain(past) {
+            if i / nodes % M == M - 1 {
+                *u += shift;
+            }
         }
         Ok(())
     }
@@ -204,6 +252,9 @@ impl Origin {
         mover: &MeshMover<D>,
         state: &State,
     ) -> Result<Option<String>, RestartError> {
+        if case.allows(AllowedChange::Motion) {
+            return Ok(None);
+        }
         if let Some(jump) = motion_jump::of_position(case, mover, state) {
             let [position, there, here] = [jump.position, jump.there, jump.here].map(|vector| vector.to_vec());
             let (path, distance) = (self.path.clone(), jump.size());
@@ -227,6 +278,10 @@ impl Origin {
                 state.time
             )
         }))
+    }
+
+    fn unreadable(&self, reason: String) -> RestartError {
+        RestartError::Unreadable { path: self.path.clone(), reason }
     }
 
     /// The sums and the history of the run, which are those of `case` if it has the same walls.

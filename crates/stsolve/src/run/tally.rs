@@ -2,7 +2,7 @@
 
 use super::openings::Record;
 use super::walls::{Felt, numbers_per_wall, to_numbers};
-use coupled::{MeshQuality, SlabReport, StructureReport};
+use coupled::{MeshQuality, SlabReport, Stage, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
@@ -131,13 +131,18 @@ impl Tally {
         self.energy_error = self.energy_error.max(self.balance(&report.totals, M - 1).abs());
     }
 
-    /// Notes how the steady flow was found from which the run starts.
-    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
+    /// Notes how the steady flow was found from which the run starts: the last solve, and all solves.
+    pub fn start_from_steady<const D: usize, const M: usize>(
+        &mut self,
+        report: &SlabReport<M>,
+        stages: &[Stage],
+        felt: &[Felt<D>],
+    ) {
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.mass_flows = mass_flows(report);
         self.steady = Some(Steady {
-            newton: report.newton.steps.len() as u64,
-            krylov: report.newton.krylov_iterations as u64,
+            newton: stages.iter().map(|stage| stage.steps as u64).sum(),
+            krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
             forces: self.forces.clone(),
         });

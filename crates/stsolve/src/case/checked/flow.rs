@@ -43,6 +43,13 @@ pub struct Flow<const D: usize> {
     pub walls: Vec<Wall<D>>,
 }
 
+impl<const D: usize> Flow<D> {
+    /// The pressure of the reference state.
+    pub fn reference_pressure(&self) -> f64 {
+        self.law.reference.pressure(&self.law.gas)
+    }
+}
+
 /// The condition on a boundary, and the state that it takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryData<const D: usize> {

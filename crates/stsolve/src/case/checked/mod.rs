@@ -16,7 +16,9 @@ mod structure;
 mod tables;
 mod time;
 
-pub use super::raw::{Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady};
+pub use super::raw::{
+    AllowedChange, Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
@@ -61,6 +63,8 @@ pub struct Case<const D: usize> {
     pub time: Time,
     /// The result, or its directory, from which the run starts, if it is not the initial state.
     pub restart: Option<PathBuf>,
+    /// What may differ from the run there.
+    pub allowed_changes: Vec<AllowedChange>,
     /// How the equations of a slab are solved.
     pub solver: Solver,
     /// What is written, and where.
@@ -151,6 +155,7 @@ impl<const D: usize> Case<D> {
             structure,
             time,
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
+            allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             output,
         })
@@ -158,6 +163,11 @@ impl<const D: usize> Case<D> {
 }
 
 impl<const D: usize> Case<D> {
+    /// Whether the run from which this one starts may differ in that.
+    pub fn allows(&self, change: AllowedChange) -> bool {
+        self.allowed_changes.contains(&change)
+    }
+
     /// Displacements in a slab that are solved for: those of the nodes of an elastic mesh that are not on a boundary.
     pub fn mesh_unknowns(&self) -> Option<usize> {
         let Some(Motion::Elastic { .. }) = self.motion else { return None };
@@ -200,13 +210,22 @@ impl About {
     }
 }
 
-/// The gas of a case that was resolved, as text; `None` without a flow.
+/// The gas of a case that was resolved, as text and without what is `allowed` to change; `None` without a flow.
 ///
 /// # Errors
 /// What is wrong with `resolved`, which another version of the program may have written.
-pub fn gas_of(resolved: &str) -> Result<Option<String>, String> {
+pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String>, String> {
     let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
-    let text = |flow: &raw::Flow| serde_json::to_string(&flow.gas).map_err(|error| error.to_string());
+    let text = |flow: &raw::Flow| {
+        let mut gas = flow.gas.clone();
+        if allowed.contains(&AllowedChange::Viscosity) {
+            gas.viscosity = raw::Viscosity::Inviscid;
+        }
+        if allowed.contains(&AllowedChange::Mach) {
+            (gas.mach, gas.gas_constant) = (None, None);
+        }
+        serde_json::to_string(&gas).map_err(|error| error.to_string())
+    };
     raw.flow.as_ref().map(text).transpose()
 }
 
@@ -234,6 +253,19 @@ fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a
         checker.define_table(&key, name, table)?;
     }
     Ok(checker)
+}
+
+/// The pressure of the reference state of a case with a flow that was resolved.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn reference_pressure_of(resolved: &str) -> Result<f64, String> {
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[]).map_err(|error| error.to_string())?;
+    let pressure = match AnyCase::check(&document).map_err(|error| error.to_string())? {
+        AnyCase::Plane(case) => case.flow.as_ref().map(Flow::reference_pressure),
+        AnyCase::Space(case) => case.flow.as_ref().map(Flow::reference_pressure),
+    };
+    pressure.ok_or_else(|| "there is no flow".to_owned())
 }
 
 fn as_toml(raw: &raw::Case) -> String {

@@ -37,13 +37,31 @@ pub struct Adaptive {
 }
 
 /// A run that starts where another one stands, with the same mesh at rest and the same gas. The orders of the flow and in time, slabs
-/// and solver may differ: flow, mesh and its motion, time, sums and history are carried over, mass, momentum and energy kept.
+/// and solver may differ: flow, mesh and its motion, time, sums and history are carried over, mass, momentum and energy kept. Other
+/// differences are errors unless `allow` names them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Restart {
     /// The result file of the other run, or its directory, relative to the case file. It is continued after its last checkpoint.
     /// If that is its steady start, the steady flow is found anew from there.
     pub from: PathBuf,
+    /// What may differ from the other run, on purpose: `["viscosity"]` leads from the steady flow of one Reynolds number to that of the
+    /// next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub allow: Vec<AllowedChange>,
+}
+
+/// What a restart may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AllowedChange {
+    /// `flow.gas.viscosity`.
+    Viscosity,
+    /// The Mach number: `flow.gas.mach` or `flow.gas.gas_constant`. Density and velocity are kept, and the pressure is shifted everywhere
+    /// by the difference of the reference pressures.
+    Mach,
+    /// The motion of the mesh, even if its boundary jumps.
+    Motion,
 }
 
 /// What is written, and where.

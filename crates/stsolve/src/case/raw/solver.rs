@@ -126,6 +126,9 @@ pub struct Steady {
     pub krylov_tolerance: f64,
     /// Krylov iterations per step at most; each keeps two vectors.
     pub krylov_iterations: usize,
+    /// Whether to go by lower orders, the lowest with a dissipative flux, where the order asked for does not converge at once; and to
+    /// march in time for some slabs where that fails.
+    pub sequence: bool,
 }
 
 impl Default for Steady {
@@ -138,6 +141,7 @@ impl Default for Steady {
             steps: 100,
             krylov_tolerance: 0.1,
             krylov_iterations: 200,
+            sequence: true,
         }
     }
 }

@@ -23,7 +23,7 @@ use super::table::Table;
 use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::Probe;
 use crate::failure::Failure;
-use crate::run::{move_over_run, openings, time_flow};
+use crate::run::{check_restart, move_over_run, openings, time_flow};
 use doubts::{Doubt, doubts};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -34,13 +34,13 @@ use walls::{FlatPlate, Walls};
 /// Explains a checked case; `probe` says whether to try what it will do.
 ///
 /// # Errors
-/// If stdout cannot be written.
+/// If stdout cannot be written, or if the case starts from a result that is not there or does not fit.
 pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     // Inside the pool, as in a run.
     let tables = rayon::scope(|_| match case {
         AnyCase::Plane(case) => explain::<2, 4>(case, probe),
         AnyCase::Space(case) => explain::<3, 5>(case, probe),
-    });
+    })?;
     if json {
         let object: Map<String, Value> = tables.iter().map(Table::json).collect();
         return print(&Value::Object(object).to_string());
@@ -106,13 +106,16 @@ impl<'a, const D: usize> Facts<'a, D> {
     }
 }
 
-fn explain<const D: usize, const M: usize>(case: &Case<D>, probe: Probe) -> Vec<Table>
+fn explain<const D: usize, const M: usize>(case: &Case<D>, probe: Probe) -> Result<Vec<Table>, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    if let Some(flow) = &case.flow {
+        check_restart::<D, M>(case, flow)?;
+    }
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
     let mut doubts = doubts(&facts);
@@ -121,7 +124,7 @@ where
     tables.extend(seconds::<D, M>(&facts, probe, &mut doubts));
     tables.push(tables::defaults(&case.about));
     tables.push(doubtful(&doubts));
-    tables
+    Ok(tables)
 }
 
 /// Doubts inflows and outflows that the initial state does not fit.

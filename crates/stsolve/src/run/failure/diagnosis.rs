@@ -45,7 +45,7 @@ const OF_MESH: [Rule; 8] = [
 const OF_STRUCTURE: [Rule; 3] =
     [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
 
-const OF_FLOW: [Rule; 12] = [
+const OF_FLOW: [Rule; 13] = [
     gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
@@ -53,6 +53,7 @@ const OF_FLOW: [Rule; 12] = [
     gas_rules::steep_start,
     gas_rules::not_resolved,
     gas_rules::quadrature,
+    solver_rules::no_steady_flow,
     solver_rules::newton_steps,
     solver_rules::linear_solver,
     solver_rules::time_step,

@@ -72,6 +72,21 @@ pub struct Newton {
     pub unfinished_linear_solves: f64,
     /// That limit.
     pub krylov_allowed: usize,
+    /// What a march in time from the best state has shown, where a steady flow was not found.
+    pub settling: Option<Settling>,
+}
+
+/// A flow that was marched in time to see whether it becomes steady.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Settling {
+    /// Its rate of change in the first quarter.
+    pub early: f64,
+    /// The same in the last quarter.
+    pub late: f64,
+    /// The time marched.
+    pub duration: f64,
+    /// Whether it becomes steady.
+    pub calms_down: bool,
 }
 
 /// The mesh.

@@ -1,13 +1,13 @@
 //! What is found out about a run of mesh and flow that has failed.
 
 use super::super::openings::Record;
-use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton, OpeningEvidence};
+use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton, OpeningEvidence, Settling};
 use super::finding::{Finding, Verdict, WorstCell};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_mesh::{self, inverted};
 use crate::case::{Case, Flow, State};
-use coupled::{Interval, March, MarchError, MeshMover, Remainder, SlabError};
+use coupled::{Interval, March, MarchError, MeshMover, Remainder, SlabError, SteadyError};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
@@ -17,7 +17,8 @@ pub struct Failed<'a, const D: usize, const M: usize> {
     flow: &'a Flow<D>,
     march: &'a March<D, M>,
     error: Option<&'a SlabError>,
-    steady: bool,
+    /// The search for a steady flow that has failed, if it was that.
+    steady: Option<&'a SteadyError>,
     interval: Interval,
     openings: &'a [Record],
 }
@@ -42,10 +43,10 @@ where
     ) -> Self {
         let here = Interval { start: march.state.time, end: march.state.time, halvings: 0 };
         let failed = |error, steady, interval| Failed { case, flow, march, error, steady, interval, openings };
-        match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SlabError>()) {
-            (Some(march), _) => failed(Some(&march.source), false, march.interval),
-            (None, Some(slab)) => failed(Some(slab), true, here),
-            (None, None) => failed(None, false, here),
+        match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SteadyError>()) {
+            (Some(march), _) => failed(Some(&march.source), None, march.interval),
+            (None, Some(steady)) => failed(Some(&steady.source), Some(steady), here),
+            (None, None) => failed(None, None, here),
         }
     }
 
@@ -54,8 +55,13 @@ where
         let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
         let (gases, d) = (self.gases(&grid), &self.march.state.d);
         let Interval { start, end, halvings } = self.interval;
-        let attempt =
-            Attempt { steady: self.steady, slabs_done: self.march.state.slab, start, length: end - start, halvings };
+        let attempt = Attempt {
+            steady: self.steady.is_some(),
+            slabs_done: self.march.state.slab,
+            start,
+            length: end - start,
+            halvings,
+        };
         let mut mesh = of_mesh::mesh(self.case, self.mover(), &grid, d, self.interval);
         if let Some(SlabError::Invalid { quality }) = self.error {
             mesh.smallest_det_j = quality.sampled_min;
@@ -108,7 +114,7 @@ where
 
     fn newton(&self, error: &newton::Error) -> Newton {
         let (solver, report) = (&self.case.solver, error.report());
-        let (steps_allowed, krylov_allowed) = match solver.steady.as_ref().filter(|_| self.steady) {
+        let (steps_allowed, krylov_allowed) = match solver.steady.as_ref().filter(|_| self.steady.is_some()) {
             Some(steady) => (steady.steps, steady.krylov_iterations),
             None => (solver.newton_steps, solver.krylov_iterations),
         };
@@ -120,6 +126,7 @@ where
             steps_used_up: matches!(error, newton::Error::MaxSteps { .. }),
             unfinished_linear_solves: unfinished as f64 / report.steps.len().max(1) as f64,
             krylov_allowed,
+            settling: self.steady.and_then(|steady| steady.settling.as_ref()).map(seen),
         }
     }
 
@@ -212,6 +219,12 @@ where
         }
         d
     }
+}
+
+/// As evidence.
+fn seen(settling: &coupled::Settling) -> Settling {
+    let coupled::Settling { early, late, duration } = *settling;
+    Settling { early, late, duration, calms_down: settling.calms_down() }
 }
 
 /// The rate of what is prescribed at time `t`, forward by a millionth of a `step`.

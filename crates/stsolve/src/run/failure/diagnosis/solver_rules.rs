@@ -1,6 +1,6 @@
 //! Causes in the settings of the solver.
 
-use super::super::evidence::{Attempt, Evidence, GaveUp};
+use super::super::evidence::{Attempt, Evidence, GaveUp, Settling};
 use super::{Cause, number, rises};
 
 /// A residual that stands at less than this times the estimate of its rounding probably is rounding.
@@ -23,6 +23,24 @@ pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
         ),
         remedy: format!("raise `{key}`, now {}", newton.steps_allowed),
     })
+}
+
+/// A steady flow was looked for, and a march in time has shown whether the flow becomes steady.
+pub fn no_steady_flow(evidence: &Evidence) -> Option<Cause> {
+    let Settling { early, late, duration, calms_down } = evidence.newton.as_ref()?.settling?;
+    let [early, late, duration] = [early, late, duration].map(number);
+    let seen =
+        format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
+    let (name, likelihood, what) = match calms_down {
+        false => ("unsteady_flow", 0.9, format!("perhaps there is no steady flow, for the flow is unsteady: {seen}")),
+        true => (
+            "slow_settling",
+            0.7,
+            format!("Newton's method does not find the steady flow, though the flow calms down: {seen}"),
+        ),
+    };
+    let remedy = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`".into();
+    Some(Cause { name, likelihood, what, remedy })
 }
 
 /// Linear solves were cut short.

@@ -4,7 +4,8 @@
 
 use super::*;
 use crate::run::failure::evidence::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Structure, Undefined,
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Settling, Structure,
+    Undefined,
 };
 use crate::run::openings::{Misuse, Record, Seen};
 
@@ -21,6 +22,7 @@ fn nothing_suspicious() -> Evidence {
             steps_used_up: true,
             unfinished_linear_solves: 0.0,
             krylov_allowed: 200,
+            settling: None,
         }),
         mesh: Mesh { smallest_det_j: 0.9, aspect_ratio: 2.0, evenness: 0.8, ..Mesh::default() },
         gas: Some(Gas {
@@ -206,4 +208,20 @@ fn numbers_are_rounded_in_sentences() {
     for (value, text) in [(0.0, "0"), (774.93, "775"), (1.5e-7, "1.5e-7"), (-0.125, "-0.125"), (2.5e6, "2.5e6")] {
         assert_eq!(number(value), text);
     }
+}
+
+/// Only a march in time can tell; its result goes ahead of guesses.
+#[test]
+fn a_flow_that_does_not_settle_is_called_unsteady() {
+    let settling = |late: f64, calms_down| Settling { early: 0.5, late, duration: 8.0, calms_down };
+    let with = |settling| {
+        first(|e| {
+            e.attempt.steady = true;
+            newton(e).steps_used_up = false;
+            newton(e).settling = Some(settling);
+        })
+    };
+    assert_eq!(with(settling(0.6, false)), "unsteady_flow");
+    assert_ne!(first(|e| e.attempt.steady = true), "unsteady_flow");
+    assert_ne!(with(settling(0.01, true)), "unsteady_flow");
 }

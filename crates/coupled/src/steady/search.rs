@@ -1,0 +1,197 @@
+//! The steady flow from any start: at once where that is easy, else from one discretisation to the next.
+//!
+//! 1. Pseudo-time at the order asked for. It gives up as soon as its residual no longer falls.
+//! 2. If it has given up: order 2 with the most dissipative flux, then with the flux of the case orders 3, 4, .., each from the flow before.
+//! 3. If that has failed: some slabs of the march in time from the best state, on data of one time. Where their residual falls,
+//!    pseudo-time is tried again from there. Where it does not, the flow is unsteady.
+
+use super::settling::{Settling, settle};
+use super::solve_steady;
+use crate::march::{SlabError, SlabReport};
+use crate::mesh_mover::MeshMover;
+use crate::slab_problem::SlabProblem;
+use crate::transfer::transfer_flow;
+use newton_krylov::newton::{self, Stall};
+use newton_krylov::{line_search, pseudo_time};
+
+/// The flow of a lower order is found when its residual has fallen by this factor: better ones do not shorten the next stage.
+const ROUGHLY: f64 = 1e-4;
+
+/// When the first attempt gives up: a start that is easy lets its residual fall in every step.
+const AT_ONCE: Stall = Stall { steps: 5, factor: 0.9 };
+
+/// When a later one does: waves that leave the domain may raise the residual for some steps.
+const PATIENT: Stall = Stall { steps: 25, factor: 0.9 };
+
+/// How the equations are discretised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Discretisation {
+    /// N_s.
+    pub order: usize,
+    /// N_t.
+    pub time_order: usize,
+    /// Whether the flux between cells is the most dissipative one, instead of that of the case.
+    pub dissipative: bool,
+}
+
+/// What was done in one discretisation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// How.
+    pub discretisation: Discretisation,
+    /// Newton steps.
+    pub steps: usize,
+    /// Krylov iterations.
+    pub iterations: usize,
+    /// Whether the flow was found.
+    pub converged: bool,
+}
+
+/// A discretisation of the case, on the mesh at rest, and the initial state there.
+pub type Discretised<const D: usize, const M: usize> = (SlabProblem<D, M>, Vec<f64>);
+
+/// The search for a steady flow.
+pub struct Search<'a, const D: usize, const M: usize> {
+    /// Makes the problem of a discretisation.
+    pub discretise: &'a dyn Fn(Discretisation) -> Discretised<D, M>,
+    /// N_s.
+    pub order: usize,
+    /// The mesh.
+    pub mover: &'a MeshMover<D>,
+    /// Its displacement.
+    pub displacement: &'a [f64],
+    /// The time of all data.
+    pub time: f64,
+    /// The time in which the flow passes its reference length.
+    pub time_unit: f64,
+    /// The Newton driver.
+    pub settings: newton::Settings,
+    /// Whether other discretisations may be tried.
+    pub sequence: bool,
+}
+
+/// A steady flow.
+#[derive(Debug)]
+pub struct SteadyFlow<const M: usize> {
+    /// The last solve.
+    pub report: SlabReport<M>,
+    /// All solves, the last one last.
+    pub stages: Vec<Stage>,
+}
+
+/// Why there is no steady flow.
+#[derive(Debug, thiserror::Error)]
+#[error("no steady flow was found{}", described(settling.as_ref()))]
+pub struct SteadyError {
+    /// What slabs in time from the best state have shown.
+    pub settling: Option<Settling>,
+    /// All solves.
+    pub stages: Vec<Stage>,
+    /// What went wrong at last.
+    #[source]
+    pub source: SlabError,
+}
+
+fn described(settling: Option<&Settling>) -> String {
+    settling.map_or(String::new(), |settling| format!(", {}", settling.describe()))
+}
+
+/// Whether more steps would not help.
+fn is_stuck(error: &SlabError) -> bool {
+    let SlabError::Newton { source, .. } = error else { return false };
+    !matches!(**source, newton::Error::MaxSteps { .. }) || source.report().steps.len() >= PATIENT.steps
+}
+
+impl<const D: usize, const M: usize> Search<'_, D, M> {
+    /// Replaces `u`, a flow of the order asked for, by the steady flow.
+    ///
+    /// # Errors
+    /// [`SteadyError`]; `u` is then the state with the least residual.
+    pub fn find(&self, u: &mut Vec<f64>) -> Result<SteadyFlow<M>, SteadyError> {
+        let (own, mut stages) = (self.own(), Vec::new());
+        let stall = if self.sequence { AT_ONCE } else { PATIENT };
+        let start = u.clone();
+        let mut solved = self.solve(own, u, self.with(stall), &mut stages);
+        if solved.is_err() && self.sequence {
+            *u = start;
+            solved = self.climb(u, &mut stages);
+        }
+        let source = match solved {
+            Ok(report) => return Ok(SteadyFlow { report, stages }),
+            Err(source) => source,
+        };
+        let mut marched = u.clone();
+        let settling = if is_stuck(&source) { settle(self, &mut marched) } else { None };
+        if settling.as_ref().is_some_and(Settling::calms_down)
+            && let Ok(report) = self.solve(own, &mut marched, self.with(PATIENT), &mut stages)
+        {
+            *u = marched;
+            return Ok(SteadyFlow { report, stages });
+        }
+        Err(SteadyError { settling, stages, source })
+    }
+
+    /// From order 2 upwards.
+    fn climb(&self, u: &mut Vec<f64>, stages: &mut Vec<Stage>) -> Result<SlabReport<M>, SlabError> {
+        let mut at = self.order;
+        let rough = self.settings.relative_tolerance.max(ROUGHLY);
+        let roughly = newton::Settings { relative_tolerance: rough, ..self.with(PATIENT) };
+        let lower = (2..self.order.max(3)).map(|order| Discretisation { order, dissipative: order == 2, ..self.own() });
+        for next in lower {
+            self.carry(u, at, next.order);
+            at = next.order;
+            // The next one goes on from the best state, whether or not this one has converged.
+            if let Err(error) = self.solve(next, u, roughly, stages) {
+                tracing::info!(order = next.order, %error, "steady flow of a lower order not found");
+            }
+        }
+        self.carry(u, at, self.order);
+        self.solve(self.own(), u, self.with(PATIENT), stages)
+    }
+
+    pub(super) fn own(&self) -> Discretisation {
+        Discretisation { order: self.order, time_order: 1, dissipative: false }
+    }
+
+    /// The settings with a watch for stalls. Steps that the line search would shorten much are damped instead.
+    fn with(&self, stall: Stall) -> newton::Settings {
+        newton::Settings {
+            stall: Some(stall),
+            line_search: line_search::Settings { max_trials: 4, ..self.settings.line_search },
+            pseudo_time: pseudo_time::Settings { recovery: 2.0, ..self.settings.pseudo_time },
+            ..self.settings
+        }
+    }
+
+    fn carry(&self, u: &mut Vec<f64>, from: usize, to: usize) {
+        if from != to {
+            *u = transfer_flow(u, self.mover, self.displacement, M, from, to);
+        }
+    }
+
+    fn solve(
+        &self,
+        discretisation: Discretisation,
+        u: &mut Vec<f64>,
+        settings: newton::Settings,
+        stages: &mut Vec<Stage>,
+    ) -> Result<SlabReport<M>, SlabError> {
+        let (mut problem, initial) = (self.discretise)(discretisation);
+        let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
+        if let Err(SlabError::Guess(_)) = solved {
+            // What was carried over is no state of this order.
+            u.copy_from_slice(&initial);
+            solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
+        }
+        let report = match &solved {
+            Ok(report) => Some(&report.newton),
+            Err(SlabError::Newton { source, .. }) => Some(source.report()),
+            Err(_) => None,
+        };
+        let (steps, iterations) = report.map_or((0, 0), |report| (report.steps.len(), report.krylov_iterations));
+        let stage = Stage { discretisation, steps, iterations, converged: solved.is_ok() };
+        tracing::info!(?stage, "steady flow");
+        stages.push(stage);
+        solved
+    }
+}

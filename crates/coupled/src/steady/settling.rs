@@ -1,0 +1,76 @@
+//! Whether a flow settles when it is marched in time.
+
+use super::residual_norms;
+use super::search::{Discretisation, Search};
+use crate::march::{Jacobian, March, Predictor, Settings};
+use crate::schedule::Schedule;
+use newton_krylov::newton;
+
+/// Slabs of two nodes each, and how many of them make a time unit: of order 3, they hardly damp what has a period of a time unit.
+const SLABS: usize = 48;
+const PER_TIME_UNIT: f64 = 6.0;
+
+/// A flow settles if its rate of change falls below this part of what it was.
+const CALM: f64 = 0.5;
+
+/// The rate of change of a flow that was marched in time from the best state of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// |du/dt| in the first quarter of the march: the mean of its logarithm. L2 mean over the domain, components in units of their scales.
+    pub early: f64,
+    /// The same in the last quarter.
+    pub late: f64,
+    /// The time marched.
+    pub duration: f64,
+}
+
+impl Settling {
+    /// Whether the flow becomes steady.
+    pub fn calms_down(&self) -> bool {
+        self.late < CALM * self.early
+    }
+
+    /// What was seen, as part of a sentence.
+    pub fn describe(&self) -> String {
+        let Settling { early, late, duration } = self;
+        let seen = format!(
+            "marched in time for {duration:.3} from the best state, its rate of change went from {early:.2e} to {late:.2e}"
+        );
+        match self.calms_down() {
+            true => format!("though the flow calms down: {seen}"),
+            false => format!("for the flow is unsteady: {seen}"),
+        }
+    }
+}
+
+/// Marches `u` in time on data of the time of `search`; None if that fails. `u` is then where the march has ended.
+pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &mut Vec<f64>) -> Option<Settling> {
+    let _timed = tracing::info_span!("marching in time").entered();
+    let (mut steady, _) = (search.discretise)(search.own());
+    let step = search.time_unit / PER_TIME_UNIT;
+    let mut march = march(search, u, step);
+    let mut rates = Vec::with_capacity(SLABS);
+    while !march.is_done() {
+        march.advance().ok()?;
+        steady.at_rest(search.time, &march.state.u, search.displacement).ok()?;
+        rates.push(residual_norms(&mut steady, &march.state.u).ok()?[0] / super::LONG);
+    }
+    u.clone_from(&march.state.u);
+    let mean = |rates: &[f64]| (rates.iter().map(|rate| rate.ln()).sum::<f64>() / rates.len() as f64).exp();
+    let quarter = rates.len() / 4;
+    let (early, late) = (mean(&rates[..quarter]), mean(&rates[rates.len() - quarter..]));
+    Some(Settling { early, late, duration: step * SLABS as f64 })
+}
+
+fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], step: f64) -> March<D, M> {
+    let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
+    problem.flow.hold_time(search.time);
+    let schedule =
+        Schedule { start: search.time, end: search.time + step * SLABS as f64, step, slabs: SLABS, control: None };
+    let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
+    let settings =
+        Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };
+    let mut march = March::new(problem, u.to_vec(), settings);
+    march.state.d.copy_from_slice(search.displacement);
+    march
+}

@@ -1,0 +1,106 @@
+//! Steady starts: whose data they take, how they are found, and what they say where there is no steady flow.
+//!
+//! `scripts/steady_starts.py` runs the twelve starts of its table on finer meshes, each at two orders.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod common;
+
+use common::{Outcome, number, on_case, stsolve, summary};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Runs a case given as text.
+fn run(directory: &Path, name: &str, case: &str) -> Outcome {
+    let file = directory.join(format!("{name}.toml"));
+    std::fs::write(&file, case).unwrap();
+    stsolve(directory, &["run", file.to_str().unwrap(), "--output", name, "--quiet"])
+}
+
+/// The state on the boundary varies in time: at t = 0 its density is 1. The mean over the slab of the solver was 1.0969.
+#[test]
+fn a_steady_start_takes_boundary_states_of_its_own_time() {
+    let case = |start: f64| {
+        format!(
+            "mesh = {{ order = 2, generate.box = {{ lower = [0, 0], upper = [1, 1], cells = [3, 3] }} }}
+             time = {{ order = 1, start = {start}, end = {start}, step = 1 }}
+             solver = {{ steady = {{}} }}
+             [flow]
+             order = 3
+             initial = {{ uniform = {{ velocity = [0.3, 0], pressure = 1 }} }}
+             [flow.boundary.others.prescribed_state.expression]
+             density = \"1 + 0.3*sin(t)\"
+             velocity = [0.3, 0]
+             pressure = 1"
+        )
+    };
+    let directory = TempDir::new().unwrap();
+    for (name, start) in [("zero", 0.0), ("later", 1.25)] {
+        run(directory.path(), name, &case(start)).expect(0, &[]);
+        let mass = common::column(&directory.path().join(name), "mass")[0];
+        println!("start at {start}: mass {mass}");
+        assert!((mass - (1.0 + 0.3 * f64::sin(start))).abs() < 1e-8, "{start}: {mass}");
+    }
+}
+
+/// 280 cells.
+const COARSE: &str = "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, \
+                      normal_cells = 10, far_field = 20 }";
+
+/// A gust that begins at t = 0 exerts no lift then; C_L was 0.02.
+#[test]
+fn a_gust_is_not_felt_before_it_has_begun() {
+    let gust = "flow.boundary.far={prescribed_state={expression={density=1,velocity=[1,\"0.1*sin(2*pi*t/5.3)\"],pressure=\"1/(1.4*0.2^2)\"}}}";
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.order=3", COARSE, "flow.order=3", gust, "time.end=0"];
+    on_case(directory.path(), "run", "naca0012_heave", &set, "gust", &[]).expect(0, &[]);
+    let wall = &summary(&directory.path().join("gust"))["steady"]["walls"]["airfoil"];
+    println!("{wall}");
+    assert!(number(wall, "lift_coefficient").abs() < 1e-7, "{wall}");
+}
+
+/// Euler flow around the airfoil at two degrees, on 216 cells; the drag of a flow without shocks is zero.
+fn inviscid(mach: f64, order: usize) -> String {
+    let [x, y] = [2.0_f64.to_radians().cos(), 2.0_f64.to_radians().sin()];
+    format!(
+        "time = {{ order = 1, end = 0, step = 1 }}
+         solver.steady = {{}}
+         [mesh]
+         order = 4
+         [mesh.generate.airfoil]
+         first_cell = 0.03
+         trailing_edge_cell = 0.03
+         surface_cells = 8
+         wake_cells = 5
+         near_wake = {{ extent = 2, cells = 3 }}
+         normal_cells = 8
+         near_wall = {{ extent = 0.6, cells = 5 }}
+         [flow]
+         order = {order}
+         initial = {{ uniform = {{ velocity = [{x}, {y}], mach = {mach} }} }}
+         [flow.boundary]
+         airfoil = \"slip_wall\"
+         far = {{ far_field = {{ velocity = [{x}, {y}], mach = {mach} }} }}
+         [flow.forces.airfoil]
+         drag_direction = [{x}, {y}]"
+    )
+}
+
+/// From the free stream orders 3 to 5 stall at once at Mach numbers of 0.1 and 0.5. Lift: a thin airfoil of 12 % has
+/// 2 pi (1 + 0.77 * 0.12) alpha / sqrt(1 - M^2) = 0.241 at M = 0.1, 0.277 at M = 0.5.
+#[test]
+fn an_inviscid_airfoil_is_found_by_lower_orders() {
+    let directory = TempDir::new().unwrap();
+    for (mach, lift) in [(0.1, 0.241), (0.5, 0.277)] {
+        for order in [3, 4] {
+            let name = format!("order_{order}_mach_{mach}");
+            run(directory.path(), &name, &inviscid(mach, order)).expect(0, &[]);
+            let steady = &summary(&directory.path().join(&name))["steady"];
+            println!("M = {mach}, order {order}: {steady}");
+            let wall = &steady["walls"]["airfoil"];
+            let found = number(wall, "lift_coefficient");
+            assert!((found / lift - 1.0).abs() < 0.05, "M = {mach}, order {order}: C_L = {found}, not {lift}");
+            assert!(number(wall, "drag_coefficient").abs() < 5e-3, "{wall}");
+        }
+    }
+}
