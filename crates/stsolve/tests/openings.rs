@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::{Outcome, assert_same_bits, column, number, on_case, stsolve, summary};
+use common::{Outcome, assert_same_bits, checkpoint, column, number, on_case, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -137,15 +137,40 @@ fn vortices_leave_through_an_outflow() {
     }
 }
 
-/// The free stream error is relative to the energy, 20.3: 1e-3 of it is 1e-3 of the pressure.
+/// The pressure at every node at the end of a run, over that of the outlet, less 1: the largest.
+fn pressure_off(run: &Path) -> f64 {
+    const NODES: usize = 16;
+    let flow: Vec<f64> = checkpoint(run).0["flow"].iter().map(|&bits| f64::from_bits(bits)).collect();
+    let pressure = |cell: &[f64], i: usize| {
+        let [density, x, y, energy] = [0, 1, 2, 3].map(|component| cell[component * NODES + i]);
+        0.4 * (energy - 0.5 * (x * x + y * y) / density)
+    };
+    let off =
+        |cell: &[f64]| (0..NODES).map(|i| (pressure(cell, i) / 7.936507936507937 - 1.0).abs()).fold(0.0, f64::max);
+    flow.chunks_exact(4 * NODES).map(off).fold(0.0, f64::max)
+}
+
 #[test]
 #[ignore = "a minute"]
 fn the_pressure_is_that_of_the_outlet_30_after_a_vortex() {
+    let directory = TempDir::new().unwrap();
     for strength in ["1", "2.5", "4"] {
-        let summary = survives(VORTEX, &[&format!("flow.initial.vortex.strength={strength}"), "time.end=30"]);
-        assert!(number(&summary, "conservation.free_stream_error") < 1e-3, "{strength}: {summary}");
-        assert_eq!(number(&summary, "openings.right.backflow.share"), 0.0);
+        let set = [&format!("flow.initial.vortex.strength={strength}")[..], "time.end=30"];
+        run(directory.path(), VORTEX, &set, strength, &["--quiet"]).expect(0, &[]);
+        let off = pressure_off(&directory.path().join(strength));
+        assert!(off < 1e-3, "{strength}: {off:e}");
     }
+}
+
+/// A jet as fast as a Mach number of 0.3 has been washed out. (Where nothing washes it out it stays, as it should without viscosity.)
+#[test]
+#[ignore = "a minute"]
+fn the_pressure_is_that_of_the_outlet_30_after_shear() {
+    let directory = TempDir::new().unwrap();
+    let slower = "flow.initial.expression.velocity=[\"push\", \"exp(-x^2)*(1+0.1*sin(pi*y))\"]";
+    run(directory.path(), SHEAR, &[slower, "time.end=30", "time.step=0.1"], "run", &["--quiet"]).expect(0, &[]);
+    let off = pressure_off(&directory.path().join("run"));
+    assert!(off < 1e-3, "{off:e}");
 }
 
 /// Before, all of these died before t = 0.4: shear was imposed on gas that left.
@@ -153,17 +178,6 @@ fn the_pressure_is_that_of_the_outlet_30_after_a_vortex() {
 fn shear_passes_an_inflow() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
         survives(SHEAR, &[&format!("constants.push={push}")]);
-    }
-}
-
-/// At the end nothing moves but what 7.98 / 7.9365 of total pressure drives: a Mach number of 0.088, a speed of 0.29.
-#[test]
-#[ignore = "a minute"]
-fn the_pressure_is_that_of_the_outlet_30_after_shear() {
-    for push in ["0.3", "0.1", "0", "-0.1"] {
-        let driven = "flow.exact={ uniform = { density = 1, velocity = [0.29475, 0], pressure = 7.936507936507937 } }";
-        let summary = survives(SHEAR, &[&format!("constants.push={push}"), driven, "time.end=30"]);
-        assert!(number(&summary, "conservation.free_stream_error") < 2e-3, "{push}: {summary}");
     }
 }
 
@@ -185,13 +199,13 @@ fn a_resumed_run_knows_what_came_back() {
         run(directory.path(), VORTEX, &[&coarse[..], &[end]].concat(), output, extra).expect(0, &[]);
     };
     to("time.end=5", "through", &[]);
-    to("time.end=4", "resumed", &[]);
+    to("time.end=4.5", "resumed", &[]);
     to("time.end=5", "resumed", &["--resume"]);
     let at = |name: &str| directory.path().join(name);
     assert_same_bits(&at("through"), &at("resumed"), "resumed");
     let [through, resumed] = ["through", "resumed"].map(|name| summary(&at(name))["openings"].clone());
     assert_eq!(through, resumed);
-    assert!(number(&through, "right.backflow.since") < 4.0, "{through}");
+    assert!(number(&through, "right.backflow.since") < 4.5, "{through}");
 }
 
 #[test]
