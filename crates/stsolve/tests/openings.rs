@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::{Outcome, assert_same_bits, column, number, on_case, stsolve, summary};
+use common::{Outcome, assert_same_bits, checkpoint, column, number, on_case, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -105,6 +105,29 @@ end = 0.7
 step = 0.05
 "#;
 
+/// A duct between a reservoir and an outlet, steady, at M = 0.3.
+const DUCT: &str = r#"
+[mesh]
+order = 2
+[mesh.generate.box]
+lower = [0, 0]
+upper = [4, 1]
+cells = [6, 2]
+[flow]
+order = 4
+initial = { uniform = { density = 1, velocity = [0.7, 0], mach = 0.2 } }
+reference = { density = 1, speed = 1, pressure = 7.936507936507937 }
+[flow.boundary]
+left = { inflow = { total_pressure = 8.4478, total_temperature = 8.0794, direction = [1, 0] } }
+right = { outflow = { pressure = 7.936507936507937 } }
+others = "slip_wall"
+[time]
+order = 1
+end = 0.01
+slabs = 1
+[solver.steady]
+"#;
+
 /// Runs a `case` with changes.
 fn run(directory: &Path, case: &str, set: &[&str], output: &str, extra: &[&str]) -> Outcome {
     std::fs::write(directory.join("case.toml"), case).unwrap();
@@ -137,15 +160,60 @@ fn vortices_leave_through_an_outflow() {
     }
 }
 
-/// The free stream error is relative to the energy, 20.3: 1e-3 of it is 1e-3 of the pressure.
+/// Density, speed and pressure at every node at the end of a run of order 4 in two dimensions.
+fn gas_at_end(run: &Path) -> Vec<[f64; 3]> {
+    const NODES: usize = 16;
+    let flow: Vec<f64> = checkpoint(run).0["flow"].iter().map(|&bits| f64::from_bits(bits)).collect();
+    let node = |cell: &[f64], i: usize| {
+        let [density, x, y, energy] = [0, 1, 2, 3].map(|component| cell[component * NODES + i]);
+        let squared = (x * x + y * y) / (density * density);
+        [density, squared.sqrt(), 0.4 * (energy - 0.5 * density * squared)]
+    };
+    flow.chunks_exact(4 * NODES).flat_map(|cell| (0..NODES).map(move |i| node(cell, i))).collect()
+}
+
+/// The largest difference of the pressure from that of the outlet, relative to it.
+fn pressure_off(run: &Path) -> f64 {
+    gas_at_end(run).iter().map(|[_, _, p]| (p / 7.936507936507937 - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// In a duct without friction the total pressure and the total temperature of the inflow stand everywhere, and the pressure of the outflow.
+#[test]
+fn a_duct_has_the_total_state_of_its_inflow() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), DUCT, &[], "run", &["--quiet"]).expect(0, &[]);
+    let run = directory.path().join("run");
+    for [density, speed, pressure] in gas_at_end(&run) {
+        let temperature = pressure / density;
+        let total = temperature + speed * speed / 7.0;
+        assert!((total / 8.0794 - 1.0).abs() < 1e-8, "{total}");
+        let total_pressure = pressure * (total / temperature).powf(3.5);
+        assert!((total_pressure / 8.4478 - 1.0).abs() < 1e-8, "{total_pressure}");
+    }
+    assert!(pressure_off(&run) < 1e-8);
+}
+
 #[test]
 #[ignore = "a minute"]
 fn the_pressure_is_that_of_the_outlet_30_after_a_vortex() {
+    let directory = TempDir::new().unwrap();
     for strength in ["1", "2.5", "4"] {
-        let summary = survives(VORTEX, &[&format!("flow.initial.vortex.strength={strength}"), "time.end=30"]);
-        assert!(number(&summary, "conservation.free_stream_error") < 1e-3, "{strength}: {summary}");
-        assert_eq!(number(&summary, "openings.right.backflow.share"), 0.0);
+        let set = [&format!("flow.initial.vortex.strength={strength}")[..], "time.end=30"];
+        run(directory.path(), VORTEX, &set, strength, &["--quiet"]).expect(0, &[]);
+        let off = pressure_off(&directory.path().join(strength));
+        assert!(off < 1e-3, "{strength}: {off:e}");
     }
+}
+
+/// A jet as fast as a Mach number of 0.3 has been washed out. (Where nothing washes it out it stays, as it should without viscosity.)
+#[test]
+#[ignore = "a minute"]
+fn the_pressure_is_that_of_the_outlet_30_after_shear() {
+    let directory = TempDir::new().unwrap();
+    let slower = "flow.initial.expression.velocity=[\"push\", \"exp(-x^2)*(1+0.1*sin(pi*y))\"]";
+    run(directory.path(), SHEAR, &[slower, "time.end=30", "time.step=0.1"], "run", &["--quiet"]).expect(0, &[]);
+    let off = pressure_off(&directory.path().join("run"));
+    assert!(off < 1e-3, "{off:e}");
 }
 
 /// Before, all of these died before t = 0.4: shear was imposed on gas that left.
@@ -153,17 +221,6 @@ fn the_pressure_is_that_of_the_outlet_30_after_a_vortex() {
 fn shear_passes_an_inflow() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
         survives(SHEAR, &[&format!("constants.push={push}")]);
-    }
-}
-
-/// At the end nothing moves but what 7.98 / 7.9365 of total pressure drives: a Mach number of 0.088, a speed of 0.29.
-#[test]
-#[ignore = "a minute"]
-fn the_pressure_is_that_of_the_outlet_30_after_shear() {
-    for push in ["0.3", "0.1", "0", "-0.1"] {
-        let driven = "flow.exact={ uniform = { density = 1, velocity = [0.29475, 0], pressure = 7.936507936507937 } }";
-        let summary = survives(SHEAR, &[&format!("constants.push={push}"), driven, "time.end=30"]);
-        assert!(number(&summary, "conservation.free_stream_error") < 2e-3, "{push}: {summary}");
     }
 }
 
@@ -185,13 +242,13 @@ fn a_resumed_run_knows_what_came_back() {
         run(directory.path(), VORTEX, &[&coarse[..], &[end]].concat(), output, extra).expect(0, &[]);
     };
     to("time.end=5", "through", &[]);
-    to("time.end=4", "resumed", &[]);
+    to("time.end=4.5", "resumed", &[]);
     to("time.end=5", "resumed", &["--resume"]);
     let at = |name: &str| directory.path().join(name);
     assert_same_bits(&at("through"), &at("resumed"), "resumed");
     let [through, resumed] = ["through", "resumed"].map(|name| summary(&at(name))["openings"].clone());
     assert_eq!(through, resumed);
-    assert!(number(&through, "right.backflow.since") < 4.0, "{through}");
+    assert!(number(&through, "right.backflow.since") < 4.5, "{through}");
 }
 
 #[test]
