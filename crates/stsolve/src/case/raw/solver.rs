@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// A slab is done when the residual has fallen by this factor below that of its first guess, at most 0.1. Mass, momentum and energy
-    /// are balanced to round-off whatever the tolerance. A slab is also done ...
+    /// A slab is done when the residual has fallen by this factor below that of its first guess. At most 0.1. Mass, momentum and energy
+    /// are balanced to round-off whatever the tolerance.
     pub newton_tolerance: f64,
-    /// ... when the residual is below this size, in units of the reference state, at most 0.1; or where only round-off is left of it.
+    /// A slab is also done when the residual is below this size, in units of the reference state, or where only round-off is left of
+    /// it. At most 0.1.
     pub newton_absolute_tolerance: f64,
     /// Newton steps per slab at most.
     pub newton_steps: usize,

@@ -17,6 +17,7 @@ fn nothing_suspicious() -> Evidence {
         gave_up: GaveUp::Newton,
         attempt: Attempt { length: 0.1, slabs_done: 3, ..Attempt::default() },
         newton: Some(Newton {
+            round_off: None,
             residuals: vec![1.0, 0.9, 0.8, 0.75],
             steps_allowed: 30,
             steps_used_up: true,
