@@ -4,7 +4,7 @@ use fem::{Along, Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
-    SlipWall, Viscosity,
+    SlipWall, SupersonicInflow, VelocityInflow, Viscosity,
 };
 use verification::{
     Noise, curved_box, curved_box_at, free_stream, law, operator, prescribed, relative_difference, uniform,
@@ -215,7 +215,10 @@ pub(crate) fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
         Boundary::SlipWall(SlipWall),
         Boundary::Symmetry(SlipWall),
         Boundary::Inflow(Inflow::new(2.0, 1.7, stream.velocity).unwrap()),
-        Boundary::Outflow(Outflow::new(1.5).unwrap()),
+        Boundary::Outflow(Outflow::new(1.5, 1.6).unwrap()),
+        Boundary::VelocityInflow(VelocityInflow::OfVelocity),
+        Boundary::VelocityInflow(VelocityInflow::OfMassFlux),
+        Boundary::SupersonicInflow(SupersonicInflow),
     ]
 }
 
