@@ -242,7 +242,8 @@ fn without_an_estimate_of_rounding_a_solve_fails_at_it() {
 
 #[test]
 fn a_solve_ends_at_the_rounding_that_the_problem_estimates() {
-    let mut problem = Small { rounding: Some(vec![2e-6]), ..coarse_problem() };
+    let mut problem = coarse_problem();
+    problem.rounding = Some(vec![2e-6]);
     let mut x = [2.0];
     let report = run(&mut problem, &mut x, &exact()).unwrap();
     assert_eq!((report.convergence, report.round_off), (Some(Convergence::RoundOff), Some(2e-6)));
@@ -253,10 +254,8 @@ fn a_solve_ends_at_the_rounding_that_the_problem_estimates() {
 /// An estimate far above the true rounding ends no solve that still makes progress.
 #[test]
 fn an_estimate_of_rounding_does_not_end_a_solve_that_makes_progress() {
-    let mut problem = Small {
-        rounding: Some(vec![1.0]),
-        ..Small::new(1, |x| Ok(vec![x[0] * x[0] - 2.0]), |x| vec![vec![2.0 * x[0]]])
-    };
+    let mut problem = Small::new(1, |x| Ok(vec![x[0] * x[0] - 2.0]), |x| vec![vec![2.0 * x[0]]]);
+    problem.rounding = Some(vec![1.0]);
     let mut x = [1.5];
     let report = run(&mut problem, &mut x, &exact()).unwrap();
     assert_eq!(report.convergence, Some(Convergence::Tolerance));
