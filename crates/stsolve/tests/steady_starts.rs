@@ -104,3 +104,23 @@ fn an_inviscid_airfoil_is_found_by_lower_orders() {
         }
     }
 }
+
+/// At Re = 4000 the wake of a cylinder does not rest on this mesh. The search must say so, by what it has measured, and advise nothing
+/// that it has tried.
+#[test]
+fn a_flow_without_a_steady_state_is_called_unsteady_and_its_rate_of_change_is_shown() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.order=3",
+        "mesh.generate.annulus.cells=[16,10]",
+        "time={order=1,end=0,step=1}",
+        "flow.order=4",
+        "flow.gas.viscosity.constant=0.00025",
+    ];
+    let outcome = on_case(directory.path(), "run", "cylinder_steady", &set, "unsteady", &[]);
+    println!("{}", outcome.stderr);
+    outcome.expect(1, &["the flow is unsteady", "its rate of change went from", "remove `[solver.steady]`"]);
+    for tried in ["solver.steady.steps", "krylov_iterations", "lax_friedrichs"] {
+        assert!(!outcome.stderr.contains(tried), "{tried} was tried: {}", outcome.stderr);
+    }
+}

@@ -138,11 +138,12 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         let roughly = newton::Settings { relative_tolerance: rough, ..self.with(PATIENT) };
         let lower = (2..self.order.max(3)).map(|order| Discretisation { order, dissipative: order == 2, ..self.own() });
         for next in lower {
-            self.carry(u, at, next.order);
-            at = next.order;
-            // The next one goes on from the best state, whether or not this one has converged.
-            if let Err(error) = self.solve(next, u, roughly, stages) {
-                tracing::info!(order = next.order, %error, "steady flow of a lower order not found");
+            // From the last flow that was found: one that has failed may be near a vacuum.
+            let mut trial = u.clone();
+            self.carry(&mut trial, at, next.order);
+            match self.solve(next, &mut trial, roughly, stages) {
+                Ok(_) => (*u, at) = (trial, next.order),
+                Err(error) => tracing::info!(order = next.order, %error, "steady flow of a lower order not found"),
             }
         }
         self.carry(u, at, self.order);

@@ -111,13 +111,13 @@ pub fn not_resolved(evidence: &Evidence) -> Option<Cause> {
         ),
         false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
     };
+    // The search for a steady flow has tried that flux by itself.
+    let flux = if evidence.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
     Some(Cause {
         name: "not_resolved",
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
         what: format!("the flow is {what}; {viscosity}"),
-        remedy: "take more or smaller cells there, add viscosity, or take `flow.riemann = \"lax_friedrichs\"`; there is no shock \
-                 capturing"
-            .into(),
+        remedy: format!("take more or smaller cells there, or add viscosity{flux}; there is no shock capturing"),
     })
 }
 
