@@ -165,8 +165,24 @@ impl<const D: usize> MeshMover<D> {
         for (s, d) in self.times.iter().zip(displacements.chunks_exact_mut(len)) {
             self.slab_motion.displacement(dt, bottom, v, part * s, d);
         }
+        if let Some(undefined) = displacements.iter().position(|d| !d.is_finite()) {
+            return self.undefined(undefined % len / D, interval.start + part * dt * self.times[undefined / len]);
+        }
         let cells = self.check.decide(&displacements);
         worst(&cells, Interval { end: interval.start + part * dt, ..interval })
+    }
+
+    /// The quality of a mesh where the displacement of `node` has no value at `time`: not valid.
+    fn undefined(&self, node: usize, time: f64) -> MeshQuality {
+        let cell = (0..self.reference.n_cells()).find(|&cell| self.numbering.cell(cell).contains(&node));
+        let nothing = f64::NAN;
+        MeshQuality {
+            lower_bound: nothing,
+            sampled_min: nothing,
+            scaled_jacobian: nothing,
+            cell: cell.unwrap_or(0),
+            time,
+        }
     }
 
     /// The first time in a slab at which a cell is not proved to be valid, to a thousandth of the slab; `None` if all are.

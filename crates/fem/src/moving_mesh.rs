@@ -92,12 +92,12 @@ impl MovingMesh {
     /// Sets the velocities `v[time node][C0 node][component]`.
     pub fn set_velocities(&mut self, v: &[f64]) {
         let (cell_len, slot_len, field_len) = (self.cell_len(), self.slot_len(), self.field_len());
-        let zero = vec![0.0; self.dimension];
+        let zero = &[0.0; 3][..self.dimension];
         for (cell, data) in self.data.chunks_exact_mut(cell_len).enumerate() {
             let slots = data[slot_len..].chunks_exact_mut(slot_len);
             for (slot, field) in slots.zip(v.chunks_exact(field_len)) {
                 slot.fill(0.0);
-                add_nodes(field, self.numbering.cell(cell), &zero, slot);
+                add_nodes(field, self.numbering.cell(cell), zero, slot);
             }
         }
     }

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 /// The summary of `stsolve motion` on a shipped case, and what it reported; it must end with `code`.
 fn motion(directory: &Path, name: &str, set: &[&str], code: i32) -> (serde_json::Value, String) {
-    let outcome = on_case(directory, "motion", name, set, name, &[]);
+    let outcome = on_case(directory, "motion", name, set, name, &["--force"]);
     outcome.expect(code, &[]);
     (summary(&directory.join(name)), outcome.stderr)
 }

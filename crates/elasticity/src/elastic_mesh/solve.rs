@@ -18,6 +18,9 @@ const MAX_PASSES: i32 = 4;
 /// The relative residual that a direct solve reaches in any case: a larger one is an error.
 const DIRECT_TOLERANCE: f64 = 1e-8;
 
+/// Roundings in a sum of forces at a node, in units of its largest term.
+const ROUNDING: f64 = 4.0;
+
 /// Work space of one solve with CG.
 pub(super) struct SolveWork {
     right_hand_side: Vec<f64>,
@@ -119,8 +122,17 @@ impl<const D: usize> ElasticMesh<D> {
             axpy(1.0, &r, d);
             norms = self.residuals(f, d, &mut r);
         }
-        let report = |(&initial_norm, &final_norm)| cg::Report { iterations: 0, initial_norm, final_norm };
-        start.iter().zip(&norms).map(report).map(|report| accepted(report, tolerance)).collect()
+        let reports = start.iter().zip(&norms);
+        let reports =
+            reports.map(|(&initial_norm, &final_norm)| cg::Report { iterations: 0, initial_norm, final_norm });
+        let sides = d.chunks_exact(self.length());
+        reports.zip(sides).map(|(report, d)| accepted(report, tolerance, self.rounding(d))).collect()
+    }
+
+    /// What rounding leaves of K d: where boundary displacements cancel in it, there is nothing else.
+    fn rounding(&self, d: &[f64]) -> f64 {
+        let forces: Vec<f64> = self.diagonal().iter().zip(d).map(|(k, d)| k * d).collect();
+        ROUNDING * f64::EPSILON * Euclidean.norm(&forces)
     }
 
     /// The relative error that one pass of the factor leaves, found by a solve whose solution is known: d = x. In well-shaped meshes it is
@@ -193,9 +205,9 @@ fn passes(pass_error: f64, tolerance: f64) -> i32 {
     (1..MAX_PASSES).find(|&passes| pass_error.powi(passes) <= tolerance).unwrap_or(MAX_PASSES)
 }
 
-/// The report of a direct solve that has reached its tolerance, or round-off.
-fn accepted(report: cg::Report, tolerance: f64) -> Result<cg::Report, ElasticityError> {
-    if report.final_norm <= tolerance.max(DIRECT_TOLERANCE) * report.initial_norm {
+/// The report of a direct solve that has reached its tolerance, or round-off: `rounding` is that of its terms.
+fn accepted(report: cg::Report, tolerance: f64, rounding: f64) -> Result<cg::Report, ElasticityError> {
+    if report.final_norm <= (tolerance.max(DIRECT_TOLERANCE) * report.initial_norm).max(rounding) {
         Ok(report)
     } else {
         Err(cg::Error::MaxIterations(report).into())

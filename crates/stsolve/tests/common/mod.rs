@@ -52,7 +52,7 @@ pub fn on_case(directory: &Path, command: &str, name: &str, set: &[&str], output
 
 /// Runs a case that must reach its end; returns its summary.
 pub fn finished(directory: &Path, name: &str, set: &[&str]) -> serde_json::Value {
-    on_case(directory, "run", name, set, name, &[]).expect(0, &[]);
+    on_case(directory, "run", name, set, name, &["--force"]).expect(0, &[]);
     let summary = summary(&directory.join(name));
     assert_eq!(summary["completed"], true);
     summary
@@ -96,8 +96,15 @@ pub fn assert_same_bits(one: &Path, other: &Path, what: &str) {
     assert!(history(one) == history(other), "{what}: history.csv differs");
 }
 
-/// Every file of a directory and its bytes.
+/// Every file of a directory and of the folders in it, and its bytes.
 pub fn contents(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
-    entries.map(|path| (path.clone(), std::fs::read(&path).unwrap())).collect()
+    let mut contents = BTreeMap::new();
+    for path in std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            contents.extend(self::contents(&path));
+        } else {
+            contents.insert(path.clone(), std::fs::read(&path).unwrap());
+        }
+    }
+    contents
 }

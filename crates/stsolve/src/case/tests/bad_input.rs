@@ -72,7 +72,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
     (
         "elasticity =",
         "elasticity = { law = \"neo_hookean\", tolerance = 1e-2 }",
-        &["`motion.elasticity.tolerance = 0.01`", "at most 1e-3", "1e-6"],
+        &["`motion.elasticity.tolerance = 1e-2`", "at most 1e-3", "1e-6"],
     ),
     ("elasticity =", "elasticity = { stiffness = { expression = \"t\" } }", &["unknown name `t`"]),
     ("elasticity =", "elasticity = { solver = \"lu\" }", &["unknown choice `lu`", "`direct`", "`multigrid`"]),
