@@ -34,10 +34,10 @@ fn points<const D: usize>(order: usize) -> usize {
     (D * (order - 1)).pow(D as u32)
 }
 
-/// Numbers with which a thread bounds det J: at each point in space and, of degree D N_t, in time the D^2 entries of J, three arrays of
-/// determinants and D between them; two arrays of det J_0; positions at times and at points in time.
+/// Numbers with which a thread bounds det J: at each point in space and, of degree D N_t, in time the D^2 entries of J, four arrays of
+/// determinants and 2 D between contractions; two arrays of det J_0; positions at times and at points in time.
 fn proof<const D: usize>(order: usize, time_order: usize) -> usize {
     let (points, instants) = (points::<D>(order), D * time_order + 1);
     let positions = D * order.pow(D as u32) * (time_order + 1 + instants);
-    LANES * (points * (instants * (D * D + 3 + D) + 2) + positions)
+    LANES * (points * (instants * (D * D + 4 + 2 * D) + 2) + positions)
 }
