@@ -73,7 +73,9 @@ impl MovingMesh {
         let (cell_len, slot_len, dimension) = (self.cell_len(), self.slot_len(), self.dimension);
         self.origins.copy_from_slice(&self.first_nodes);
         for (cell, data) in self.data.chunks_exact_mut(cell_len).enumerate() {
-            let position = &mut data[..slot_len];
+            let (position, velocities) = data.split_at_mut(slot_len);
+            // Sums over slots take them times zero: what a failed slab has left there must be a number.
+            velocities.fill(0.0);
             position.copy_from_slice(&self.reference[cell * slot_len..(cell + 1) * slot_len]);
             if let Some(displacement) = displacement {
                 let (nodes, origin) = (self.numbering.cell(cell), &mut self.origins[cell * dimension..][..dimension]);

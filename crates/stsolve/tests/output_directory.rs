@@ -41,9 +41,9 @@ fn assert_refused(run: &Path, outcome: impl FnOnce() -> Outcome, parts: &[&str])
 fn a_finished_run_was_replaced_without_a_word() {
     let directory = finished();
     let run = directory.path().join("run");
-    let parts =
-        [&REMEDIES[..], &["`run` holds a finished run, t = 0.2;", "go on to a later `time.end`: stsolve run"]].concat();
     for command in ["run", "motion"] {
+        let resumed = format!("go on to a later `time.end`: stsolve {command}");
+        let parts = [&REMEDIES[..], &["`run` holds a finished run, t = 0.2;", &resumed]].concat();
         assert_refused(&run, || call(&directory, command, &[], "run", &[]), &parts);
     }
     let both = || call(&directory, "run", &[], "run", &["--force", "--resume"]);

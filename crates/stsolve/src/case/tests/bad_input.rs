@@ -243,7 +243,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
     ),
     (
         "left = { displacement",
-        "left = { displacement = [\"sqrt(0.5-t)-sqrt(0.5)\", 0] }",
+        "left = { displacement = [\"(sqrt(0.5-t)-sqrt(0.5))*y*(1-y)\", 0] }",
         &["has no value", "t = 0.618"],
     ),
     (
