@@ -1,7 +1,7 @@
 //! What rounding leaves of the residual.
 //!
 //! ```text
-//! (rounding)   R_computed(u) = R(u + e) ,   |e_i| <= eps |u_i|         so that   |R_rounding| ~ | dR/du e |
+//! R_computed(u) = R(u + e),   |e_i| <= eps |u_i|,     |R_rounding| ~ | dR/du e |                                  (rounding)
 //! ```
 //!
 //! Rounding inside the fluxes acts like a change of the state in its last digits: each entry another one, without order between
