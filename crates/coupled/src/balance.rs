@@ -4,14 +4,14 @@
 //! balance of component m,
 //!
 //! ```text
-//! (balance)    S_m = sum_i R_mi = int u_m |_top - int u_m |_bottom + int dt (flux of m through the boundary) - int dt int source_m
+//! S_m = sum_i R_mi = int u_m |_top - int u_m |_bottom + int dt (flux of m through the boundary) - int dt int source_m      (balance)
 //! ```
 //!
 //! Newton's method stops at its tolerance and leaves an S of that size. The correction adds a few smooth modes to the flow, the same at
 //! all times of the slab. Their size is that of the error which the tolerance allows anyway.
 //!
 //! ```text
-//! (correction)   u := u + sum_j c_j e_j   with   S(u) = 0,     e_0 = u,     e_j = density in component j > 0
+//! u := u + sum_j c_j e_j   with   S(u) = 0,     e_0 = u,     e_j = density in component j > 0                          (correction)
 //! ```
 //!
 //! The modes scale the density at constant velocity and temperature, shift the velocity, and shift the energy per mass. M numbers are

@@ -173,7 +173,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
     fn solve(
         &self,
         discretisation: Discretisation,
-        u: &mut Vec<f64>,
+        u: &mut [f64],
         settings: newton::Settings,
         stages: &mut Vec<Stage>,
     ) -> Result<SlabReport<M>, SlabError> {
