@@ -9,7 +9,7 @@ use crate::state::Primitive;
 use tensor::{Over, Real, dot};
 
 /// Total pressure p_0, total temperature T_0 and direction d of the gas that flows in, as seen by an observer at rest: an opening to a
-/// reservoir, see [`super::opening`]. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential
+/// reservoir, see `opening`. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential
 /// velocity. No viscous stress, no heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inflow<const D: usize> {

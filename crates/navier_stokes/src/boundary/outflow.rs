@@ -9,7 +9,7 @@ use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
 use tensor::{Over, Real, dot};
 
-/// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see [`super::opening`]: of total pressure p_b
+/// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see `opening`: of total pressure p_b
 /// and total temperature T_0 relative to the facet, it enters along the normal. Viscous stress and heat pass as they come from inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow {

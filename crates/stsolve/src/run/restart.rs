@@ -95,7 +95,7 @@ pub struct Start {
 /// Whether `case` can start from the result that it names, if it names one.
 ///
 /// # Errors
-/// As [`read`].
+/// As `read`.
 pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<(), Failure> {
     if case.restart.is_some() {
         let mover = build::mover(case).map_err(Failure::bad_input)?;
