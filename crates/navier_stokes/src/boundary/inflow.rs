@@ -57,18 +57,6 @@ impl<const D: usize> Inflow<D> {
 
 impl<const D: usize> Condition<D> for Inflow<D> {
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        _law: &NavierStokes<D>,
-        minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        _data: &[G; M],
-    ) -> [T; M] {
-        *minus
-    }
-
-    #[inline(always)]
     fn flux<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,

@@ -30,23 +30,26 @@ pub use slip_wall::SlipWall;
 pub use supersonic_inflow::SupersonicInflow;
 pub use velocity_inflow::VelocityInflow;
 
-use crate::flux::inviscid_normal;
+use crate::flux::{Stresses, inviscid_normal};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
 use tensor::{Over, Real, dot};
 
-/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments; the last question has an answer already.
+/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments. Only the flux has no answer of its own.
 pub(crate) trait Condition<const D: usize> {
-    /// The state at which viscous terms are evaluated; `minus` where nothing is imposed on them.
+    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes one on them.
+    #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
+        _law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
-    ) -> [T; M];
+        _n: &[G; D],
+        _v: &[G; D],
+        _data: &[G; M],
+    ) -> [T; M] {
+        *minus
+    }
 
     /// (F_c - u v) . n through the boundary.
     fn flux<T: Over<G>, G: Real, const M: usize>(
@@ -58,15 +61,18 @@ pub(crate) trait Condition<const D: usize> {
         data: &[G; M],
     ) -> [T; M];
 
-    /// F_v . n through the boundary.
+    /// F_v . n through the boundary: stress and heat of that state with the gradient inside, unless the condition imposes others.
+    #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
         n: &[G; D],
-        v: &[G; D],
-    ) -> [T; M];
+        _v: &[G; D],
+    ) -> [T; M] {
+        Stresses::new(&law.gas, state, gradient).normal_flux(n)
+    }
 
     /// The velocity of the boundary where the mesh moves with `v`: that of the mesh, unless it slides in its own plane.
     #[inline(always)]

@@ -3,7 +3,6 @@
 use super::opening::{Facet, Reservoir};
 use super::{Condition, through};
 use crate::error::{InvalidParameter, positive};
-use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -57,18 +56,6 @@ impl Outflow {
 
 impl<const D: usize> Condition<D> for Outflow {
     #[inline(always)]
-    fn state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        _law: &NavierStokes<D>,
-        minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        _data: &[G; M],
-    ) -> [T; M] {
-        *minus
-    }
-
-    #[inline(always)]
     fn flux<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
@@ -78,18 +65,6 @@ impl<const D: usize> Condition<D> for Outflow {
         _data: &[G; M],
     ) -> [T; M] {
         through(&law.gas, &self.outside(&law.gas, minus, n, v), n, v)
-    }
-
-    #[inline(always)]
-    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
-    ) -> [T; M] {
-        Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 
     #[inline(always)]

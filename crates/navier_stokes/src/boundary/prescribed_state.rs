@@ -1,7 +1,6 @@
 //! A prescribed state.
 
 use super::{Condition, lifted};
-use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use tensor::{Over, Real, dot};
 
@@ -33,17 +32,5 @@ impl<const D: usize> Condition<D> for PrescribedState {
         data: &[G; M],
     ) -> [T; M] {
         law.riemann.flux(&law.gas, minus, &lifted(minus, data), n, dot(v, n))
-    }
-
-    #[inline(always)]
-    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
-    ) -> [T; M] {
-        Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 }

@@ -1,7 +1,6 @@
 //! Supersonic inflow of a given state.
 
 use super::{Condition, lifted, through};
-use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
 use tensor::{Over, Real};
@@ -35,17 +34,5 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
         data: &[G; M],
     ) -> [T; M] {
         through(&law.gas, &Primitive::unpack(&law.gas, &lifted(minus, data)), n, v)
-    }
-
-    #[inline(always)]
-    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
-    ) -> [T; M] {
-        Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 }

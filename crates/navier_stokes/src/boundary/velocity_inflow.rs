@@ -1,7 +1,6 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
 use super::{Condition, lifted, through};
-use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -105,17 +104,5 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         data: &[G; M],
     ) -> [T; M] {
         through(&law.gas, &self.on_facet(&law.gas, minus, n, v, data), n, v)
-    }
-
-    #[inline(always)]
-    fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
-    ) -> [T; M] {
-        Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 }
