@@ -36,7 +36,7 @@ pub enum MeshMotion<const D: usize> {
     /// The mesh stands still.
     Still,
     /// The displacement of every node is prescribed.
-    Prescribed(Arc<dyn VectorField<D>>),
+    Prescribed(Arc<dyn BoundaryField<D>>),
     /// Boundaries move as prescribed and the interior follows like an elastic body.
     Elastic {
         /// K and its preconditioner.
@@ -49,21 +49,21 @@ pub enum MeshMotion<const D: usize> {
 }
 
 impl<const D: usize> MeshMotion<D> {
+    /// What moves `node`, if its motion is prescribed.
+    fn field_of(&self, node: usize) -> Option<&dyn BoundaryField<D>> {
+        match self {
+            MeshMotion::Still => None,
+            MeshMotion::Prescribed(field) => Some(&**field),
+            MeshMotion::Elastic { boundary, .. } => boundary.field_of_node[node].map(|field| &*boundary.fields[field]),
+        }
+    }
+
     /// The displacement of nodes with reference positions `x`, `[node][component]`, at time `t`; for an elastic mesh zero at free
     /// nodes.
     pub fn prescribed(&self, x: &[[f64; D]], t: f64, out: &mut [f64]) {
-        out.fill(0.0);
         for (node, (x, out)) in x.iter().zip(out.chunks_exact_mut(D)).enumerate() {
-            let displacement = match self {
-                MeshMotion::Still => None,
-                MeshMotion::Prescribed(field) => Some(field.value(x, t)),
-                MeshMotion::Elastic { boundary, .. } => {
-                    boundary.field_of_node[node].map(|field| boundary.fields[field].displacement(node, x, t))
-                }
-            };
-            if let Some(displacement) = displacement {
-                out.copy_from_slice(&displacement);
-            }
+            let displacement = self.field_of(node).map_or([0.0; D], |field| field.displacement(node, x, t));
+            out.copy_from_slice(&displacement);
         }
     }
 
@@ -71,13 +71,7 @@ impl<const D: usize> MeshMotion<D> {
     /// that is finite: a displacement like sqrt(t) has none at t = 0.
     pub fn prescribe_velocity(&self, x: &[[f64; D]], t: f64, v: &mut [f64]) {
         for (node, (x, v)) in x.iter().zip(v.chunks_exact_mut(D)).enumerate() {
-            let velocity = match self {
-                MeshMotion::Still => None,
-                MeshMotion::Prescribed(field) => Some(field.rate(x, t)),
-                MeshMotion::Elastic { boundary, .. } => {
-                    boundary.field_of_node[node].map(|field| boundary.fields[field].velocity(node, x, t))
-                }
-            };
+            let velocity = self.field_of(node).map(|field| field.velocity(node, x, t));
             if let Some(velocity) = velocity.filter(|velocity| velocity.iter().all(|v| v.is_finite())) {
                 v.copy_from_slice(&velocity);
             }

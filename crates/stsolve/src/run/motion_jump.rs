@@ -41,7 +41,9 @@ impl<const D: usize> Jump<D> {
 /// agree.
 pub fn of_position<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &State) -> Option<Jump<D>> {
     let mut prescribed = vec![0.0; mover.field_len()];
-    mover.prescribed(state.time, &mut prescribed);
+    for (node, x, field) in prescribed_nodes(case) {
+        prescribed[node * D..][..D].copy_from_slice(&field.displacement(node, &x, state.time));
+    }
     let size = case.mesh.diameter() + state.d.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
     // Far from the origin formulas in the position have the round-off of that.
     let farthest = case.mesh.coordinates().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
