@@ -19,7 +19,7 @@ use crate::ElasticityError;
 use crate::batches::Batches;
 use crate::pool::Pool;
 use inner::{CellUnknowns, InnerFactor};
-use sparse::{EliminationTree, Factorisation, Kind};
+use sparse::{EliminationTree, Factorisation, Kind, eliminations};
 use std::sync::Arc;
 use sweep::SweepWork;
 use tensor::{Pack, WIDTH};
@@ -56,8 +56,7 @@ impl<const D: usize> Elimination<D> {
 
     /// Multiplications of the factorisation.
     pub(crate) fn operations(&self, batches: &Batches<D>) -> f64 {
-        let (rows, inner) = (self.unknowns.count(), self.unknowns.inner());
-        let of_cell: f64 = (rows - inner..rows).map(|left| 0.5 * (left as f64).powi(2)).sum();
+        let of_cell = eliminations(self.unknowns.count(), self.unknowns.inner());
         of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
 

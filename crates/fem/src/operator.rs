@@ -294,9 +294,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Hands what lies across the facets of a batch to `kernel`.
     pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
-        let origins = self.facet_origins(batch);
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
+                let origins = self.facet_origins(batch);
                 prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
             }
         };
@@ -316,9 +316,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
-        let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
+                let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
                 prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
             }
         };

@@ -87,7 +87,7 @@ impl EliminationTree {
 }
 
 /// Multiplications that eliminate `count` of `rows` rows of a symmetric matrix, one after the other.
-fn eliminations(rows: usize, count: usize) -> f64 {
+pub fn eliminations(rows: usize, count: usize) -> f64 {
     (rows - count..rows).map(|left| 0.5 * (left as f64).powi(2)).sum()
 }
 

@@ -16,7 +16,7 @@ mod minimum_degree;
 
 pub use block_matrix::BlockMatrix;
 pub use dependency_schedule::dependency_schedule;
-pub use elimination_tree::{EliminationTree, Front};
+pub use elimination_tree::{EliminationTree, Front, eliminations};
 pub use factorisation::{Factorisation, FrontMatrix};
 pub use front::Kind;
 

@@ -48,6 +48,11 @@ fn left_to_group(limit: &str, taken: &str) -> Option<u64> {
     Some(number(limit)?.saturating_sub(number(taken)?))
 }
 
+/// The largest memory of this process so far, where the system tells.
+pub(crate) fn peak() -> Option<u64> {
+    kilobytes(&read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 /// Bytes of the line that begins with `name`, in kB there.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;

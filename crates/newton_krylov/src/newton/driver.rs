@@ -124,21 +124,20 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
     }
 
+    /// Why no further step is taken, if none is.
+    fn gives_up(&self) -> Option<Error> {
+        let report = || Box::new(self.report.clone());
+        if self.report.steps.len() >= self.settings.max_steps {
+            return Some(Error::MaxSteps { tolerance: self.tolerances.total, report: report() });
+        }
+        let (least, since) = (self.best.progress_norm, self.best.progress);
+        self.has_stalled().then(|| Error::Stalled { least, since, report: report() })
+    }
+
     /// One accepted step, after as many rejected attempts as it takes.
     pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
-        if self.report.steps.len() >= self.settings.max_steps {
-            if self.ends_at_round_off(z) {
-                return Ok(());
-            }
-            let (tolerance, report) = (self.tolerances.total, Box::new(self.report.clone()));
-            return Err(Error::MaxSteps { tolerance, report });
-        }
-        if self.has_stalled() {
-            if self.ends_at_round_off(z) {
-                return Ok(());
-            }
-            let (least, since) = (self.best.progress_norm, self.best.progress);
-            return Err(Error::Stalled { least, since, report: Box::new(self.report.clone()) });
+        if let Some(error) = self.gives_up() {
+            return if self.ends_at_round_off(z) { Ok(()) } else { Err(error) };
         }
         let norm = self.report.final_norm();
         let aim = self.tolerances.aim(norm, self.report.final_field_norms());

@@ -5,6 +5,7 @@ use crate::case::Time;
 use crate::cli::RunArguments;
 use crate::clock::{self, Clock};
 use crate::commands::Session;
+use crate::memory;
 use crate::progress::{Progress, rounded};
 use output::{Cost, Machine};
 use std::time::Instant;
@@ -63,7 +64,7 @@ impl Books {
         Cost {
             wall_seconds: parts.values().map(|part| part.seconds).sum(),
             setup_seconds: self.setup_seconds,
-            peak_memory_bytes: peak_memory(),
+            peak_memory_bytes: memory::peak(),
             threads: rayon::current_num_threads(),
             residual_evaluations: self.tally.residuals,
             jacobian_products: self.tally.products,
@@ -98,12 +99,4 @@ pub fn machine() -> Machine {
         processors: std::thread::available_parallelism().map_or(1, usize::from),
         system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
     }
-}
-
-/// The largest memory of this process so far, where the system tells.
-pub(super) fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(1024 * kilobytes)
 }

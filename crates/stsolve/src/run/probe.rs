@@ -1,8 +1,8 @@
 //! What a run will cost and whether its mesh will hold, found out beforehand on the mesh of the case.
 
-use super::books::peak_memory;
 use super::build;
 use crate::case::{Case, Flow, State};
+use crate::memory;
 use coupled::{March, MeshMarch, MeshQuality};
 use elasticity::ElasticityError;
 use fem::StateField;
@@ -69,7 +69,7 @@ where
         problem.jacobian_product(&increment, &mut r);
         Ok(())
     })?;
-    Ok(Timing { setup, residual, iteration, preconditioner, memory: peak_memory() })
+    Ok(Timing { setup, residual, iteration, preconditioner, memory: memory::peak() })
 }
 
 /// Mesh and flow that Newton's method starts from in the first slab: the mesh moved, the flow as at the start.
