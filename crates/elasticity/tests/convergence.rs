@@ -4,39 +4,17 @@
 //! from the same law by nested dual numbers.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use basis::{Lagrange, gauss};
+use common::{body_force, displacement};
 use elasticity::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use mesh::{BoxMesh, CellMap, Curving, Mesh, NodeNumbering};
-use tensor::{Dual, Transcendental, cofactor, determinant};
+use tensor::{Transcendental, cofactor, determinant};
 
 /// E(x) / E_0
 fn stiffness<T: Transcendental, const D: usize>(x: &[T; D]) -> T {
     (x[0] - x[D - 1] * 0.5).sin() * 0.5 + 1.0
-}
-
-/// d(x)
-fn displacement<T: Transcendental, const D: usize>(x: &[T; D]) -> [T; D] {
-    std::array::from_fn(|i| {
-        let next = x[(i + 1) % D];
-        (x[i] * 3.0 + 0.3).sin() * (next * 2.0 + i as f64).cos() + x[D - 1] * x[0] * 0.5
-    })
-}
-
-/// f = -div sigma(d): f_i = -sum_j d sigma_ij / dx_j, with sigma's own derivatives of d in the inner duals.
-fn body_force<const D: usize>(lame: Lame, x: &[f64; D]) -> [f64; D] {
-    let mut force = [0.0; D];
-    for j in 0..D {
-        let seed = |i: usize, axis: usize| if i == axis { 1.0 } else { 0.0 };
-        let along_j: [Dual<f64>; D] = std::array::from_fn(|i| Dual::new(x[i], seed(i, j)));
-        let mut gradient = [[Dual::new(0.0, 0.0); D]; D];
-        for k in 0..D {
-            let d: [_; D] = displacement(&std::array::from_fn(|i| Dual::new(along_j[i], Dual::new(seed(i, k), 0.0))));
-            (0..D).for_each(|i| gradient[i][k] = d[i].derivative);
-        }
-        let sigma = lame.stress(&gradient);
-        (0..D).for_each(|i| force[i] -= (sigma[i][j] * stiffness(&along_j)).derivative);
-    }
-    force
 }
 
 /// Visits all points of a rule of `n` points per direction in every cell: cell, point index, position, weight det J.
@@ -58,7 +36,8 @@ fn load<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, lame: Lame) -
     let values = Lagrange::gauss_lobatto(order).value_matrix(&gauss(n).points);
     let mut forces = vec![0.0; numbering.count * D];
     at_points(mesh, n, |cell, point, x, weight| {
-        let force = body_force(lame, &x);
+        let force =
+            body_force(&x, |x, gradient| lame.stress(gradient).map(|row| row.map(|sigma| sigma * stiffness(x))));
         for (k, &node) in numbering.cell(cell).iter().enumerate() {
             let phi: f64 =
                 (0..D as u32).map(|axis| values[(point / n.pow(axis) % n, k / order.pow(axis) % order)]).product();

@@ -3,11 +3,11 @@
 
 mod common;
 
-use common::{box_mesh, structure};
+use common::{body_force, box_mesh, displacement, structure};
 use elasticity::{Loads, Material, Plane, Quantity, Solid, Statics, Structure, Traction};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use std::sync::Arc;
-use tensor::{Dual, Transcendental};
+use tensor::Transcendental;
 
 /// The largest |d - exact| at the nodes.
 fn error_at_nodes<const D: usize>(structure: &Structure<D>, d: &[f64], exact: impl Fn(&[f64; D]) -> [f64; D]) -> f64 {
@@ -83,11 +83,6 @@ fn timoshenkos_cantilever_is_exact() {
     assert!(error < 1e-11 * tip.abs(), "{error:e} of {tip}");
 }
 
-/// d(x)
-fn displacement<T: Transcendental, const D: usize>(x: &[T; D]) -> [T; D] {
-    std::array::from_fn(|i| (x[i] * 3.0 + 0.3).sin() * (x[(i + 1) % D] * 2.0 + i as f64).cos() + x[0] * x[D - 1] * 0.5)
-}
-
 /// E(x) and nu(x), from -0.1 to 0.4.
 fn constants<T: Transcendental, const D: usize>(x: &[T; D]) -> [T; 2] {
     [(x[0] - x[D - 1] * 0.5).sin() * 0.5 + 2.0, (x[0] * 2.0 + x[1]).cos() * 0.25 + 0.15]
@@ -110,23 +105,6 @@ fn stress<T: Transcendental, const D: usize>(x: &[T; D], gradient: &[[T; D]; D],
     })
 }
 
-/// f = -div sigma(d).
-fn body_force<const D: usize>(x: &[f64; D], plane: Plane) -> [f64; D] {
-    let mut force = [0.0; D];
-    for j in 0..D {
-        let seed = |i: usize, axis: usize| if i == axis { 1.0 } else { 0.0 };
-        let along_j: [Dual<f64>; D] = std::array::from_fn(|i| Dual::new(x[i], seed(i, j)));
-        let mut gradient = [[Dual::new(0.0, 0.0); D]; D];
-        for k in 0..D {
-            let d: [_; D] = displacement(&std::array::from_fn(|i| Dual::new(along_j[i], Dual::new(seed(i, k), 0.0))));
-            (0..D).for_each(|i| gradient[i][k] = d[i].derivative);
-        }
-        let sigma = stress(&along_j, &gradient, plane);
-        (0..D).for_each(|i| force[i] -= sigma[i][j].derivative);
-    }
-    force
-}
-
 /// The error at the nodes with `cells` cells per direction of order `order`.
 fn solution_error<const D: usize>(cells: usize, order: usize, plane: Plane) -> f64 {
     let curving = Curving::Wavy { amplitude: 0.02 };
@@ -138,7 +116,10 @@ fn solution_error<const D: usize>(cells: usize, order: usize, plane: Plane) -> f
     let mut fixed = vec![[false; D]; numbering.count];
     (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| fixed[node] = [true; D]);
     let body = Structure::new(mesh, numbering, Solid { young, poisson, plane }, 1.0, fixed).unwrap();
-    let loads = Loads { body_force: Some(Box::new(move |x, _| body_force(x, plane))), tractions: Vec::new() };
+    let loads = Loads {
+        body_force: Some(Box::new(move |x, _| body_force(x, |x, gradient| stress(x, gradient, plane)))),
+        tractions: Vec::new(),
+    };
     let (statics, d) = equilibrium(body, loads, displacement);
     error_at_nodes(statics.structure(), &d, displacement)
 }

@@ -3,6 +3,36 @@
 
 use elasticity::{Dynamics, DynamicsReport, Loads, Material, SlabBottom, Structure};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+use tensor::{Dual, Transcendental};
+
+/// A manufactured displacement d(x): products of sines and cosines.
+pub fn displacement<T: Transcendental, const D: usize>(x: &[T; D]) -> [T; D] {
+    std::array::from_fn(|i| {
+        let next = x[(i + 1) % D];
+        (x[i] * 3.0 + 0.3).sin() * (next * 2.0 + i as f64).cos() + x[D - 1] * x[0] * 0.5
+    })
+}
+
+/// The body force that holds [`displacement`], f = -div sigma, of the `stress` at a point with a gradient of d: f_i = -sum_j d sigma_ij / dx_j,
+/// with the derivatives of d in the inner duals.
+pub fn body_force<const D: usize>(
+    x: &[f64; D],
+    stress: impl Fn(&[Dual<f64>; D], &[[Dual<f64>; D]; D]) -> [[Dual<f64>; D]; D],
+) -> [f64; D] {
+    let mut force = [0.0; D];
+    for j in 0..D {
+        let seed = |i: usize, axis: usize| if i == axis { 1.0 } else { 0.0 };
+        let along_j: [Dual<f64>; D] = std::array::from_fn(|i| Dual::new(x[i], seed(i, j)));
+        let mut gradient = [[Dual::new(0.0, 0.0); D]; D];
+        for k in 0..D {
+            let d: [_; D] = displacement(&std::array::from_fn(|i| Dual::new(along_j[i], Dual::new(seed(i, k), 0.0))));
+            (0..D).for_each(|i| gradient[i][k] = d[i].derivative);
+        }
+        let sigma = stress(&along_j, &gradient);
+        (0..D).for_each(|i| force[i] -= sigma[i][j].derivative);
+    }
+    force
+}
 
 /// A box with a corner at the origin, curved inside.
 pub fn box_mesh<const D: usize>(upper: [f64; D], cells: [usize; D], order: usize, amplitude: f64) -> Mesh<D> {
