@@ -67,7 +67,7 @@ pub enum ElasticityError {
     /// The stiffness matrix is not factored, for another reason.
     #[error("the stiffness matrix is not factored")]
     Factorisation(#[source] sparse::Error),
-    /// A material is none at a point.
+    /// The constants of the material are out of range at a point.
     #[error("the material at {position:?} is not possible: check the formulas of its constants")]
     MaterialAt {
         /// The point, at rest.

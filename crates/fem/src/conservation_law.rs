@@ -25,8 +25,8 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// F_v(u, gradient), linear in `gradient`.
     fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D];
 
-    /// The flux, times length squared, that evens out a jump `slope` of the normal derivative of the state between two cells, at the `mean`
-    /// state: of what [`Self::viscous_flux`] does not diffuse, and with a speed that tends to zero with the viscosity. `sigma` is the
+    /// The flux, times length squared, that evens out a jump `slope` of the normal derivative of the state between two cells. It acts on
+    /// what [`Self::viscous_flux`] does not diffuse, and its speed tends to zero with the viscosity. `mean` is the mean state, `sigma` the
     /// penalty of (sip), an inverse length. Linear in `slope`.
     fn slope_flux<T: Over<G>, G: Real>(&self, mean: &[T; M], slope: &[T; M], sigma: G) -> [T; M];
 

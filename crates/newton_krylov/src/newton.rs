@@ -44,7 +44,7 @@ pub struct Settings {
     pub max_steps: usize,
     /// Diverged is what exceeds the reference and the initial norm by this factor.
     pub divergence: f64,
-    /// When the driver gives up because the residual no longer falls; never if there is none. With it, a failed solve ends at the
+    /// When the driver gives up because the residual no longer falls; `None`: never. With it, a failed solve ends at the
     /// iterate with the least residual.
     pub stall: Option<Stall>,
     /// A linear solve that fails is still used if it leaves at most this part of the residual.

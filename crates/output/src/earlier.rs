@@ -31,7 +31,7 @@ pub struct EarlierRun {
 }
 
 impl EarlierRun {
-    /// The run whose files are in `directory`; none if there is none.
+    /// The run whose files are in `directory`, if there is one.
     pub fn find(directory: &Path) -> Option<Self> {
         let has_checkpoint = is_there(&directory.join(RESULT_FILE));
         let summary = directory.join(SUMMARY_FILE);

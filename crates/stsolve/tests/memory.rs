@@ -45,7 +45,7 @@ fn in_three_dimensions() {
     assert_estimate("free_stream_3d", &[&set[..], &["time.end=0.05"]].concat());
 }
 
-/// Many nodes of the mesh to few of the flow: the estimate was 0.57 of what is needed.
+/// The mesh has many more nodes than the flow. The estimate was 0.57 of what is needed.
 #[test]
 fn of_a_mesh_of_high_order() {
     assert_estimate("couette", &["mesh.order=12", "flow.order=3", "mesh.generate.box.cells=[16,16]", "time.end=0.1"]);

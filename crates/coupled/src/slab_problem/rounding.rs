@@ -4,9 +4,9 @@
 //! R_computed(u) = R(u + e),   |e_i| <= eps |u_i|,     |R_rounding| ~ | dR/du e |                                  (rounding)
 //! ```
 //!
-//! Rounding inside the fluxes acts like a change of the state in its last digits: each entry another one, without order between
-//! neighbours. One product along such a change, with digits that look random and are the same in every run, thus tells how large the
-//! residual of a converged flow is: thin cells, long slabs and low Mach numbers enlarge it as they do the derivatives.
+//! Rounding inside the fluxes acts like a random change of every entry of the state in its last digit. One product along such a change
+//! estimates the residual of a converged flow. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
+//! the estimate as they enlarge the derivatives.
 
 use super::SlabProblem;
 

@@ -53,7 +53,7 @@ impl Document {
     /// Reads the file at `path` and writes `options`, each `key.path=value`, over it.
     ///
     /// # Errors
-    /// A file that cannot be read, is no regular file, is too large or is no TOML, an option that is none.
+    /// A file that cannot be read, is not a regular file, is too large or is not TOML; an option that is not KEY=VALUE.
     pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
         let text = input_file::read_text(path, LARGEST).map_err(|error| {
             let place = Place::Nowhere { path: path.to_owned() };

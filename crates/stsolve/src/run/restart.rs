@@ -208,7 +208,7 @@ impl Origin {
         Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
     }
 
-    /// There must be a flow of the same gas, apart from what the case allows to change. Returns whether anything has changed.
+    /// The result must hold a flow of the same gas; the case may allow changes. Returns whether the gas has changed.
     fn check_flow<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
         let [there, here] = self.gases(case, &[])?;
         if !self.result.layout.exact.iter().any(|array| array.name == "flow") {
