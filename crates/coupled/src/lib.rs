@@ -1,14 +1,15 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
 mod balance;
-mod freezing;
 mod initial;
+mod lagged_preconditioner;
 mod march;
 mod mesh_march;
 mod mesh_mover;
 mod motion;
 mod observation;
 pub mod preconditioner;
+mod reuse_policy;
 mod sampled_limit;
 mod schedule;
 mod slab_problem;
@@ -16,19 +17,18 @@ mod state;
 mod steady;
 mod structure_march;
 mod transfer;
-mod wear;
 pub mod weights;
 
-pub use freezing::{Frozen, FrozenFlow, Method, Update};
 pub use initial::interpolate;
+pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};
 pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, SlabError, SlabReport, chain};
 pub use mesh_march::{MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryField, BoundaryMotion, MeshMotion};
 pub use observation::Observation;
+pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
-pub use slab_problem::{Counts, Remainder, SlabProblem};
+pub use slab_problem::{Counts, ResidualBreakdown, SlabProblem};
 pub use state::{Interval, Past, State};
 pub use steady::{Discretisation, Discretised, Search, Settling, Stage, SteadyError, SteadyFlow, solve_steady};
 pub use structure_march::{Equations, StructureMarch, StructureReport, Supports};
-pub use wear::Wear;

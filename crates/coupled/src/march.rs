@@ -3,7 +3,7 @@
 use crate::balance::{self, Balance};
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
-use crate::slab_problem::{Counts, Remainder, SlabProblem, inadmissible};
+use crate::slab_problem::{Counts, ResidualBreakdown, SlabProblem, inadmissible};
 use crate::state::{Interval, Past, State};
 use fem::{FluxesAt, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
@@ -108,19 +108,19 @@ pub enum SlabError {
     #[error("the equations have a solution that is not admissible at the top of the slab")]
     Top(#[source] Inadmissible),
     /// Newton failed.
-    #[error("the equations of flow and mesh are not solved{}", largest_in(remainder.as_deref()))]
+    #[error("the equations of flow and mesh are not solved{}", largest_in(residual_breakdown.as_deref()))]
     Newton {
         /// What is left of the residual, if there was one.
-        remainder: Option<Box<Remainder>>,
+        residual_breakdown: Option<Box<ResidualBreakdown>>,
         /// Why.
         source: Box<newton::Error>,
     },
 }
 
 /// Where the residual is largest, for a message.
-fn largest_in(remainder: Option<&Remainder>) -> String {
-    remainder
-        .and_then(Remainder::worst_cell)
+fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
+    residual_breakdown
+        .and_then(ResidualBreakdown::worst_cell)
         .map_or(String::new(), |cell| format!("; their residual is largest in cell {cell}"))
 }
 
@@ -213,7 +213,7 @@ impl<const D: usize, const M: usize> March<D, M> {
             return Err(MarchError::new(&self.state, interval, source));
         }
         tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected, halving it");
-        self.problem.frozen_flow.stale = true;
+        self.problem.lagged_preconditioner.stale = true;
         Ok(())
     }
 
@@ -221,7 +221,7 @@ impl<const D: usize, const M: usize> March<D, M> {
     fn attempt(&mut self, interval: Interval) -> Result<Solved<M>, SlabError> {
         let dt = interval.end - interval.start;
         self.problem.begin(interval.start, dt, &self.state.u, &self.state.d)?;
-        self.problem.frozen_flow.patience = self.state.wear.patience();
+        self.problem.lagged_preconditioner.patience = self.state.reuse_policy.patience();
         let mut v = self.guess_velocities(interval);
         if self.settings.predictor == Predictor::Elastic || self.problem.mesh_len() == 0 {
             self.problem.move_mesh(&mut v)?;
@@ -262,7 +262,10 @@ impl<const D: usize, const M: usize> March<D, M> {
                 return cause;
             }
         }
-        SlabError::Newton { remainder: self.problem.remainder(z).map(Box::new), source: source.into() }
+        SlabError::Newton {
+            residual_breakdown: self.problem.residual_breakdown(z).map(Box::new),
+            source: source.into(),
+        }
     }
 
     /// The quality of the mesh, if it is proved to be valid.
@@ -356,9 +359,10 @@ impl<const D: usize, const M: usize> March<D, M> {
         self.problem.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut self.state.d);
         self.state.u = balance::at_top(layout, &u);
         let Balance { totals, fluxes } = balance;
-        let frozen_flow = &mut self.problem.frozen_flow;
-        let (iterations, frozen) = (frozen_flow.iterations_since_frozen(), frozen_flow.frozen_in_slab());
-        frozen_flow.stale = self.state.wear.record(iterations, frozen);
+        let lagged_preconditioner = &mut self.problem.lagged_preconditioner;
+        let (iterations, frozen) =
+            (lagged_preconditioner.iterations_since_frozen(), lagged_preconditioner.frozen_in_slab());
+        lagged_preconditioner.stale = self.state.reuse_policy.record(iterations, frozen);
         self.state.past = Some(Past { interval, dt, bottom, u, v });
         self.state.finish(interval);
         self.settings.schedule.adapt(&mut self.state, interval, jump, layout.time_order);
@@ -386,10 +390,10 @@ impl<const D: usize, const M: usize> March<D, M> {
                 jump[one.cell(cell)].iter_mut().zip(above).for_each(|(jump, u)| *jump += phi * u);
             }
         }
-        let (mut moments, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
-        flow.moments(&jump, &flow.tables.bottom_row(), &mut moments);
+        let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
+        flow.mass_product(&jump, &flow.tables.bottom_row(), &mut mass_product);
         let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
-        jump.iter().zip(&moments).enumerate().map(square).sum::<f64>().max(0.0).sqrt()
+        jump.iter().zip(&mass_product).enumerate().map(square).sum::<f64>().max(0.0).sqrt()
     }
 
     /// The integrals of the components at the top of the slab.

@@ -6,12 +6,12 @@
 //!
 //! Motions that are prescribed everywhere leave V out of z.
 
-mod remainder;
+mod residual_breakdown;
 mod rounding;
 
-pub use remainder::Remainder;
+pub use residual_breakdown::ResidualBreakdown;
 
-use crate::freezing::{Frozen, FrozenFlow, Update};
+use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use crate::state::Interval;
@@ -57,7 +57,7 @@ pub struct SlabProblem<const D: usize, const M: usize> {
     /// What has been done since the counts were last taken.
     pub counts: Counts,
     /// The preconditioner of the flow.
-    pub frozen_flow: FrozenFlow,
+    pub lagged_preconditioner: LaggedPreconditioner,
     bottom: Vec<f64>,
     prescribed: Vec<f64>,
     velocities: Vec<f64>,
@@ -98,7 +98,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             settled: false,
             weights: Weighted { weights },
             counts: Counts::default(),
-            frozen_flow: FrozenFlow::default(),
+            lagged_preconditioner: LaggedPreconditioner::default(),
             mesh_work: vec![0.0; mesh_len],
             flow_work: vec![0.0; flow_len],
             flow,
@@ -130,7 +130,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         self.mover.prescribed_in_slab(start, dt, &mut self.prescribed);
         self.velocities.fill(f64::NAN);
         self.inverse_pseudo_time.fill(0.0);
-        self.frozen_flow.begin_slab();
+        self.lagged_preconditioner.begin_slab();
         Ok(())
     }
 
@@ -160,11 +160,13 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     pub fn totals(&self, u: &[f64]) -> Vec<f64> {
         let flow = &self.flow;
         let one = flow.layout.at_one_time();
-        let mut moments = vec![0.0; one.len()];
+        let mut mass_product = vec![0.0; one.len()];
         let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
-        flow.moments(u, &row, &mut moments);
+        flow.mass_product(u, &row, &mut mass_product);
         let component = |m: usize| -> f64 {
-            (0..one.cells).map(|c| moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>()).sum()
+            (0..one.cells)
+                .map(|c| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
+                .sum()
         };
         (0..M).map(component).collect()
     }
@@ -240,8 +242,8 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     }
 
     /// Makes the preconditioner again from what it was made of.
-    pub fn thaw(&mut self, frozen: Frozen) {
-        self.frozen_flow.thaw(&mut self.flow, frozen);
+    pub fn rebuild(&mut self, frozen: Linearisation) {
+        self.lagged_preconditioner.rebuild(&mut self.flow, frozen);
         self.velocities.fill(f64::NAN);
     }
 
@@ -249,10 +251,10 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
     fn update_preconditioner(&mut self) {
         let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
         let rate = self.inverse_pseudo_time.last().copied().unwrap_or(0.0);
-        match self.frozen_flow.update(&self.flow, &self.bottom, &self.velocities, rate) {
+        match self.lagged_preconditioner.update(&self.flow, &self.bottom, &self.velocities, rate) {
             Update::Kept => {}
             Update::Refactored => self.counts.refactors += 1,
-            Update::Frozen => self.counts.rebuilds += 1,
+            Update::Rebuilt => self.counts.rebuilds += 1,
         }
     }
 }
@@ -342,7 +344,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for SlabProblem<D, M> {
             self.subtract_effect_of_mesh(w, &mut rest);
         }
         let timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
-        self.frozen_flow.apply(&rest, x);
+        self.lagged_preconditioner.apply(&rest, x);
         drop(timed);
         self.flow_work = rest;
     }

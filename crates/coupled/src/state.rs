@@ -1,6 +1,6 @@
 //! Where a run stands: all that the next slab depends on.
 
-use crate::wear::Wear;
+use crate::reuse_policy::JacobianReusePolicy;
 use basis::RadauTime;
 
 /// A slab, or a part of one that was halved.
@@ -49,13 +49,23 @@ pub struct State {
     /// The length of the next slab, where it is adapted.
     pub step: f64,
     /// The age of the flow's frozen Jacobian.
-    pub wear: Wear,
+    pub reuse_policy: JacobianReusePolicy,
 }
 
 impl State {
     /// The state at the start of a run.
     pub fn new(time: f64, u: Vec<f64>, d: Vec<f64>) -> Self {
-        State { slab: 0, nominal: 0, time, u, d, past: None, pending: Vec::new(), step: 0.0, wear: Wear::default() }
+        State {
+            slab: 0,
+            nominal: 0,
+            time,
+            u,
+            d,
+            past: None,
+            pending: Vec::new(),
+            step: 0.0,
+            reuse_policy: JacobianReusePolicy::default(),
+        }
     }
 
     /// The mesh velocities of the slab before, extended to one of length `dt`; at rest in the first slab.

@@ -50,7 +50,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     );
     let at_rest = vec![0.0; problem.mover.field_len()];
     problem.at_rest(time, u, d)?;
-    problem.frozen_flow.steady = true;
+    problem.lagged_preconditioner.steady = true;
     // Residuals are those of (steady): dt times rates.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;
@@ -60,8 +60,8 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
     u.copy_from_slice(&z);
     let mut newton = solved.map_err(|source| {
-        let remainder = problem.remainder(&z).map(Box::new);
-        SlabError::Newton { remainder, source: Box::new(source) }
+        let residual_breakdown = problem.residual_breakdown(&z).map(Box::new);
+        SlabError::Newton { residual_breakdown, source: Box::new(source) }
     })?;
     // What the tolerance refers to, whatever the guess was.
     newton.initial_norm = references[0];

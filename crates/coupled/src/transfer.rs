@@ -9,8 +9,8 @@
 //! state, in time by its values at the new nodes.
 
 use crate::mesh_mover::MeshMover;
+use crate::reuse_policy::JacobianReusePolicy;
 use crate::state::{Past, State};
-use crate::wear::Wear;
 use basis::{Matrix, RadauTime, gauss, gauss_lobatto};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -60,7 +60,7 @@ impl State {
             ..past.clone()
         });
         let u = carried(&self.u, old.time_len());
-        State { u, past, pending: Vec::new(), wear: Wear::default(), ..self.clone() }
+        State { u, past, pending: Vec::new(), reuse_policy: JacobianReusePolicy::default(), ..self.clone() }
     }
 }
 

@@ -15,7 +15,7 @@ pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Ve
     let one = layout.at_one_time();
     let mut masses = vec![0.0; one.len()];
     let row = operator.tables.bottom_row();
-    operator.moments(&vec![1.0; one.len()], &row, &mut masses);
+    operator.mass_product(&vec![1.0; one.len()], &row, &mut masses);
     let volume: f64 = masses.iter().sum::<f64>() / M as f64;
     let mut weights = vec![0.0; layout.len()];
     for cell in 0..layout.cells {

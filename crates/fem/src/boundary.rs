@@ -3,12 +3,12 @@
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{DataAt, FacetContext, penalty, symmetric_term, times_normal};
 use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
-use crate::instants::{InTime, Instant, Of};
+use crate::instants::{InTime, TimePoint, TimePointIndex};
 use crate::mode::{Mode, Values};
-use crate::point::{Place, flag, load, physical_gradient};
+use crate::point::{PointIndex, flag, load, physical_gradient};
 use crate::scratch::{FacetScratch, through_len};
 use crate::tables::Tables;
-use crate::tensor_product::{Lattice, Parts, evaluate};
+use crate::tensor_product::{EvaluationFlags, Lattice, evaluate};
 use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
@@ -18,8 +18,8 @@ use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     context: &FacetContext<D>,
-    instant: &Instant,
-    of: Of,
+    instant: &TimePoint,
+    of: TimePointIndex,
     data: Option<DataAt>,
     scratch: &mut FacetScratch,
 ) {
@@ -29,12 +29,17 @@ pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
 }
 
 #[inline(always)]
-fn positions<const D: usize, K: Mode, S: Simd>(simd: S, tables: &Tables<D>, of: Of, scratch: &mut FacetScratch) {
+fn positions<const D: usize, K: Mode, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    of: TimePointIndex,
+    scratch: &mut FacetScratch,
+) {
     let FacetScratch { sides, x, scratch: room, .. } = scratch;
     let (lattice, points) = (Lattice::whole(&tables.mesh, D - 1), tables.facet_points());
     for b in 0..K::GEOMETRY_BLOCKS {
         let position = of.block(&sides[0].position_at, b, D * lattice.nodes());
-        evaluate(simd, lattice, D, Parts::Values, position, &mut x[b * D * points..], &mut [], room);
+        evaluate(simd, lattice, D, EvaluationFlags::Values, position, &mut x[b * D * points..], &mut [], room);
     }
 }
 
@@ -58,7 +63,7 @@ fn point_flux<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode,
     here: &FacetPoint<K::Geometry<S>, D>,
     minus: &[K::State<S>; M],
     scratch: &FacetScratch,
-    at: Place,
+    at: PointIndex,
 ) -> PointFlux<K::State<S>, D, M> {
     let FacetPoint { n, v, .. } = here;
     let data = load::<M, K::Geometry<S>, S>(simd, &scratch.data, at);
@@ -95,7 +100,7 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
     let one = Lanes::<S>::splat(simd, 1.0);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let (at, weight) = (Place { points, p, part }, weight * tables.facet_weights[p]);
+            let (at, weight) = (PointIndex { points, p, part }, weight * tables.facet_weights[p]);
             let here = facet_point::<D, K, S>(simd, scratch, at);
             let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
             let PointFlux { inviscid, viscous, jump_flux } =
@@ -109,7 +114,7 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
                 let term = ((inviscid[m] + viscous[m]).scale(here.area) * weight).result();
                 term.write(&mut scratch.sides[0].tested[at.index(m)], part);
             }
-            flag::<K::State<S>, S>(simd, law.margin(&minus), one, &mut scratch.violated, part);
+            flag::<K::State<S>, S>(simd, law.admissibility(&minus), one, &mut scratch.violated, part);
         }
     }
 }
@@ -136,7 +141,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     /// Shared data.
     pub context: &'c FacetContext<'a, D>,
     /// The time.
-    pub instant: &'c Instant,
+    pub instant: &'c TimePoint,
     /// The row of positions then.
     pub position_row: &'c Matrix,
     /// Prescribed states, where the condition takes any.
@@ -155,7 +160,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         let FacetFlux { law, condition, context, instant, position_row, data, velocity_is_given, scratch } = self;
         let tables = context.tables;
         let points = tables.facet_points();
-        let (viscous, of) = (law.is_viscous(), Of::ALONE);
+        let (viscous, of) = (law.is_viscous(), TimePointIndex::ALONE);
         let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
         to_instants::<D, M, Values, S>(simd, tables, in_time, viscous, 1, scratch);
         let FacetScratch { sides, scratch: room, .. } = &mut *scratch;
@@ -167,7 +172,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         scratch.through.fill(Pack::ZERO);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
-                let at = Place { points, p, part };
+                let at = PointIndex { points, p, part };
                 let here = facet_point::<D, Values, S>(simd, scratch, at);
                 let minus = load::<M, Lanes<S>, S>(simd, &scratch.sides[0].u, at);
                 let flux = point_flux::<D, M, L, Values, S>(simd, law, condition, tables, &here, &minus, scratch, at);
@@ -201,7 +206,7 @@ fn velocity_of_work<const D: usize, S: Simd>(
     let FacetScratch { v, boundary_velocity, scratch: room, .. } = scratch;
     let (of_mesh, of_work) = v.split_at_mut(len);
     if velocity_is_given {
-        evaluate(simd, lattice, D, Parts::Values, boundary_velocity, of_work, &mut [], room);
+        evaluate(simd, lattice, D, EvaluationFlags::Values, boundary_velocity, of_work, &mut [], room);
     } else {
         of_work[..len].copy_from_slice(&of_mesh[..len]);
     }

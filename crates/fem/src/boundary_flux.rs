@@ -1,7 +1,7 @@
 //! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
 
 use crate::batches::FacetBatch;
-use crate::kernels::Along;
+use crate::kernels::Differentiate;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
@@ -163,13 +163,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         for (boundary, batch) in all {
             let origins = self.facet_origins(batch).map(in_space);
             self.facet_scratch.with(|scratch| {
-                self.gather_sides(Along::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
+                self.gather_sides(Differentiate::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
                 if let Some(velocity) = velocity_at_top {
                     self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
                 }
                 for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
                     let is_given = number == top && velocity_at_top.is_some();
-                    self.across(Along::Nothing, batch, |context, across| {
+                    self.across(Differentiate::Nothing, batch, |context, across| {
                         self.problem.kernels.boundary_flux(context, instant, row, across, is_given, scratch);
                     });
                     let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));

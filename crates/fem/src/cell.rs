@@ -7,12 +7,12 @@
 //! The integral over the slab is a sum over its Gauss points; at each of them the terms are those of a problem in space.
 
 use crate::conservation_law::ConservationLaw;
-use crate::instants::{Clock, Instant, Of};
+use crate::instants::{Clock, TimePoint, TimePointIndex};
 use crate::mode::Mode;
-use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
+use crate::point::{PointIndex, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::CellScratch;
 use crate::tables::{Planes, Tables};
-use crate::tensor_product::{Lattice, Parts, evaluate, integrate};
+use crate::tensor_product::{EvaluationFlags, Lattice, evaluate, integrate};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
@@ -72,16 +72,24 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let count = tables.instants.len() + 1;
         for (number, instant) in tables.instants.iter().enumerate() {
             let weights = [context.dt * instant.weight, instant.weight];
-            space_terms::<D, M, L, K, S>(simd, law, context, instant, Of { number, count }, weights, scratch);
+            space_terms::<D, M, L, K, S>(
+                simd,
+                law,
+                context,
+                instant,
+                TimePointIndex { number, count },
+                weights,
+                scratch,
+            );
         }
-        moments::<D, M, K, S>(simd, tables, Of { number: count - 1, count }, scratch);
-        let CellScratch { flux_at, moments_at, residual, scratch: room, .. } = scratch;
+        mass_product::<D, M, K, S>(simd, tables, TimePointIndex { number: count - 1, count }, scratch);
+        let CellScratch { flux_at, mass_product_at, residual, scratch: room, .. } = scratch;
         room.contract(simd, &tables.test, 1, M * nodes, flux_at, residual, false);
-        room.contract(simd, &tables.test_rate, 1, M * nodes, moments_at, residual, true);
+        room.contract(simd, &tables.test_rate, 1, M * nodes, mass_product_at, residual, true);
     }
 }
 
-/// The terms of space alone at one time: reads `state_at`, `position_at` and `velocity_at` of one instant, overwrites `flux_at` and `moments_at` of
+/// The terms of space alone at one time: reads `state_at`, `position_at` and `velocity_at` of one instant, overwrites `flux_at` and `mass_product_at` of
 /// instant 0.
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
@@ -89,7 +97,7 @@ pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// Shared data.
     pub context: &'c CellContext<'a, D>,
     /// The time.
-    pub instant: &'c Instant,
+    pub instant: &'c TimePoint,
     /// This thread's packs.
     pub scratch: &'c mut CellScratch,
     /// Values or derivatives.
@@ -102,11 +110,19 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.scratch.violated = Pack::ZERO;
-        space_terms::<D, M, L, K, S>(simd, self.law, self.context, self.instant, Of::ALONE, [1.0; 2], self.scratch);
+        space_terms::<D, M, L, K, S>(
+            simd,
+            self.law,
+            self.context,
+            self.instant,
+            TimePointIndex::ALONE,
+            [1.0; 2],
+            self.scratch,
+        );
     }
 }
 
-/// Moments int w u J of a state at one time: reads `state_at` and `position_at` of one instant, overwrites `moments_at` of instant 0.
+/// Moments int w u J of a state at one time: reads `state_at` and `position_at` of one instant, overwrites `mass_product_at` of instant 0.
 pub struct CellMoments<'a, 'c, const D: usize, const M: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
@@ -119,7 +135,7 @@ impl<const D: usize, const M: usize> WithSimd for CellMoments<'_, '_, D, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        moments::<D, M, crate::mode::Values, S>(simd, self.tables, Of::ALONE, self.scratch);
+        mass_product::<D, M, crate::mode::Values, S>(simd, self.tables, TimePointIndex::ALONE, self.scratch);
     }
 }
 
@@ -151,8 +167,8 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
     simd: S,
     law: &L,
     context: &CellContext<D>,
-    instant: &Instant,
-    of: Of,
+    instant: &TimePoint,
+    of: TimePointIndex,
     weights: [f64; 2],
     scratch: &mut CellScratch,
 ) {
@@ -162,12 +178,22 @@ fn space_terms<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode
         to_points::<D, M, K, S>(simd, tables, planes, of, viscous, scratch); // 1. geometry and state at the points
         let with_source = source_at_points::<D, K, S>(simd, context, instant, planes, of, scratch); // 2. the source
         fluxes::<D, M, L, K, S>(simd, law, planes, weights, scratch, viscous, with_source); // 3.
-        let parts = if with_source { Parts::Both } else { Parts::Gradients }; // 4. test
+        let parts = if with_source { EvaluationFlags::Both } else { EvaluationFlags::Gradients }; // 4. test
         let (lattice, room) = (flow_lattice::<D>(tables, planes), &mut scratch.scratch);
-        let (flux_at, moments_at) =
-            (&mut scratch.flux_at[of.number * len..], &mut scratch.moments_at[of.number * len..]);
+        let (flux_at, mass_product_at) =
+            (&mut scratch.flux_at[of.number * len..], &mut scratch.mass_product_at[of.number * len..]);
         integrate(simd, lattice, M, parts, &scratch.source, &scratch.flux, flux_at, room, block > 0);
-        integrate(simd, lattice, M, Parts::Values, &scratch.moments, &[], moments_at, room, block > 0);
+        integrate(
+            simd,
+            lattice,
+            M,
+            EvaluationFlags::Values,
+            &scratch.mass_product,
+            &[],
+            mass_product_at,
+            room,
+            block > 0,
+        );
     }
 }
 
@@ -189,7 +215,7 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
     planes: &Planes,
-    of: Of,
+    of: TimePointIndex,
     viscous: bool,
     scratch: &mut CellScratch,
 ) {
@@ -199,9 +225,9 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     let (points, mesh_len) = (planes.weights.len(), D * mesh.nodes());
     for b in 0..K::GEOMETRY_BLOCKS {
         let velocity = of.block(&scratch.velocity_at, b, mesh_len);
-        evaluate(simd, mesh, D, Parts::Values, velocity, &mut v[b * D * points..], &mut [], room);
+        evaluate(simd, mesh, D, EvaluationFlags::Values, velocity, &mut v[b * D * points..], &mut [], room);
     }
-    let parts = if viscous { Parts::Both } else { Parts::Values };
+    let parts = if viscous { EvaluationFlags::Both } else { EvaluationFlags::Values };
     for b in 0..K::STATE_BLOCKS {
         let state = of.block(&scratch.state_at, b, M * flow.nodes());
         let gradient = &mut gradient[b * D * M * points..];
@@ -214,7 +240,7 @@ fn to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 fn jacobian_to_points<const D: usize, K: Mode, S: Simd>(
     simd: S,
     mesh: Lattice,
-    of: Of,
+    of: TimePointIndex,
     planes: &Planes,
     scratch: &mut CellScratch,
 ) {
@@ -222,7 +248,7 @@ fn jacobian_to_points<const D: usize, K: Mode, S: Simd>(
     for b in 0..K::GEOMETRY_BLOCKS {
         let position = of.block(position_at, b, D * mesh.nodes());
         let jacobian = &mut jacobian[b * D * D * planes.weights.len()..];
-        evaluate(simd, mesh, D, Parts::Gradients, position, &mut [], jacobian, room);
+        evaluate(simd, mesh, D, EvaluationFlags::Gradients, position, &mut [], jacobian, room);
     }
 }
 
@@ -231,9 +257,9 @@ fn jacobian_to_points<const D: usize, K: Mode, S: Simd>(
 fn source_at_points<const D: usize, K: Mode, S: Simd>(
     simd: S,
     context: &CellContext<D>,
-    instant: &Instant,
+    instant: &TimePoint,
     planes: &Planes,
-    of: Of,
+    of: TimePointIndex,
     scratch: &mut CellScratch,
 ) -> bool {
     let Some(source) = context.source else { return false };
@@ -241,7 +267,7 @@ fn source_at_points<const D: usize, K: Mode, S: Simd>(
     let (mesh, points) = (mesh_lattice::<D>(context.tables, planes), planes.weights.len());
     for b in 0..K::GEOMETRY_BLOCKS {
         let position = of.block(&scratch.position_at, b, D * mesh.nodes());
-        evaluate(simd, mesh, D, Parts::Values, position, &mut x[b * D * points..], &mut [], room);
+        evaluate(simd, mesh, D, EvaluationFlags::Values, position, &mut x[b * D * points..], &mut [], room);
     }
     source(context.clock.time(instant.s), points, x, &mut scratch.source);
     true
@@ -262,7 +288,7 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
     let one = Lanes::<S>::splat(simd, 1.0);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let at = Place { points, p, part };
+            let at = PointIndex { points, p, part };
             let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.jacobian, at);
             let u = load::<M, K::State<S>, S>(simd, &scratch.u, at);
             let v = load::<D, K::Geometry<S>, S>(simd, &scratch.v, at);
@@ -276,7 +302,7 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
             test_gradients::<D, M, K, S>(&f, &cof, weight, at, &mut scratch.flux);
             for m in 0..M {
                 let moment = u[m].scale(det) * (planes.weights[p] * moment_weight);
-                moment.result().write(&mut scratch.moments[at.index(m)], part);
+                moment.result().write(&mut scratch.mass_product[at.index(m)], part);
             }
             if with_source {
                 let s = load::<M, K::Geometry<S>, S>(simd, &scratch.source, at);
@@ -286,8 +312,8 @@ fn fluxes<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: 
                     tested.result().write(&mut scratch.source[at.index(m)], part);
                 }
             }
-            let margin = law.margin(&u).min(K::State::<S>::lift(det));
-            flag::<K::State<S>, S>(simd, margin, one, &mut scratch.violated, part);
+            let admissibility = law.admissibility(&u).min(K::State::<S>::lift(det));
+            flag::<K::State<S>, S>(simd, admissibility, one, &mut scratch.violated, part);
         }
     }
 }
@@ -298,7 +324,7 @@ fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
     f: &[[K::State<S>; M]; D],
     cof: &[[K::Geometry<S>; D]; D],
     weight: f64,
-    at: Place,
+    at: PointIndex,
     tested: &mut [Pack],
 ) {
     for j in 0..D {
@@ -311,34 +337,34 @@ fn test_gradients<const D: usize, const M: usize, K: Mode, S: Simd>(
 
 /// Moments of the state at one instant, int w u J.
 #[inline(always)]
-fn moments<const D: usize, const M: usize, K: Mode, S: Simd>(
+fn mass_product<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    of: Of,
+    of: TimePointIndex,
     scratch: &mut CellScratch,
 ) {
     let len = M * tables.orders.flow.pow(D as u32);
     for (block, planes) in tables.planes.iter().enumerate() {
         let (flow, mesh) = (flow_lattice::<D>(tables, planes), mesh_lattice::<D>(tables, planes));
         jacobian_to_points::<D, K, S>(simd, mesh, of, planes, scratch);
-        let CellScratch { state_at, jacobian, u, moments, moments_at, scratch: room, .. } = &mut *scratch;
+        let CellScratch { state_at, jacobian, u, mass_product, mass_product_at, scratch: room, .. } = &mut *scratch;
         for b in 0..K::STATE_BLOCKS {
             let u = &mut u[b * M * planes.weights.len()..];
-            evaluate(simd, flow, M, Parts::Values, of.block(state_at, b, len), u, &mut [], room);
+            evaluate(simd, flow, M, EvaluationFlags::Values, of.block(state_at, b, len), u, &mut [], room);
         }
         let points = planes.weights.len();
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
-                let at = Place { points, p, part };
+                let at = PointIndex { points, p, part };
                 let (_, det) = metric::<D, K::Geometry<S>, S>(simd, jacobian, at);
                 let u = load::<M, K::State<S>, S>(simd, u, at);
                 for m in 0..M {
                     let moment = u[m].scale(det) * planes.weights[p];
-                    moment.result().write(&mut moments[at.index(m)], part);
+                    moment.result().write(&mut mass_product[at.index(m)], part);
                 }
             }
         }
-        let moments_at = &mut moments_at[of.number * len..];
-        integrate(simd, flow, M, Parts::Values, moments, &[], moments_at, room, block > 0);
+        let mass_product_at = &mut mass_product_at[of.number * len..];
+        integrate(simd, flow, M, EvaluationFlags::Values, mass_product, &[], mass_product_at, room, block > 0);
     }
 }

@@ -76,7 +76,7 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     }
 
     /// A number that is positive exactly where `u` is admissible (the smaller of density and pressure, say).
-    fn margin<T: Real>(&self, u: &[T; M]) -> T {
+    fn admissibility<T: Real>(&self, u: &[T; M]) -> T {
         u[0].constant(1.0)
     }
 

@@ -13,14 +13,14 @@
 use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
-use crate::instants::{Clock, Of};
+use crate::instants::{Clock, TimePointIndex};
 use crate::kernels::Times;
 use crate::mode::Mode;
-use crate::point::{Place, along_reference, flag, load, metric, physical_gradient};
+use crate::point::{PointIndex, along_reference, flag, load, metric, physical_gradient};
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::slope;
 use crate::tables::Tables;
-use crate::tensor_product::{Lattice, Parts, Scratch, integrate};
+use crate::tensor_product::{EvaluationFlags, Lattice, Scratch, integrate};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
@@ -80,7 +80,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         to_instants::<D, M, K, S>(simd, tables, times.in_time, viscous, used, scratch); // 1.
         for (number, instant) in times.instants.iter().enumerate() {
             let weight = times.weight * instant.weight;
-            let of = Of { number, count: times.instants.len() };
+            let of = TimePointIndex { number, count: times.instants.len() };
             for side in &mut scratch.sides[..used] {
                 state_to_points::<D, M, K, S>(simd, tables, of, viscous, side, &mut scratch.scratch); // 2.
             }
@@ -117,7 +117,7 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
     let one = Lanes::<S>::splat(simd, 1.0);
     for p in 0..points {
         for part in 0..Lanes::<S>::PARTS {
-            let (at, weight) = (Place { points, p, part }, weight * tables.facet_weights[p]);
+            let (at, weight) = (PointIndex { points, p, part }, weight * tables.facet_weights[p]);
             let here = facet_point::<D, K, S>(simd, scratch, at);
             let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
             let plus = load::<M, K::State<S>, S>(simd, &scratch.sides[1].u, at);
@@ -133,7 +133,13 @@ fn interior_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: 
                 // The flux that leaves minus enters plus.
                 (-term).write(&mut scratch.sides[1].tested[at.index(m)], part);
             }
-            flag::<K::State<S>, S>(simd, law.margin(&minus).min(law.margin(&plus)), one, &mut scratch.violated, part);
+            flag::<K::State<S>, S>(
+                simd,
+                law.admissibility(&minus).min(law.admissibility(&plus)),
+                one,
+                &mut scratch.violated,
+                part,
+            );
         }
     }
 }
@@ -148,7 +154,7 @@ fn interior_viscous<const D: usize, const M: usize, L: ConservationLaw<D, M>, K:
     [minus, plus]: [&[K::State<S>; M]; 2],
     here: &FacetPoint<K::Geometry<S>, D>,
     weight: f64,
-    at: Place,
+    at: PointIndex,
     [side_minus, side_plus]: &mut [SideScratch; 2],
     f: &mut [K::State<S>; M],
 ) {
@@ -206,7 +212,7 @@ pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
     f: &[[K::State<S>; M]; D],
     cof: &[[K::Geometry<S>; D]; D],
     scale: K::Geometry<S>,
-    at: Place,
+    at: PointIndex,
     tested_gradient: &mut [Pack],
 ) {
     for j in 0..D {
@@ -222,7 +228,7 @@ pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
 fn test<const D: usize, const M: usize, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    Of { number, count }: Of,
+    TimePointIndex { number, count }: TimePointIndex,
     viscous: bool,
     side: &mut SideScratch,
     room: &mut Scratch,
@@ -231,10 +237,10 @@ fn test<const D: usize, const M: usize, S: Simd>(
     let len = M * tables.orders.flow.pow(D as u32 - 1);
     let SideScratch { terms_at, tested, tested_gradient, .. } = side;
     let (values, derivatives) = terms_at[number * len..].split_at_mut(count * len);
-    let parts = if viscous { Parts::Both } else { Parts::Values };
+    let parts = if viscous { EvaluationFlags::Both } else { EvaluationFlags::Values };
     integrate(simd, lattice, M, parts, tested, tested_gradient, values, room, false);
     if viscous {
         let leaving = &tested_gradient[(D - 1) * M * points..];
-        integrate(simd, lattice, M, Parts::Values, leaving, &[], derivatives, room, false);
+        integrate(simd, lattice, M, EvaluationFlags::Values, leaving, &[], derivatives, room, false);
     }
 }

@@ -1,11 +1,11 @@
 //! Traces at the points of a batch of facets: steps 1 and 2 of its kernel.
 
-use crate::instants::{InTime, Of};
+use crate::instants::{InTime, TimePointIndex};
 use crate::mode::Mode;
-use crate::point::{Place, load, metric};
+use crate::point::{PointIndex, load, metric};
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::tables::Tables;
-use crate::tensor_product::{Lattice, Parts, Scratch, evaluate};
+use crate::tensor_product::{EvaluationFlags, Lattice, Scratch, evaluate};
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Real, norm};
 
@@ -38,20 +38,20 @@ pub(crate) fn to_instants<const D: usize, const M: usize, K: Mode, S: Simd>(
 pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    of: Of,
+    of: TimePointIndex,
     viscous: bool,
     side: &mut SideScratch,
     room: &mut Scratch,
 ) {
     let (lattice, points) = (Lattice::whole(&tables.flow, D - 1), tables.facet_points());
     let SideScratch { state_at, u, gradient, .. } = side;
-    let (parts, len) = (if viscous { Parts::Both } else { Parts::Values }, M * lattice.nodes());
+    let (parts, len) = (if viscous { EvaluationFlags::Both } else { EvaluationFlags::Values }, M * lattice.nodes());
     for b in 0..K::STATE_BLOCKS {
         let (u, gradient) = (&mut u[b * M * points..], &mut gradient[b * D * M * points..]);
         evaluate(simd, lattice, M, parts, of.block(state_at, b, len), u, gradient, room);
         if viscous {
             let (kind, leaving) = (of.block(state_at, K::STATE_BLOCKS + b, len), &mut gradient[(D - 1) * M * points..]);
-            evaluate(simd, lattice, M, Parts::Values, kind, leaving, &mut [], room);
+            evaluate(simd, lattice, M, EvaluationFlags::Values, kind, leaving, &mut [], room);
         }
     }
 }
@@ -62,7 +62,7 @@ pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
 pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     tables: &Tables<D>,
-    of: Of,
+    of: TimePointIndex,
     viscous: bool,
     used: usize,
     scratch: &mut FacetScratch,
@@ -72,9 +72,9 @@ pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Sim
     let FacetScratch { sides: [minus, plus], velocity_at, v, scratch: room, .. } = scratch;
     for b in 0..K::GEOMETRY_BLOCKS {
         let (velocity, v) = (of.block(velocity_at, b, len), &mut v[b * D * points..]);
-        evaluate(simd, lattice, D, Parts::Values, velocity, v, &mut [], room);
+        evaluate(simd, lattice, D, EvaluationFlags::Values, velocity, v, &mut [], room);
         let (position, jacobian) = (of.block(&minus.position_at, b, len), &mut minus.jacobian[b * matrices..]);
-        evaluate(simd, lattice, D, Parts::Gradients, position, &mut [], jacobian, room);
+        evaluate(simd, lattice, D, EvaluationFlags::Gradients, position, &mut [], jacobian, room);
         if viscous {
             plus.jacobian[b * matrices..][..tangents].copy_from_slice(&jacobian[..tangents]);
         }
@@ -84,7 +84,7 @@ pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Sim
             for b in 0..K::GEOMETRY_BLOCKS {
                 let kind = of.block(position_at, K::GEOMETRY_BLOCKS + b, len);
                 let leaving = &mut jacobian[b * matrices + tangents..];
-                evaluate(simd, lattice, D, Parts::Values, kind, leaving, &mut [], room);
+                evaluate(simd, lattice, D, EvaluationFlags::Values, kind, leaving, &mut [], room);
             }
         }
     }
@@ -108,7 +108,7 @@ pub(crate) struct FacetPoint<G, const D: usize> {
 pub(crate) fn facet_point<const D: usize, K: Mode, S: Simd>(
     simd: S,
     scratch: &FacetScratch,
-    at: Place,
+    at: PointIndex,
 ) -> FacetPoint<K::Geometry<S>, D> {
     let (cof, det) = metric::<D, K::Geometry<S>, S>(simd, &scratch.sides[0].jacobian, at);
     let sign = Lanes::read(simd, &scratch.normal_sign, at.part);

@@ -1,7 +1,7 @@
 //! From vectors to the lanes of packs, and back.
 
 use crate::batches::{FacetBatch, Permutation};
-use crate::kernels::Along;
+use crate::kernels::Differentiate;
 use crate::mesh_traces::MeshTraces;
 use crate::operator::SlabOperator;
 use crate::scratch::FacetScratch;
@@ -56,7 +56,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// block per entry of `state` and of `mesh`. The position of the facet is read from the minus side alone.
     pub(crate) fn gather_sides(
         &self,
-        along: Along,
+        along: Differentiate,
         state: &[&Traces],
         mesh: &[&MeshTraces],
         batch: &FacetBatch,

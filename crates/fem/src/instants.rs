@@ -32,7 +32,7 @@ impl Clock {
 }
 
 /// The time basis seen from one time of the slab.
-pub struct Instant {
+pub struct TimePoint {
     /// Position in the slab, in [0, 1].
     pub s: f64,
     /// Quadrature weight on the unit slab.
@@ -45,12 +45,12 @@ pub struct Instant {
     pub velocities: Matrix,
 }
 
-impl Instant {
+impl TimePoint {
     /// The basis at `s`.
     pub fn new(time: &RadauTime, s: f64, weight: f64) -> Self {
         let (phi, integrals) = (time.values(s), time.integrals(s));
         let n = phi.len();
-        Instant {
+        TimePoint {
             s,
             weight,
             values: Matrix::from_fn(1, n, |_, a| phi[a]),
@@ -62,7 +62,7 @@ impl Instant {
     /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state that is given
     /// at this time only.
     pub fn of_space(time: &RadauTime, s: f64) -> Self {
-        Instant { values: Matrix::identity(1), ..Instant::new(time, s, 1.0) }
+        TimePoint { values: Matrix::identity(1), ..TimePoint::new(time, s, 1.0) }
     }
 
     /// The row that gives the position at this time in a slab of length `dt`.
@@ -73,14 +73,14 @@ impl Instant {
 
 /// Instant `number` of `count`.
 #[derive(Clone, Copy)]
-pub(crate) struct Of {
+pub(crate) struct TimePointIndex {
     pub(crate) number: usize,
     pub(crate) count: usize,
 }
 
-impl Of {
+impl TimePointIndex {
     /// An instant that is the only one.
-    pub(crate) const ALONE: Of = Of { number: 0, count: 1 };
+    pub(crate) const ALONE: TimePointIndex = TimePointIndex { number: 0, count: 1 };
 
     /// What `array[b][instant][..]` has of this instant in block `b`, `len` packs.
     #[inline(always)]

@@ -7,7 +7,7 @@ use crate::boundary::FacetFlux;
 use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, Facets};
-use crate::instants::{InTime, Instant};
+use crate::instants::{InTime, TimePoint};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Tables;
@@ -19,7 +19,7 @@ use tensor::pulp::{Scalar, WithSimd};
 
 /// What a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Along {
+pub enum Differentiate {
     /// Nothing: the residual itself.
     Nothing,
     /// A direction of the state.
@@ -28,21 +28,21 @@ pub enum Along {
     StateAndMesh,
 }
 
-impl Along {
+impl Differentiate {
     /// Blocks of geometry arrays, see `Mode::GEOMETRY_BLOCKS`.
     pub fn geometry_blocks(self) -> usize {
-        if self == Along::StateAndMesh { 2 } else { 1 }
+        if self == Differentiate::StateAndMesh { 2 } else { 1 }
     }
     /// Blocks of state arrays.
     pub fn state_blocks(self) -> usize {
-        if self == Along::Nothing { 1 } else { 2 }
+        if self == Differentiate::Nothing { 1 } else { 2 }
     }
 }
 
 /// The times of a run of the facet kernel.
 pub struct Times<'a> {
     /// The times.
-    pub instants: &'a [Instant],
+    pub instants: &'a [TimePoint],
     /// From time nodes and slots to them.
     pub in_time: InTime<'a>,
     /// phi_a at these times, `[a][time]`.
@@ -64,15 +64,21 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     /// Whether the condition on boundary number `boundary` takes a prescribed state.
     fn takes_state(&self, boundary: usize) -> bool;
     /// The volume terms of a slab.
-    fn slab_cells(&self, along: Along, context: &CellContext<D>, coefficients: Coefficients, scratch: &mut CellScratch);
+    fn slab_cells(
+        &self,
+        along: Differentiate,
+        context: &CellContext<D>,
+        coefficients: Coefficients,
+        scratch: &mut CellScratch,
+    );
     /// The terms of space alone, along a direction of the state.
-    fn space_cells(&self, context: &CellContext<D>, instant: &Instant, scratch: &mut CellScratch);
+    fn space_cells(&self, context: &CellContext<D>, instant: &TimePoint, scratch: &mut CellScratch);
     /// Moments of a state at one time.
-    fn moments(&self, tables: &Tables<D>, scratch: &mut CellScratch);
+    fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch);
     /// The facet terms.
     fn facets(
         &self,
-        along: Along,
+        along: Differentiate,
         context: &FacetContext<D>,
         times: &Times,
         across: &Across,
@@ -81,19 +87,25 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     /// Operations at points of one run of [`Self::slab_cells`], in all lanes: counted by running it in scalars.
     fn count_cells(
         &self,
-        along: Along,
+        along: Differentiate,
         context: &CellContext<D>,
         coefficients: Coefficients,
         scratch: &mut CellScratch,
     ) -> u64;
     /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
-    fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64;
+    fn count_facets(
+        &self,
+        along: Differentiate,
+        context: &FacetContext<D>,
+        times: &Times,
+        scratch: &mut FacetScratch,
+    ) -> u64;
     /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch. Forces do work at the
     /// velocity of the mesh, or where `velocity_is_given` at `boundary_velocity` of the scratch.
     fn boundary_flux(
         &self,
         context: &FacetContext<D>,
-        instant: &Instant,
+        instant: &TimePoint,
         position_row: &Matrix,
         across: &Across,
         velocity_is_given: bool,
@@ -134,20 +146,20 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
 
     fn slab_cells(
         &self,
-        along: Along,
+        along: Differentiate,
         context: &CellContext<D>,
         coefficients: Coefficients,
         scratch: &mut CellScratch,
     ) {
         let law = &self.law;
         match along {
-            Along::Nothing => {
+            Differentiate::Nothing => {
                 self.arch.dispatch(SlabCells { law, context, coefficients, scratch, mode: PhantomData::<Values> })
             }
-            Along::State => {
+            Differentiate::State => {
                 self.arch.dispatch(SlabCells { law, context, coefficients, scratch, mode: PhantomData::<AlongState> })
             }
-            Along::StateAndMesh => self.arch.dispatch(SlabCells {
+            Differentiate::StateAndMesh => self.arch.dispatch(SlabCells {
                 law,
                 context,
                 coefficients,
@@ -157,17 +169,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         }
     }
 
-    fn space_cells(&self, context: &CellContext<D>, instant: &Instant, scratch: &mut CellScratch) {
+    fn space_cells(&self, context: &CellContext<D>, instant: &TimePoint, scratch: &mut CellScratch) {
         self.arch.dispatch(SpaceCells { law: &self.law, context, instant, scratch, mode: PhantomData::<AlongState> });
     }
 
-    fn moments(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
+    fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
         self.arch.dispatch(CellMoments::<D, M> { tables, scratch });
     }
 
     fn facets(
         &self,
-        along: Along,
+        along: Differentiate,
         context: &FacetContext<D>,
         times: &Times,
         across: &Across,
@@ -175,7 +187,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
     ) {
         let (law, conditions) = (&self.law, &self.conditions[..]);
         match along {
-            Along::Nothing => {
+            Differentiate::Nothing => {
                 self.arch.dispatch(Facets {
                     law,
                     conditions,
@@ -186,7 +198,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                     mode: PhantomData::<Values>,
                 });
             }
-            Along::State => {
+            Differentiate::State => {
                 self.arch.dispatch(Facets {
                     law,
                     conditions,
@@ -197,7 +209,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                     mode: PhantomData::<AlongState>,
                 });
             }
-            Along::StateAndMesh => {
+            Differentiate::StateAndMesh => {
                 let mode = PhantomData::<AlongStateAndMesh>;
                 self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
             }
@@ -206,14 +218,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
 
     fn count_cells(
         &self,
-        along: Along,
+        along: Differentiate,
         context: &CellContext<D>,
         coefficients: Coefficients,
         scratch: &mut CellScratch,
     ) -> u64 {
         let law = &self.law;
         count_operations(|| match along {
-            Along::Nothing => {
+            Differentiate::Nothing => {
                 SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedValues> }.with_simd(Scalar)
             }
             _ => SlabCells { law, context, coefficients, scratch, mode: PhantomData::<CountedAlongState> }
@@ -221,10 +233,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         })
     }
 
-    fn count_facets(&self, along: Along, context: &FacetContext<D>, times: &Times, scratch: &mut FacetScratch) -> u64 {
+    fn count_facets(
+        &self,
+        along: Differentiate,
+        context: &FacetContext<D>,
+        times: &Times,
+        scratch: &mut FacetScratch,
+    ) -> u64 {
         let (law, conditions, across) = (&self.law, &self.conditions[..], &Across::Cells);
         count_operations(|| match along {
-            Along::Nothing => {
+            Differentiate::Nothing => {
                 let mode = PhantomData::<CountedValues>;
                 Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
@@ -238,7 +256,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
     fn boundary_flux(
         &self,
         context: &FacetContext<D>,
-        instant: &Instant,
+        instant: &TimePoint,
         position_row: &Matrix,
         across: &Across,
         velocity_is_given: bool,

@@ -50,8 +50,8 @@ mod work;
 pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
-pub use instants::{Clock, InTime, Instant};
-pub use kernels::{Along, Kernels, LawKernels};
+pub use instants::{Clock, InTime, TimePoint};
+pub use kernels::{Differentiate, Kernels, LawKernels};
 pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
@@ -59,7 +59,7 @@ pub use moving_mesh::MovingMesh;
 pub use operator::{Problem, SlabOperator, Violation};
 pub use pool::Pool;
 pub use sampler::{Sampler, squared_errors};
-pub use tables::{Line, Orders, Quadrature, Tables};
+pub use tables::{Orders, Quadrature, Shape1d, Tables};
 
 #[cfg(test)]
 mod tests;

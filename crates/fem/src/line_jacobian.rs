@@ -10,8 +10,8 @@
 //! with the derivatives of a face with respect to the cell's own trace alone.
 
 use crate::batches::FacetBatch;
-use crate::kernels::Along;
-use crate::linearisation::{Frozen, TraceSpace};
+use crate::kernels::Differentiate;
+use crate::linearisation::{FrozenPoint, TraceSpace};
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::traces::FaceMaps;
@@ -90,7 +90,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn lines_of_cells(
         &self,
         batch: usize,
-        frozen: &Frozen,
+        frozen: &FrozenPoint,
         scratch: &mut CellScratch,
         operators: &mut [f64],
         masses: &mut [f64],
@@ -107,7 +107,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             let number = axis * M * n + column;
             self.add_sums(axis, &scratch.flux_at[..M * nodes], number, operators);
             if component == 0 {
-                self.add_sums(axis, &scratch.moments_at[..nodes], axis * n + i, masses);
+                self.add_sums(axis, &scratch.mass_product_at[..nodes], axis * n + i, masses);
             }
         }
     }
@@ -125,12 +125,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The own blocks of the facets of a batch.
-    fn ends_of_lines(&self, batch: &FacetBatch, frozen: &Frozen, line: &TraceSpace) -> Vec<OwnBlocks> {
+    fn ends_of_lines(&self, batch: &FacetBatch, frozen: &FrozenPoint, line: &TraceSpace) -> Vec<OwnBlocks> {
         let traces = line.len();
         let mut blocks: Vec<OwnBlocks> = vec![[vec![0.0; traces * traces], vec![0.0; traces * traces]]; batch.count];
         let sides = if batch.boundary.is_none() { 2 } else { 1 };
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(Along::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            self.gather_sides(Differentiate::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
             for (side, column) in (0..sides).flat_map(|side| (0..traces).map(move |column| (side, column))) {
                 self.along_mean_trace(batch, frozen, [side, column], scratch);
                 let terms = scratch.sides[side].terms.chunks_exact(frozen.traces.layout.face_nodes);
@@ -145,7 +145,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Runs the facet kernel along trace `column[1]` of side `column[0]`, the same at all nodes of the face.
-    fn along_mean_trace(&self, batch: &FacetBatch, frozen: &Frozen, column: [usize; 2], scratch: &mut FacetScratch) {
+    fn along_mean_trace(
+        &self,
+        batch: &FacetBatch,
+        frozen: &FrozenPoint,
+        column: [usize; 2],
+        scratch: &mut FacetScratch,
+    ) {
         let [side, number] = column;
         let (len, nodes) = (frozen.traces.layout.kind_len(), frozen.traces.layout.face_nodes);
         let (kind, component) = (number / M, number % M);

@@ -9,8 +9,8 @@
 use crate::batches::{FacetBatch, cells_of};
 use crate::cell::{CellContext, SourceAt};
 use crate::gather::gather;
-use crate::instants::{InTime, Instant};
-use crate::kernels::{Along, Times};
+use crate::instants::{InTime, TimePoint};
+use crate::kernels::{Differentiate, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
@@ -112,8 +112,8 @@ impl TraceSpace {
 }
 
 /// What is fixed while blocks are computed.
-pub(crate) struct Frozen {
-    instant: Instant,
+pub(crate) struct FrozenPoint {
+    instant: TimePoint,
     row: Matrix,
     test: Matrix,
     state: Vec<f64>,
@@ -161,8 +161,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect()
     }
 
-    pub(crate) fn freeze(&self, s: f64) -> Frozen {
-        let instant = Instant::of_space(&self.tables.time, s);
+    pub(crate) fn freeze(&self, s: f64) -> FrozenPoint {
+        let instant = TimePoint::of_space(&self.tables.time, s);
         let one = self.layout.at_one_time();
         let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
         for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
@@ -180,11 +180,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let mut traces = Traces::new(layout, one.cells);
         traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
-        Frozen { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
+        FrozenPoint { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
     }
 
     /// Volume part of A_ii, and the mass matrices.
-    fn cell_blocks(&self, frozen: &Frozen, diagonal: &mut [f64], mass: &mut [f64]) {
+    fn cell_blocks(&self, frozen: &FrozenPoint, diagonal: &mut [f64], mass: &mut [f64]) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
         let batches = diagonal.par_chunks_mut(WIDTH * block * block).zip(mass.par_chunks_mut(WIDTH * nodes * nodes));
         batches.enumerate().for_each(|(batch, (diagonal, mass))| {
@@ -195,7 +195,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn cell_batch_blocks(
         &self,
         batch: usize,
-        frozen: &Frozen,
+        frozen: &FrozenPoint,
         scratch: &mut CellScratch,
         diagonal: &mut [f64],
         mass: &mut [f64],
@@ -206,13 +206,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.along_cells(frozen, scratch, |direction| direction[column] = Pack([1.0; WIDTH]));
             write_column(&scratch.flux_at, block, column, diagonal);
             if column < nodes {
-                write_column(&scratch.moments_at, nodes, column, mass);
+                write_column(&scratch.mass_product_at, nodes, column, mass);
             }
         }
     }
 
     /// Reads state and mesh of a batch of cells.
-    pub(crate) fn gather_frozen(&self, batch: usize, frozen: &Frozen, scratch: &mut CellScratch) {
+    pub(crate) fn gather_frozen(&self, batch: usize, frozen: &FrozenPoint, scratch: &mut CellScratch) {
         let (block, slot) = (self.layout.time_len(), self.mesh.slot_len());
         let cells = cells_of(batch, self.layout.cells);
         gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_at[..block]);
@@ -224,7 +224,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Runs the cell kernel on a batch that has been gathered, along the direction `[m][node]` that `set` makes of zeros.
-    pub(crate) fn along_cells(&self, frozen: &Frozen, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
+    pub(crate) fn along_cells(&self, frozen: &FrozenPoint, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
         let (block, (_, dt)) = (self.layout.time_len(), self.interval());
         let direction = &mut scratch.state_at[block..2 * block];
         direction.fill(Pack::ZERO);
@@ -240,11 +240,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The blocks of a batch of facets in traces.
-    fn facet_blocks(&self, batch: &FacetBatch, frozen: &Frozen, traces: &TraceSpace) -> Vec<FacetBlocks> {
+    fn facet_blocks(&self, batch: &FacetBatch, frozen: &FrozenPoint, traces: &TraceSpace) -> Vec<FacetBlocks> {
         let sides = if batch.boundary.is_none() { 2 } else { 1 };
         let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(Along::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            self.gather_sides(Differentiate::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
             for side in 0..sides {
                 for column in 0..traces.len() {
                     self.facet_column(batch, frozen, [side, column], traces, scratch);
@@ -267,7 +267,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn facet_column(
         &self,
         batch: &FacetBatch,
-        frozen: &Frozen,
+        frozen: &FrozenPoint,
         column: [usize; 2],
         traces: &TraceSpace,
         scratch: &mut FacetScratch,
@@ -284,7 +284,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub(crate) fn along_facets(
         &self,
         batch: &FacetBatch,
-        frozen: &Frozen,
+        frozen: &FrozenPoint,
         scratch: &mut FacetScratch,
         set: impl FnOnce(&mut [SideScratch; 2]),
     ) {
@@ -295,10 +295,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
         set(&mut scratch.sides);
         let instants = std::slice::from_ref(&frozen.instant);
-        let Frozen { instant, row, test, .. } = frozen;
+        let FrozenPoint { instant, row, test, .. } = frozen;
         let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: row };
         let times = Times { instants, in_time, test, weight: 1.0 };
-        self.facet_kernel(Along::State, batch, &times, scratch);
+        self.facet_kernel(Differentiate::State, batch, &times, scratch);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
 use crate::instants::{Clock, InTime};
-use crate::kernels::{Along, Kernels, Times};
+use crate::kernels::{Differentiate, Kernels, Times};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
@@ -74,7 +74,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     positions: Matrix,
     pub(crate) positions_and_top: Matrix,
     bottom_values: Vec<f64>,
-    bottom_moments: Vec<f64>,
+    bottom_mass_product: Vec<f64>,
     pub(crate) state_traces: Traces,
     direction_traces: Traces,
     pub(crate) mesh_traces: MeshTraces,
@@ -118,7 +118,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             positions: Matrix::identity(0),
             positions_and_top: Matrix::identity(0),
             bottom_values: tables.time.values(0.0),
-            bottom_moments: vec![0.0; layout.at_one_time().len()],
+            bottom_mass_product: vec![0.0; layout.at_one_time().len()],
             state_traces: Traces::new(flow_traces, cells),
             direction_traces: Traces::new(flow_traces, cells),
             mesh_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
@@ -167,9 +167,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.positions = Matrix::from_fn(count, slots, |q, slot| rows[q][(0, slot)]);
         self.positions_and_top = Matrix::from_fn(count + 1, slots, |q, slot| rows[q][(0, slot)]);
         self.mesh.set_bottom(Some(displacement));
-        let mut moments = std::mem::take(&mut self.bottom_moments);
-        self.moments(bottom, &self.tables.bottom_row(), &mut moments);
-        self.bottom_moments = moments;
+        let mut mass_product = std::mem::take(&mut self.bottom_mass_product);
+        self.mass_product(bottom, &self.tables.bottom_row(), &mut mass_product);
+        self.bottom_mass_product = mass_product;
     }
 
     /// Sets the mesh velocities of the slab, `[time node][C0 node][component]`.
@@ -191,7 +191,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
-        match self.run(Along::Nothing, out) {
+        match self.run(Differentiate::Nothing, out) {
             None => Ok(()),
             Some(cell) => Err(self.describe_violation(cell)),
         }
@@ -200,7 +200,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
-        self.run(Along::State, out);
+        self.run(Differentiate::State, out);
     }
 
     /// The derivative of the residual along directions of the state and of the mesh velocities.
@@ -208,11 +208,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
         self.mesh_direction.set_direction(velocities);
         self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, &self.facets);
-        self.run(Along::StateAndMesh, out);
+        self.run(Differentiate::StateAndMesh, out);
     }
 
-    /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `Instant::position_row`).
-    pub fn moments(&self, state: &[f64], row: &Matrix, out: &mut [f64]) {
+    /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `TimePoint::position_row`).
+    pub fn mass_product(&self, state: &[f64], row: &Matrix, out: &mut [f64]) {
         let layout = self.layout.at_one_time();
         let slot = self.mesh.slot_len();
         out.par_chunks_mut(WIDTH * layout.cell_len()).enumerate().for_each(|(batch, out)| {
@@ -222,8 +222,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                 for (lane, cell) in cells.into_iter().enumerate() {
                     self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_at[..slot]);
                 }
-                self.problem.kernels.moments(&self.tables, scratch);
-                scatter(&scratch.moments_at[..layout.cell_len()], layout.cell_len(), out);
+                self.problem.kernels.mass_product(&self.tables, scratch);
+                scatter(&scratch.mass_product_at[..layout.cell_len()], layout.cell_len(), out);
             });
         });
     }
@@ -231,22 +231,22 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// out += factor (W (x) M) x, with M the mass matrix at the bottom of the slab: the term of pseudo-time.
     pub fn add_mass(&self, factor: f64, x: &[f64], out: &mut [f64]) {
         let (layout, one) = (self.layout, self.layout.at_one_time());
-        let (mut state, mut moments) = (vec![0.0; one.len()], vec![0.0; one.len()]);
+        let (mut state, mut mass_product) = (vec![0.0; one.len()], vec![0.0; one.len()]);
         for (a, weight) in self.tables.time.weights().iter().enumerate() {
             for cell in 0..layout.cells {
                 state[one.cell(cell)].copy_from_slice(&x[layout.cell_at(cell, a)]);
             }
-            self.moments(&state, &self.tables.bottom_row(), &mut moments);
+            self.mass_product(&state, &self.tables.bottom_row(), &mut mass_product);
             for cell in 0..layout.cells {
                 let out = &mut out[layout.cell_at(cell, a)];
-                out.iter_mut().zip(&moments[one.cell(cell)]).for_each(|(out, m)| *out += factor * weight * m);
+                out.iter_mut().zip(&mass_product[one.cell(cell)]).for_each(|(out, m)| *out += factor * weight * m);
             }
         }
     }
 
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
     /// not a number: violations are passed on this way, and arithmetic may make its own.
-    fn run(&mut self, along: Along, out: &mut [f64]) -> Option<usize> {
+    fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
         let mut terms = std::mem::take(&mut self.terms);
         let facet_len = 2 * self.state_traces.layout.face_len();
         let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches);
@@ -268,7 +268,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
-    fn facet_batch(&self, along: Along, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
+    fn facet_batch(&self, along: Differentiate, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
         let viscous = self.problem.kernels.is_viscous();
         let state = &self.state_and_direction()[..along.state_blocks()];
         let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
@@ -285,14 +285,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Runs the facet kernel on a batch that has been gathered.
-    pub(crate) fn facet_kernel(&self, along: Along, batch: &FacetBatch, times: &Times, scratch: &mut FacetScratch) {
+    pub(crate) fn facet_kernel(
+        &self,
+        along: Differentiate,
+        batch: &FacetBatch,
+        times: &Times,
+        scratch: &mut FacetScratch,
+    ) {
         self.across(along, batch, |context, across| {
             self.problem.kernels.facets(along, context, times, across, scratch);
         });
     }
 
     /// Hands what lies across the facets of a batch to `kernel`.
-    pub(crate) fn across(&self, along: Along, batch: &FacetBatch, kernel: impl FnOnce(&FacetContext<D>, &Across)) {
+    pub(crate) fn across(
+        &self,
+        along: Differentiate,
+        batch: &FacetBatch,
+        kernel: impl FnOnce(&FacetContext<D>, &Across),
+    ) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
@@ -311,7 +322,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Volume terms and facet terms of one batch of cells.
-    fn cell_batch(&self, along: Along, batch: usize, scratch: &mut CellScratch, terms: &[f64], out: &mut [f64]) {
+    fn cell_batch(
+        &self,
+        along: Differentiate,
+        batch: usize,
+        scratch: &mut CellScratch,
+        terms: &[f64],
+        out: &mut [f64],
+    ) {
         let cell_len = self.layout.cell_len();
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
@@ -333,7 +351,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
-            if along == Along::Nothing {
+            if along == Differentiate::Nothing {
                 self.subtract_bottom(batch * WIDTH + lane, out);
             }
             if scratch.violated.0[lane] != 0.0 {
@@ -367,9 +385,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// - phi_a(0) int_K w u_n J at t_n.
     fn subtract_bottom(&self, cell: usize, out: &mut [f64]) {
-        let moments = &self.bottom_moments[self.layout.at_one_time().cell(cell)];
-        for (out, phi) in out.chunks_exact_mut(moments.len()).zip(&self.bottom_values) {
-            for (r, m) in out.iter_mut().zip(moments) {
+        let mass_product = &self.bottom_mass_product[self.layout.at_one_time().cell(cell)];
+        for (out, phi) in out.chunks_exact_mut(mass_product.len()).zip(&self.bottom_values) {
+            for (r, m) in out.iter_mut().zip(mass_product) {
                 *r -= phi * m;
             }
         }

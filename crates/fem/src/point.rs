@@ -6,13 +6,13 @@ use tensor::{LaneNumber, Lanes, Over, Pack, Real, cofactor, determinant};
 
 /// Where a point function reads and writes: point `p` of `points`, and the part of its packs.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct PointIndex {
     pub(crate) points: usize,
     pub(crate) p: usize,
     pub(crate) part: usize,
 }
 
-impl Place {
+impl PointIndex {
     /// Component `c` at this point, in an array `[c][p]`.
     #[inline(always)]
     pub(crate) fn index(&self, c: usize) -> usize {
@@ -25,7 +25,7 @@ impl Place {
 pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
     simd: S,
     jacobian: &[Pack],
-    at: Place,
+    at: PointIndex,
 ) -> ([[G; D]; D], G) {
     let block = D * D * at.points;
     let first = G::load(simd, jacobian, block, at.p, at.part);
@@ -41,7 +41,7 @@ pub(crate) fn metric<const D: usize, G: LaneNumber<S>, S: Simd>(
 
 /// The C components of a state, a velocity, ... ; `u[b][c][p]`.
 #[inline(always)]
-pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack], at: Place) -> [T; C] {
+pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack], at: PointIndex) -> [T; C] {
     let mut vector = [T::load(simd, u, C * at.points, at.p, at.part); C];
     for c in 1..C {
         vector[c] = T::load(simd, u, C * at.points, at.index(c), at.part);
@@ -54,7 +54,7 @@ pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack
 pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
     gradient: &[Pack],
-    at: Place,
+    at: PointIndex,
     cof: &[[K::Geometry<S>; D]; D],
     det: K::Geometry<S>,
 ) -> [[K::State<S>; M]; D] {
@@ -97,9 +97,15 @@ pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Rea
     sum
 }
 
-/// Marks the lanes where `margin` is not positive. Written so that a NaN is marked too.
+/// Marks the lanes where `admissibility` is not positive. Written so that a NaN is marked too.
 #[inline(always)]
-pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(simd: S, margin: T, one: Lanes<S>, violated: &mut Pack, part: usize) {
+pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(
+    simd: S,
+    admissibility: T,
+    one: Lanes<S>,
+    violated: &mut Pack,
+    part: usize,
+) {
     let so_far = Lanes::read(simd, violated, part);
-    margin.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
+    admissibility.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
 }

@@ -108,7 +108,7 @@ fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a M
 
 /// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
 ///
-/// `state` is laid out at one time, at which the mesh has position row `row` (see `Instant::position_row`).
+/// `state` is laid out at one time, at which the mesh has position row `row` (see `TimePoint::position_row`).
 pub fn squared_errors<const D: usize, const M: usize>(
     operator: &SlabOperator<D, M>,
     state: &[f64],

@@ -19,7 +19,7 @@ pub struct CellScratch {
     /// Flux terms, `[instant][m][i]`.
     pub flux_at: Vec<Pack>,
     /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
-    pub moments_at: Vec<Pack>,
+    pub mass_product_at: Vec<Pack>,
     /// Positions at points relative to the origins of the cells, `[b][d][p]`: read by sources.
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
@@ -33,7 +33,7 @@ pub struct CellScratch {
     pub(crate) jacobian: Vec<Pack>,
     pub(crate) v: Vec<Pack>,
     pub(crate) flux: Vec<Pack>,
-    pub(crate) moments: Vec<Pack>,
+    pub(crate) mass_product: Vec<Pack>,
     pub(crate) scratch: Scratch,
 }
 
@@ -50,7 +50,7 @@ impl CellScratch {
             position_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
             velocity_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
             flux_at: zeroed(instants * M * nodes),
-            moments_at: zeroed((instants + 1) * M * nodes),
+            mass_product_at: zeroed((instants + 1) * M * nodes),
             x: zeroed(2 * D * points),
             source: zeroed(2 * M * points),
             face_terms: zeroed(2 * D * 2 * n_t * M * (nodes / tables.orders.flow)),
@@ -60,7 +60,7 @@ impl CellScratch {
             jacobian: zeroed(D * 2 * D * points),
             v: zeroed(2 * D * points),
             flux: zeroed(D * M * points),
-            moments: zeroed(M * points),
+            mass_product: zeroed(M * points),
             scratch: Scratch::new(D, 2 * M, widest),
         }
     }

@@ -1,6 +1,6 @@
 //! One-dimensional matrices of a slab space: what the kernels contract with.
 
-use crate::instants::Instant;
+use crate::instants::TimePoint;
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss};
 use tensor::Pack;
 
@@ -56,7 +56,7 @@ impl Quadrature {
 }
 
 /// Nodal polynomials of one order, seen from the quadrature points of one direction.
-pub struct Line {
+pub struct Shape1d {
     /// Nodes per direction.
     pub order: usize,
     /// Values at the points, `[point][node]`.
@@ -71,13 +71,13 @@ pub struct Line {
     pub end_derivatives: [Vec<f64>; 2],
 }
 
-impl Line {
+impl Shape1d {
     /// Gauss-Lobatto nodal polynomials of `order` at `points`.
     pub fn new(order: usize, points: &[f64]) -> Self {
         let lagrange = Lagrange::gauss_lobatto(order);
         let (values, derivatives) = (lagrange.value_matrix(points), lagrange.derivative_matrix(points));
         let ends = lagrange.derivative_matrix(&[-1.0, 1.0]);
-        Line {
+        Shape1d {
             order,
             values_transposed: values.transpose(),
             derivatives_transposed: derivatives.transpose(),
@@ -92,9 +92,9 @@ impl Line {
 /// second cache.
 pub struct Planes {
     /// Flow polynomials at these points of the last axis.
-    pub flow: Line,
+    pub flow: Shape1d,
     /// Mesh polynomials there.
-    pub mesh: Line,
+    pub mesh: Shape1d,
     /// Weights of the points, lexicographic.
     pub weights: Vec<f64>,
 }
@@ -115,7 +115,7 @@ impl Planes {
             let planes = number * q / count..(number + 1) * q / count;
             let points = &rule.points[planes.clone()];
             let weights = rule.weights[planes].iter().flat_map(|w| in_plane.iter().map(move |v| v * w)).collect();
-            Planes { flow: Line::new(orders.flow, points), mesh: Line::new(orders.mesh, points), weights }
+            Planes { flow: Shape1d::new(orders.flow, points), mesh: Shape1d::new(orders.mesh, points), weights }
         };
         (0..count).map(block).collect()
     }
@@ -128,15 +128,15 @@ pub struct Tables<const D: usize> {
     /// Quadrature in one direction of space.
     pub rule: Rule,
     /// Flow polynomials at the space points.
-    pub flow: Line,
+    pub flow: Shape1d,
     /// Mesh polynomials at the space points.
-    pub mesh: Line,
+    pub mesh: Shape1d,
     /// The time basis.
     pub time: RadauTime,
     /// The Gauss points of the slab in time.
-    pub instants: Vec<Instant>,
+    pub instants: Vec<TimePoint>,
     /// The top of the slab, s = 1, weight 1.
-    pub top: Instant,
+    pub top: TimePoint,
     /// phi_a(s) at the Gauss points, `[instant][a]`; the same with the top as the last row.
     pub values: Matrix,
     /// See `values`.
@@ -161,7 +161,7 @@ impl<const D: usize> Tables<D> {
         let time = RadauTime::new(orders.time);
         let time_rule = gauss(quadrature.time_points(D, orders));
         let instants: Vec<_> = (time_rule.points.iter().zip(&time_rule.weights))
-            .map(|(&x, &w)| Instant::new(&time, 0.5 * (1.0 + x), 0.5 * w))
+            .map(|(&x, &w)| TimePoint::new(&time, 0.5 * (1.0 + x), 0.5 * w))
             .collect();
         let (n_t, count) = (orders.time, instants.len());
         let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
@@ -171,9 +171,9 @@ impl<const D: usize> Tables<D> {
         Tables {
             orders,
             planes: Planes::blocks(&rule, D, orders, packs),
-            flow: Line::new(orders.flow, &rule.points),
-            mesh: Line::new(orders.mesh, &rule.points),
-            top: Instant::new(&time, 1.0, 1.0),
+            flow: Shape1d::new(orders.flow, &rule.points),
+            mesh: Shape1d::new(orders.mesh, &rule.points),
+            top: TimePoint::new(&time, 1.0, 1.0),
             values: Matrix::from_fn(count, n_t, |q, a| instants[q].values[(0, a)]),
             values_and_top: Matrix::from_fn(count + 1, n_t, |q, a| {
                 instants.get(q).map_or(time.values(1.0)[a], |instant| instant.values[(0, a)])

@@ -1,6 +1,6 @@
 //! Values and gradients of tensor-product polynomials at quadrature points, and their transposes, in packs of cells.
 
-use crate::tables::Line;
+use crate::tables::Shape1d;
 use basis::{Matrix, contract};
 use tensor::Pack;
 use tensor::pulp::Simd;
@@ -45,7 +45,7 @@ fn multiplications(matrix: &Matrix, outer: usize, inner: usize) -> usize {
 
 /// What to evaluate or to integrate against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parts {
+pub enum EvaluationFlags {
     /// Values only.
     Values,
     /// Derivatives only.
@@ -61,9 +61,9 @@ pub enum Parts {
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
     /// Along all axes but the last.
-    pub line: &'a Line,
+    pub line: &'a Shape1d,
     /// Along the last axis.
-    pub last: &'a Line,
+    pub last: &'a Shape1d,
     /// Number of axes.
     pub dimension: usize,
 }
@@ -71,7 +71,7 @@ pub struct Lattice<'a> {
 impl<'a> Lattice<'a> {
     /// The same matrices along all axes.
     #[inline(always)]
-    pub fn whole(line: &'a Line, dimension: usize) -> Self {
+    pub fn whole(line: &'a Shape1d, dimension: usize) -> Self {
         Lattice { line, last: line, dimension }
     }
 
@@ -95,7 +95,7 @@ impl<'a> Lattice<'a> {
 }
 
 struct Pass<'a> {
-    line: &'a Line,
+    line: &'a Shape1d,
     outer: usize,
     inner: usize,
     /// Packs of a tensor that is nodal along this axis.
@@ -113,13 +113,13 @@ pub fn evaluate<S: Simd>(
     simd: S,
     lattice: Lattice,
     components: usize,
-    parts: Parts,
+    parts: EvaluationFlags,
     nodal: &[Pack],
     values: &mut [Pack],
     gradients: &mut [Pack],
     scratch: &mut Scratch,
 ) {
-    let (dimension, with_gradients) = (lattice.dimension, parts != Parts::Values);
+    let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
     // Tensors so far: number 0 holds values, the others derivatives, the one along the axis just passed last.
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
@@ -130,7 +130,7 @@ pub fn evaluate<S: Simd>(
             let differentiated = tensor == passed + 1;
             let source = if differentiated { 0 } else { tensor };
             let matrix = if differentiated { &line.derivatives } else { &line.values };
-            if last && tensor == 0 && parts == Parts::Gradients {
+            if last && tensor == 0 && parts == EvaluationFlags::Gradients {
                 continue;
             }
             let input = if passed == 0 { &nodal[..size_in] } else { &from[source * size_in..(source + 1) * size_in] };
@@ -154,14 +154,14 @@ pub fn integrate<S: Simd>(
     simd: S,
     lattice: Lattice,
     components: usize,
-    parts: Parts,
+    parts: EvaluationFlags,
     values: &[Pack],
     gradients: &[Pack],
     nodal: &mut [Pack],
     scratch: &mut Scratch,
     add: bool,
 ) {
-    let (dimension, with_gradients) = (lattice.dimension, parts != Parts::Values);
+    let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
     // From the first axis to the last: derivative tensors of the axes beyond stay apart, the one of `axis` joins the values.
@@ -173,7 +173,7 @@ pub fn integrate<S: Simd>(
             let output =
                 if last { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
             let mut joins = last && add;
-            if !(first && tensor == 0 && parts == Parts::Gradients) {
+            if !(first && tensor == 0 && parts == EvaluationFlags::Gradients) {
                 let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
                     (true, _) => derivative(tensor),

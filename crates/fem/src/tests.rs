@@ -1,7 +1,7 @@
 //! Identities of the parts from which kernels are made.
 
-use crate::tables::{Line, Orders, Quadrature, Tables};
-use crate::tensor_product::{Lattice, Parts, Scratch, evaluate, integrate};
+use crate::tables::{Orders, Quadrature, Shape1d, Tables};
+use crate::tensor_product::{EvaluationFlags, Lattice, Scratch, evaluate, integrate};
 use crate::traces::FaceMaps;
 use basis::gauss;
 use tensor::Arch;
@@ -19,7 +19,7 @@ fn inner_product(a: &[Pack], b: &[Pack]) -> [f64; WIDTH] {
 
 /// <E u, f> and <u, E^T f>, with E values and gradients at the points.
 struct BothSides<'a> {
-    line: &'a Line,
+    line: &'a Shape1d,
     dimension: usize,
 }
 
@@ -32,8 +32,8 @@ impl WithSimd for BothSides<'_> {
         let mut room = Scratch::new(d, components, self.line.values.rows().max(self.line.order));
         let (mut values, mut gradients, mut back) = (zeroed(f.len()), zeroed(g.len()), zeroed(u.len()));
         let lattice = Lattice::whole(self.line, d);
-        evaluate(simd, lattice, components, Parts::Both, &u, &mut values, &mut gradients, &mut room);
-        integrate(simd, lattice, components, Parts::Both, &f, &g, &mut back, &mut room, false);
+        evaluate(simd, lattice, components, EvaluationFlags::Both, &u, &mut values, &mut gradients, &mut room);
+        integrate(simd, lattice, components, EvaluationFlags::Both, &f, &g, &mut back, &mut room, false);
         let (value, gradient) = (inner_product(&values, &f), inner_product(&gradients, &g));
         [std::array::from_fn(|lane| value[lane] + gradient[lane]), inner_product(&u, &back)]
     }
@@ -43,7 +43,7 @@ impl WithSimd for BothSides<'_> {
 fn integration_is_the_transpose_of_evaluation() {
     for dimension in 1..=3 {
         for order in [2, 3, 5] {
-            let line = Line::new(order, &gauss(order + 2).points);
+            let line = Shape1d::new(order, &gauss(order + 2).points);
             let [left, right] = Arch::new().dispatch(BothSides { line: &line, dimension });
             for lane in 0..WIDTH {
                 assert!(
@@ -59,7 +59,7 @@ fn integration_is_the_transpose_of_evaluation() {
 fn lifting_is_the_transpose_of_taking_traces() {
     for dimension in [2, 3] {
         let (order, tensors) = (4, 2);
-        let maps = FaceMaps::new(&Line::new(order, &[0.0]), dimension);
+        let maps = FaceMaps::new(&Shape1d::new(order, &[0.0]), dimension);
         let (nodes, face_nodes) = (order.pow(dimension as u32), order.pow(dimension as u32 - 1));
         let (u, f) = (packs(tensors * nodes, 0.1), packs(2 * dimension * 2 * tensors * face_nodes, 0.2));
         let (mut traces, mut lifted) = (zeroed(f.len()), zeroed(u.len()));
@@ -77,7 +77,7 @@ fn lifting_is_the_transpose_of_taking_traces() {
 fn traces_are_the_functionals_of_the_nodes() {
     for dimension in [2, 3] {
         let order = 4;
-        let maps = FaceMaps::new(&Line::new(order, &[0.0]), dimension);
+        let maps = FaceMaps::new(&Shape1d::new(order, &[0.0]), dimension);
         let (u, face_nodes) = (packs(order.pow(dimension as u32), 0.1), order.pow(dimension as u32 - 1));
         let mut traces = zeroed(2 * dimension * 2 * face_nodes);
         maps.extract(1, &u, true, &mut traces);
@@ -100,13 +100,13 @@ impl WithSimd for InBlocks<'_> {
         let (u, mut whole, mut in_blocks) = (packs(nodes, 0.4), zeroed(4 * points), zeroed(4 * points));
         let mut room = Scratch::new(3, 1, tables.rule.points.len());
         let (values, gradients) = whole.split_at_mut(points);
-        evaluate(simd, Lattice::whole(&tables.flow, 3), 1, Parts::Both, &u, values, gradients, &mut room);
+        evaluate(simd, Lattice::whole(&tables.flow, 3), 1, EvaluationFlags::Both, &u, values, gradients, &mut room);
         let mut first = 0;
         for planes in &tables.planes {
             let n = planes.weights.len();
             let lattice = Lattice { line: &tables.flow, last: &planes.flow, dimension: 3 };
             let (mut values, mut gradients) = (zeroed(n), zeroed(3 * n));
-            evaluate(simd, lattice, 1, Parts::Both, &u, &mut values, &mut gradients, &mut room);
+            evaluate(simd, lattice, 1, EvaluationFlags::Both, &u, &mut values, &mut gradients, &mut room);
             for (part, packs) in values.chunks(n).chain(gradients.chunks(n)).enumerate() {
                 in_blocks[part * points + first..][..n].copy_from_slice(packs);
             }

@@ -3,7 +3,7 @@
 use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
 use crate::pool::Pool;
-use crate::tables::Line;
+use crate::tables::Shape1d;
 use basis::{Matrix, contract};
 use mesh::{axis_and_side, face_nodes};
 use rayon::prelude::*;
@@ -67,7 +67,7 @@ pub struct FaceMaps {
 
 impl FaceMaps {
     /// Maps for the polynomials of `line` in `dimension` directions.
-    pub fn new(line: &Line, dimension: usize) -> Self {
+    pub fn new(line: &Shape1d, dimension: usize) -> Self {
         let row = |end: &Vec<f64>| Matrix::from_fn(1, line.order, |_, k| end[k]);
         let rows = line.end_derivatives.each_ref().map(row);
         let columns = rows.each_ref().map(Matrix::transpose);

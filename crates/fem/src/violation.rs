@@ -1,14 +1,14 @@
 //! Where and how a state is inadmissible.
 
 use crate::operator::{SlabOperator, Violation};
-use crate::tables::Line;
+use crate::tables::Shape1d;
 use tensor::{WIDTH, cofactor, determinant};
 
 /// The polynomials of mesh and flow, seen from the quadrature points and from the ends of a direction: in a cell that is every
 /// point at which kernels evaluate the state, on its faces too.
 struct Points {
-    mesh: Line,
-    flow: Line,
+    mesh: Shape1d,
+    flow: Shape1d,
     per_direction: usize,
 }
 
@@ -26,7 +26,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn points(&self) -> Points {
         let orders = self.tables.orders;
         let points = [&[-1.0], &self.tables.rule.points[..], &[1.0]].concat();
-        let line = |order: usize| Line::new(order, &points);
+        let line = |order: usize| Shape1d::new(order, &points);
         Points { mesh: line(orders.mesh), flow: line(orders.flow), per_direction: points.len() }
     }
 
@@ -65,7 +65,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         state: &[f64],
     ) -> Option<(&'static str, f64)> {
         let index: [usize; D] = std::array::from_fn(|d| p / points.per_direction.pow(d as u32) % points.per_direction);
-        let tensor = |nodal: &[f64], line: &Line, derivative: Option<usize>| -> f64 {
+        let tensor = |nodal: &[f64], line: &Shape1d, derivative: Option<usize>| -> f64 {
             let weight = |i: usize| -> f64 {
                 (0..D)
                     .map(|d| {

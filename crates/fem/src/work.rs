@@ -2,22 +2,22 @@
 
 use crate::cell::{CellContext, Coefficients};
 use crate::facet::FacetContext;
-use crate::kernels::{Along, Times};
+use crate::kernels::{Differentiate, Times};
 use crate::operator::SlabOperator;
 use tensor::WIDTH;
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Operations of one evaluation of the residual or, with [`Along::State`], of one Jacobian product: those of a batch of cells
+    /// Operations of one evaluation of the residual or, with [`Differentiate::State`], of one Jacobian product: those of a batch of cells
     /// and of a batch of facets between cells, for all cells and for all facets between cells, in the state and on the mesh last
     /// set. Traces, sources and boundaries are left out.
-    pub fn operations(&self, along: Along) -> u64 {
+    pub fn operations(&self, along: Differentiate) -> u64 {
         let facets: usize = self.facets.batches.iter().filter(|batch| batch.boundary.is_none()).map(|b| b.count).sum();
         let of_all = |number: usize, of_batch: u64| of_batch * number as u64 / WIDTH as u64;
         of_all(self.layout.cells, self.cell_operations(along)) + of_all(facets, self.facet_operations(along))
     }
 
     /// Of the first batch of cells, with the state as its own direction.
-    fn cell_operations(&self, along: Along) -> u64 {
+    fn cell_operations(&self, along: Differentiate) -> u64 {
         let (dt, clock) = (self.interval().1, self.clock());
         let context = CellContext { tables: &self.tables, dt, clock, positions: &self.positions_and_top, source: None };
         let state = [self.state_traces.coefficients(0); 2];
@@ -30,7 +30,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Of the first batch of facets between cells, if there is one.
-    fn facet_operations(&self, along: Along) -> u64 {
+    fn facet_operations(&self, along: Differentiate) -> u64 {
         let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return 0 };
         let (dt, clock) = (self.interval().1, self.clock());
         let context = FacetContext { tables: &self.tables, dt, clock };

@@ -105,7 +105,7 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
 
     /// The smaller of density and pressure.
     #[inline(always)]
-    fn margin<T: Real>(&self, u: &[T; M]) -> T {
+    fn admissibility<T: Real>(&self, u: &[T; M]) -> T {
         let state = Primitive::<T, D>::unpack(&self.gas, u);
         state.density.min(state.pressure)
     }

@@ -24,7 +24,7 @@ pub enum Command {
     /// Move the mesh alone, over the whole run, and prove that it stays valid.
     Motion(RunArguments),
     /// Validate a case and explain it: sizes, memory, cost, non-dimensional numbers, the mesh over the run, defaults taken, choices
-    /// that are doubtful. Writes nothing.
+    /// that are likely wrong. Writes nothing.
     Check {
         /// The case.
         #[command(flatten)]

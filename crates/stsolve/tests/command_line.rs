@@ -25,14 +25,9 @@ fn check_explains_every_shipped_case_and_writes_nothing() {
         let case = shipped(&format!("{name}.toml"));
         let (code, stdout, stderr) = outcome(directory.path(), &["check", &case, "--probe", "never"]);
         assert_eq!((code, stderr.as_str()), (0, ""), "{name}");
-        for part in [
-            name,
-            "Mach number",
-            "flow unknowns",
-            "defaults taken",
-            "solver.newton_tolerance",
-            "doubtful choices\n  none",
-        ] {
+        for part in
+            [name, "Mach number", "flow unknowns", "defaults taken", "solver.newton_tolerance", "warnings\n  none"]
+        {
             assert!(stdout.contains(part), "{name}: no {part}");
         }
     }
@@ -99,11 +94,11 @@ fn check_tries_what_the_run_will_do() {
     }
     // The square travels by 2.5, of which its deformation takes or adds 0.5.
     assert!((json["motion"]["amplitude A"].as_f64().unwrap() - 1.25).abs() < 0.3, "{}", json["motion"]);
-    assert_eq!(json["doubtful choices"]["none"], "");
+    assert_eq!(json["warnings"]["none"], "");
 }
 
 #[test]
-fn check_doubts_what_is_doubtful_and_names_the_remedy() {
+fn check_warns_of_doubtful_choices_and_names_the_remedy() {
     let airfoil = shipped("naca0012_heave.toml");
     let viscosity = "flow.gas.viscosity.constant=1e-7";
     for (settings, subject, remedy) in [
@@ -140,9 +135,9 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
         let (code, stdout, stderr) = outcome(Path::new("."), &arguments);
         assert_eq!((code, stderr.as_str()), (0, ""), "{settings:?}");
         let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-        let doubts = json["doubtful choices"].as_object().unwrap();
-        assert_eq!(doubts.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
-        assert!(doubts[subject].as_str().unwrap().contains(remedy), "{settings:?}: {doubts:?}");
+        let warnings = json["warnings"].as_object().unwrap();
+        assert_eq!(warnings.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
+        assert!(warnings[subject].as_str().unwrap().contains(remedy), "{settings:?}: {warnings:?}");
     }
     // Cells alone serve it well.
     let (_, stdout, _) =
@@ -150,7 +145,7 @@ fn check_doubts_what_is_doubtful_and_names_the_remedy() {
     assert!(stdout.contains("\"none\":\"\"") && !stdout.contains("sound crosses"), "{stdout}");
     let (_, stdout, _) = outcome(Path::new("."), &["check", "--json", "--probe", "never", &airfoil]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-    assert_eq!(json["doubtful choices"]["none"], "", "the case as it is shipped");
+    assert_eq!(json["warnings"]["none"], "", "the case as it is shipped");
     // The airfoil moves by a chord, A = 1/2, at 8/9 at most: h' = (24 t^2 - 12 t^3) / 16 at t = 4/3.
     let number = |section: &str, key: &str| json[section][key].as_f64().unwrap();
     assert!((number("motion", "amplitude A") - 0.5).abs() < 1e-9);
@@ -167,8 +162,8 @@ fn check_tells_when_the_mesh_will_fail() {
     let set = ["--set", "motion.elasticity.stiffness=constant"];
     let (code, stdout, _) = outcome(Path::new("."), &["check", "--json", &case, set[0], set[1]]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-    let doubt = json["doubtful choices"]["mesh"].as_str().unwrap();
-    assert!(code == 0 && doubt.contains("from t = 0.12") && doubt.contains("inverse_jacobian"), "{doubt}");
+    let warning = json["warnings"]["mesh"].as_str().unwrap();
+    assert!(code == 0 && warning.contains("from t = 0.12") && warning.contains("inverse_jacobian"), "{warning}");
 }
 
 #[test]

@@ -9,10 +9,10 @@ use verification::{curved_box, curved_box_at, free_stream, law, operator};
 /// The integrals of the components of a state at one time, on the mesh at the position `row`.
 fn totals<const D: usize, const M: usize>(operator: &Operator<D, M>, u: &[f64], row: &basis::Matrix) -> [f64; M] {
     let one = operator.layout.at_one_time();
-    let mut moments = vec![0.0; one.len()];
-    operator.moments(u, row, &mut moments);
+    let mut mass_product = vec![0.0; one.len()];
+    operator.mass_product(u, row, &mut mass_product);
     std::array::from_fn(|m| {
-        (0..one.cells).flat_map(|c| &moments[one.cell(c)][m * one.nodes..(m + 1) * one.nodes]).sum()
+        (0..one.cells).flat_map(|c| &mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes]).sum()
     })
 }
 

@@ -1,6 +1,6 @@
 //! Identities of the space-time operator of one slab.
 
-use fem::{Along, Orders, SlabOperator, StateField};
+use fem::{Differentiate, Orders, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
@@ -109,10 +109,10 @@ where
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
     let row = basis::Matrix::from_fn(1, orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 });
-    let mut moments = vec![0.0; operator.layout.at_one_time().len()];
-    operator.moments(&state[..moments.len()], &row, &mut moments);
+    let mut mass_product = vec![0.0; operator.layout.at_one_time().len()];
+    operator.mass_product(&state[..mass_product.len()], &row, &mut mass_product);
     let size = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    size(&residual) / size(&moments)
+    size(&residual) / size(&mass_product)
 }
 
 #[test]
@@ -322,7 +322,7 @@ where
     let orders = Orders { flow: order, mesh: order, time: 2 };
     let (mut operator, state) = moving_slab::<D, M>(orders, Viscosity::Constant(0.01), Riemann::Roe, 2, prescribed());
     operator.linearise(&state);
-    [Along::Nothing, Along::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
+    [Differentiate::Nothing, Differentiate::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
 }
 
 /// A change of the kernels that makes them do more or less is to be seen here, on any machine.

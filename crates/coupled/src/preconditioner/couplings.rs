@@ -1,9 +1,9 @@
-//! The off-diagonal blocks in [`pairs`], in the order in which the sweeps read them.
+//! The off-diagonal blocks in [`bf16_blocks`], in the order in which the sweeps read them.
 
+use super::bf16_blocks;
 use super::blocks::{Link, coupling_block};
 use super::inverse::Shape;
 use super::ordering::Ordering;
-use super::pairs;
 use super::panel::padded;
 use fem::SpaceJacobian;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ impl Couplings {
         let shape = Shape { n: t, parts: 1 };
         let mut order = Vec::new();
         let [earlier, later] = [false, true].map(|later| steps(links, ordering, later, &mut order));
-        let blocks = vec![0; pairs::panels(shape).len() * order.len()];
+        let blocks = vec![0; bf16_blocks::panels(shape).len() * order.len()];
         let mut couplings = Couplings { shape, blocks, links: order, earlier, later };
         couplings.update(jacobian);
         couplings
@@ -49,14 +49,16 @@ impl Couplings {
     /// The couplings of another `jacobian` along the same links.
     pub fn update(&mut self, jacobian: &SpaceJacobian) {
         let shape = self.shape;
-        self.blocks.par_chunks_exact_mut(pairs::panels(shape).len()).zip(&self.links).for_each(|(stored, link)| {
-            let mut block = vec![0.0; shape.len()];
-            let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
-            for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
-                column.iter_mut().zip(b).for_each(|(column, b)| *column = *b as f32);
-            }
-            pairs::store(shape, &block, stored);
-        });
+        self.blocks.par_chunks_exact_mut(bf16_blocks::panels(shape).len()).zip(&self.links).for_each(
+            |(stored, link)| {
+                let mut block = vec![0.0; shape.len()];
+                let columns = coupling_block(jacobian, *link).chunks_exact(shape.n);
+                for (column, b) in block.chunks_exact_mut(shape.stride()).zip(columns) {
+                    column.iter_mut().zip(b).for_each(|(column, b)| *column = *b as f32);
+                }
+                bf16_blocks::store(shape, &block, stored);
+            },
+        );
     }
 
     /// The steps at `position` to earlier positions.
@@ -67,9 +69,9 @@ impl Couplings {
     pub fn later(&self, position: usize) -> &[Step] {
         &self.later[position]
     }
-    /// The block B of a step, in [`pairs`].
+    /// The block B of a step, in [`bf16_blocks`].
     pub fn block(&self, step: &Step) -> &[u32] {
-        let len = pairs::panels(self.shape).len();
+        let len = bf16_blocks::panels(self.shape).len();
         &self.blocks[step.block * len..(step.block + 1) * len]
     }
     /// Padded rows of a block.

@@ -5,13 +5,13 @@
 //! ```
 //!
 //! Cells of a quadrilateral or hexahedral mesh that are neighbours share no third neighbour, so that only the diagonal
-//! changes; around an irregular vertex the fill is dropped. All is done in single precision; D^{-1} is stored in [`pairs`].
+//! changes; around an irregular vertex the fill is dropped. All is done in single precision; D^{-1} is stored in [`bf16_blocks`].
 
+use super::bf16_blocks;
 use super::blocks::{Link, coupling_block};
 use super::face_traces::FaceTraces;
 use super::inverse::{Shape, invert};
 use super::ordering::Ordering;
-use super::pairs;
 use super::panel::padded;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
@@ -53,7 +53,7 @@ impl Elimination<'_> {
         Shape::shifted(jacobian.block, shift)
     }
 
-    /// D_i^{-1} of all modes in [`pairs`], cell by cell in the order of positions.
+    /// D_i^{-1} of all modes in [`bf16_blocks`], cell by cell in the order of positions.
     pub fn factorise(&self, inverses: &mut [u32]) {
         let cells = self.links.len();
         let len = inverses.len() / cells;
@@ -86,8 +86,8 @@ impl Elimination<'_> {
                 }
             }
             invert(Arch::new(), shape, block);
-            let (now, rest) = std::mem::take(&mut stored).split_at_mut(pairs::panels(shape).len());
-            pairs::store(shape, block, now);
+            let (now, rest) = std::mem::take(&mut stored).split_at_mut(bf16_blocks::panels(shape).len());
+            bf16_blocks::store(shape, block, now);
             stored = rest;
             self.fill(position, mode, shape, block, &mut new);
         }

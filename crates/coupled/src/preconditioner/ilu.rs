@@ -1,5 +1,6 @@
 //! The preconditioner: modes are separated, swept and joined.
 
+use super::bf16_blocks;
 use super::blocks::{Link, links};
 use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
@@ -7,7 +8,6 @@ use super::factor::Elimination;
 use super::inverse::Shape;
 use super::modal::{join, split};
 use super::ordering::{Ordering, minimum_discarded_fill};
-use super::pairs;
 use super::panel::padded;
 use super::sweeps::Shared;
 use basis::TemporalModes;
@@ -107,7 +107,7 @@ impl FlowPreconditioner {
     }
 
     fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<u32>) {
-        let len: usize = self.shapes().map(|shape| pairs::panels(shape).len()).sum();
+        let len: usize = self.shapes().map(|shape| bf16_blocks::panels(shape).len()).sum();
         inverses.resize(len * self.layout.cells, 0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         let elimination = Elimination {

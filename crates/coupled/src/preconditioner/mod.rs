@@ -8,6 +8,7 @@
 //! separate into systems (lambda M + dt A) x = c, one for each real eigenvalue and one for each complex pair. Each is
 //! replaced by its block ILU(0), and all of them are swept at once. Steady flows have one real mode, and a coarse level for it.
 
+mod bf16_blocks;
 mod blocks;
 mod coarse;
 mod couplings;
@@ -18,7 +19,6 @@ mod inverse;
 mod lines;
 mod modal;
 mod ordering;
-mod pairs;
 mod panel;
 mod sweeps;
 

@@ -1,8 +1,8 @@
 //! The two sweeps, over all modes at once.
 
+use super::bf16_blocks::{self, MultiplyBf16};
 use super::couplings::Step;
 use super::ilu::{FlowPreconditioner, Scratch};
-use super::pairs::{self, MultiplyPairs};
 use super::panel::padded;
 use sparse::dependency_schedule;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -86,7 +86,7 @@ impl FlowPreconditioner {
                 }
                 sent.fill(0.0);
                 let matrix = self.couplings.block(step);
-                self.arch.dispatch(MultiplyPairs { matrix, columns, half, x: taken, y: sent });
+                self.arch.dispatch(MultiplyBf16 { matrix, columns, half, x: taken, y: sent });
                 for (sent, c) in sent.chunks_exact(t).zip(c.chunks_exact_mut(rows)) {
                     self.faces[step.face].subtract(self.dt as f32, sent, c);
                 }
@@ -99,16 +99,16 @@ impl FlowPreconditioner {
         let rows = padded(self.jacobian.block);
         let (mut first, mut stored) = (0, self.inverses(position));
         for shape in self.shapes() {
-            let (matrix, rest) = stored.split_at(pairs::panels(shape).len());
+            let (matrix, rest) = stored.split_at(bf16_blocks::panels(shape).len());
             let range = first * rows..(first + shape.parts) * rows;
             let (c, y) = (&c[range.clone()], &mut x[range]);
             if shape.parts == 1 {
                 let half = shape.n.div_ceil(2);
-                self.arch.dispatch(MultiplyPairs { matrix, columns: 1, half, x: c, y });
+                self.arch.dispatch(MultiplyBf16 { matrix, columns: 1, half, x: c, y });
             } else {
                 self.scratch.with(|Scratch { turned, .. }| {
                     turn(c, turned);
-                    self.arch.dispatch(MultiplyPairs { matrix, columns: 2, half: rows, x: turned, y });
+                    self.arch.dispatch(MultiplyBf16 { matrix, columns: 2, half: rows, x: turned, y });
                 });
             }
             first += shape.parts;

@@ -33,12 +33,12 @@ impl<const D: usize> Condition<D> for FarField<D> {
         v: &[G; D],
         data: &[G; M],
     ) -> [T; M] {
-        let outside = self.asked(law, minus, n, v, data);
+        let outside = self.target_state(law, minus, n, v, data);
         law.riemann.flux(&law.gas, minus, &outside, n, dot(v, n))
     }
 
     #[inline(always)]
-    fn asked<T: Over<G>, G: Real, const M: usize>(
+    fn target_state<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],

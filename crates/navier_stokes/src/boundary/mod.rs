@@ -82,7 +82,7 @@ pub(crate) trait Condition<const D: usize> {
 
     /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
     #[inline(always)]
-    fn asked<T: Over<G>, G: Real, const M: usize>(
+    fn target_state<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
@@ -152,7 +152,7 @@ impl<const D: usize> Boundary<D> {
     /// The state that the condition asks for where the gas inside has the state `minus`, the outward unit normal is `n` and the
     /// boundary moves with `v`; `data` is the prescribed state there, where [`Self::takes_state`]. A flow that follows the condition
     /// has this very state.
-    pub fn asked<const M: usize>(
+    pub fn target_state<const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[f64; M],
@@ -160,7 +160,7 @@ impl<const D: usize> Boundary<D> {
         v: &[f64; D],
         data: &[f64; M],
     ) -> [f64; M] {
-        each!(self, condition => condition.asked(law, minus, n, v, data))
+        each!(self, condition => condition.target_state(law, minus, n, v, data))
     }
 
     #[inline(always)]

@@ -68,7 +68,7 @@ impl<const D: usize> Condition<D> for Outflow {
     }
 
     #[inline(always)]
-    fn asked<T: Over<G>, G: Real, const M: usize>(
+    fn target_state<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],

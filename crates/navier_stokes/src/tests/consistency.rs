@@ -124,8 +124,8 @@ fn of_boundary_conditions<const D: usize, const M: usize>() {
             assert!(error <= 1e-14, "{condition:?}: {error:e}");
             let state = law.boundary_state(condition, &u, &n, &v, &u);
             assert!(difference(&state, &u) <= 1e-14, "{condition:?}: {state:?}");
-            let asked = condition.asked(&law, &u, &n, &v, &u);
-            assert!(difference(&asked, &u) <= 1e-14, "{condition:?}: {asked:?}");
+            let target_state = condition.target_state(&law, &u, &n, &v, &u);
+            assert!(difference(&target_state, &u) <= 1e-14, "{condition:?}: {target_state:?}");
         }
     }
 }
@@ -137,12 +137,15 @@ fn of_what_is_asked<const D: usize, const M: usize>() {
         let mut random = Random(seed);
         let p = Point::<f64, f64, D, M>::random(&mut random);
         let stream = random.primitive::<D>();
-        let asked = |condition: Boundary<D>| condition.asked(&law, &p.minus, &p.n, &p.v, &stream.pack(&gas));
-        let far_field = asked(Boundary::FarField(FarField::new(stream).unwrap()));
+        let target_state =
+            |condition: Boundary<D>| condition.target_state(&law, &p.minus, &p.n, &p.v, &stream.pack(&gas));
+        let far_field = target_state(Boundary::FarField(FarField::new(stream).unwrap()));
         assert!(difference(&far_field, &stream.pack(&gas)) <= 1e-14);
-        assert_eq!(asked(Boundary::PrescribedState(PrescribedState)), far_field);
-        let wall =
-            Primitive::<f64, D>::unpack(&gas, &asked(Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap())));
+        assert_eq!(target_state(Boundary::PrescribedState(PrescribedState)), far_field);
+        let wall = Primitive::<f64, D>::unpack(
+            &gas,
+            &target_state(Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap())),
+        );
         assert!((0..D).all(|i| (wall.velocity[i] - p.v[i]).abs() <= 1e-13), "{wall:?}");
     }
 }

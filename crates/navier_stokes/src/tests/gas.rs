@@ -86,14 +86,14 @@ fn viscous_fluxes_are_linear_in_the_gradient<const D: usize, const M: usize>() {
 fn admissible_states<const D: usize, const M: usize>() {
     let law = law::<D>(Riemann::Roe);
     let good = Primitive { density: 1.0, velocity: [0.5; D], pressure: 0.25 }.pack::<M>(&law.gas);
-    assert!((law.margin(&good) - 0.25).abs() <= 1e-15);
+    assert!((law.admissibility(&good) - 0.25).abs() <= 1e-15);
     assert_eq!(law.inadmissible(&good), None);
     let cases = [("density", 0, -1.0), ("density", 0, 0.0), ("density", 0, f64::NAN), ("pressure", M - 1, 0.1)];
     for (quantity, component, value) in cases {
         let mut bad = good;
         bad[component] = value;
-        let margin = law.margin(&bad);
-        assert!(margin.is_nan() || margin <= 0.0, "{quantity} {value}");
+        let admissibility = law.admissibility(&bad);
+        assert!(admissibility.is_nan() || admissibility <= 0.0, "{quantity} {value}");
         assert_eq!(law.inadmissible(&bad).map(|(name, _)| name), Some(quantity));
     }
 }

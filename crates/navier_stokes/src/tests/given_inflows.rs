@@ -19,7 +19,7 @@ fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
             let condition = Boundary::VelocityInflow(kind);
             let law = law::<D>(Riemann::Roe);
             let flux: [f64; M] = law.boundary_flux(condition, &u, &n, &[0.0; D], &data);
-            let state = Primitive::<f64, D>::unpack(&gas, &condition.asked(&law, &u, &n, &[0.0; D], &data));
+            let state = Primitive::<f64, D>::unpack(&gas, &condition.target_state(&law, &u, &n, &[0.0; D], &data));
             let vector = match kind {
                 VelocityInflow::OfVelocity => state.velocity,
                 VelocityInflow::OfMassFlux => state.velocity.map(|w| state.density * w),
@@ -55,8 +55,8 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
         let out = random.between(0.1, 0.5);
         let data: [f64; M] = Primitive { density: 1.0, velocity: n.map(|n| out * n), pressure: 9.0 }.pack(&gas);
         for kind in [VelocityInflow::OfVelocity, VelocityInflow::OfMassFlux] {
-            let asked = Boundary::VelocityInflow(kind).asked(&law, &u, &n, &[0.0; D], &data);
-            let state = Primitive::<f64, D>::unpack(&gas, &asked);
+            let target_state = Boundary::VelocityInflow(kind).target_state(&law, &u, &n, &[0.0; D], &data);
+            let state = Primitive::<f64, D>::unpack(&gas, &target_state);
             let entropy = |state: &Primitive<f64, D>| state.pressure / state.density.powf(gas.gamma());
             assert!((entropy(&state) / entropy(&inside) - 1.0).abs() <= 1e-12);
             let gain: [f64; D] = std::array::from_fn(|i| state.velocity[i] - inside.velocity[i]);

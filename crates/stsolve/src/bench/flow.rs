@@ -1,7 +1,7 @@
 //! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conservation-exact quadrature.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use fem::{Along, Orders, Problem, Quadrature, SlabOperator};
+use fem::{Differentiate, Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
 
@@ -73,8 +73,8 @@ impl<const D: usize, const M: usize> Subject for Flow<D, M> {
         let flops = |along| Some(self.operator.operations(along) as f64);
         let work = |kernel, flops, numbers| Work { kernel, unknowns: state as f64, flops, bytes: bytes(numbers) };
         vec![
-            work("residual", flops(Along::Nothing), 2 * state + mesh),
-            work("product", flops(Along::State), 3 * state + mesh),
+            work("residual", flops(Differentiate::Nothing), 2 * state + mesh),
+            work("product", flops(Differentiate::State), 3 * state + mesh),
             work("product with mesh", None, 3 * state + 2 * mesh),
         ]
     }

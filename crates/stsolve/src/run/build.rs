@@ -143,9 +143,9 @@ where
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mut problem = SlabProblem::new(operator, mover);
-    problem.frozen_flow.method = match case.solver.preconditioner {
-        Preconditioner::Blocks => Method::Blocks,
-        Preconditioner::Lines => Method::Lines,
+    problem.lagged_preconditioner.method = match case.solver.preconditioner {
+        Preconditioner::Blocks => Method::BlockIlu,
+        Preconditioner::Lines => Method::LineAdi,
     };
     Ok(March::new(problem, u, settings(case)))
 }

@@ -3,22 +3,22 @@
 use crate::case::Time;
 use crate::failure::Failure;
 use coupled::preconditioner::Ordering;
-use coupled::{Frozen, Interval, Past, State, Wear};
+use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
 use output::SolverState;
 use std::collections::BTreeMap;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
 /// `state`, and what the preconditioner is made of, as named arrays.
-pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState {
+pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> SolverState {
     let mut out = SolverState::default();
     let counters = [
         ("slab", state.slab),
         ("nominal", state.nominal),
-        ("wear.base", state.wear.base),
-        ("wear.excess", state.wear.excess),
-        ("wear.slabs", state.wear.slabs),
-        ("wear.eager", state.wear.eager),
+        ("wear.base", state.reuse_policy.base),
+        ("wear.excess", state.reuse_policy.excess),
+        ("wear.slabs", state.reuse_policy.slabs),
+        ("wear.eager", state.reuse_policy.eager),
         ("stale", stale.into()),
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
@@ -36,7 +36,7 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
         put("past.mesh_velocity", past.v.clone());
     }
     if let Some(frozen) = frozen {
-        let Frozen { interval, built_for, ordering, .. } = frozen;
+        let Linearisation { interval, built_for, ordering, .. } = frozen;
         put("frozen.numbers", vec![interval.0, interval.1, built_for.0, built_for.1]);
         put("frozen.displacement", frozen.bottom.clone());
         put("frozen.mesh_velocity", frozen.velocities.clone());
@@ -49,7 +49,7 @@ pub fn store(state: &State, frozen: Option<&Frozen>, stale: bool) -> SolverState
 
 /// Reads back what [`store`] has written: the state, what the preconditioner is made of, whether it is stale. `None` if
 /// something is missing or parts do not fit each other. `time` is what the resumed run covers.
-pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>, bool)> {
+pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearisation>, bool)> {
     let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
     let array = |name: &str| stored.arrays.get(name).cloned();
     let mut state = State {
@@ -61,7 +61,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Frozen>,
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         step: *array("step")?.first()?,
-        wear: Wear {
+        reuse_policy: JacobianReusePolicy {
             base: integer("wear.base")?,
             excess: integer("wear.excess")?,
             slabs: integer("wear.slabs")?,
@@ -112,11 +112,11 @@ fn past(arrays: &Arrays) -> Option<Past> {
     Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")? })
 }
 
-fn frozen(arrays: &Arrays) -> Option<Frozen> {
+fn frozen(arrays: &Arrays) -> Option<Linearisation> {
     let get = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
     let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
     let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
-    Some(Frozen {
+    Some(Linearisation {
         interval: (start, dt),
         bottom: get("displacement")?,
         velocities: get("mesh_velocity")?,
@@ -152,7 +152,7 @@ mod tests {
             v: vec![3.0; 6],
         };
         let state = State { slab: 2, nominal: 2, past: Some(past), ..State::new(0.2, vec![4.0; 4], vec![5.0; 3]) };
-        let frozen = Frozen {
+        let frozen = Linearisation {
             interval: (0.1, 0.1),
             bottom: vec![6.0; 3],
             velocities: vec![7.0; 6],

@@ -1,15 +1,15 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
-use super::books::{Books, Stop};
 use super::checkpoint;
-use super::failure::{self, Finding, Story};
+use super::context::{RunContext, Stop};
+use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
 use super::occupied;
 use super::record::{MeshView, Recorder, Snapshot};
 use super::restart;
+use super::statistics::RunStatistics;
 use super::structure_run::run_structure;
-use super::tally::Tally;
 use crate::case::{AnyCase, Case, State};
 use crate::cli::RunArguments;
 use crate::commands::Session;
@@ -73,21 +73,21 @@ pub(super) trait Run {
     /// Velocities and flow at the start, at every time node, laid out as those of a slab.
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
     /// Prepares and enters the start of the run; returns its row of history.csv, if it has one.
-    fn open(&mut self, _books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
+    fn open(&mut self, _books: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
     }
     /// Enters a slab and tells of it; returns its row of history.csv.
-    fn enter(&self, report: &Self::Report, books: &mut Books) -> Vec<f64>;
+    fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
     /// All that the next slab depends on.
     fn store(&self) -> SolverState;
     /// Puts the march where a checkpoint left it; `None` if something is missing there.
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json
-    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary;
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Looks into the `error` with which a slab failed.
-    fn examine(&self, error: &anyhow::Error, tally: &Tally) -> Finding;
+    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
     /// Says how a run that has reached its end has ended.
-    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure>;
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
 }
 
 /// How a run was called.
@@ -118,28 +118,30 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let (mut recorder, resumed) = Recorder::<D, M>::start(&session, case, mesh, arguments.resume, origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
-    let tally = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
-    let mut books = Books::new(&case.time, run.state().time, arguments, &session, begun, tally);
+    let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
+    let mut context = RunContext::new(&case.time, run.state().time, arguments, &session, begun, statistics);
     let stop = match resumed {
-        None => begin(&mut run, &mut recorder, &mut books)?,
+        None => begin(&mut run, &mut recorder, &mut context)?,
         Some(_) => None,
     };
     let stop = match stop {
-        None => run_slabs(case, &mut run, &mut recorder, &mut books, &session)?,
+        None => run_slabs(case, &mut run, &mut recorder, &mut context, &session)?,
         stop => stop,
     };
-    recorder.checkpoint(run.store(), &books.tally)?;
-    books.progress.finish();
-    run.summary(&books, stop.as_ref()).write(&session.directory)?;
+    recorder.checkpoint(run.store(), &context.statistics)?;
+    context.progress.finish();
+    run.summary(&context, stop.as_ref()).write(&session.directory)?;
     let again = arguments.to_resume(command, session.directory.path());
-    books.say_cost();
+    context.say_cost();
     match stop {
         Some(Stop::Asked) => {
-            books.say_stopped(run.state().time, &again);
+            context.say_stopped(run.state().time, &again);
             Err(Failure::Stopped)
         }
-        Some(Stop::Failed(error)) => Err(explained(&run, error, &books.tally, &case.about.name, (&session, &again))),
-        None => run.judge(&books, &session),
+        Some(Stop::Failed(error)) => {
+            Err(explained(&run, error, &context.statistics, &case.about.name, (&session, &again)))
+        }
+        None => run.judge(&context, &session),
     }
 }
 
@@ -147,15 +149,15 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
 fn explained(
     run: &impl Run,
     error: anyhow::Error,
-    tally: &Tally,
+    statistics: &RunStatistics,
     case: &str,
     (session, again): (&Session, &str),
 ) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
-    let story = Story { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, &run.examine(&error, tally), &story);
+    let story = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
+    let hint = failure::tell(directory, &run.examine(&error, statistics), &story);
     Failure::solve(error.context(message + &hint))
 }
 
@@ -163,9 +165,9 @@ fn explained(
 fn begin<const D: usize, const M: usize>(
     run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
-    books: &mut Books,
+    context: &mut RunContext,
 ) -> Result<Option<Stop>, Failure> {
-    let row = match run.open(books) {
+    let row = match run.open(context) {
         Ok(row) => row,
         Err(error) => return Ok(Some(Stop::Failed(error))),
     };
@@ -177,16 +179,20 @@ fn begin<const D: usize, const M: usize>(
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
     if let Some(row) = row {
         recorder.history.push(&row)?;
-        recorder.checkpoint(run.store(), &books.tally)?;
+        recorder.checkpoint(run.store(), &context.statistics)?;
     }
     Ok(None)
 }
 
 /// Puts the run where a checkpoint left it, its own or that of the run that it continues.
-fn restore<const D: usize>(run: &mut impl Run, stored: Option<&SolverState>, case: &Case<D>) -> Result<Tally, Failure> {
-    let Some(stored) = stored else { return Ok(Tally::default()) };
+fn restore<const D: usize>(
+    run: &mut impl Run,
+    stored: Option<&SolverState>,
+    case: &Case<D>,
+) -> Result<RunStatistics, Failure> {
+    let Some(stored) = stored else { return Ok(RunStatistics::default()) };
     run.restore(stored).ok_or_else(checkpoint::incomplete)?;
-    Tally::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))
+    RunStatistics::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))
         .ok_or_else(checkpoint::incomplete)
 }
 
@@ -195,7 +201,7 @@ fn run_slabs<const D: usize, const M: usize>(
     case: &Case<D>,
     run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
-    books: &mut Books,
+    context: &mut RunContext,
     session: &Session,
 ) -> Result<Option<Stop>, Failure> {
     while !run.is_done() {
@@ -203,7 +209,7 @@ fn run_slabs<const D: usize, const M: usize>(
             return Ok(Some(Stop::Asked));
         }
         match run.advance() {
-            Ok(report) => finish_slab(case, run, &report, recorder, books)?,
+            Ok(report) => finish_slab(case, run, &report, recorder, context)?,
             Err(error) => return Ok(Some(Stop::Failed(error))),
         }
     }
@@ -215,9 +221,9 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     run: &R,
     report: &R::Report,
     recorder: &mut Recorder<D, M>,
-    books: &mut Books,
+    context: &mut RunContext,
 ) -> Result<(), Failure> {
-    recorder.history.push(&run.enter(report, books))?;
+    recorder.history.push(&run.enter(report, context))?;
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
     if let Some(Past { v: velocities, u: flow, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())
@@ -225,7 +231,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         recorder.step(&Snapshot { time: *time, displacement, velocities, flow })?;
     }
     if recorder.is_checkpoint_due() {
-        recorder.checkpoint(run.store(), &books.tally)?;
+        recorder.checkpoint(run.store(), &context.statistics)?;
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! Mesh and flow.
 
-use super::books::{Books, Stop};
+use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::openings;
 use super::record::MeshView;
-use super::tally::Tally;
+use super::statistics::RunStatistics;
 use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
 use crate::case::{Case, Flow, State, Steady};
@@ -60,7 +60,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     /// Looks at inflows and outflows, and says what is seen there for the first time.
-    fn observe(&self, books: &mut Books) {
+    fn observe(&self, context: &mut RunContext) {
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
         }
@@ -75,14 +75,14 @@ where
             state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
         };
         let seen = openings::measure(self.flow, &mover.reference, &grid, &then);
-        for record in openings::enter(&mut books.tally.openings, &seen, state.time) {
+        for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
             let name = &self.case.mesh.boundary_names()[record.now.boundary];
-            books.progress.say(&format!("doubt: {}; {}", record.told(name), record.now.misuse.remedy(name)));
+            context.progress.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
         }
     }
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
-    fn start_from_steady_flow(&mut self, steady: &Steady, books: &mut Books) -> anyhow::Result<Vec<f64>> {
+    fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
         let (case, flow, March { problem, state, .. }) = (self.case, self.flow, &mut self.march);
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
@@ -96,15 +96,15 @@ where
         };
         let found = search.find(&mut state.u);
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
-        stages.iter().for_each(|stage| books.progress.say(&told(stage)));
+        stages.iter().for_each(|stage| context.progress.say(&told(stage)));
         let SteadyFlow { report, stages } = found?;
         let felt = felt(self.flow, &report);
-        books.tally.start_from_steady(&report, &stages, &felt);
-        books.tally.totals_at_start = report.totals.clone();
-        self.observe(books);
-        books.progress.say(&format!("steady flow: {:.1} s", books.seconds()));
-        books.progress.begin_slabs();
-        Ok(history::row(self.flow, &report, &felt, &books.tally))
+        context.statistics.start_from_steady(&report, &stages, &felt);
+        context.statistics.totals_at_start = report.totals.clone();
+        self.observe(context);
+        context.progress.say(&format!("steady flow: {:.1} s", context.seconds()));
+        context.progress.begin_slabs();
+        Ok(history::row(self.flow, &report, &felt, &context.statistics))
     }
 }
 
@@ -142,40 +142,40 @@ where
         (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
     }
 
-    fn open(&mut self, books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
+    fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         // A run that continues another one has its start behind it, but for a steady flow of other orders.
         let row = match &self.case.solver.steady {
-            Some(steady) if self.march.state.slab == 0 && books.tally.steady.is_none() => {
-                Some(self.start_from_steady_flow(steady, books)?)
+            Some(steady) if self.march.state.slab == 0 && context.statistics.steady.is_none() => {
+                Some(self.start_from_steady_flow(steady, context)?)
             }
             _ => None,
         };
         if row.is_none() {
-            self.observe(books);
+            self.observe(context);
         }
-        if books.tally.totals_at_start.is_empty() || row.is_some() {
-            books.tally.totals_at_start = self.march.totals();
+        if context.statistics.totals_at_start.is_empty() || row.is_some() {
+            context.statistics.totals_at_start = self.march.totals();
         }
         Ok(row)
     }
 
-    fn enter(&self, report: &SlabReport<M>, books: &mut Books) -> Vec<f64> {
+    fn enter(&self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
         let felt = felt(self.flow, report);
-        books.tally.add(report, &felt);
-        self.observe(books);
-        books.progress.slab(&SlabDone {
+        context.statistics.add(report, &felt);
+        self.observe(context);
+        context.progress.slab(&SlabDone {
             number: report.slab,
             time: self.march.state.time,
             newton: report.newton.steps.len(),
             krylov: report.newton.krylov_iterations,
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
         });
-        history::row(self.flow, report, &felt, &books.tally)
+        history::row(self.flow, report, &felt, &context.statistics)
     }
 
     fn store(&self) -> SolverState {
-        let frozen_flow = &self.march.problem.frozen_flow;
-        checkpoint::store(&self.march.state, frozen_flow.frozen(), frozen_flow.stale)
+        let lagged_preconditioner = &self.march.problem.lagged_preconditioner;
+        checkpoint::store(&self.march.state, lagged_preconditioner.frozen(), lagged_preconditioner.stale)
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
@@ -186,22 +186,22 @@ where
         }
         march.state = state;
         if let Some(frozen) = frozen {
-            march.problem.thaw(frozen);
+            march.problem.rebuild(frozen);
         }
-        march.problem.frozen_flow.stale = stale;
+        march.problem.lagged_preconditioner.stale = stale;
         Some(())
     }
 
-    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
-        summary::of_flow(self.case, self.flow, &self.march, books, stop)
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+        summary::of_flow(self.case, self.flow, &self.march, context, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error, tally: &Tally) -> Finding {
-        Failed::new(self.case, self.flow, &self.march, error, &tally.openings).examine()
+    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
+        Failed::new(self.case, self.flow, &self.march, error, &statistics.openings).examine()
     }
 
-    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
-        books.say_done(self.march.state.time, session);
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        context.say_done(self.march.state.time, session);
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! The columns of history.csv, and its rows.
 
 use super::openings::is_opening;
-use super::tally::{EnergyBalance, Tally};
-use super::walls::Felt;
+use super::statistics::{EnergyBalance, RunStatistics};
+use super::walls::WallLoads;
 use crate::case::{Case, Flow, Structure, Wall};
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::Coefficients;
@@ -79,7 +79,7 @@ fn of_wall<const D: usize>() -> Vec<String> {
     columns
 }
 
-fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &Felt<D>) -> Vec<f64> {
+fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>) -> Vec<f64> {
     let (now, during) = (&felt.at_top, &felt.during);
     let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
     let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
@@ -115,20 +115,20 @@ pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Ve
     [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
 }
 
-/// A row of mesh and flow, with what the walls felt; `tally` includes the slab.
+/// A row of mesh and flow, with what the walls felt; `statistics` includes the slab.
 pub fn row<const D: usize, const M: usize>(
     flow: &Flow<D>,
     report: &SlabReport<M>,
-    felt: &[Felt<D>],
-    tally: &Tally,
+    felt: &[WallLoads<D>],
+    statistics: &RunStatistics,
 ) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
     let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
     row.push(report.jump);
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
-    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], tally.balance(totals, component)]));
+    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
-    row.extend(openings(flow).map(|boundary| tally.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
+    row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
     row
 }

@@ -1,10 +1,10 @@
 //! The mesh alone.
 
-use super::books::{Books, Stop};
+use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
-use super::failure::{self, Finding, Story, examine_inverted, examine_mesh};
+use super::failure::{self, FailureReport, Finding, examine_inverted, examine_mesh};
 use super::record::MeshView;
-use super::tally::FirstInvalid;
+use super::statistics::FirstInvalid;
 use super::{build, checkpoint, history, summary};
 use crate::case::Case;
 use crate::cli::RunArguments;
@@ -74,16 +74,16 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         (vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new())
     }
 
-    fn enter(&self, report: &MeshReport, books: &mut Books) -> Vec<f64> {
+    fn enter(&self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
         let MeshReport { slab, interval, rejected, work, quality, first_invalid, first_invalid_sampled } = report;
-        let tally = &mut books.tally;
-        tally.rejected += *rejected as u64;
-        tally.elasticity += work.iterations as u64;
-        tally.add_quality(*quality);
+        let statistics = &mut context.statistics;
+        statistics.rejected += *rejected as u64;
+        statistics.elasticity += work.iterations as u64;
+        statistics.add_quality(*quality);
         let first_invalid = first_invalid.map(|time| FirstInvalid { time, cell: quality.cell });
-        tally.first_invalid = tally.first_invalid.or(first_invalid);
-        tally.first_invalid_sampled = tally.first_invalid_sampled.or(*first_invalid_sampled);
-        books.progress.mesh(*slab, self.march.state.time, quality);
+        statistics.first_invalid = statistics.first_invalid.or(first_invalid);
+        statistics.first_invalid_sampled = statistics.first_invalid_sampled.or(*first_invalid_sampled);
+        context.progress.mesh(*slab, self.march.state.time, quality);
         history::row_of_mesh(*interval, work.iterations, quality)
     }
 
@@ -98,20 +98,20 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         fits.then_some(())
     }
 
-    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
-        summary::of_mesh(self.case, &self.march.mover, &self.march.state, books, stop)
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+        summary::of_mesh(self.case, &self.march.mover, &self.march.state, context, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error, _tally: &super::tally::Tally) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
         examine_mesh(self.case, &self.march.mover, &self.march.state, error)
     }
 
-    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
-        let Some(quality) = books.tally.quality else { return Ok(()) };
-        match books.tally.first_invalid {
-            Some(first) => Err(self.invalid(first, &quality, books, session)),
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        let Some(quality) = context.statistics.quality else { return Ok(()) };
+        match context.statistics.first_invalid {
+            Some(first) => Err(self.invalid(first, &quality, context, session)),
             None => {
-                say_valid(&quality, self.march.state.time, books, session);
+                say_valid(&quality, self.march.state.time, context, session);
                 Ok(())
             }
         }
@@ -120,9 +120,9 @@ impl<const D: usize> Run for MeshRun<'_, D> {
 
 impl<const D: usize> MeshRun<'_, D> {
     /// The failure of a mesh that is invalid from `first` on, after all that is known of it is written.
-    fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, books: &Books, session: &Session) -> Failure {
+    fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, context: &RunContext, session: &Session) -> Failure {
         let (MeshQuality { sampled_min, cell, time, .. }, directory) = (quality, session.directory.path());
-        let sampled = match books.tally.first_invalid_sampled {
+        let sampled = match context.statistics.first_invalid_sampled {
             Some(time) => format!("at 2N Gauss points per direction from t = {} on", rounded(time)),
             None => "nowhere at 2N Gauss points per direction".to_owned(),
         };
@@ -136,22 +136,22 @@ impl<const D: usize> MeshRun<'_, D> {
         );
         let Some(Inverted { finding, start, slabs }) = &self.inverted else { return Failure::solve(error) };
         let case = &self.case.about.name;
-        let story = Story { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
+        let story = FailureReport { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
         let hint = failure::tell(directory, finding, &story);
         Failure::solve(anyhow::anyhow!("{error}{hint}"))
     }
 }
 
 /// Says what was proved until `time`.
-fn say_valid(quality: &MeshQuality, time: f64, books: &Books, session: &Session) {
+fn say_valid(quality: &MeshQuality, time: f64, context: &RunContext, session: &Session) {
     let directory = session.directory.path();
-    books.progress.say(&format!(
+    context.progress.say(&format!(
         "valid until t = {}: det J / det J_0 >= {:.6} proved, smallest in cell {} near t = {}; {:.1} s; results in {}; {}",
         rounded(time),
         quality.lower_bound,
         quality.cell,
         rounded(quality.time),
-        books.seconds(),
+        context.seconds(),
         directory.display(),
         RunArguments::to_report(directory),
     ));

@@ -5,7 +5,7 @@
 //! | `build` | from a case to the problem of the numerics |
 //! | `drive` | a run, slab by slab, whatever it solves |
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
-//! | `books` | what a run keeps beside its march, and how it ends |
+//! | `context` | what a run keeps beside its march, and how it ends |
 //! | `record` | what every slab leaves on disk |
 //! | `motion_jump` | how a motion differs from that of the run that it continues |
 //! | `occupied` | whether a run may write into its output directory |
@@ -18,12 +18,12 @@
 //! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
 //! | `resume` | whether a run may continue the one that left a checkpoint |
 //! | `restart` | a run that starts where another one stands |
-//! | `tally` | sums over the run |
+//! | `statistics` | sums over the run |
 //! | `walls` | what walls feel |
 
-mod books;
 mod build;
 mod checkpoint;
+mod context;
 mod drive;
 mod failure;
 pub(crate) mod fields;
@@ -37,9 +37,9 @@ mod probe;
 mod record;
 mod restart;
 mod resume;
+mod statistics;
 mod structure_run;
 mod summary;
-mod tally;
 mod walls;
 
 pub use build::{PrescribedNode, elasticity_plan, mover, prescribed_nodes};

@@ -3,7 +3,7 @@
 use super::fields::{self, CellSample};
 use super::history::columns;
 use super::resume;
-use super::tally::Tally;
+use super::statistics::RunStatistics;
 use crate::case::Case;
 use crate::commands::Session;
 use crate::failure::Failure;
@@ -130,9 +130,9 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn checkpoint(&mut self, mut state: SolverState, tally: &Tally) -> Result<(), Failure> {
+    pub fn checkpoint(&mut self, mut state: SolverState, statistics: &RunStatistics) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        state.arrays.extend(tally.to_arrays());
+        state.arrays.extend(statistics.to_arrays());
         state.arrays.insert("history".into(), self.history.rows().to_vec());
         self.slabs_since_checkpoint = 0;
         Ok(self.result.checkpoint(&state)?)

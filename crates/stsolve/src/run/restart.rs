@@ -1,12 +1,12 @@
 //! A run that starts where another one stands.
 
 use super::history::columns;
-use super::tally::Tally;
+use super::statistics::RunStatistics;
 use super::walls::numbers_per_wall;
 use super::{checkpoint, motion_jump};
 use crate::case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
 use crate::failure::Failure;
-use coupled::{Frozen, MeshMotion, MeshMover, State};
+use coupled::{Linearisation, MeshMotion, MeshMover, State};
 use fem::Orders;
 use mesh::{Mesh, NodeNumbering};
 use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
@@ -88,7 +88,7 @@ pub enum RestartError {
 pub struct Start {
     /// The state, in the orders of the run that starts.
     pub state: SolverState,
-    /// What is doubtful about it.
+    /// What is likely wrong with it.
     pub warnings: Vec<String>,
 }
 
@@ -156,7 +156,7 @@ impl Origin {
         }
         if state.slab == 0 && (gas_changed || from != to) {
             // Nothing has happened but the search for the steady flow, which goes on with the new orders and the new gas.
-            sums = Tally::default().to_arrays();
+            sums = RunStatistics::default().to_arrays();
         }
         let mut continued = match from == to {
             true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed),
@@ -172,7 +172,7 @@ impl Origin {
         case: &Case<D>,
         mover: &MeshMover<D>,
         orders: Orders,
-    ) -> Result<(State, Option<Frozen>, bool), RestartError> {
+    ) -> Result<(State, Option<Linearisation>, bool), RestartError> {
         let lengths = (case.mesh.n_cells() * M * orders.flow.pow(D as u32), mover.field_len());
         let loaded = checkpoint::load(&self.stored, &Time { order: orders.time, ..case.time });
         let fitting = loaded.filter(|(state, ..)| (state.u.len(), state.d.len()) == lengths);

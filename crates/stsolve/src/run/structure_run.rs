@@ -1,6 +1,6 @@
 //! A structure.
 
-use super::books::{Books, Stop};
+use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Finding, examine_structure};
 use super::record::MeshView;
@@ -85,15 +85,15 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         (self.march.velocity().repeat(self.case.time.order), Vec::new())
     }
 
-    fn open(&mut self, books: &mut Books) -> anyhow::Result<Option<Vec<f64>>> {
-        books.tally.structure.energy_at_start = self.march.energies().iter().sum();
+    fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+        context.statistics.structure.energy_at_start = self.march.energies().iter().sum();
         Ok(None)
     }
 
-    fn enter(&self, report: &StructureReport, books: &mut Books) -> Vec<f64> {
-        books.tally.add_structure(report);
-        books.progress.structure(report);
-        let mut row = history::row_of_structure(report, &books.tally.structure);
+    fn enter(&self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
+        context.statistics.add_structure(report);
+        context.progress.structure(report);
+        let mut row = history::row_of_structure(report, &context.statistics.structure);
         row.extend(self.observed.values::<D>(&self.march.state.d));
         row
     }
@@ -109,17 +109,17 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         fits.then_some(())
     }
 
-    fn summary(&self, books: &Books, stop: Option<&Stop>) -> Summary {
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         let energy = self.march.energies().iter().sum();
-        summary::of_structure(self.case, &self.march, energy, &self.observed.modes, books, stop)
+        summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error, _tally: &super::tally::Tally) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
         examine_structure(self.case, self.structure, &self.march, error)
     }
 
-    fn judge(&self, books: &Books, session: &Session) -> Result<(), Failure> {
-        books.say_done(self.march.state.time, session);
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        context.say_done(self.march.state.time, session);
         Ok(())
     }
 }

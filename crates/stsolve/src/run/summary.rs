@@ -1,9 +1,9 @@
 //! summary.json
 
-use super::books::{self, Books, Stop};
+use super::context::{self, RunContext, Stop};
 use super::history::openings;
 use super::openings::Misuse;
-use super::tally;
+use super::statistics;
 use super::walls::from_numbers;
 use crate::case::{self, Case, DisplacementOf, Flow, Motion, State, Stiffness};
 use coupled::{March, MeshMover, StructureMarch};
@@ -20,44 +20,48 @@ pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     march: &March<D, M>,
-    books: &Books,
+    context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary
 where
     Exact<State<D>>: StateField<D, M>,
 {
-    let (tally, slabs) = (&books.tally, march.state.slab as u64);
-    let mut summary = of_mesh(case, &march.problem.mover, &march.state, books, stop);
+    let (statistics, slabs) = (&context.statistics, march.state.slab as u64);
+    let mut summary = of_mesh(case, &march.problem.mover, &march.state, context, stop);
     summary.unknowns.flow = Some(march.problem.flow.layout.len());
-    summary.newton = Some(Newton { total: tally.newton, max: tally.newton_max, per_slab: ratio(tally.newton, slabs) });
+    summary.newton = Some(Newton {
+        total: statistics.newton,
+        max: statistics.newton_max,
+        per_slab: ratio(statistics.newton, slabs),
+    });
     summary.krylov = Some(Krylov {
-        total: tally.krylov,
-        max_per_newton: tally.krylov_max,
-        mean_per_newton: ratio(tally.krylov, tally.newton),
-        elasticity_total: summary.unknowns.mesh.map(|_| tally.elasticity),
+        total: statistics.krylov,
+        max_per_newton: statistics.krylov_max,
+        mean_per_newton: ratio(statistics.krylov, statistics.newton),
+        elasticity_total: summary.unknowns.mesh.map(|_| statistics.elasticity),
     });
     if let Some(exact) = &flow.exact {
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
     let conservation = Conservation {
         // A manufactured source makes mass and energy.
-        mass_error: (!flow.manufactured).then_some(tally.mass_error),
-        energy_error: (!flow.manufactured).then_some(tally.energy_error),
+        mass_error: (!flow.manufactured).then_some(statistics.mass_error),
+        energy_error: (!flow.manufactured).then_some(statistics.energy_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,
         },
     };
     summary.conservation = (conservation != Conservation::default()).then_some(conservation);
-    let impulse = |wall: usize| tally.impulses.get(wall).map_or(&[][..], Vec::as_slice);
-    let force = |wall: usize| tally.forces.get(wall).map_or(&[][..], Vec::as_slice);
+    let impulse = |wall: usize| statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice);
+    let force = |wall: usize| statistics.forces.get(wall).map_or(&[][..], Vec::as_slice);
     for (number, wall) in flow.walls.iter().enumerate() {
         summary.walls.insert(wall.name.clone(), of_wall(wall, impulse(number), force(number)));
     }
     for boundary in openings(flow) {
-        summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(tally, boundary));
+        summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
     }
-    summary.steady = tally.steady.as_ref().map(|steady| of_steady(flow, steady));
+    summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
 }
 
@@ -79,13 +83,13 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
 }
 
 /// Of an inflow or outflow.
-fn of_opening(tally: &tally::Tally, boundary: usize) -> Opening {
+fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Opening {
     let seen = |misuse: Misuse| {
-        let record = tally.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
+        let record = statistics.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
         Some(Misused { since: record.since, share: record.now.share, largest_share: record.largest_share })
     };
     Opening {
-        mass_flow: tally.mass_flows.get(boundary).copied(),
+        mass_flow: statistics.mass_flows.get(boundary).copied(),
         supersonic: seen(Misuse::Supersonic),
         leaving: seen(Misuse::Leaving),
         backflow: seen(Misuse::Backflow),
@@ -94,7 +98,7 @@ fn of_opening(tally: &tally::Tally, boundary: usize) -> Opening {
 }
 
 /// Of the steady flow at the start.
-fn of_steady<const D: usize>(flow: &Flow<D>, steady: &tally::Steady) -> Steady {
+fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Steady {
     let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
         let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
         (wall.name.clone(), SteadyWall { drag_coefficient: drag, lift_coefficient: lift, moment_coefficient: moment })
@@ -112,22 +116,22 @@ pub fn of_mesh<const D: usize>(
     case: &Case<D>,
     mover: &MeshMover<D>,
     state: &coupled::State,
-    books: &Books,
+    context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary {
-    let tally = &books.tally;
+    let statistics = &context.statistics;
     let displacement_max = displacement_error(case, mover, state);
     Summary {
         unknowns: Unknowns { mesh: case.mesh_unknowns(), ..Default::default() },
-        mesh_quality: tally.quality.map(|quality| MeshQuality {
+        mesh_quality: statistics.quality.map(|quality| MeshQuality {
             det_j_lower_bound: Some(quality.lower_bound),
             det_j_sampled_min: Some(quality.sampled_min),
             scaled_jacobian_min: Some(quality.scaled_jacobian),
-            first_invalid_time: tally.first_invalid.map(|first| first.time),
-            first_invalid_time_sampled: tally.first_invalid_sampled,
+            first_invalid_time: statistics.first_invalid.map(|first| first.time),
+            first_invalid_time_sampled: statistics.first_invalid_sampled,
         }),
         error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
-        ..common(case, state, books, stop)
+        ..common(case, state, context, stop)
     }
 }
 
@@ -137,12 +141,12 @@ pub fn of_structure<const D: usize>(
     march: &StructureMarch<D>,
     energy: f64,
     modes: &[NaturalMode],
-    books: &Books,
+    context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary {
-    let balance = books.tally.structure;
+    let balance = context.statistics.structure;
     let free = march.structure().fixed().iter().filter(|fixed| !**fixed).count();
-    let mut summary = common(case, &march.state, books, stop);
+    let mut summary = common(case, &march.state, context, stop);
     summary.unknowns.structure = Some(free * case.time.order);
     summary.structure = Some(StructureSummary {
         natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
@@ -152,13 +156,18 @@ pub fn of_structure<const D: usize>(
         support_work: balance.support_work,
         dissipation: balance.dissipation,
         energy_error: balance.error(energy),
-        iterations: books.tally.elasticity,
+        iterations: context.statistics.elasticity,
     });
     summary
 }
 
 /// What the summary of every run has.
-fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books, stop: Option<&Stop>) -> Summary {
+fn common<const D: usize>(
+    case: &Case<D>,
+    state: &coupled::State,
+    context: &RunContext,
+    stop: Option<&Stop>,
+) -> Summary {
     Summary {
         case: case.about.name.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -166,10 +175,10 @@ fn common<const D: usize>(case: &Case<D>, state: &coupled::State, books: &Books,
         reason: stop.map(Stop::reason),
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
         slabs: state.slab as u64,
-        rejected_slabs: books.tally.rejected,
+        rejected_slabs: context.statistics.rejected,
         time: state.time,
-        machine: Some(books::machine()),
-        cost: books.cost(),
+        machine: Some(context::machine()),
+        cost: context.cost(),
         ..Default::default()
     }
 }

@@ -6,7 +6,7 @@ use navier_stokes::WallForce;
 
 /// What a wall feels at the top of a slab and during the slab, see [`navier_stokes::WallForce`] for signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Felt<const D: usize> {
+pub struct WallLoads<const D: usize> {
     /// Forces, power and heat flow at the top.
     pub at_top: WallForce<D>,
     /// Impulses, work and heat.
@@ -14,11 +14,11 @@ pub struct Felt<const D: usize> {
 }
 
 /// For every wall of `flow` what it felt in a slab.
-pub fn felt<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<M>) -> Vec<Felt<D>> {
+pub fn felt<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<M>) -> Vec<WallLoads<D>> {
     let felt = |wall: &crate::case::Wall<D>| {
         let top = report.fluxes.last().map(|top| WallForce::new(&top.boundaries[wall.boundary], &wall.point(top.time)));
         let during = WallForce::during_slab(&report.fluxes, wall.boundary, |t| wall.point(t));
-        Felt { at_top: top.unwrap_or_default(), during }
+        WallLoads { at_top: top.unwrap_or_default(), during }
     };
     flow.walls.iter().map(felt).collect()
 }

@@ -8,15 +8,15 @@
 //! | `memory` | the memory of a run, estimated |
 //! | `mesh_memory` | the part of it that the mesh takes |
 //! | `measured` | what is found out by trying |
-//! | `doubts` | choices that are allowed, and doubtful |
+//! | `warnings` | choices that are allowed but likely wrong |
 
-mod doubts;
 mod measured;
 pub(crate) mod memory;
 mod mesh_memory;
 mod scales;
 mod tables;
 mod walls;
+mod warnings;
 
 use super::print;
 use super::table::Table;
@@ -24,12 +24,12 @@ use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::Probe;
 use crate::failure::Failure;
 use crate::run::{check_restart, move_over_run, openings, time_flow};
-use doubts::{Doubt, doubts};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use scales::MotionScales;
 use serde_json::{Map, Value};
 use walls::{FlatPlate, Walls};
+use warnings::{Warning, warnings};
 
 /// Explains a checked case; `probe` says whether to try what it will do.
 ///
@@ -118,37 +118,37 @@ where
     }
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
-    let mut doubts = doubts(&facts);
-    doubts.extend(misused_openings::<D, M>(case));
-    tables.extend(mesh_over_run(case, probe, &mut doubts));
-    tables.extend(seconds::<D, M>(&facts, probe, &mut doubts));
+    let mut warnings = warnings(&facts);
+    warnings.extend(misused_openings::<D, M>(case));
+    tables.extend(mesh_over_run(case, probe, &mut warnings));
+    tables.extend(seconds::<D, M>(&facts, probe, &mut warnings));
     tables.push(tables::defaults(&case.about));
-    tables.push(doubtful(&doubts));
+    tables.push(warning_table(&warnings));
     Ok(tables)
 }
 
-/// Doubts inflows and outflows that the initial state does not fit.
-fn misused_openings<const D: usize, const M: usize>(case: &Case<D>) -> Vec<Doubt>
+/// Warns of inflows and outflows that the initial state does not fit.
+fn misused_openings<const D: usize, const M: usize>(case: &Case<D>) -> Vec<Warning>
 where
     State<D>: ExactState<D, M>,
 {
     let Some(flow) = &case.flow else { return Vec::new() };
-    let doubt = |record: &openings::Record| {
+    let warning = |record: &openings::Record| {
         let name = &case.mesh.boundary_names()[record.now.boundary];
-        Doubt { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
+        Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
-    openings::at_start::<D, M>(case, flow).iter().map(doubt).collect()
+    openings::at_start::<D, M>(case, flow).iter().map(warning).collect()
 }
 
-/// Moves the mesh over the run, if that is wanted, and doubts what cannot be proved.
-fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, doubts: &mut Vec<Doubt>) -> Option<Table> {
+/// Moves the mesh over the run, if that is wanted, and warns of what cannot be proved.
+fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table> {
     if !measured::moves_mesh(case, probe) {
         return None;
     }
     let over_run = match move_over_run(case) {
         Ok(over_run) => over_run?,
         Err(error) => {
-            doubts.push(Doubt { subject: "mesh", text: format!("{error:#}") });
+            warnings.push(Warning { subject: "mesh", text: format!("{error:#}") });
             return None;
         }
     };
@@ -158,13 +158,17 @@ fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, doubts: &mut Vec<
              with a higher power, or `motion.elasticity.law = \"neo_hookean\"` for large rotations",
             over_run.quality.cell
         );
-        doubts.push(Doubt { subject: "mesh", text });
+        warnings.push(Warning { subject: "mesh", text });
     }
     Some(measured::mesh_table(&over_run))
 }
 
 /// Times the parts of a slab, if that is wanted.
-fn seconds<const D: usize, const M: usize>(facts: &Facts<'_, D>, probe: Probe, doubts: &mut Vec<Doubt>) -> Option<Table>
+fn seconds<const D: usize, const M: usize>(
+    facts: &Facts<'_, D>,
+    probe: Probe,
+    warnings: &mut Vec<Warning>,
+) -> Option<Table>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
@@ -178,18 +182,18 @@ where
     match time_flow::<D, M>(facts.case, flow) {
         Ok(timing) => Some(measured::timing_table(facts.case, &timing)),
         Err(error) => {
-            doubts.push(Doubt { subject: "first slab", text: error.to_string() });
+            warnings.push(Warning { subject: "first slab", text: error.to_string() });
             None
         }
     }
 }
 
-fn doubtful(doubts: &[Doubt]) -> Table {
-    let mut table = Table::new("doubtful choices");
-    for Doubt { subject, text } in doubts {
+fn warning_table(warnings: &[Warning]) -> Table {
+    let mut table = Table::new("warnings");
+    for Warning { subject, text } in warnings {
         table.row(subject, text.clone(), "");
     }
-    if doubts.is_empty() {
+    if warnings.is_empty() {
         table.row("none", "", "");
     }
     table

@@ -21,7 +21,7 @@ pub const NUMBERS_FILE: &str = "failure.json";
 pub const PICTURE_FILE: &str = "cell.svg";
 
 /// What the text says beside the finding.
-pub struct Story<'a> {
+pub struct FailureReport<'a> {
     /// The case.
     pub case: &'a str,
     /// The error and its causes.
@@ -54,7 +54,7 @@ pub fn clear(directory: &Path) -> Result<(), OutputError> {
 }
 
 /// Writes the files into a folder of `directory`; returns the likeliest cause and where more is told, for the end of a message.
-pub fn tell(directory: &Path, finding: &Finding, story: &Story<'_>) -> String {
+pub fn tell(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> String {
     match write(directory, finding, story) {
         Ok((path, causes)) => hint(&path, &causes),
         // What has failed before matters more.
@@ -63,10 +63,10 @@ pub fn tell(directory: &Path, finding: &Finding, story: &Story<'_>) -> String {
 }
 
 /// The path of the text, and the causes.
-fn write(directory: &Path, finding: &Finding, story: &Story<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
+fn write(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
     let folder = directory.join(FOLDER);
     std::fs::create_dir_all(&folder).map_err(|source| OutputError::File { path: folder.clone(), source })?;
-    let causes = causes(&finding.evidence);
+    let causes = causes(&finding.data);
     if let Some(cell) = &finding.cell {
         write_atomically(&folder.join(PICTURE_FILE), cell.svg.as_bytes())?;
     }
@@ -83,7 +83,7 @@ fn hint(path: &Path, causes: &[Cause]) -> String {
     format!("{likeliest}\n  more causes, the worst cell: {}", path.display())
 }
 
-fn numbers(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
+fn numbers(finding: &Finding, causes: &[Cause], story: &FailureReport<'_>) -> String {
     let residuals: serde_json::Map<_, _> =
         finding.residuals.iter().map(|(name, norm)| ((*name).to_owned(), json!(norm))).collect();
     let all = json!({
@@ -93,13 +93,13 @@ fn numbers(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
         "last_good_state": { "file": format!("../{RESULT_FILE}"), "time": story.time, "slabs": story.slabs },
         "worst_cell": finding.cell,
         "residuals": residuals,
-        "evidence": finding.evidence,
+        "evidence": finding.data,
     });
     format!("{all:#}\n")
 }
 
-fn text(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
-    let Story { case, error, time, slabs, again } = story;
+fn text(finding: &Finding, causes: &[Cause], story: &FailureReport<'_>) -> String {
+    let FailureReport { case, error, time, slabs, again } = story;
     let ended = if again.is_some() { "stopped at" } else { "is no longer good after" };
     let mut text = format!("# `{case}` {ended} t = {time}, after {slabs} slabs\n\n");
     for message in error.chain() {
@@ -118,7 +118,7 @@ fn text(finding: &Finding, causes: &[Cause], story: &Story<'_>) -> String {
     text
 }
 
-fn last_good_state(Story { time, again, .. }: &Story<'_>) -> String {
+fn last_good_state(FailureReport { time, again, .. }: &FailureReport<'_>) -> String {
     let next = match again {
         Some(again) => format!(
             "The checkpoint in `../{RESULT_FILE}`, at t = {time}. With the settings of this run the next attempt starts from there:\n\n    \
@@ -145,7 +145,7 @@ fn worst_cell(finding: &Finding) -> String {
 
 /// Of a flow; mesh and structure alone have no equations that Newton's method solves.
 fn residuals(finding: &Finding) -> String {
-    if finding.evidence.gas.is_none() {
+    if finding.data.gas.is_none() {
         return String::new();
     }
     let mut text = "\n## Residual of each equation at last\n\n".to_owned();
@@ -155,7 +155,7 @@ fn residuals(finding: &Finding) -> String {
     for (name, norm) in &finding.residuals {
         let _ = writeln!(text, "* {name}: {norm:.3e}");
     }
-    if let Some(newton) = &finding.evidence.newton {
+    if let Some(newton) = &finding.data.newton {
         let history: Vec<String> = newton.residuals.iter().map(|norm| format!("{norm:.1e}")).collect();
         let _ = writeln!(text, "\nThe whole residual after each Newton step: {}", history.join(", "));
     }

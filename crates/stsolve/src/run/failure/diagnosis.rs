@@ -10,7 +10,7 @@ mod structure_rules;
 #[cfg(test)]
 mod tests;
 
-use super::evidence::{Evidence, GaveUp};
+use super::data::{FailureData, GaveUp};
 use serde::Serialize;
 
 /// A possible cause.
@@ -29,7 +29,7 @@ pub struct Cause {
 /// So many causes are named.
 const NAMED: usize = 3;
 
-type Rule = fn(&Evidence) -> Option<Cause>;
+type Rule = fn(&FailureData) -> Option<Cause>;
 
 const OF_MESH: [Rule; 8] = [
     mesh_rules::undefined_motion,
@@ -62,15 +62,15 @@ const OF_FLOW: [Rule; 13] = [
 ];
 
 /// The likeliest causes, the likeliest first.
-pub fn causes(evidence: &Evidence) -> Vec<Cause> {
-    let rules: &[Rule] = match evidence.gave_up {
+pub fn causes(data: &FailureData) -> Vec<Cause> {
+    let rules: &[Rule] = match data.gave_up {
         GaveUp::InvertedCell | GaveUp::Equilibrium => &OF_MESH,
         GaveUp::Load => &[structure_rules::bad_load],
         GaveUp::Structure => &OF_STRUCTURE,
         GaveUp::Inadmissible | GaveUp::Newton | GaveUp::LinearSolver => &OF_FLOW,
         GaveUp::Other => &[],
     };
-    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(evidence)).collect();
+    let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(data)).collect();
     // Stable: of equal likelihood the first rule is first.
     causes.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     causes.truncate(NAMED);

@@ -1,6 +1,6 @@
 //! What was found out about a failure.
 
-use super::evidence::Evidence;
+use super::data::FailureData;
 use super::grid::Grid;
 use super::picture::Painting;
 use mesh::Mesh;
@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// What the diagnosis reads.
-    pub evidence: Evidence,
+    pub data: FailureData,
     /// The residual of every equation at last, where there was a residual.
     pub residuals: Vec<(&'static str, f64)>,
     /// The worst cell, if one stands out.
@@ -34,7 +34,7 @@ pub struct WorstCell {
 }
 
 /// What makes a cell the worst one, and what its picture shows.
-pub struct Verdict<'a> {
+pub struct WorstCellCause<'a> {
     /// The cell.
     pub cell: usize,
     /// What is worst there.
@@ -47,8 +47,8 @@ pub struct Verdict<'a> {
 
 impl WorstCell {
     /// The cell of a verdict, on the mesh displaced by `d`.
-    pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], verdict: Verdict<'_>) -> Self {
-        let Verdict { cell, because, quantity, values } = verdict;
+    pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], verdict: WorstCellCause<'_>) -> Self {
+        let WorstCellCause { cell, because, quantity, values } = verdict;
         let mesh = grid.mesh;
         let points = grid.positions(cell, d);
         let facets = mesh.boundary_facets().iter().filter(|facet| facet.side.cell == cell);
@@ -65,7 +65,7 @@ impl WorstCell {
 /// The `cell` whose volume has changed most, by `because`, on the mesh displaced by `d`.
 pub fn squeezed<const D: usize>(grid: &Grid<D>, d: &[f64], cell: usize, because: String) -> WorstCell {
     let values = |cell: usize| grid.volume_ratios(cell, d);
-    WorstCell::new(grid, d, Verdict { cell, because, quantity: "det J / det J_0", values: &values })
+    WorstCell::new(grid, d, WorstCellCause { cell, because, quantity: "det J / det J_0", values: &values })
 }
 
 /// The cell where det J / det J_0 is smallest, and its value.

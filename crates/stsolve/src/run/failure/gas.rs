@@ -1,6 +1,6 @@
 //! How the gas stands at one time: where it is thin, where it is steep, where it disagrees with its boundaries.
 
-use super::evidence::{Extreme, Mismatch, Moment};
+use super::data::{Extreme, Mismatch, Moment};
 use super::grid::{Grid, difference};
 use crate::case::{Flow, State};
 use mesh::{BoundaryFacet, face_nodes, outward_area};
@@ -154,46 +154,47 @@ where
             let n = area.map(|a| a / norm(&area));
             let inside: [f64; M] = states[p].pack(&self.flow.law.gas);
             let data = boundary.state.as_ref().map_or(inside, |state| state.state(&x[p], then.time));
-            let asked = |v: &[f64; D]| {
-                let asked = boundary.condition.asked(&self.flow.law, &inside, &n, v, &data);
-                Primitive::unpack(&self.flow.law.gas, &asked)
+            let target_state = |v: &[f64; D]| {
+                let target_state = boundary.condition.target_state(&self.flow.law, &inside, &n, v, &data);
+                Primitive::unpack(&self.flow.law.gas, &target_state)
             };
-            let (moving, still) = (asked(&v[p]), asked(&[0.0; D]));
+            let (moving, still) = (target_state(&v[p]), target_state(&[0.0; D]));
             let mismatch = self.mismatch(facet.boundary, &states[p], &moving);
             let c = sound_speed(&self.flow.law.gas, &states[p]).max(f64::MIN_POSITIVE);
-            let away = |asked: &Primitive<f64, D>| norm(&difference(&asked.velocity, &states[p].velocity)) / c;
+            let away =
+                |target_state: &Primitive<f64, D>| norm(&difference(&target_state.velocity, &states[p].velocity)) / c;
             (mismatch, away(&moving) - away(&still))
         };
         face_nodes(D, self.grid.points, face).into_iter().map(point).collect()
     }
 
-    fn mismatch(&self, boundary: usize, inside: &Primitive<f64, D>, asked: &Primitive<f64, D>) -> Mismatch {
+    fn mismatch(&self, boundary: usize, inside: &Primitive<f64, D>, target_state: &Primitive<f64, D>) -> Mismatch {
         let gas = &self.flow.law.gas;
         let temperature = |state: &Primitive<f64, D>| gas.temperature(state.density, state.pressure);
         let c = sound_speed(gas, inside).max(f64::MIN_POSITIVE);
-        let velocity = norm(&difference(&inside.velocity, &asked.velocity)) / c;
+        let velocity = norm(&difference(&inside.velocity, &target_state.velocity)) / c;
         let ratio = |a: f64, b: f64| Some((a / b).ln().abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
-        let [t, t_asked] = [temperature(inside), temperature(asked)];
-        let (quantity, inside, asked, size) = [
+        let [t, t_asked] = [temperature(inside), temperature(target_state)];
+        let (quantity, inside, target_state, size) = [
             // The entry that differs is told, of a velocity that along the axis where it differs most.
-            velocity_along(inside, asked, velocity),
-            ("pressure", inside.pressure, asked.pressure, ratio(inside.pressure, asked.pressure)),
+            velocity_along(inside, target_state, velocity),
+            ("pressure", inside.pressure, target_state.pressure, ratio(inside.pressure, target_state.pressure)),
             ("temperature", t, t_asked, ratio(t, t_asked)),
         ]
         .into_iter()
         .reduce(|a, b| if b.3 > a.3 { b } else { a })
         .expect("there are three");
-        Mismatch { boundary: self.names[boundary].clone(), quantity, inside, asked, size }
+        Mismatch { boundary: self.names[boundary].clone(), quantity, inside, target_state, size }
     }
 }
 
 fn velocity_along<const D: usize>(
     inside: &Primitive<f64, D>,
-    asked: &Primitive<f64, D>,
+    target_state: &Primitive<f64, D>,
     size: f64,
 ) -> (&'static str, f64, f64, f64) {
-    let gap = |axis: usize| (inside.velocity[axis] - asked.velocity[axis]).abs();
+    let gap = |axis: usize| (inside.velocity[axis] - target_state.velocity[axis]).abs();
     let axis = (0..D).fold(0, |most, axis| if gap(axis) > gap(most) { axis } else { most });
     let name = ["velocity along x", "velocity along y", "velocity along z"][axis];
-    (name, inside.velocity[axis], asked.velocity[axis], size)
+    (name, inside.velocity[axis], target_state.velocity[axis], size)
 }

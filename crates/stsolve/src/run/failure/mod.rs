@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `evidence` | what was measured, as plain numbers |
+//! | `data` | what was measured, as plain numbers |
 //! | `diagnosis` | from evidence to causes in words, the likeliest first |
 //! | `of_flow`, `of_mesh`, `of_structure` | the evidence of a run of mesh and flow, of the mesh, of a structure |
 //! | `gas` | how the gas stands: thin, steep, at odds with its boundaries |
@@ -12,8 +12,8 @@
 //! | `bundle` | the files |
 
 mod bundle;
+mod data;
 mod diagnosis;
-mod evidence;
 mod finding;
 mod gas;
 mod grid;
@@ -22,7 +22,7 @@ mod of_mesh;
 mod of_structure;
 mod picture;
 
-pub use bundle::{Story, clear, tell};
+pub use bundle::{FailureReport, clear, tell};
 pub use finding::Finding;
 pub use gas::Then;
 pub use grid::Grid;

@@ -1,13 +1,13 @@
 //! What is found out about a run of mesh and flow that has failed.
 
 use super::super::openings::Record;
-use super::evidence::{Attempt, Evidence, Gas, GaveUp, Newton, OpeningEvidence, Settling};
-use super::finding::{Finding, Verdict, WorstCell};
+use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningEvidence, Settling};
+use super::finding::{Finding, WorstCell, WorstCellCause};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_mesh::{self, inverted};
 use crate::case::{Case, Flow, State};
-use coupled::{Interval, March, MarchError, MeshMover, Remainder, SlabError, SteadyError};
+use coupled::{Interval, March, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
@@ -68,8 +68,8 @@ where
         }
         Finding {
             cell: self.worst_cell(&grid, &gases),
-            residuals: self.remainder().map_or_else(Vec::new, per_equation::<D>),
-            evidence: Evidence {
+            residuals: self.residual_breakdown().map_or_else(Vec::new, per_equation::<D>),
+            data: FailureData {
                 gave_up: self.gave_up(),
                 attempt,
                 newton: self.newton_error().map(|error| self.newton(error)),
@@ -91,9 +91,9 @@ where
         }
     }
 
-    fn remainder(&self) -> Option<&'a Remainder> {
+    fn residual_breakdown(&self) -> Option<&'a ResidualBreakdown> {
         match self.error {
-            Some(SlabError::Newton { remainder, .. }) => remainder.as_deref(),
+            Some(SlabError::Newton { residual_breakdown, .. }) => residual_breakdown.as_deref(),
             _ => None,
         }
     }
@@ -185,16 +185,18 @@ where
         match self.error? {
             SlabError::Mesh(_) => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
-            SlabError::Newton { remainder: Some(remainder), .. } => self.unsolved_cell(grid, remainder),
+            SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
+                self.unsolved_cell(grid, residual_breakdown)
+            }
             SlabError::Newton { .. } | SlabError::Guess(_) | SlabError::Top(_) => Some(self.thinnest_cell(grid, gases)),
         }
     }
 
-    fn unsolved_cell(&self, grid: &Grid<D>, remainder: &Remainder) -> Option<WorstCell> {
-        let cell = remainder.worst_cell()?;
-        let because = format!("its residual is {:.3e}, the largest", remainder.cells[cell]);
-        let values = |cell: usize| vec![remainder.cells[cell].log10(); grid.points.pow(D as u32)];
-        let verdict = Verdict { cell, because, quantity: "log10 of the residual of the flow", values: &values };
+    fn unsolved_cell(&self, grid: &Grid<D>, residual_breakdown: &ResidualBreakdown) -> Option<WorstCell> {
+        let cell = residual_breakdown.worst_cell()?;
+        let because = format!("its residual is {:.3e}, the largest", residual_breakdown.cells[cell]);
+        let values = |cell: usize| vec![residual_breakdown.cells[cell].log10(); grid.points.pow(D as u32)];
+        let verdict = WorstCellCause { cell, because, quantity: "log10 of the residual of the flow", values: &values };
         Some(WorstCell::new(grid, &self.march.state.d, verdict))
     }
 
@@ -205,7 +207,7 @@ where
             then.gas(&self.flow.law.gas, grid, cell).iter().map(|state| state.pressure).collect()
         };
         let values = |cell: usize| self.with_last(grid, |then| pressure(then, cell));
-        let verdict = Verdict { cell: lowest.cell, because, quantity: "pressure", values: &values };
+        let verdict = WorstCellCause { cell: lowest.cell, because, quantity: "pressure", values: &values };
         WorstCell::new(grid, &self.march.state.d, verdict)
     }
 
@@ -243,9 +245,9 @@ pub fn by_point<const M: usize>(state: &[f64]) -> Vec<[f64; M]> {
 }
 
 /// The equations and their residuals.
-fn per_equation<const D: usize>(remainder: &Remainder) -> Vec<(&'static str, f64)> {
+fn per_equation<const D: usize>(residual_breakdown: &ResidualBreakdown) -> Vec<(&'static str, f64)> {
     let momentum = ["momentum along x", "momentum along y", "momentum along z"];
     let names = ["mass"].into_iter().chain(momentum.into_iter().take(D)).chain(["energy"]);
-    let mesh = remainder.mesh.map(|norm| ("equilibrium of the mesh", norm));
-    mesh.into_iter().chain(names.zip(remainder.equations.iter().copied())).collect()
+    let mesh = residual_breakdown.mesh.map(|norm| ("equilibrium of the mesh", norm));
+    mesh.into_iter().chain(names.zip(residual_breakdown.equations.iter().copied())).collect()
 }

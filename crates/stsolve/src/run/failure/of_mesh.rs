@@ -1,6 +1,6 @@
 //! What is found out about the mesh of a run that has failed.
 
-use super::evidence::{Attempt, Evidence, GaveUp, Mesh, Motion, Undefined};
+use super::data::{Attempt, FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use crate::case::{self, Case, Stiffness};
@@ -90,7 +90,7 @@ pub fn examine<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &Sta
     let (cell, smallest) = most_squeezed(&grid, &state.d);
     let because = format!("det J / det J_0 is {smallest:.3e} there at t = {}, the smallest", rounded(state.time));
     Finding {
-        evidence: evidence(GaveUp::Equilibrium, state.slab, interval, mesh(case, mover, &grid, &state.d, interval)),
+        data: data(GaveUp::Equilibrium, state.slab, interval, mesh(case, mover, &grid, &state.d, interval)),
         residuals: Vec::new(),
         cell: Some(squeezed(&grid, &state.d, cell, because)),
     }
@@ -109,7 +109,7 @@ pub fn examine_inverted<const D: usize>(
     let mut mesh = mesh(case, mover, &grid, &past.bottom, *interval);
     mesh.smallest_det_j = quality.sampled_min;
     Some(Finding {
-        evidence: evidence(GaveUp::InvertedCell, state.slab - 1, *interval, mesh),
+        data: data(GaveUp::InvertedCell, state.slab - 1, *interval, mesh),
         residuals: Vec::new(),
         cell: Some(inverted(&grid, &d, quality)),
     })
@@ -125,9 +125,9 @@ fn grid<const D: usize>(mover: &MeshMover<D>) -> Grid<'_, D> {
     Grid::new(&mover.reference, &mover.numbering, mover.reference.order())
 }
 
-fn evidence(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> Evidence {
+fn data(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> FailureData {
     let mesh = Mesh { alone: true, ..mesh };
     let Interval { start, end, halvings } = interval;
     let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
-    Evidence { gave_up, attempt, newton: None, mesh, gas: None, structure: None }
+    FailureData { gave_up, attempt, newton: None, mesh, gas: None, structure: None }
 }

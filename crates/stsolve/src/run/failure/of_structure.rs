@@ -1,6 +1,6 @@
 //! What is found out about the run of a structure that has failed.
 
-use super::evidence::{Attempt, BadLoad, Evidence, GaveUp, Structure};
+use super::data::{Attempt, BadLoad, FailureData, GaveUp, Structure};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use super::of_mesh::shape;
@@ -25,7 +25,7 @@ pub fn examine<const D: usize>(
     Finding {
         cell: Some(worst_cell(&grid, &state.d, bad_load.as_ref())),
         residuals: Vec::new(),
-        evidence: Evidence {
+        data: FailureData {
             gave_up: if bad_load.is_some() { GaveUp::Load } else { GaveUp::Structure },
             attempt: Attempt { steady: false, slabs_done: state.slab, start: state.time, length, halvings: 0 },
             newton: None,

@@ -1,12 +1,12 @@
 //! Causes in the gas: its initial state, its boundaries, its resolution.
 
-use super::super::evidence::{Evidence, Extreme, Mismatch, OpeningEvidence};
+use super::super::data::{Extreme, FailureData, Mismatch, OpeningEvidence};
 use super::{Cause, number, rises};
 use crate::run::openings::Misuse;
 
 /// There is hardly any gas somewhere.
-pub fn near_vacuum(evidence: &Evidence) -> Option<Cause> {
-    let gas = evidence.gas.as_ref()?;
+pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
     let likelihood = |lowest: f64| 1.0 - rises(lowest.max(0.0), 0.02);
     let (start, last) = (gas.at_start.lowest, gas.last.lowest);
     let from_start = likelihood(start.value) >= 0.5 * likelihood(last.value);
@@ -22,14 +22,14 @@ pub fn near_vacuum(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// Gas does at an inflow or outflow what the condition is not made for.
-pub fn opening(evidence: &Evidence) -> Option<Cause> {
+pub fn opening(data: &FailureData) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
     let weighed = |opening: &OpeningEvidence| match opening.record.now.misuse {
         Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.now.share, 0.02),
         Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
     };
-    let openings = evidence.gas.as_ref()?.openings.iter();
+    let openings = data.gas.as_ref()?.openings.iter();
     let (likelihood, opening) =
         openings.map(|opening| (weighed(opening), opening)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(Cause {
@@ -41,10 +41,10 @@ pub fn opening(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// A boundary asks for what the gas beside it is not.
-pub fn boundary_condition(evidence: &Evidence) -> Option<Cause> {
-    let gas = evidence.gas.as_ref()?;
+pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
     // A steady flow around a body may well start from a uniform stream.
-    let weight = if evidence.attempt.steady { 0.6 } else { 0.9 };
+    let weight = if data.attempt.steady { 0.6 } else { 0.9 };
     // What the motion of a wall explains is the matter of another rule.
     let size = |mismatch: &Mismatch| (mismatch.size - gas.kick).max(0.0);
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
@@ -52,14 +52,14 @@ pub fn boundary_condition(evidence: &Evidence) -> Option<Cause> {
     };
     let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
     let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let Mismatch { boundary, quantity, inside, asked, .. } = mismatch;
+    let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
     Some(Cause {
         name: "boundary_condition",
         likelihood: 0.05 + likelihood,
         what: format!(
             "the condition on boundary `{boundary}` does not fit the state beside it: it asks for a {quantity} of {}, the gas \
              has {}",
-            number(asked),
+            number(target_state),
             number(inside)
         ),
         remedy: format!(
@@ -70,10 +70,10 @@ pub fn boundary_condition(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// A boundary is set in motion at once.
-pub fn kick(evidence: &Evidence) -> Option<Cause> {
-    let kick = evidence.gas.as_ref()?.kick;
+pub fn kick(data: &FailureData) -> Option<Cause> {
+    let kick = data.gas.as_ref()?.kick;
     // The waves of the kick have left after some slabs.
-    let recent = 1.0 / (1.0 + evidence.attempt.slabs_done as f64 / 20.0);
+    let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);
     Some(Cause {
         name: "impulsive_motion",
         likelihood: 0.97 * recent * rises(kick, 0.3),
@@ -85,8 +85,8 @@ pub fn kick(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The initial state jumps within cells.
-pub fn steep_start(evidence: &Evidence) -> Option<Cause> {
-    let Extreme { quantity, value, cell } = evidence.gas.as_ref()?.at_start.steepest;
+pub fn steep_start(data: &FailureData) -> Option<Cause> {
+    let Extreme { quantity, value, cell } = data.gas.as_ref()?.at_start.steepest;
     Some(Cause {
         name: "steep_initial_state",
         likelihood: 0.9 * rises(value, 1.5),
@@ -97,8 +97,8 @@ pub fn steep_start(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The flow has become steep, or has nothing that damps what the mesh does not resolve.
-pub fn not_resolved(evidence: &Evidence) -> Option<Cause> {
-    let gas = evidence.gas.as_ref()?;
+pub fn not_resolved(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
     let Extreme { quantity, value, cell } = gas.last.steepest;
     let viscosity = match gas.cell_reynolds {
         Some(reynolds) => format!("the Reynolds number of a distance of nodes is {}", number(reynolds)),
@@ -112,7 +112,7 @@ pub fn not_resolved(evidence: &Evidence) -> Option<Cause> {
         false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
     };
     // The search for a steady flow has tried that flux by itself.
-    let flux = if evidence.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
+    let flux = if data.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
     Some(Cause {
         name: "not_resolved",
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
@@ -129,8 +129,8 @@ fn change(quantity: &str, value: f64) -> String {
 }
 
 /// Fewer points than keep a free stream.
-pub fn quadrature(evidence: &Evidence) -> Option<Cause> {
-    let [points, needed] = evidence.gas.as_ref()?.quadrature;
+pub fn quadrature(data: &FailureData) -> Option<Cause> {
+    let [points, needed] = data.gas.as_ref()?.quadrature;
     (points < needed).then(|| Cause {
         name: "quadrature",
         likelihood: 0.6,

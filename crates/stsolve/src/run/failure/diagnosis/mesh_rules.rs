@@ -1,14 +1,14 @@
 //! Causes in the mesh and its motion.
 
-use super::super::evidence::{Evidence, GaveUp, Mesh, Motion, Undefined};
+use super::super::data::{FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::{Cause, number, rises};
 
 /// A reach, in sizes of the mesh, at which coordinates have lost half of their digits.
 const FAR: f64 = 1e8;
 
 /// A formula of the motion has no value.
-pub fn undefined_motion(evidence: &Evidence) -> Option<Cause> {
-    let Undefined { time, position } = evidence.mesh.undefined.as_ref()?;
+pub fn undefined_motion(data: &FailureData) -> Option<Cause> {
+    let Undefined { time, position } = data.mesh.undefined.as_ref()?;
     Some(Cause {
         name: "undefined_motion",
         likelihood: 1.0,
@@ -20,8 +20,8 @@ pub fn undefined_motion(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The motion leads so far away that coordinates keep no digits for the cells.
-pub fn far_away(evidence: &Evidence) -> Option<Cause> {
-    let reach = evidence.mesh.reach;
+pub fn far_away(data: &FailureData) -> Option<Cause> {
+    let reach = data.mesh.reach;
     (reach > 1.0).then(|| Cause {
         name: "far_away",
         likelihood: rises(reach, FAR),
@@ -34,8 +34,8 @@ pub fn far_away(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The boundary goes further than an elastic mesh follows.
-pub fn deformation(evidence: &Evidence) -> Option<Cause> {
-    let mesh = &evidence.mesh;
+pub fn deformation(data: &FailureData) -> Option<Cause> {
+    let mesh = &data.mesh;
     matches!(mesh.motion, Motion::Elastic | Motion::Graded).then(|| Cause {
         name: "deformation",
         likelihood: 0.9 * trust(mesh),
@@ -76,8 +76,8 @@ fn to_follow_further(mesh: &Mesh, remedies: &[&str]) -> String {
 }
 
 /// The formula of the displacement maps two points to one.
-pub fn folding_formula(evidence: &Evidence) -> Option<Cause> {
-    let mesh = &evidence.mesh;
+pub fn folding_formula(data: &FailureData) -> Option<Cause> {
+    let mesh = &data.mesh;
     (mesh.motion == Motion::Prescribed).then(|| Cause {
         name: "folding_formula",
         likelihood: 0.9 * trust(mesh),
@@ -92,10 +92,10 @@ pub fn folding_formula(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The motion of one slab is large beside cells.
-pub fn far_in_one_slab(evidence: &Evidence) -> Option<Cause> {
-    let travel = evidence.mesh.travel;
+pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
+    let travel = data.mesh.travel;
     // A law that is not linear must find the way there; a linear one does not care.
-    let weight = if evidence.gave_up == GaveUp::Equilibrium { 0.95 } else { 0.85 };
+    let weight = if data.gave_up == GaveUp::Equilibrium { 0.95 } else { 0.85 };
     Some(Cause {
         name: "far_in_one_slab",
         likelihood: 0.05 + weight * rises(travel, 1.0),
@@ -105,18 +105,18 @@ pub fn far_in_one_slab(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// All cells deform alike, the small ones too.
-pub fn stiffness(evidence: &Evidence) -> Option<Cause> {
-    (evidence.mesh.motion == Motion::Elastic).then(|| Cause {
+pub fn stiffness(data: &FailureData) -> Option<Cause> {
+    (data.mesh.motion == Motion::Elastic).then(|| Cause {
         name: "stiffness",
-        likelihood: 0.3 + 0.3 * rises(evidence.mesh.aspect_ratio, 20.0),
+        likelihood: 0.3 + 0.3 * rises(data.mesh.aspect_ratio, 20.0),
         what: "the mesh is equally stiff everywhere, so that small cells deform as much as large ones".into(),
         remedy: "take `motion.elasticity.stiffness = { inverse_jacobian = { power = 1 } }`, or `wall_distance`".into(),
     })
 }
 
 /// The mesh is poor at rest.
-pub fn uneven_cells(evidence: &Evidence) -> Option<Cause> {
-    let mesh = &evidence.mesh;
+pub fn uneven_cells(data: &FailureData) -> Option<Cause> {
+    let mesh = &data.mesh;
     Some(Cause {
         name: "uneven_cells",
         likelihood: 0.1 + 0.7 * (1.0 - rises(mesh.evenness, 0.1)),
@@ -130,8 +130,8 @@ pub fn uneven_cells(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// Cells must keep their volume.
-pub fn nearly_incompressible(evidence: &Evidence) -> Option<Cause> {
-    let nu = evidence.mesh.poisson_ratio;
+pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
+    let nu = data.mesh.poisson_ratio;
     (nu > 0.0).then(|| Cause {
         name: "nearly_incompressible",
         likelihood: 0.6 * rises(1.0 / (1.0 - 2.0 * nu), 50.0),
@@ -141,12 +141,12 @@ pub fn nearly_incompressible(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The mesh was still valid, but not by much, when the flow failed.
-pub fn nearly_inverted(evidence: &Evidence) -> Option<Cause> {
-    let smallest = evidence.mesh.smallest_det_j;
-    (evidence.mesh.motion != Motion::Still).then(|| Cause {
+pub fn nearly_inverted(data: &FailureData) -> Option<Cause> {
+    let smallest = data.mesh.smallest_det_j;
+    (data.mesh.motion != Motion::Still).then(|| Cause {
         name: "nearly_inverted",
         likelihood: 0.9 * (1.0 - rises(smallest.max(0.0), 0.05)),
         what: format!("cells are nearly inverted: det J / det J_0 is down to {}", number(smallest)),
-        remedy: to_follow_further(&evidence.mesh, &["move less"]),
+        remedy: to_follow_further(&data.mesh, &["move less"]),
     })
 }

@@ -1,19 +1,19 @@
 //! Causes in the settings of the solver.
 
-use super::super::evidence::{Attempt, Evidence, GaveUp, Settling};
+use super::super::data::{Attempt, FailureData, GaveUp, Settling};
 use super::{Cause, number, rises};
 
 /// A residual that stands at less than this times the estimate of its rounding probably is rounding.
 const NEAR_ROUND_OFF: f64 = 30.0;
 
 /// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each, or less in the last one.
-pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
-    let newton = evidence.newton.as_ref().filter(|newton| newton.steps_used_up)?;
+pub fn newton_steps(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref().filter(|newton| newton.steps_used_up)?;
     let norms = &newton.residuals;
     let steps = norms.len().checked_sub(1).filter(|steps| *steps > 0)?;
     let mean = (norms[0] / norms[steps]).powf(1.0 / steps as f64);
     let factor = mean.min(norms[steps - 1] / norms[steps]);
-    let key = if evidence.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
+    let key = if data.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
     Some(Cause {
         name: "newton_steps",
         likelihood: 0.95 * rises(factor - 1.0, 1.0),
@@ -26,8 +26,8 @@ pub fn newton_steps(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// A steady flow was looked for, and a march in time has shown whether the flow becomes steady.
-pub fn no_steady_flow(evidence: &Evidence) -> Option<Cause> {
-    let Settling { early, late, duration, calms_down } = evidence.newton.as_ref()?.settling?;
+pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
+    let Settling { early, late, duration, calms_down } = data.newton.as_ref()?.settling?;
     let [early, late, duration] = [early, late, duration].map(number);
     let seen =
         format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
@@ -44,10 +44,10 @@ pub fn no_steady_flow(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// Linear solves were cut short.
-pub fn linear_solver(evidence: &Evidence) -> Option<Cause> {
-    let newton = evidence.newton.as_ref()?;
-    let part = if evidence.gave_up == GaveUp::LinearSolver { 1.0 } else { newton.unfinished_linear_solves };
-    let (limit, restart) = match evidence.attempt.steady {
+pub fn linear_solver(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref()?;
+    let part = if data.gave_up == GaveUp::LinearSolver { 1.0 } else { newton.unfinished_linear_solves };
+    let (limit, restart) = match data.attempt.steady {
         true => ("solver.steady.krylov_iterations", ""),
         false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
     };
@@ -66,9 +66,9 @@ pub fn linear_solver(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The fastest wave passes many nodes in a slab.
-pub fn time_step(evidence: &Evidence) -> Option<Cause> {
-    let gas = evidence.gas.as_ref().filter(|_| !evidence.attempt.steady)?;
-    let Attempt { length, halvings, .. } = evidence.attempt;
+pub fn time_step(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref().filter(|_| !data.attempt.steady)?;
+    let Attempt { length, halvings, .. } = data.attempt;
     let waves = gas.waves_per_slab;
     Some(Cause {
         name: "time_step",
@@ -86,8 +86,8 @@ pub fn time_step(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The residual falls no more, and rounding alone leaves not much less of it.
-pub fn tolerance(evidence: &Evidence) -> Option<Cause> {
-    let newton = evidence.newton.as_ref()?;
+pub fn tolerance(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref()?;
     let (round_off, last) = (newton.round_off?, *newton.residuals.last()?);
     Some(Cause {
         name: "tolerance",

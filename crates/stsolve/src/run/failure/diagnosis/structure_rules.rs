@@ -1,11 +1,11 @@
 //! Causes in a structure.
 
-use super::super::evidence::{BadLoad, Evidence};
+use super::super::data::{BadLoad, FailureData};
 use super::{Cause, number, rises};
 
 /// The formula of a load has no value.
-pub fn bad_load(evidence: &Evidence) -> Option<Cause> {
-    let BadLoad { time, position } = evidence.structure.as_ref()?.bad_load.as_ref()?;
+pub fn bad_load(data: &FailureData) -> Option<Cause> {
+    let BadLoad { time, position } = data.structure.as_ref()?.bad_load.as_ref()?;
     Some(Cause {
         name: "bad_load",
         likelihood: 0.97,
@@ -17,8 +17,8 @@ pub fn bad_load(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// Waves pass many nodes in a slab, so that the systems of its modes are far from the mass matrix.
-pub fn long_slab(evidence: &Evidence) -> Option<Cause> {
-    let waves = evidence.structure.as_ref()?.waves_per_slab;
+pub fn long_slab(data: &FailureData) -> Option<Cause> {
+    let waves = data.structure.as_ref()?.waves_per_slab;
     Some(Cause {
         name: "long_slab",
         likelihood: 0.1 + 0.6 * rises(waves, 1e4),
@@ -28,9 +28,9 @@ pub fn long_slab(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// Cells are slender or uneven, and round-off grows with that.
-pub fn slender_cells(evidence: &Evidence) -> Option<Cause> {
-    let mesh = &evidence.mesh;
-    let _ = evidence.structure.as_ref()?;
+pub fn slender_cells(data: &FailureData) -> Option<Cause> {
+    let mesh = &data.mesh;
+    let _ = data.structure.as_ref()?;
     Some(Cause {
         name: "slender_cells",
         likelihood: 0.1 + 0.7 * rises(mesh.aspect_ratio, 1e3).max(1.0 - rises(mesh.evenness, 1e-2)),
@@ -44,8 +44,8 @@ pub fn slender_cells(evidence: &Evidence) -> Option<Cause> {
 }
 
 /// The material hardly changes its volume.
-pub fn nearly_incompressible(evidence: &Evidence) -> Option<Cause> {
-    let nu = evidence.structure.as_ref()?.poisson_ratio;
+pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
+    let nu = data.structure.as_ref()?.poisson_ratio;
     Some(Cause {
         name: "nearly_incompressible",
         likelihood: 0.8 * rises(1.0 / (1.0 - 2.0 * nu), 1e3),

@@ -3,17 +3,17 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::run::failure::evidence::{
+use crate::run::failure::data::{
     Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Settling, Structure,
     Undefined,
 };
 use crate::run::openings::{Misuse, Record, Seen};
 
 /// Newton has failed, and nothing is suspicious.
-fn nothing_suspicious() -> Evidence {
+fn nothing_suspicious() -> FailureData {
     let mild = |value| Extreme { quantity: "pressure", value, cell: 7 };
     let moment = Moment { lowest: mild(0.8), steepest: mild(0.1), mismatch: None };
-    Evidence {
+    FailureData {
         gave_up: GaveUp::Newton,
         attempt: Attempt { length: 0.1, slabs_done: 3, ..Attempt::default() },
         newton: Some(Newton {
@@ -40,26 +40,27 @@ fn nothing_suspicious() -> Evidence {
 }
 
 /// The first cause after `change`, and all of them.
-fn first(change: impl FnOnce(&mut Evidence)) -> &'static str {
-    let mut evidence = nothing_suspicious();
-    change(&mut evidence);
-    let causes = causes(&evidence);
+fn first(change: impl FnOnce(&mut FailureData)) -> &'static str {
+    let mut data = nothing_suspicious();
+    change(&mut data);
+    let causes = causes(&data);
     assert_eq!(causes.len(), NAMED, "{causes:?}");
     assert!(causes.iter().all(|cause| (0.0..=1.0).contains(&cause.likelihood)), "{causes:?}");
     causes[0].name
 }
 
-fn gas(evidence: &mut Evidence) -> &mut Gas {
-    evidence.gas.as_mut().unwrap()
+fn gas(data: &mut FailureData) -> &mut Gas {
+    data.gas.as_mut().unwrap()
 }
 
-fn newton(evidence: &mut Evidence) -> &mut Newton {
-    evidence.newton.as_mut().unwrap()
+fn newton(data: &mut FailureData) -> &mut Newton {
+    data.newton.as_mut().unwrap()
 }
 
 #[test]
 fn a_fact_of_the_gas_names_its_cause() {
-    let mismatch = Mismatch { boundary: "top".into(), quantity: "pressure", inside: 1.0, asked: 10.0, size: 2.3 };
+    let mismatch =
+        Mismatch { boundary: "top".into(), quantity: "pressure", inside: 1.0, target_state: 10.0, size: 2.3 };
     assert_eq!(first(|_| {}), "not_resolved");
     assert_eq!(first(|e| gas(e).at_start.lowest.value = 1e-3), "near_vacuum");
     assert_eq!(first(|e| gas(e).at_start.mismatch = Some(mismatch.clone())), "boundary_condition");
@@ -76,7 +77,8 @@ fn a_misused_opening_is_named_first() {
         let record = Record { since: 0.5, now: Seen { boundary: 0, misuse, share, mach: 2.0 }, largest_share: share };
         OpeningEvidence { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
     };
-    let mismatch = Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, asked: 10.0, size: 2.3 };
+    let mismatch =
+        Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, target_state: 10.0, size: 2.3 };
     for misuse in [Misuse::Supersonic, Misuse::Subsonic] {
         assert_eq!(
             first(|e| {
@@ -91,9 +93,9 @@ fn a_misused_opening_is_named_first() {
         assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.3)]), "opening");
         assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.01)]), "not_resolved");
     }
-    let mut evidence = nothing_suspicious();
-    gas(&mut evidence).openings = vec![seen(Misuse::Backflow, 0.01), seen(Misuse::Supersonic, 0.5)];
-    let Cause { what, remedy, .. } = &causes(&evidence)[0];
+    let mut data = nothing_suspicious();
+    gas(&mut data).openings = vec![seen(Misuse::Backflow, 0.01), seen(Misuse::Supersonic, 0.5)];
+    let Cause { what, remedy, .. } = &causes(&data)[0];
     assert!(what.contains("`inlet` faster than sound") && what.contains("50 % of it, since t = 0.5"), "{what}");
     assert!(remedy.contains("supersonic_inflow"), "{remedy}");
 }
@@ -101,7 +103,7 @@ fn a_misused_opening_is_named_first() {
 #[test]
 fn a_fact_of_the_solver_names_its_cause() {
     assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-2, 1e-4]), "newton_steps");
-    let stalls = |e: &mut Evidence, round_off| {
+    let stalls = |e: &mut FailureData, round_off| {
         newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9];
         newton(e).round_off = round_off;
     };
@@ -121,7 +123,7 @@ fn a_fact_of_the_solver_names_its_cause() {
 
 #[test]
 fn a_fact_of_the_mesh_names_its_cause() {
-    let moves = |e: &mut Evidence, motion, gave_up| (e.mesh.motion, e.gave_up) = (motion, gave_up);
+    let moves = |e: &mut FailureData, motion, gave_up| (e.mesh.motion, e.gave_up) = (motion, gave_up);
     assert_eq!(
         first(|e| {
             moves(e, Motion::Elastic, GaveUp::Newton);
@@ -137,19 +139,19 @@ fn a_fact_of_the_mesh_names_its_cause() {
         }),
         "far_in_one_slab"
     );
-    let mut evidence = nothing_suspicious();
-    moves(&mut evidence, Motion::Prescribed, GaveUp::InvertedCell);
-    assert_eq!(causes(&evidence)[0].name, "folding_formula");
+    let mut data = nothing_suspicious();
+    moves(&mut data, Motion::Prescribed, GaveUp::InvertedCell);
+    assert_eq!(causes(&data)[0].name, "folding_formula");
 }
 
 /// det J is no number, or round-off, and says nothing of folds.
 #[test]
 fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
     let moved = |motion, change: fn(&mut Mesh)| {
-        let mut evidence = Evidence { gave_up: GaveUp::InvertedCell, ..nothing_suspicious() };
-        evidence.mesh.motion = motion;
-        change(&mut evidence.mesh);
-        causes(&evidence)[0].clone()
+        let mut data = FailureData { gave_up: GaveUp::InvertedCell, ..nothing_suspicious() };
+        data.mesh.motion = motion;
+        change(&mut data.mesh);
+        causes(&data)[0].clone()
     };
     for motion in [Motion::Prescribed, Motion::Graded] {
         let cause = moved(motion, |mesh| mesh.undefined = Some(Undefined { time: 0.25, position: vec![1.0, 2.0] }));
@@ -164,10 +166,10 @@ fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
 #[test]
 fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
     let deformation = |change: fn(&mut Mesh)| {
-        let mut evidence = nothing_suspicious();
-        (evidence.mesh.motion, evidence.gave_up) = (Motion::Elastic, GaveUp::Equilibrium);
-        change(&mut evidence.mesh);
-        let cause = causes(&evidence).into_iter().find(|cause| cause.name == "deformation").unwrap();
+        let mut data = nothing_suspicious();
+        (data.mesh.motion, data.gave_up) = (Motion::Elastic, GaveUp::Equilibrium);
+        change(&mut data.mesh);
+        let cause = causes(&data).into_iter().find(|cause| cause.name == "deformation").unwrap();
         (cause.what, cause.remedy)
     };
     let (what, remedy) = deformation(|_| {});
@@ -180,11 +182,11 @@ fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
 }
 
 /// A structure has failed, and nothing is suspicious.
-fn structure(change: fn(&mut Structure, &mut Mesh), gave_up: GaveUp) -> Evidence {
-    let mut evidence = Evidence { gave_up, newton: None, gas: None, ..nothing_suspicious() };
+fn structure(change: fn(&mut Structure, &mut Mesh), gave_up: GaveUp) -> FailureData {
+    let mut data = FailureData { gave_up, newton: None, gas: None, ..nothing_suspicious() };
     let mut structure = Structure { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
-    change(&mut structure, &mut evidence.mesh);
-    Evidence { structure: Some(structure), ..evidence }
+    change(&mut structure, &mut data.mesh);
+    FailureData { structure: Some(structure), ..data }
 }
 
 #[test]
@@ -200,8 +202,8 @@ fn a_fact_of_the_structure_names_its_cause() {
 
 #[test]
 fn of_other_failures_no_cause_is_made_up() {
-    let evidence = Evidence { gave_up: GaveUp::Other, ..nothing_suspicious() };
-    assert_eq!(causes(&evidence), []);
+    let data = FailureData { gave_up: GaveUp::Other, ..nothing_suspicious() };
+    assert_eq!(causes(&data), []);
 }
 
 #[test]

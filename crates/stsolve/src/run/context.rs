@@ -1,6 +1,6 @@
 //! What a run keeps beside its march: sums, clock, progress; and how it ends.
 
-use super::tally::Tally;
+use super::statistics::RunStatistics;
 use crate::case::Time;
 use crate::cli::RunArguments;
 use crate::clock::{self, Clock};
@@ -11,9 +11,9 @@ use output::{Cost, Machine};
 use std::time::Instant;
 
 /// What a run keeps beside its march.
-pub struct Books {
+pub struct RunContext {
     /// Sums over the run.
-    pub tally: Tally,
+    pub statistics: RunStatistics,
     /// What the user sees.
     pub progress: Progress,
     begun: Instant,
@@ -39,7 +39,7 @@ impl Stop {
     }
 }
 
-impl Books {
+impl RunContext {
     /// Those of a run of `time` that begun at `begun` and stands at `reached`.
     pub fn new(
         time: &Time,
@@ -47,10 +47,16 @@ impl Books {
         arguments: &RunArguments,
         session: &Session,
         begun: Instant,
-        tally: Tally,
+        statistics: RunStatistics,
     ) -> Self {
         let progress = Progress::new(time, reached, arguments.verbosity, &session.terminal);
-        Books { tally, progress, begun, setup_seconds: begun.elapsed().as_secs_f64(), clock: session.clock.clone() }
+        RunContext {
+            statistics,
+            progress,
+            begun,
+            setup_seconds: begun.elapsed().as_secs_f64(),
+            clock: session.clock.clone(),
+        }
     }
 
     /// Seconds since the run begun.
@@ -66,8 +72,8 @@ impl Books {
             setup_seconds: self.setup_seconds,
             peak_memory_bytes: memory::peak(),
             threads: rayon::current_num_threads(),
-            residual_evaluations: self.tally.residuals,
-            jacobian_products: self.tally.products,
+            residual_evaluations: self.statistics.residuals,
+            jacobian_products: self.statistics.products,
             parts,
         }
     }

@@ -17,7 +17,7 @@ const EAGER: usize = 4;
 
 /// Whether, and when, the Jacobian was frozen in a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrozenInSlab {
+pub enum RebuiltInSlab {
     /// It was not.
     No,
     /// Ahead of all iterations.
@@ -28,7 +28,7 @@ pub enum FrozenInSlab {
 
 /// What the iterations of the slabs since the Jacobian was frozen say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wear {
+pub struct JacobianReusePolicy {
     /// n_1.
     pub base: usize,
     /// e_1 + .. + e_k.
@@ -39,18 +39,19 @@ pub struct Wear {
     pub eager: usize,
 }
 
-impl Wear {
+impl JacobianReusePolicy {
     /// Records a slab with that many iterations since the Jacobian was frozen, or since the bottom of the slab. Returns whether the
     /// next slab is to begin with a new one.
-    pub fn record(&mut self, iterations: usize, frozen: FrozenInSlab) -> bool {
+    pub fn record(&mut self, iterations: usize, frozen: RebuiltInSlab) -> bool {
         match frozen {
-            FrozenInSlab::No if self.slabs > 0 => self.age(iterations),
-            FrozenInSlab::Later if self.slabs > 0 => {
-                *self = Wear { base: self.base, excess: 0, slabs: 1, eager: EAGER };
+            RebuiltInSlab::No if self.slabs > 0 => self.age(iterations),
+            RebuiltInSlab::Later if self.slabs > 0 => {
+                *self = JacobianReusePolicy { base: self.base, excess: 0, slabs: 1, eager: EAGER };
                 true
             }
             _ => {
-                *self = Wear { base: iterations, excess: 0, slabs: 1, eager: self.eager.saturating_sub(1) };
+                *self =
+                    JacobianReusePolicy { base: iterations, excess: 0, slabs: 1, eager: self.eager.saturating_sub(1) };
                 self.eager > 0
             }
         }
@@ -76,10 +77,11 @@ mod tests {
 
     /// The slab, counted from the freezing, after which a Jacobian is frozen anew.
     fn lifetime(iterations: impl Fn(usize) -> usize) -> Option<usize> {
-        let mut wear = Wear::default();
+        let mut reuse_policy = JacobianReusePolicy::default();
         (0..100)
             .find(|&slab| {
-                wear.record(iterations(slab), if slab == 0 { FrozenInSlab::AtFirst } else { FrozenInSlab::No })
+                reuse_policy
+                    .record(iterations(slab), if slab == 0 { RebuiltInSlab::AtFirst } else { RebuiltInSlab::No })
             })
             .map(|slab| slab + 1)
     }
@@ -106,12 +108,12 @@ mod tests {
     /// Where a Jacobian serves its own slab only, most slabs begin with a new one.
     #[test]
     fn short_lives_are_learnt() {
-        let mut wear = Wear::default();
-        assert_eq!(wear.patience(), usize::MAX);
-        assert!(!wear.record(12, FrozenInSlab::AtFirst));
-        assert_eq!(wear.patience(), 12 + FREEZING);
-        assert!(wear.record(5, FrozenInSlab::Later));
-        let begun_anew = (0..100).take_while(|_| wear.record(12, FrozenInSlab::AtFirst)).count();
-        assert_eq!((begun_anew, wear.base), (EAGER - 1, 12));
+        let mut reuse_policy = JacobianReusePolicy::default();
+        assert_eq!(reuse_policy.patience(), usize::MAX);
+        assert!(!reuse_policy.record(12, RebuiltInSlab::AtFirst));
+        assert_eq!(reuse_policy.patience(), 12 + FREEZING);
+        assert!(reuse_policy.record(5, RebuiltInSlab::Later));
+        let begun_anew = (0..100).take_while(|_| reuse_policy.record(12, RebuiltInSlab::AtFirst)).count();
+        assert_eq!((begun_anew, reuse_policy.base), (EAGER - 1, 12));
     }
 }

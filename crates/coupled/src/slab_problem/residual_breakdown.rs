@@ -5,7 +5,7 @@ use newton_krylov::problem::NonlinearProblem;
 
 /// Parts of |R| as in (norm): squares of the parts of the flow add up to the square of its norm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remainder {
+pub struct ResidualBreakdown {
     /// The equations of the mesh, where there are any.
     pub mesh: Option<f64>,
     /// Each equation of the flow: of mass, of momentum (D), of energy.
@@ -14,7 +14,7 @@ pub struct Remainder {
     pub cells: Vec<f64>,
 }
 
-impl Remainder {
+impl ResidualBreakdown {
     /// The cell with the largest residual.
     pub fn worst_cell(&self) -> Option<usize> {
         let cells = self.cells.iter().enumerate();
@@ -24,7 +24,7 @@ impl Remainder {
 
 impl<const D: usize, const M: usize> SlabProblem<D, M> {
     /// The parts of the residual at `z`; `None` where there is no residual.
-    pub fn remainder(&mut self, z: &[f64]) -> Option<Remainder> {
+    pub fn residual_breakdown(&mut self, z: &[f64]) -> Option<ResidualBreakdown> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r).ok()?;
         let (range, layout) = (self.flow_range(), self.flow.layout);
@@ -36,6 +36,6 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         }
         let roots = |squares: Vec<f64>| squares.into_iter().map(f64::sqrt).collect();
         let mesh = (self.mesh_len() > 0).then(|| self.field_norms(&r)[0]);
-        Some(Remainder { mesh, equations: roots(equations), cells: roots(cells) })
+        Some(ResidualBreakdown { mesh, equations: roots(equations), cells: roots(cells) })
     }
 }

@@ -24,15 +24,15 @@ pub fn panels(shape: Shape) -> Panels {
 /// Rounds a block, `[column][part][row]` with rows padded.
 pub fn store(shape: Shape, block: &[f32], stored: &mut [u32]) {
     let panels = panels(shape);
-    let (zeros, mut pairs) = (vec![0.0; panels.rows], vec![0; panels.rows]);
+    let (zeros, mut bf16_blocks) = (vec![0.0; panels.rows], vec![0; panels.rows]);
     let column = |number: usize| block.get(number * panels.rows..(number + 1) * panels.rows).unwrap_or(&zeros);
     for j in 0..panels.columns {
         let numbers = if shape.parts == 2 { [2 * j, 2 * j + 1] } else { [j, j + panels.columns] };
         let [low, high] = numbers.map(column);
-        for (pair, (low, high)) in pairs.iter_mut().zip(low.iter().zip(high)) {
+        for (pair, (low, high)) in bf16_blocks.iter_mut().zip(low.iter().zip(high)) {
             *pair = rounded(*low) | rounded(*high) << 16;
         }
-        panels.put(stored, j, &pairs);
+        panels.put(stored, j, &bf16_blocks);
     }
 }
 
@@ -44,7 +44,7 @@ fn rounded(number: f32) -> u32 {
 ///
 /// For a real block of n columns that is (n + 1) / 2, and x has a zero behind its last number where n is odd; for a complex one x are the
 /// two columns (re, -im) and (im, re), and y are (re) and (im).
-pub struct MultiplyPairs<'a> {
+pub struct MultiplyBf16<'a> {
     /// A.
     pub matrix: &'a [u32],
     /// Columns of x and y.
@@ -57,19 +57,19 @@ pub struct MultiplyPairs<'a> {
     pub y: &'a mut [f32],
 }
 
-impl WithSimd for MultiplyPairs<'_> {
+impl WithSimd for MultiplyBf16<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let MultiplyPairs { matrix, columns, half, x, y } = self;
+        let MultiplyBf16 { matrix, columns, half, x, y } = self;
         let (x_len, rows) = (x.len() / columns, y.len() / columns);
         let ((matrix, _), (y, _)) = (S::as_simd_u32s(matrix), S::as_mut_simd_f32s(y));
         by_tiles::<S>(columns, rows, &mut Product { simd, rows: rows / S::F32_LANES, matrix, half, x_len, x, y });
     }
 }
 
-/// [`MultiplyPairs`] in registers.
+/// [`MultiplyBf16`] in registers.
 struct Product<'a, S: Simd> {
     simd: S,
     rows: usize,
@@ -92,11 +92,11 @@ impl<S: Simd> ByTiles for Product<'_, S> {
         for c in 0..C {
             sums[c][0].copy_from_slice(&y[c * rows + first + row..][..R]);
         }
-        for (j, pairs) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
-            let pairs = &pairs[row..row + R];
+        for (j, bf16_blocks) in matrix[first * columns..(first + height) * columns].chunks_exact(height).enumerate() {
+            let bf16_blocks = &bf16_blocks[row..row + R];
             for r in 0..R {
-                let low = simd.transmute_f32s_u32s(simd.wrapping_dyn_shl_u32s(pairs[r], sixteen));
-                let high = simd.transmute_f32s_u32s(simd.and_u32s(pairs[r], upper));
+                let low = simd.transmute_f32s_u32s(simd.wrapping_dyn_shl_u32s(bf16_blocks[r], sixteen));
+                let high = simd.transmute_f32s_u32s(simd.and_u32s(bf16_blocks[r], upper));
                 for c in 0..C {
                     let x = &x[c * x_len + j..];
                     sums[c][0][r] = simd.mul_add_f32s(low, simd.splat_f32s(x[0]), sums[c][0][r]);
@@ -156,7 +156,7 @@ mod tests {
             let expected = (0..y.len()).map(|i| y[i] + product(0, i % rows, n, &x[i / rows * rows..]));
             let expected: Vec<f32> = expected.collect();
             let half = n.div_ceil(2);
-            Arch::new().dispatch(MultiplyPairs { matrix: &matrix, columns, half, x: &x, y: &mut y });
+            Arch::new().dispatch(MultiplyBf16 { matrix: &matrix, columns, half, x: &x, y: &mut y });
             assert_eq!(y, expected, "{n} x {columns}");
         }
     }
@@ -169,7 +169,7 @@ mod tests {
             let minus_im: Vec<f32> = im.iter().map(|x| -x).collect();
             let mut y = vec![0.0; 2 * padded(n)];
             let x = [&re[..], &minus_im, &im, &re].concat();
-            Arch::new().dispatch(MultiplyPairs { matrix: &matrix, columns: 2, half: padded(n), x: &x, y: &mut y });
+            Arch::new().dispatch(MultiplyBf16 { matrix: &matrix, columns: 2, half: padded(n), x: &x, y: &mut y });
             for row in 0..n {
                 let expected = [
                     product(0, row, n, &re) - product(1, row, n, &im),
@@ -183,10 +183,10 @@ mod tests {
     /// Of a complex number of order one.
     fn stored_and_read(re: f32, im: f32) -> [f32; 2] {
         let shape = Shape { n: 1, parts: 2 };
-        let (mut block, mut pairs) = (vec![0.0; shape.len()], vec![0; panels(shape).len()]);
+        let (mut block, mut bf16_blocks) = (vec![0.0; shape.len()], vec![0; panels(shape).len()]);
         (block[0], block[padded(1)]) = (re, im);
-        store(shape, &block, &mut pairs);
-        [pairs[0] << 16, pairs[0] & 0xffff_0000].map(f32::from_bits)
+        store(shape, &block, &mut bf16_blocks);
+        [bf16_blocks[0] << 16, bf16_blocks[0] & 0xffff_0000].map(f32::from_bits)
     }
 
     #[test]

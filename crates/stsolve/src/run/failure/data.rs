@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// All that the diagnosis reads, and nothing that it does not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Evidence {
+pub struct FailureData {
     /// What gave up.
     pub gave_up: GaveUp,
     /// The last attempt.
@@ -220,7 +220,7 @@ pub struct Mismatch {
     /// The gas has this ...
     pub inside: f64,
     /// ... and the condition asks for that.
-    pub asked: f64,
+    pub target_state: f64,
     /// The difference of velocities over the speed of sound, or of the logarithms of pressure or temperature.
     pub size: f64,
 }

@@ -1,13 +1,13 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
 use super::openings::Record;
-use super::walls::{Felt, numbers_per_wall, to_numbers};
+use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::{MeshQuality, SlabReport, Stage, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct RunStatistics {
     /// Attempts at slabs that were rejected.
     pub rejected: u64,
     /// Newton steps.
@@ -105,9 +105,9 @@ fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
     report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
 }
 
-impl Tally {
+impl RunStatistics {
     /// Adds a slab, with what the walls felt.
-    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[Felt<D>]) {
+    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[WallLoads<D>]) {
         self.rejected += report.rejected as u64;
         let steps = report.newton.steps.len() as u64;
         self.newton += steps;
@@ -136,7 +136,7 @@ impl Tally {
         &mut self,
         report: &SlabReport<M>,
         stages: &[Stage],
-        felt: &[Felt<D>],
+        felt: &[WallLoads<D>],
     ) {
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.mass_flows = mass_flows(report);
@@ -224,7 +224,7 @@ impl Tally {
             let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
             numbers.chunks(each).map(<[f64]>::to_vec).collect()
         };
-        Some(Tally {
+        Some(RunStatistics {
             rejected: rejected as u64,
             newton: newton as u64,
             newton_max: newton_max as u64,

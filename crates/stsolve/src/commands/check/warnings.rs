@@ -1,4 +1,4 @@
-//! Choices of a case that are allowed, and doubtful.
+//! Choices of a case that are allowed, but likely wrong.
 
 use super::Facts;
 use super::scales::walls_at_start;
@@ -28,16 +28,16 @@ const FAR_FROM_SUTHERLAND: f64 = 3.0;
 /// A result file above this size is worth a thought, in MB.
 const LARGE_FILE: f64 = 5000.0;
 
-/// A doubtful choice.
-pub(super) struct Doubt {
+/// A choice that is likely wrong.
+pub(super) struct Warning {
     /// What it concerns, in a word or two.
     pub(super) subject: &'static str,
-    /// What is doubtful, and the remedy.
+    /// What is likely wrong, and the remedy.
     pub(super) text: String,
 }
 
-/// All that is doubtful in a case.
-pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
+/// All warnings about a case.
+pub(super) fn warnings<const D: usize>(facts: &Facts<'_, D>) -> Vec<Warning> {
     let of_flow = facts.case.flow.as_ref().map(|flow| {
         let of_boundaries = [body(facts, flow), friction(facts, flow), exact(flow), far_field(facts, flow)];
         let of_start = [start(facts, flow), sudden_flow(facts, flow), sutherland(flow)];
@@ -48,12 +48,12 @@ pub(super) fn doubts<const D: usize>(facts: &Facts<'_, D>) -> Vec<Doubt> {
     of_all.into_iter().chain(of_flow.into_iter().flatten()).flatten().collect()
 }
 
-fn doubt(subject: &'static str, text: String) -> Option<Doubt> {
-    Some(Doubt { subject, text })
+fn warning(subject: &'static str, text: String) -> Option<Warning> {
+    Some(Warning { subject, text })
 }
 
 /// A boundary that moves while others rest is a body, as a rule.
-fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
     let rests = boundary.iter().any(Option::is_none);
     let solid = |condition: &Boundary<D>| condition.is_wall() || matches!(condition, Boundary::Symmetry(_));
@@ -63,11 +63,11 @@ fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
         "`{name}` moves while other boundaries rest, and is no wall: gas passes through it; `flow.boundary.{name} = {{ adiabatic_wall = {{}} }}`, or \
          \"slip_wall\" for a gas without viscosity"
     );
-    doubt("moving boundary", text)
+    warning("moving boundary", text)
 }
 
 /// Without viscosity nothing makes a gas stick to a wall.
-fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     if flow.law.gas.viscosity() != Viscosity::Inviscid {
         return None;
     }
@@ -79,21 +79,21 @@ fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doub
          over the Reynolds number that is wanted; or the condition \"slip_wall\"",
         facts.case.mesh.boundary_names()[index]
     );
-    doubt("viscosity", text)
+    warning("viscosity", text)
 }
 
 /// A uniform flow and a vortex know of no walls.
-fn exact<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
     if flow.walls.is_empty() || !knows_no_walls || flow.manufactured {
         return None;
     }
     let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
                 `initial = { uniform = { velocity = [1, 0], mach = 0.2 } }`, and `far_field` where boundaries are \"exact\"";
-    doubt("exact solution", text.to_owned())
+    warning("exact solution", text.to_owned())
 }
 
-fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let orders = facts.orders(flow);
     let (taken, needed) = (flow.quadrature.space_points(D, orders), Quadrature::Conserving.space_points(D, orders));
     if taken >= needed {
@@ -102,10 +102,10 @@ fn quadrature<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Do
     let text = format!(
         "{taken} points per direction, while conservation on a curved moving mesh needs {needed}: `flow.quadrature = \"conserving\"`"
     );
-    doubt("quadrature", text)
+    warning("quadrature", text)
 }
 
-fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Doubt> {
+fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (time, scales) = (&facts.case.time, facts.motion?);
     let period = std::f64::consts::TAU / scales.frequency();
     let nodes = period / time.step * time.order as f64;
@@ -118,11 +118,11 @@ fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Doubt> {
         "a period of the motion, about {period:.3}, has {nodes:.1} nodes in time, fewer than {NODES_PER_PERIOD}: `time.step` of {step:.2e} \
          or less, or a higher `time.order`"
     );
-    doubt("slab length", text)
+    warning("slab length", text)
 }
 
 /// The preconditioner by lines leaves neighbours out.
-fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let crossed = facts.cells_crossed(flow);
     if facts.case.solver.preconditioner != Preconditioner::Lines || crossed <= CELLS_CROSSED {
         return None;
@@ -132,10 +132,10 @@ fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
          `time.step` of {:.2e} or less",
         facts.case.time.step * CELLS_CROSSED / crossed
     );
-    doubt("preconditioner", text)
+    warning("preconditioner", text)
 }
 
-fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let distance = facts.walls?.far_field / flow.reference_length;
     if distance >= FAR {
         return None;
@@ -144,15 +144,15 @@ fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Dou
         "{distance:.2} reference lengths from the walls: forces will feel it; a larger mesh (`far_field` of the generator), {FAR} or more, or \
          `flow.reference.length` if that is not the size of the body"
     );
-    doubt("far field", text)
+    warning("far field", text)
 }
 
-fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let (plate, height) = (facts.plate?, facts.walls?.cell_height? / flow.reference_length);
     if plate.is_turbulent() {
         let text = "at this Reynolds number a boundary layer is turbulent, and there is no turbulence model: a lower Reynolds number, or a \
                     mesh in space that resolves turbulence";
-        return doubt("turbulence", text.to_owned());
+        return warning("turbulence", text.to_owned());
     }
     let nodes = plate.thickness() / height * (flow.order as f64 - 1.0);
     if nodes >= NODES_IN_LAYER {
@@ -163,11 +163,11 @@ fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
          of the generator), or a higher `flow.order`",
         plate.thickness() * flow.reference_length
     );
-    doubt("first cell", text)
+    warning("first cell", text)
 }
 
 /// A wall that has a speed at the start pushes the gas at once, whatever moves the mesh inside.
-fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let speed = walls_at_start(facts.case, flow)?;
     let relative = speed / flow.reference_speed;
     if relative <= SUDDEN {
@@ -177,11 +177,11 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> 
         "walls start with a speed of {speed:.2e}, {relative:.2e} of that of the flow, which sends a pressure wave into it: a motion that starts from \
          rest, for instance multiplied by (1 - exp(-(t/T)^2)), or a table with `ends = \"at_rest\"`"
     );
-    doubt("start of the motion", text)
+    warning("start of the motion", text)
 }
 
 /// Sutherland's law depends on the temperature itself, and that on the gas constant: with R left at 1 it is p / rho.
-fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let gas = &flow.law.gas;
     let Viscosity::Sutherland { temperature, .. } = gas.viscosity() else { return None };
     let sound = flow.reference_speed / flow.law.reference.mach();
@@ -196,24 +196,24 @@ fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
         gas.dynamic_viscosity(reference),
         gas.gas_constant()
     );
-    doubt("Sutherland's law", text)
+    warning("Sutherland's law", text)
 }
 
 /// A uniform stream does not stick to walls: where it is the state at the start, their layers arise at once.
-fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Doubt> {
+fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let moves = flow.uniform_velocity?.iter().any(|w| *w != 0.0);
     if !moves || facts.walls?.cell_height.is_none() || flow.exact.is_some() || facts.case.solver.steady.is_some() {
         return None;
     }
     let text = "the flow starts uniform, and walls without slip stop it at once: an empty section `[solver.steady]`, which starts from the steady \
                 flow, if there is one; otherwise the first time units are those of that start";
-    doubt("start of the flow", text.to_owned())
+    warning("start of the flow", text.to_owned())
 }
 
-fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
+fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let mach = flow.law.reference.mach();
     match mach {
-        _ if mach > 0.8 => doubt(
+        _ if mach > 0.8 => warning(
             "Mach number",
             format!("{mach:.2}: shocks may form, and nothing captures them: a Mach number below 0.8"),
         ),
@@ -221,7 +221,7 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
             let text = format!(
                 "{mach:.1e}: fluxes for compressible flow lose accuracy in flow so slow: 0.02 to 0.2 differs little from 0"
             );
-            doubt("Mach number", text)
+            warning("Mach number", text)
         }
         _ if mach < 0.1 && flow.law.riemann == Riemann::LaxFriedrichs => {
             let text = format!(
@@ -229,16 +229,19 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Doubt> {
                  number Krylov iterations take many times as many, up to their limit in steady flows, and low orders lose accuracy: \
                  `flow.riemann = \"roe\"`"
             );
-            doubt("Mach number", text)
+            warning("Mach number", text)
         }
         _ => None,
     }
 }
 
-fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Doubt> {
+fn file_size<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let size = facts.result_megabytes();
     if size <= LARGE_FILE {
         return None;
     }
-    doubt("result file", format!("about {:.0} GB: `output.every` of more than {}", size / 1e3, facts.case.output.every))
+    warning(
+        "result file",
+        format!("about {:.0} GB: `output.every` of more than {}", size / 1e3, facts.case.output.every),
+    )
 }

@@ -4,7 +4,7 @@
 //! another slab length or pseudo-time needs new factors of its modes only.
 
 use crate::preconditioner::{CoarseLevel, FlowPreconditioner, LinePreconditioner, Ordering};
-use crate::wear::{FREEZING, FrozenInSlab};
+use crate::reuse_policy::{FREEZING, RebuiltInSlab};
 use basis::TemporalModes;
 use fem::SlabOperator;
 
@@ -13,7 +13,7 @@ const CHANGED: f64 = 0.1;
 
 /// Where the flow's Jacobian was frozen: what the preconditioner is made of, so that a resumed run has the same one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frozen {
+pub struct Linearisation {
     /// Start and length of the slab.
     pub interval: (f64, f64),
     /// Displacement at its bottom.
@@ -36,25 +36,25 @@ pub enum Update {
     /// The modes were factored anew.
     Refactored,
     /// The Jacobian was frozen anew.
-    Frozen,
+    Rebuilt,
 }
 
 /// The preconditioners of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Block ILU(0), cells with all their unknowns as blocks: for slabs and flows of any kind.
-    Blocks,
+    BlockIlu,
     /// [`LinePreconditioner`], for short slabs. Steady flows take blocks all the same.
-    Lines,
+    LineAdi,
 }
 
 enum Preconditioner {
-    Blocks(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
-    Lines(Box<LinePreconditioner>),
+    BlockIlu(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
+    LineAdi(Box<LinePreconditioner>),
 }
 
 /// The preconditioner of the flow and what it is made of.
-pub struct FrozenFlow {
+pub struct LaggedPreconditioner {
     /// Set to have the Jacobian frozen at the next update.
     pub stale: bool,
     /// What kind of preconditioner is made next.
@@ -66,32 +66,32 @@ pub struct FrozenFlow {
     pub patience: usize,
     /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
     applications: usize,
-    in_slab: FrozenInSlab,
+    in_slab: RebuiltInSlab,
     preconditioner: Option<Preconditioner>,
-    frozen: Option<Frozen>,
+    frozen: Option<Linearisation>,
 }
 
-impl Default for FrozenFlow {
+impl Default for LaggedPreconditioner {
     /// Nothing is frozen yet.
     fn default() -> Self {
-        FrozenFlow {
+        LaggedPreconditioner {
             stale: false,
-            method: Method::Blocks,
+            method: Method::BlockIlu,
             steady: false,
             patience: usize::MAX,
             applications: 0,
-            in_slab: FrozenInSlab::No,
+            in_slab: RebuiltInSlab::No,
             preconditioner: None,
             frozen: None,
         }
     }
 }
 
-impl FrozenFlow {
+impl LaggedPreconditioner {
     /// Counts applications from here, the bottom of a slab.
     pub fn begin_slab(&mut self) {
         self.applications = 0;
-        self.in_slab = FrozenInSlab::No;
+        self.in_slab = RebuiltInSlab::No;
     }
 
     /// Krylov iterations since the Jacobian was frozen, or since the bottom of the slab.
@@ -100,7 +100,7 @@ impl FrozenFlow {
     }
 
     /// Whether the Jacobian was frozen in this slab.
-    pub fn frozen_in_slab(&self) -> FrozenInSlab {
+    pub fn frozen_in_slab(&self) -> RebuiltInSlab {
         self.in_slab
     }
 
@@ -108,9 +108,9 @@ impl FrozenFlow {
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         self.applications += 1;
         match &mut self.preconditioner {
-            Some(Preconditioner::Blocks(sweeps, Some(coarse))) => coarse.apply(sweeps, r, z),
-            Some(Preconditioner::Blocks(sweeps, None)) => sweeps.apply(r, z),
-            Some(Preconditioner::Lines(lines)) => lines.apply(r, z),
+            Some(Preconditioner::BlockIlu(sweeps, Some(coarse))) => coarse.apply(sweeps, r, z),
+            Some(Preconditioner::BlockIlu(sweeps, None)) => sweeps.apply(r, z),
+            Some(Preconditioner::LineAdi(lines)) => lines.apply(r, z),
             None => z.copy_from_slice(r),
         }
     }
@@ -118,14 +118,14 @@ impl FrozenFlow {
     /// Bytes held by the preconditioner.
     pub fn bytes(&self) -> usize {
         match &self.preconditioner {
-            Some(Preconditioner::Blocks(sweeps, _)) => sweeps.bytes(),
-            Some(Preconditioner::Lines(lines)) => lines.bytes(),
+            Some(Preconditioner::BlockIlu(sweeps, _)) => sweeps.bytes(),
+            Some(Preconditioner::LineAdi(lines)) => lines.bytes(),
             None => 0,
         }
     }
 
     /// What the preconditioner is made of.
-    pub fn frozen(&self) -> Option<&Frozen> {
+    pub fn frozen(&self) -> Option<&Linearisation> {
         self.frozen.as_ref()
     }
 
@@ -148,15 +148,15 @@ impl FrozenFlow {
                     return Update::Kept;
                 }
                 match preconditioner {
-                    Preconditioner::Blocks(sweeps, _) => sweeps.factor(built_for.0, built_for.1),
-                    Preconditioner::Lines(lines) => lines.factor(built_for.0, built_for.1),
+                    Preconditioner::BlockIlu(sweeps, _) => sweeps.factor(built_for.0, built_for.1),
+                    Preconditioner::LineAdi(lines) => lines.factor(built_for.0, built_for.1),
                 }
                 frozen.built_for = built_for;
                 Update::Refactored
             }
             _ => {
                 self.freeze(flow, bottom, velocities, built_for);
-                Update::Frozen
+                Update::Rebuilt
             }
         }
     }
@@ -177,7 +177,7 @@ impl FrozenFlow {
     ) {
         let ordering = self.frozen.take().map(|frozen| frozen.ordering);
         let ordering = self.build(flow, built_for, ordering);
-        self.frozen = Some(Frozen {
+        self.frozen = Some(Linearisation {
             interval: flow.interval(),
             bottom: bottom.to_vec(),
             velocities: velocities.to_vec(),
@@ -185,15 +185,15 @@ impl FrozenFlow {
             built_for,
             ordering,
         });
-        let first = self.applications == 0 && self.in_slab == FrozenInSlab::No;
-        self.in_slab = if first { FrozenInSlab::AtFirst } else { FrozenInSlab::Later };
+        let first = self.applications == 0 && self.in_slab == RebuiltInSlab::No;
+        self.in_slab = if first { RebuiltInSlab::AtFirst } else { RebuiltInSlab::Later };
         self.applications = 0;
         self.stale = false;
     }
 
     /// Makes the preconditioner again from what it was made of. The slab, the mesh and the linearisation of `flow` are then those of
     /// `frozen`.
-    pub fn thaw<const D: usize, const M: usize>(&mut self, flow: &mut SlabOperator<D, M>, frozen: Frozen) {
+    pub fn rebuild<const D: usize, const M: usize>(&mut self, flow: &mut SlabOperator<D, M>, frozen: Linearisation) {
         let (start, dt) = frozen.interval;
         flow.begin_slab(start, dt, &vec![0.0; flow.layout.at_one_time().len()], &frozen.bottom);
         flow.set_mesh(&frozen.velocities);
@@ -211,13 +211,13 @@ impl FrozenFlow {
         built_for: (f64, f64),
         ordering: Option<Ordering>,
     ) -> Ordering {
-        if self.method == Method::Lines && !self.steady {
-            self.preconditioner = Some(Preconditioner::Lines(lines(self.preconditioner.take(), flow, built_for)));
+        if self.method == Method::LineAdi && !self.steady {
+            self.preconditioner = Some(Preconditioner::LineAdi(lines(self.preconditioner.take(), flow, built_for)));
             return Ordering::none();
         }
         let (sweeps, coarse) = self.blocks(flow, built_for, ordering);
         let ordering = sweeps.ordering().clone();
-        self.preconditioner = Some(Preconditioner::Blocks(sweeps, coarse));
+        self.preconditioner = Some(Preconditioner::BlockIlu(sweeps, coarse));
         ordering
     }
 
@@ -228,7 +228,7 @@ impl FrozenFlow {
         ordering: Option<Ordering>,
     ) -> (Box<FlowPreconditioner>, Option<Box<CoarseLevel>>) {
         let (mut sweeps, old) = match self.preconditioner.take() {
-            Some(Preconditioner::Blocks(mut old, coarse)) => {
+            Some(Preconditioner::BlockIlu(mut old, coarse)) => {
                 old.replace_jacobian(|jacobian| flow.update_space_jacobian(0.5, jacobian));
                 (old, coarse)
             }
@@ -258,7 +258,7 @@ fn lines<const D: usize, const M: usize>(
 ) -> Box<LinePreconditioner> {
     let jacobian = flow.line_jacobian(0.5);
     match old {
-        Some(Preconditioner::Lines(mut lines)) => {
+        Some(Preconditioner::LineAdi(mut lines)) => {
             lines.replace_jacobian(jacobian);
             lines.factor(dt, damping);
             lines
