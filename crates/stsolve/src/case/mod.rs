@@ -10,6 +10,7 @@
 //! | `brackets` | brackets of it that are not closed |
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | what can be wrong, and where |
+//! | `magnitude` | which numbers the program can compute with |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation` | which cases may continue each other's runs |
 //! | `checked` | the case as the program needs it; no other code sees `raw` |
@@ -27,6 +28,7 @@ mod continuation;
 mod document;
 mod error;
 mod key;
+mod magnitude;
 mod raw;
 mod shape;
 mod state;
