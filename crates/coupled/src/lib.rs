@@ -30,5 +30,7 @@ pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
 pub use slab_problem::{Counts, ResidualBreakdown, SlabProblem};
 pub use state::{Interval, Past, State};
-pub use steady::{Discretisation, Discretised, Search, Settling, Stage, SteadyError, SteadyFlow, solve_steady};
+pub use steady::{
+    Discretisation, Discretised, Reliability, Search, Settling, Stability, Stage, SteadyError, SteadyFlow, solve_steady,
+};
 pub use structure_march::{Equations, StructureMarch, StructureReport, Supports};
