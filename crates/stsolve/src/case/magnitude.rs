@@ -10,12 +10,17 @@ const SMALLEST: f64 = 1e-60;
 const LARGEST: f64 = 1e60;
 
 /// Which numbers are accepted.
-pub(super) const ACCEPTED: &str =
+const ACCEPTED: &str =
     "0, or a finite number from 1e-60 to 1e60 in size, for products of five must be numbers too; other units help";
 
-/// Whether products of `value` neither overflow nor vanish.
+/// Whether products of `value` neither overflow nor vanish, unless it is zero.
 pub(super) fn is_computable(value: f64) -> bool {
     value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
+}
+
+/// Whether products of `value` do not overflow. Values of formulas may be as small as they like.
+pub(super) fn is_bounded(value: f64) -> bool {
+    value.abs() <= LARGEST
 }
 
 /// The first number of the document that is not accepted, and what is wrong with it.

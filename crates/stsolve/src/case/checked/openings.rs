@@ -5,7 +5,7 @@ use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::magnitude::is_computable;
+use crate::case::magnitude::{is_bounded, is_computable};
 use crate::case::raw;
 use crate::case::state::{Entering, State};
 use basis::gauss_lobatto;
@@ -118,7 +118,7 @@ pub(super) fn check_on_boundary<const D: usize>(
                     positive,
                     "a formula that is positive everywhere",
                 )?;
-                let finite = state.velocity.iter().all(|w| is_computable(*w));
+                let finite = state.velocity.iter().all(|w| is_bounded(*w));
                 checker.require(
                     &key.child(vector),
                     &format!("the vector at {x:?}"),

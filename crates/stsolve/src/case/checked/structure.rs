@@ -5,7 +5,7 @@ use super::mesh_crate::{Mesh, NodeNumbering};
 use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::case::checker::{Checked, Checker};
 use crate::case::key::Key;
-use crate::case::magnitude::is_computable;
+use crate::case::magnitude::is_bounded;
 use crate::case::raw::{self, Analysis, Plane, StructureBoundary};
 use crate::case::vector::Vector;
 use crate::expression::Program;
@@ -232,7 +232,7 @@ fn check_finite<const D: usize>(
             checker.require(
                 &key.entry(axis),
                 &quantity,
-                is_computable(value),
+                is_bounded(value),
                 "a formula that is finite everywhere, and at most 1e60",
             )?;
         }
