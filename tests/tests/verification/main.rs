@@ -11,3 +11,4 @@ mod top_of_slab;
 mod valid_steps;
 mod viscous;
 mod vortex;
+mod wall_loads;

@@ -6,8 +6,8 @@ use crate::case::{
 };
 use crate::expression::Program;
 use coupled::{
-    BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, March, MeshMotion, MeshMover, Method,
-    SlabProblem, StructureMarch, Supports,
+    BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
+    StructureMarch, Supports, System,
 };
 use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Quantity, Solid, Statics, Structure as Body,
@@ -130,7 +130,7 @@ fn moved_by<T, const D: usize>(
 ///
 /// # Errors
 /// As [`ElasticMesh::new`].
-pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<March<D, M>, ElasticityError>
+pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<FlowMarch<D, M>, ElasticityError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
     State<D>: ExactState<D, M>,
@@ -142,12 +142,12 @@ where
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    let mut problem = SlabProblem::new(operator, mover);
-    problem.lagged_preconditioner.method = match case.solver.preconditioner {
+    let mut problem = System::new(operator, mover);
+    problem.flow.preconditioner.method = match case.solver.preconditioner {
         Preconditioner::Blocks => Method::BlockIlu,
         Preconditioner::Lines => Method::LineAdi,
     };
-    Ok(March::new(problem, u, settings(case)))
+    Ok(FlowMarch::new(problem, u, settings(case)))
 }
 
 /// A discretisation of the flow of a case on the mesh that rests with the displacement `d`, and the initial state there.
@@ -171,7 +171,7 @@ where
     operator.mesh.set_bottom(Some(d));
     let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);
-    (SlabProblem::new(operator, mover), initial)
+    (System::new(operator, mover), initial)
 }
 
 /// The march of a structure, at its start.

@@ -23,17 +23,19 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
     let pending = state.pending.iter().flat_map(numbers).collect();
-    let mut put = |name: &str, values: Vec<f64>| out.arrays.insert(name.to_string(), values);
+    let mut put = |name: &str, values: Vec<f64>| drop(out.arrays.insert(name.to_string(), values));
     put("time", vec![state.time]);
     put("flow", state.u.clone());
     put("displacement", state.d.clone());
     put("pending", pending);
     put("step", vec![state.step]);
+    state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
     if let Some(past) = &state.past {
         put("past.interval", numbers(&past.interval).to_vec());
         put("past.displacement", past.bottom.clone());
         put("past.flow", past.u.clone());
         put("past.mesh_velocity", past.v.clone());
+        past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone()));
     }
     if let Some(frozen) = frozen {
         let Linearisation { interval, built_for, ordering, .. } = frozen;
@@ -58,6 +60,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         time: *array("time")?.first()?,
         u: array("flow")?,
         d: array("displacement")?,
+        bodies: bodies(&stored.arrays, "body"),
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         step: *array("step")?.first()?,
@@ -109,7 +112,13 @@ fn past(arrays: &Arrays) -> Option<Past> {
     let get = |name: &str| arrays.get(&format!("past.{name}")).cloned();
     let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
     let dt = interval.end - interval.start;
-    Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")? })
+    let bodies = bodies(arrays, "past.body");
+    Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")?, bodies })
+}
+
+/// The arrays `name`.0, `name`.1, ... as far as there are any.
+fn bodies(arrays: &Arrays, name: &str) -> Vec<Vec<f64>> {
+    (0..).map_while(|body| arrays.get(&format!("{name}.{body}")).cloned()).collect()
 }
 
 fn frozen(arrays: &Arrays) -> Option<Linearisation> {
@@ -150,8 +159,15 @@ mod tests {
             bottom: vec![1.0; 3],
             u: vec![2.0; 8],
             v: vec![3.0; 6],
+            bodies: vec![vec![9.0; 2]],
         };
-        let state = State { slab: 2, nominal: 2, past: Some(past), ..State::new(0.2, vec![4.0; 4], vec![5.0; 3]) };
+        let state = State {
+            slab: 2,
+            nominal: 2,
+            bodies: vec![vec![1.0]],
+            past: Some(past),
+            ..State::new(0.2, vec![4.0; 4], vec![5.0; 3])
+        };
         let frozen = Linearisation {
             interval: (0.1, 0.1),
             bottom: vec![6.0; 3],

@@ -13,7 +13,7 @@ use crate::cli::RunArguments;
 use crate::commands::{Session, require_memory};
 use crate::failure::Failure;
 use crate::progress::SlabDone;
-use coupled::{Discretisation, March, Search, SlabReport, Stage, SteadyFlow};
+use coupled::{Discretisation, FlowMarch, Search, SlabReport, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{SolverState, Summary};
@@ -36,20 +36,20 @@ where
 {
     let begun = Instant::now();
     require_memory(case)?;
-    let march: March<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let march: FlowMarch<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
     let origin = match arguments.resume {
         true => None,
-        false => restart::read::<D, M>(case, flow, &march.problem.mover)?,
+        false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
     };
     let call = Call { arguments, command: "run", begun, origin: origin.as_ref() };
-    let mesh = MeshView::new(&march.problem.mover.reference, &march.problem.mover.numbering);
+    let mesh = MeshView::new(&march.solver.system.mesh.mover.reference, &march.solver.system.mesh.mover.numbering);
     drive::<D, M, _>(case, FlowRun { case, flow, march }, &mesh, call)
 }
 
 struct FlowRun<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
-    march: March<D, M>,
+    march: FlowMarch<D, M>,
 }
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -64,8 +64,11 @@ where
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
         }
-        let (state, mover, one) =
-            (&self.march.state, &self.march.problem.mover, self.march.problem.flow.layout.at_one_time());
+        let (state, mover, one) = (
+            &self.march.state,
+            &self.march.solver.system.mesh.mover,
+            self.march.solver.system.flow.operator.layout.at_one_time(),
+        );
         let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
         let still = vec![0.0; state.d.len()];
         let then = Then {
@@ -83,11 +86,11 @@ where
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
-        let (case, flow, March { problem, state, .. }) = (self.case, self.flow, &mut self.march);
+        let (case, flow, state) = (self.case, self.flow, &mut self.march.state);
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
             order: flow.order,
-            mover: &problem.mover,
+            mover: &self.march.solver.system.mesh.mover,
             displacement: &state.d,
             time: case.time.start,
             time_unit: flow.reference_length / flow.reference_speed,
@@ -136,7 +139,7 @@ where
     }
 
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
-        let (layout, state) = (self.march.problem.flow.layout, &self.march.state);
+        let (layout, state) = (self.march.solver.system.flow.operator.layout, &self.march.state);
         let one = layout.at_one_time();
         let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
         (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
@@ -174,7 +177,7 @@ where
     }
 
     fn store(&self) -> SolverState {
-        let lagged_preconditioner = &self.march.problem.lagged_preconditioner;
+        let lagged_preconditioner = &self.march.solver.system.flow.preconditioner;
         checkpoint::store(&self.march.state, lagged_preconditioner.frozen(), lagged_preconditioner.stale)
     }
 
@@ -186,9 +189,9 @@ where
         }
         march.state = state;
         if let Some(frozen) = frozen {
-            march.problem.rebuild(frozen);
+            march.solver.system.rebuild(frozen);
         }
-        march.problem.lagged_preconditioner.stale = stale;
+        march.solver.system.flow.preconditioner.stale = stale;
         Some(())
     }
 

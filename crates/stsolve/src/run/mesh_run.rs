@@ -65,7 +65,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         let report = self.march.advance()?;
         if report.first_invalid.is_some() && self.inverted.is_none() {
             let (start, slabs, march) = (report.interval.start, report.slab - 1, &self.march);
-            let finding = examine_inverted(self.case, &march.mover, &march.state, &report);
+            let finding = examine_inverted(self.case, &march.solver.mover, &march.state, &report);
             self.inverted = finding.map(|finding| Inverted { finding, start, slabs });
         }
         Ok(report)
@@ -99,11 +99,11 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
-        summary::of_mesh(self.case, &self.march.mover, &self.march.state, context, stop)
+        summary::of_mesh(self.case, &self.march.solver.mover, &self.march.state, context, stop)
     }
 
     fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
-        examine_mesh(self.case, &self.march.mover, &self.march.state, error)
+        examine_mesh(self.case, &self.march.solver.mover, &self.march.state, error)
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {

@@ -3,7 +3,7 @@
 use super::build;
 use crate::case::{Case, Flow, State};
 use crate::memory;
-use coupled::{March, MeshMarch, MeshQuality};
+use coupled::{FlowMarch, Interval, MeshMarch, MeshQuality, SlabError};
 use elasticity::ElasticityError;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -37,6 +37,19 @@ pub enum ProbeError {
     /// The state at the start is none, on the mesh of the first slab.
     #[error("the first slab starts from an {0}")]
     State(#[from] Inadmissible),
+    /// The first slab cannot begin.
+    #[error(transparent)]
+    Slab(SlabError),
+}
+
+impl From<SlabError> for ProbeError {
+    fn from(error: SlabError) -> Self {
+        match error {
+            SlabError::Mesh(error) => ProbeError::Mesh(error),
+            SlabError::Guess(state) => ProbeError::State(state),
+            other => ProbeError::Slab(other),
+        }
+    }
 }
 
 /// Times the parts of the first slab of `case`.
@@ -51,10 +64,10 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let begun = Instant::now();
-    let mut march: March<D, M> = build::march(case, flow)?;
+    let mut march: FlowMarch<D, M> = build::march(case, flow)?;
     let setup = begun.elapsed().as_secs_f64();
     let z = start_of_slab(&mut march, case)?;
-    let problem = &mut march.problem;
+    let problem = &mut march.solver.system;
     let (mut r, mut increment) = (vec![0.0; z.len()], vec![0.0; z.len()]);
     let residual = fastest(|| problem.residual(&z, &mut r))?;
     let still = vec![0.0; problem.fields().len()];
@@ -74,17 +87,12 @@ where
 
 /// Mesh and flow that Newton's method starts from in the first slab: the mesh moved, the flow as at the start.
 fn start_of_slab<const D: usize, const M: usize>(
-    march: &mut March<D, M>,
+    march: &mut FlowMarch<D, M>,
     case: &Case<D>,
-) -> Result<Vec<f64>, ElasticityError> {
-    let flow = march.constant_guess();
-    let (problem, state) = (&mut march.problem, &march.state);
-    problem.begin(case.time.start, case.time.step, &state.u, &state.d)?;
-    let mut v = vec![0.0; problem.velocities().len()];
-    problem.move_mesh(&mut v)?;
-    v.truncate(problem.mesh_len());
-    v.extend(flow);
-    Ok(v)
+) -> Result<Vec<f64>, SlabError> {
+    let (solver, state) = (&mut march.solver, &march.state);
+    let (start, end) = (case.time.start, case.time.start + case.time.step);
+    Ok(solver.guess(state, Interval { start, end, halvings: 0 })?.0)
 }
 
 /// The shortest time of some calls, in seconds.

@@ -9,7 +9,7 @@ use crate::case::{Case, Structure};
 use crate::cli::RunArguments;
 use crate::commands::Session;
 use crate::failure::Failure;
-use coupled::{Observation, StructureMarch, StructureReport};
+use coupled::{Observation, SlabError, StructureMarch, StructureReport};
 use elasticity::{ElasticityError, NaturalMode, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use output::{SolverState, Summary};
@@ -79,7 +79,10 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         self.march.is_done()
     }
     fn advance(&mut self) -> anyhow::Result<StructureReport> {
-        Ok(self.march.advance()?)
+        self.march.advance().map_err(|error| match error.source {
+            SlabError::Structure(error) => error.into(),
+            _ => error.into(),
+        })
     }
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
         (self.march.velocity().repeat(self.case.time.order), Vec::new())

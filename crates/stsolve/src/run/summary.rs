@@ -6,7 +6,7 @@ use super::openings::Misuse;
 use super::statistics;
 use super::walls::from_numbers;
 use crate::case::{self, Case, DisplacementOf, Flow, Motion, State, Stiffness};
-use coupled::{March, MeshMover, StructureMarch};
+use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
@@ -19,7 +19,7 @@ use output::{
 pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    march: &March<D, M>,
+    march: &FlowMarch<D, M>,
     context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary
@@ -27,8 +27,8 @@ where
     Exact<State<D>>: StateField<D, M>,
 {
     let (statistics, slabs) = (&context.statistics, march.state.slab as u64);
-    let mut summary = of_mesh(case, &march.problem.mover, &march.state, context, stop);
-    summary.unknowns.flow = Some(march.problem.flow.layout.len());
+    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, &march.state, context, stop);
+    summary.unknowns.flow = Some(march.solver.system.flow.operator.layout.len());
     summary.newton = Some(Newton {
         total: statistics.newton,
         max: statistics.newton_max,
@@ -188,11 +188,11 @@ fn ratio(a: u64, b: u64) -> f64 {
 }
 
 /// L2 errors of the flow at the time reached.
-fn add_errors<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
+fn add_errors<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
 where
     Exact<State<D>>: StateField<D, M>,
 {
-    let flow = &march.problem.flow;
+    let flow = &march.solver.system.flow.operator;
     let row = if march.state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
     let squares = squared_errors(flow, &march.state.u, row.row(0), &Exact(exact.clone()), march.state.time);
     errors.density_l2 = Some(squares[0].sqrt());
@@ -201,12 +201,12 @@ where
 }
 
 /// The largest difference of a coefficient from a uniform state, relative to the largest of that state.
-fn largest_deviation<const D: usize, const M: usize>(march: &March<D, M>, exact: &State<D>) -> f64
+fn largest_deviation<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>) -> f64
 where
     Exact<State<D>>: StateField<D, M>,
 {
     let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
-    let nodes = march.problem.flow.layout.nodes;
+    let nodes = march.solver.system.flow.operator.layout.nodes;
     let difference = |(i, u): (usize, &f64)| (u - state[i / nodes % M]).abs();
     let largest = state.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest

@@ -7,7 +7,7 @@ use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_mesh::{self, inverted};
 use crate::case::{Case, Flow, State};
-use coupled::{Interval, March, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
+use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
@@ -15,7 +15,7 @@ use newton_krylov::newton;
 pub struct Failed<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
-    march: &'a March<D, M>,
+    march: &'a FlowMarch<D, M>,
     error: Option<&'a SlabError>,
     /// The search for a steady flow that has failed, if it was that.
     steady: Option<&'a SteadyError>,
@@ -37,7 +37,7 @@ where
     pub fn new(
         case: &'a Case<D>,
         flow: &'a Flow<D>,
-        march: &'a March<D, M>,
+        march: &'a FlowMarch<D, M>,
         error: &'a anyhow::Error,
         openings: &'a [Record],
     ) -> Self {
@@ -81,7 +81,7 @@ where
     }
 
     fn mover(&self) -> &'a MeshMover<D> {
-        &self.march.problem.mover
+        &self.march.solver.system.mesh.mover
     }
 
     fn newton_error(&self) -> Option<&'a newton::Error> {
@@ -101,7 +101,7 @@ where
     fn gave_up(&self) -> GaveUp {
         match self.error {
             None => GaveUp::Other,
-            Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
+            Some(SlabError::Mesh(_) | SlabError::Structure(_)) => GaveUp::Equilibrium,
             Some(SlabError::Invalid { .. }) => GaveUp::InvertedCell,
             Some(SlabError::Guess(_) | SlabError::Top(_)) => GaveUp::Inadmissible,
             Some(SlabError::Newton { source, .. }) => match **source {
@@ -145,7 +145,7 @@ where
 
     /// Asks `question` of the last good state.
     fn with_last<T>(&self, grid: &Grid<D>, question: impl Fn(&Then<D, M>) -> T) -> T {
-        let (state, one) = (&self.march.state, self.march.problem.flow.layout.at_one_time());
+        let (state, one) = (&self.march.state, self.march.solver.system.flow.operator.layout.at_one_time());
         question(&Then {
             time: state.time,
             displacement: &state.d,
@@ -183,7 +183,7 @@ where
     /// The cell that is inverted, else that with the largest residual, else that where the gas is thinnest.
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
-            SlabError::Mesh(_) => None,
+            SlabError::Mesh(_) | SlabError::Structure(_) => None,
             SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
             SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
                 self.unsolved_cell(grid, residual_breakdown)
@@ -213,7 +213,7 @@ where
 
     /// The displacement that the last attempt had at time `t`.
     fn displacement_at(&self, t: f64) -> Vec<f64> {
-        let (bottom, v) = (&self.march.state.d, self.march.problem.velocities());
+        let (bottom, v) = (&self.march.state.d, self.march.solver.system.mesh.velocities());
         let mut d = bottom.clone();
         let dt = self.interval.end - self.interval.start;
         if v.iter().all(|v| v.is_finite()) && dt > 0.0 {

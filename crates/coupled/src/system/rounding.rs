@@ -8,12 +8,12 @@
 //! estimates the residual of a converged flow. The digits are the same in every run. Thin cells, long slabs and low Mach numbers enlarge
 //! the estimate as they enlarge the derivatives.
 
-use super::SlabProblem;
+use super::System;
 
 /// The estimate is so many times one random change of the last digit: a residual adds up many roundings per entry.
 const SAFETY: f64 = 4.0;
 
-impl<const D: usize, const M: usize> SlabProblem<D, M> {
+impl<const D: usize, const M: usize> System<D, M> {
     /// (rounding) of each field at `z`, which becomes the point of linearisation. The equations of the mesh are well scaled: for them
     /// nothing is added to what the Newton driver allows for rounding.
     pub(super) fn rounding(&mut self, z: &[f64]) -> Vec<f64> {
@@ -23,8 +23,8 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
         let change: Vec<f64> =
             z[range.clone()].iter().zip(0..).map(|(u, i)| SAFETY * f64::EPSILON * u * noise(i)).collect();
         let mut effect = vec![0.0; z.len()];
-        self.counts.products += 1;
-        self.flow.product(&change, &mut effect[range]);
+        self.flow.counts.products += 1;
+        self.flow.operator.product(&change, &mut effect[range]);
         let norms = self.field_norms(&effect);
         tracing::debug!(?norms, "rounding");
         norms

@@ -1,6 +1,7 @@
 //! What is left of the residual where Newton has stopped.
 
-use super::SlabProblem;
+use super::System;
+use newton_krylov::inner_product::InnerProduct;
 use newton_krylov::problem::NonlinearProblem;
 
 /// Parts of |R| as in (norm): squares of the parts of the flow add up to the square of its norm.
@@ -22,12 +23,12 @@ impl ResidualBreakdown {
     }
 }
 
-impl<const D: usize, const M: usize> SlabProblem<D, M> {
+impl<const D: usize, const M: usize> System<D, M> {
     /// The parts of the residual at `z`; `None` where there is no residual.
     pub fn residual_breakdown(&mut self, z: &[f64]) -> Option<ResidualBreakdown> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r).ok()?;
-        let (range, layout) = (self.flow_range(), self.flow.layout);
+        let (range, layout) = (self.flow_range(), self.flow.operator.layout);
         let weights = &self.weights.weights[range.clone()];
         let (mut equations, mut cells) = (vec![0.0; M], vec![0.0; layout.cells]);
         for (i, (r, w)) in r[range].iter().zip(weights).enumerate() {
@@ -35,7 +36,7 @@ impl<const D: usize, const M: usize> SlabProblem<D, M> {
             cells[i / layout.cell_len()] += w * r * r;
         }
         let roots = |squares: Vec<f64>| squares.into_iter().map(f64::sqrt).collect();
-        let mesh = (self.mesh_len() > 0).then(|| self.field_norms(&r)[0]);
+        let mesh = (self.mesh_len() > 0).then(|| self.weights.norm_on(self.mesh_range(), &r));
         Some(ResidualBreakdown { mesh, equations: roots(equations), cells: roots(cells) })
     }
 }

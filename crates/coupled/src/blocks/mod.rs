@@ -1,0 +1,8 @@
+//! The blocks: bodies, the mesh, the flow.
+
+mod flow;
+mod mesh_motion;
+
+pub(crate) use flow::inadmissible;
+pub use flow::{Counts, FlowBlock};
+pub use mesh_motion::MeshBlock;
