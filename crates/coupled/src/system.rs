@@ -138,6 +138,14 @@ impl<const D: usize, const M: usize> System<D, M> {
         begun
     }
 
+    /// Forgets what bodies have said of their walls: they add to what is prescribed.
+    fn reset_walls(&mut self) {
+        if !self.bodies.is_empty() {
+            self.mesh.prescribe(&mut self.exchange);
+            self.tangent.wall_displacement.fill(0.0);
+        }
+    }
+
     /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`; sets the mesh of the flow. Bodies have said
     /// where their walls are.
     ///
@@ -151,6 +159,7 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// The guesses of the bodies, which then have said where their walls are.
     pub(crate) fn guess_bodies(&mut self, state: &State, z: &mut [f64]) {
+        self.reset_walls();
         for (number, body) in self.bodies.iter_mut().enumerate() {
             let past = state.past.as_ref().map(|past| (&past.bodies[number][..], past.dt));
             body.guess(past, &mut self.exchange, &mut z[self.ranges[number].clone()]);
@@ -159,6 +168,7 @@ impl<const D: usize, const M: usize> System<D, M> {
 
     /// Sets all blocks to `z`: what products and boundary fluxes are taken of.
     pub fn set_point(&mut self, z: &[f64]) {
+        self.reset_walls();
         self.each(|block, range, rate, exchange, _| block.linearise(&z[range], exchange, rate));
     }
 
@@ -203,6 +213,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
     }
 
     fn residual(&mut self, z: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.reset_walls();
         let mut result = Ok(());
         self.each(|block, range, _, exchange, _| {
             if result.is_ok() {
@@ -221,6 +232,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
     }
 
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
+        self.reset_walls();
         self.each(|block, range, _, _, tangent| block.product(&direction[range.clone()], tangent, &mut out[range]));
         self.each(|block, range, _, _, tangent| block.receive_product(tangent, &mut out[range]));
     }
@@ -239,6 +251,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
 
     /// Block lower triangular: each block after the effect of those before it.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
+        self.reset_walls();
         self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
     }
 

@@ -156,6 +156,39 @@ impl<const D: usize> MeshBlock<D> {
     }
 
     /// The velocities in `v` that no elastic law finds: those of the displacement prescribed everywhere.
+    /// Whether bodies move every node, so that the mesh has no equations.
+    fn follows_everywhere(&self) -> bool {
+        matches!(self.mover.motion, MeshMotion::Followed)
+    }
+
+    /// The velocities by which displacements grow from `bottom` to `d`, those at the time nodes.
+    fn velocities_that_follow(&self, bottom: &[f64], d: &[f64]) -> Vec<f64> {
+        let mut v = d.to_vec();
+        self.mover.slab_motion.velocities(self.dt(), bottom, &mut v);
+        v
+    }
+
+    /// Sets the mesh to where bodies move it.
+    fn follow(&mut self, exchange: &mut Exchange) -> Result<(), Inadmissible> {
+        let v = self.velocities_that_follow(&self.bottom, &self.wall_displacement);
+        if self.velocities == v {
+            return Ok(());
+        }
+        self.set(&v, exchange);
+        let checked = self.check();
+        if checked.is_err() {
+            self.forget();
+        }
+        checked
+    }
+
+    /// The derivative of that.
+    fn follow_along(&self, tangent: &mut Exchange) {
+        let still = vec![0.0; self.bottom.len()];
+        tangent.mesh_velocity = self.velocities_that_follow(&still, &tangent.wall_displacement);
+        tangent.mesh_moves = tangent.mesh_velocity.iter().any(|&v| v != 0.0);
+    }
+
     fn check(&mut self) -> Result<(), Inadmissible> {
         self.quality().admissible()
     }
@@ -181,6 +214,9 @@ impl<const D: usize> Block for MeshBlock<D> {
     /// Newton's method asks for the residual again and again where the mesh is settled.
     fn residual(&mut self, v: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
         self.read_walls(exchange);
+        if self.follows_everywhere() {
+            return self.follow(exchange);
+        }
         let Some((slab, _)) = self.elastic() else { return Ok(()) };
         let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let same = self.velocities == v;
@@ -202,12 +238,19 @@ impl<const D: usize> Block for MeshBlock<D> {
     fn linearise(&mut self, v: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
         if !v.is_empty() {
             self.set(v, exchange);
+        } else if self.follows_everywhere() {
+            self.read_walls(exchange);
+            let v = self.velocities_that_follow(&self.bottom, &self.wall_displacement);
+            self.set(&v, exchange);
         }
         self.inverse_pseudo_time = inverse_pseudo_time;
     }
 
     fn product(&mut self, w: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         out.fill(0.0);
+        if self.follows_everywhere() {
+            return self.follow_along(tangent);
+        }
         tangent.mesh_moves = w.iter().any(|&w| w != 0.0);
         let Some((slab, _)) = self.elastic() else { return };
         if tangent.mesh_moves {
@@ -222,6 +265,9 @@ impl<const D: usize> Block for MeshBlock<D> {
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, w: &mut [f64]) {
         w.fill(0.0);
         tangent.mesh_moves = false;
+        if self.follows_everywhere() {
+            return self.follow_along(tangent);
+        }
         if self.settled || w.is_empty() {
             return;
         }
