@@ -1,8 +1,8 @@
 //! Where log records go: all to `log.jsonl`, for machines; those that the user asked for to stderr.
 
 use crate::cli::Verbosity;
-use crate::clock::Clock;
 use crate::terminal::Terminal;
+use simulation::clock::Clock;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -1,16 +1,13 @@
 //! What is found out by trying: seconds, and the mesh over the run.
 
 use super::super::table::Table;
-use crate::case::{Case, Motion};
 use crate::cli::Probe;
-use crate::run::{MeshOverRun, Timing};
+use case::{Case, Motion};
 use elasticity::Law;
+use simulation::{MeshOverRun, TYPICAL_ITERATIONS, Timing};
 
 /// Newton steps of a slab of a run without surprises.
 const TYPICAL_STEPS: usize = 3;
-
-/// Krylov iterations of such a step.
-pub(super) const TYPICAL_ITERATIONS: usize = 8;
 
 /// Work up to which a probe takes some seconds: displacements times slabs, unknowns of a mesh in space, unknowns of the flow in a slab of
 /// two and of three dimensions.

@@ -1,8 +1,8 @@
 //! How fast and how far a mesh is moved.
 
-use crate::case::{Case, Flow, Motion, Wall};
-use crate::run::{PrescribedNode, prescribed_nodes};
+use case::{Case, Flow, Motion, Wall};
 use mesh::NodeNumbering;
+use simulation::{PrescribedNode, prescribed_nodes};
 use std::collections::BTreeSet;
 
 /// Nodes that are looked at, at most.

@@ -1,0 +1,42 @@
+//! A displacement has a value, and one that coordinates can hold.
+
+use crate::checker::{Checked, Checker};
+use crate::error::CaseError;
+use crate::key::Key;
+
+/// Sizes of the mesh by which it may be moved at most. Coordinates have 16 digits; beyond, too few are left for the cells.
+const FARTHEST: f64 = 1e6;
+
+/// The displacement `d` of the point `x` at `t`, given at `key`, is a finite number and not too large beside the `size` of the mesh.
+pub(super) fn check_displacement<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    x: &[f64; D],
+    d: &[f64; D],
+    t: f64,
+    size: f64,
+) -> Checked<()> {
+    if d.iter().any(|d| !d.is_finite()) {
+        return Err(undefined(checker, key, x, t));
+    }
+    let largest = d.iter().fold(0.0_f64, |largest, d| largest.max(d.abs()));
+    if largest <= FARTHEST * size {
+        return Ok(());
+    }
+    let problem = format!(
+        "the displacement at {x:?}, t = {t}, is {largest:.3e}, which is {:.1e} times the size of the mesh, {size:.3e}: coordinates so large keep \
+         too few digits to tell the nodes of a cell apart",
+        largest / size
+    );
+    Err(checker.combination(key, &problem, &format!("a displacement below {:.1e}", FARTHEST * size)))
+}
+
+fn undefined<const D: usize>(checker: &Checker<'_>, key: &Key, x: &[f64; D], t: f64) -> Box<CaseError> {
+    let ranges = checker.tables().map(|(name, table)| {
+        let (first, last) = table.range();
+        format!("; table `{name}` reaches from {first} to {last}")
+    });
+    let problem = format!("the displacement has no value at {x:?}, t = {t}{}", ranges.collect::<String>());
+    let remedy = "a formula with a value over the whole run; a table that covers it, or one whose `ends` are \"at_rest\" or \"periodic\"";
+    checker.combination(key, &problem, remedy)
+}
