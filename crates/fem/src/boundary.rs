@@ -122,10 +122,10 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
 /// What leaves through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
 ///
 /// ```text
-/// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
+/// int_f Fhat ds,   int_f Fhat_m ds   and   int_f x x Fhat_m ds,   Fhat_m the flux of momentum                   (through)
 /// ```
 ///
-/// the second about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
+/// the last about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
 /// the momentum that leaves and the heat that is conducted, per time,
 ///
 /// ```text
@@ -181,12 +181,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
                 let v = load::<D, Lanes<S>, S>(simd, &scratch.v[D * points..], at);
                 let at_work = law.boundary_velocity(condition, &here.n, &v);
                 let moving = law.boundary_velocity(condition, &here.n, &here.v);
-                let work = power::<D, M, S>(&flux.inviscid, &at_work) + power::<D, M, S>(&flux.viscous, &at_work);
-                let heat = flux.viscous[M - 1] - power::<D, M, S>(&flux.viscous, &moving);
+                let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
+                let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
+                let heat = law.energy(&flux.viscous) - power(&rubbing, &moving);
                 let (fluxes, powers) = scratch.through.split_at_mut(2 * through_len(M));
                 let (inviscid, viscous) = fluxes.split_at_mut(through_len(M));
-                add_through::<D, M, S>(simd, &flux.inviscid, area, &x, inviscid, part);
-                add_through::<D, M, S>(simd, &flux.viscous, area, &x, viscous, part);
+                add_through(simd, &flux.inviscid, &pushing, area, &x, inviscid, part);
+                add_through(simd, &flux.viscous, &rubbing, area, &x, viscous, part);
                 (Lanes::read(simd, &powers[0], part) + work * area).write(&mut powers[0], part);
                 (Lanes::read(simd, &powers[1], part) + heat * area).write(&mut powers[1], part);
             }
@@ -212,21 +213,22 @@ fn velocity_of_work<const D: usize, S: Simd>(
     }
 }
 
-/// f_m . w, the momentum f_m being components 1 to D of f.
+/// The power f_m . w of a force at a velocity.
 #[inline(always)]
-fn power<const D: usize, const M: usize, S: Simd>(f: &[Lanes<S>; M], w: &[Lanes<S>; D]) -> Lanes<S> {
-    let mut sum = f[1] * w[0];
+fn power<const D: usize, S: Simd>(force: &[Lanes<S>; D], w: &[Lanes<S>; D]) -> Lanes<S> {
+    let mut sum = force[0] * w[0];
     for i in 1..D {
-        sum += f[1 + i] * w[i];
+        sum += force[i] * w[i];
     }
     sum
 }
 
-/// sums += area (f, x x f_m), the momentum f_m being components 1 to D of f.
+/// sums += area (f, f_m, x x f_m) with the momentum f_m of the flux f.
 #[inline(always)]
 fn add_through<const D: usize, const M: usize, S: Simd>(
     simd: S,
     f: &[Lanes<S>; M],
+    force: &[Lanes<S>; D],
     area: Lanes<S>,
     x: &[Lanes<S>; D],
     sums: &mut [Pack],
@@ -235,11 +237,14 @@ fn add_through<const D: usize, const M: usize, S: Simd>(
     for m in 0..M {
         (Lanes::read(simd, &sums[m], part) + f[m] * area).write(&mut sums[m], part);
     }
+    for i in 0..D {
+        (Lanes::read(simd, &sums[M + i], part) + force[i] * area).write(&mut sums[M + i], part);
+    }
     for i in 0..3 {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         if j < D && k < D {
-            let turning = x[j] * f[1 + k] - x[k] * f[1 + j];
-            (Lanes::read(simd, &sums[M + i], part) + turning * area).write(&mut sums[M + i], part);
+            let (moment, sum) = (x[j] * force[k] - x[k] * force[j], &mut sums[M + 3 + i]);
+            (Lanes::read(simd, sum, part) + moment * area).write(sum, part);
         }
     }
 }

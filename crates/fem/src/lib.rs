@@ -47,7 +47,7 @@ mod traces;
 mod violation;
 mod work;
 
-pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
+pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
 pub use conservation_law::ConservationLaw;
 pub use field::{StateField, VectorField};
 pub use instants::{Clock, InTime, TimePoint};

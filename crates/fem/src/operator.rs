@@ -32,10 +32,10 @@ pub struct Problem<const D: usize, const M: usize> {
     pub source: Option<Arc<dyn StateField<D, M>>>,
 }
 
-/// A state that no gas can have, or a cell turned inside out.
+/// An inadmissible state, or a cell turned inside out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// The quantity: "density", "pressure", "det J".
+    /// The quantity: "det J", or one that the law names.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
@@ -99,7 +99,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
-        let tables = Tables::<D>::new(orders, quadrature);
+        let tables = Tables::<D>::new(orders, M, quadrature);
         let cells = mesh.n_cells();
         let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
         let facets = Facets::new(mesh, orders.flow, orders.mesh);

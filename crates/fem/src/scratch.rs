@@ -159,7 +159,7 @@ impl FacetScratch {
     }
 }
 
-/// Numbers of one part of a flux through a boundary: M fluxes and the flux of angular momentum.
+/// Numbers of one part of a flux through a boundary: M fluxes, and those of momentum and of angular momentum.
 pub(crate) const fn through_len(components: usize) -> usize {
-    components + 3
+    components + 6
 }

@@ -155,8 +155,8 @@ pub struct Tables<const D: usize> {
 }
 
 impl<const D: usize> Tables<D> {
-    /// Tables for `orders`, each in 1..=16 (2..=16 in space).
-    pub fn new(orders: Orders, quadrature: Quadrature) -> Self {
+    /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.
+    pub fn new(orders: Orders, components: usize, quadrature: Quadrature) -> Self {
         let rule = gauss(quadrature.space_points(D, orders));
         let time = RadauTime::new(orders.time);
         let time_rule = gauss(quadrature.time_points(D, orders));
@@ -166,8 +166,8 @@ impl<const D: usize> Tables<D> {
         let (n_t, count) = (orders.time, instants.len());
         let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
         rates.push(time.values(1.0).iter().map(|phi| -phi).collect());
-        // Of a state with D + 2 components: values, gradients, fluxes, moments; of the mesh: Jacobian matrix, velocity.
-        let packs = (D + 2) * (2 * D + 2) + D * D + D;
+        // Of the state: values and gradients, moments and fluxes; of the mesh: velocity and Jacobian matrix.
+        let packs = (2 * components + D) * (1 + D);
         Tables {
             orders,
             planes: Planes::blocks(&rule, D, orders, packs),

@@ -118,7 +118,7 @@ impl WithSimd for InBlocks<'_> {
 
 #[test]
 fn blocks_of_planes_hold_every_point_once() {
-    let tables = Tables::<3>::new(Orders { flow: 6, mesh: 6, time: 2 }, Quadrature::Conserving);
+    let tables = Tables::<3>::new(Orders { flow: 6, mesh: 6, time: 2 }, 5, Quadrature::Conserving);
     assert!(tables.planes.len() > 1, "the test needs several blocks");
     let weights: f64 = tables.planes.iter().flat_map(|planes| &planes.weights).sum();
     assert!((weights - 8.0).abs() < 1e-13, "{weights}");

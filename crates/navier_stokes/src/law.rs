@@ -103,6 +103,16 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         condition.velocity(n, v)
     }
 
+    #[inline(always)]
+    fn momentum<T: Real>(&self, u: &[T; M]) -> [T; D] {
+        Conserved::unpack(u).momentum
+    }
+
+    #[inline(always)]
+    fn energy<T: Real>(&self, u: &[T; M]) -> T {
+        Conserved::<T, D>::unpack(u).energy
+    }
+
     /// The smaller of density and pressure.
     #[inline(always)]
     fn admissibility<T: Real>(&self, u: &[T; M]) -> T {
