@@ -6,7 +6,7 @@
 use crate::boundary::FacetFlux;
 use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, FacetContext, Facets};
+use crate::facet::{Across, FacetContext, FacetTerms};
 use crate::instants::{InTime, TimePoint};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
@@ -174,7 +174,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
     }
 
     fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
-        self.arch.dispatch(CellMoments::<D, M> { tables, scratch });
+        self.arch.dispatch(CellMoments { law: &self.law, tables, scratch });
     }
 
     fn facets(
@@ -188,7 +188,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         let (law, conditions) = (&self.law, &self.conditions[..]);
         match along {
             Differentiate::Nothing => {
-                self.arch.dispatch(Facets {
+                self.arch.dispatch(FacetTerms {
                     law,
                     conditions,
                     context,
@@ -199,7 +199,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 });
             }
             Differentiate::State => {
-                self.arch.dispatch(Facets {
+                self.arch.dispatch(FacetTerms {
                     law,
                     conditions,
                     context,
@@ -211,7 +211,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
             }
             Differentiate::StateAndMesh => {
                 let mode = PhantomData::<AlongStateAndMesh>;
-                self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
+                self.arch.dispatch(FacetTerms { law, conditions, context, times, across, scratch, mode });
             }
         }
     }
@@ -244,11 +244,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         count_operations(|| match along {
             Differentiate::Nothing => {
                 let mode = PhantomData::<CountedValues>;
-                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+                FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
             _ => {
                 let mode = PhantomData::<CountedAlongState>;
-                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+                FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
         })
     }

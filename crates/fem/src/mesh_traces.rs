@@ -1,6 +1,6 @@
 //! Traces of the mesh, ready for the kernels of cells and facets: a mesh serves many evaluations.
 
-use crate::batches::{BATCHES_PER_TASK, Facets};
+use crate::batches::{BATCHES_PER_TASK, FacetBatches};
 use crate::gather::gather_traces;
 use crate::pool::Pool;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
@@ -29,7 +29,7 @@ impl MeshTraces {
     }
 
     /// Takes the traces of `coefficients[cell][slot][d][node]`.
-    pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &Facets) {
+    pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &FacetBatches) {
         self.traces.take(maps, coefficients, true);
         let (traces, len) = (&self.traces, self.traces.layout.kind_len());
         let batches = self.on_facets.par_chunks_mut(PARTS.len() * len).zip(&facets.batches);

@@ -1,6 +1,6 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
-use crate::batches::{BATCHES_PER_TASK, FacetBatch, Facets, cells_of};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, FacetBatches, cells_of};
 use crate::cell::{CellContext, Coefficients};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
@@ -61,7 +61,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub layout: Layout,
     /// The mesh in this slab.
     pub mesh: MovingMesh,
-    pub(crate) facets: Facets,
+    pub(crate) facets: FacetBatches,
     pub(crate) flow_faces: FaceMaps,
     mesh_faces: FaceMaps,
     start: f64,
@@ -102,7 +102,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let tables = Tables::<D>::new(orders, M, quadrature);
         let cells = mesh.n_cells();
         let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
-        let facets = Facets::new(mesh, orders.flow, orders.mesh);
+        let facets = FacetBatches::new(mesh, orders.flow, orders.mesh);
         let moving = MovingMesh::new(mesh, numbering, orders.time);
         let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
         let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
@@ -244,7 +244,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
+    /// FacetBatches, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
     /// not a number: violations are passed on this way, and arithmetic may make its own.
     fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
         let mut terms = std::mem::take(&mut self.terms);

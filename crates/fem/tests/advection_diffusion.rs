@@ -54,7 +54,7 @@ fn error(order: usize, cells: usize) -> f64 {
 #[test]
 fn the_error_falls_with_the_order_of_the_space() {
     for order in 2..=4 {
-        let [coarse, fine] = [4, 8].map(|cells| error(order, cells));
+        let [coarse, fine] = [6, 12].map(|cells| error(order, cells));
         let measured = (coarse / fine).log2();
         println!("N_s = {order}: errors {coarse:.2e}, {fine:.2e}, order {measured:.2}");
         assert!(measured >= order as f64 - 0.2, "N_s = {order}: errors {coarse:.2e}, {fine:.2e}, order {measured:.2}");

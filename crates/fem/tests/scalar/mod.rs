@@ -3,7 +3,7 @@
 use basis::Matrix;
 use fem::{ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, NodeNumbering};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use tensor::{Dual, Over, Real, Transcendental, dot};
 
@@ -74,13 +74,13 @@ impl ConservationLaw<2, 1> for AdvectionDiffusion {
     }
 }
 
-/// 2 + exp(-nu k^2 t) sin k (x + y - (a_x + a_y) t) with k = 2 pi: a solution.
+/// 2 + exp(-2 nu k^2 t) sin k (x + y - (a_x + a_y) t) with k = pi: a solution.
 pub struct DecayingWave;
 
 impl DecayingWave {
     fn at<T: Transcendental>(x: &[T; 2], t: f64) -> [T; 1] {
-        let phase = (x[0] + x[1] + -(VELOCITY[0] + VELOCITY[1]) * t) * TAU;
-        [phase.sin() * (-2.0 * DIFFUSIVITY * TAU * TAU * t).exp() + 2.0]
+        let phase = (x[0] + x[1] + -(VELOCITY[0] + VELOCITY[1]) * t) * PI;
+        [phase.sin() * (-2.0 * DIFFUSIVITY * PI * PI * t).exp() + 2.0]
     }
 }
 
