@@ -78,17 +78,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
-                let (at, weight) = (PointIndex { points, p, part }, weight * self.tables.facet_weights[p]);
-                let here = self.facet_point(scratch, at);
+                let at = PointIndex { points, p, part };
+                let here = self.facet_point(scratch, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let PointFlux { inviscid, viscous, jump_flux } = self.point_flux(condition, &here, &minus, scratch, at);
                 if law.is_viscous() {
                     // Minus: uhat - u- = -(u- - u_b).
-                    let (scale, tested) = (here.area * -weight, &mut scratch.sides[0].tested_gradient);
+                    let (scale, tested) = (here.area * -here.weight, &mut scratch.sides[0].tested_gradient);
                     self.symmetric_term(&jump_flux, &here.metric, scale, at, tested);
                 }
                 for m in 0..M {
-                    let term = ((inviscid[m] + viscous[m]).scale(here.area) * weight).result();
+                    let term = ((inviscid[m] + viscous[m]).scale(here.area) * here.weight).result();
                     term.write(&mut scratch.sides[0].tested[at.index(m)], part);
                 }
                 self.flag(law.admissibility(&minus), &mut scratch.violated, part);
@@ -119,15 +119,22 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     /// Shared data.
     pub context: &'c FacetContext<'a, D>,
     /// The time.
-    pub instant: &'c TimePoint,
-    /// The row of positions then.
-    pub position_row: &'c Matrix,
+    pub time: FluxTime<'c>,
     /// Prescribed states, where the condition takes any.
     pub data: Option<DataAt<'a>>,
-    /// Whether w comes from `boundary_velocity` of the scratch instead of from the mesh.
-    pub velocity_is_given: bool,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
+}
+
+/// A time at which fluxes through boundaries are integrated.
+#[derive(Clone, Copy)]
+pub struct FluxTime<'a> {
+    /// The time.
+    pub instant: &'a TimePoint,
+    /// The row of positions then.
+    pub position_row: &'a Matrix,
+    /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
+    pub velocity_is_given: bool,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for FacetFlux<'_, '_, D, M, L> {
@@ -135,7 +142,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let FacetFlux { law, condition, context, instant, position_row, data, velocity_is_given, scratch } = self;
+        let FacetFlux { law, condition, context, time, data, scratch } = self;
+        let FluxTime { instant, position_row, velocity_is_given } = time;
         let kernel = Kernel { simd, law, tables: context.tables, mode: PhantomData::<Values> };
         let of = TimePointIndex::ALONE;
         let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
@@ -157,10 +165,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let here = self.facet_point(scratch, at);
+                let here = self.facet_point(scratch, at, 1.0);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let flux = self.point_flux(condition, &here, &minus, scratch, at);
-                let (x, area) = (self.geometry(&scratch.x, at), here.area * self.tables.facet_weights[p]);
+                let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
                 let at_work = law.boundary_velocity(condition, &here.n, &self.geometry(&scratch.v[D * points..], at));
                 let moving = law.boundary_velocity(condition, &here.n, &here.v);
                 let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];

@@ -1,6 +1,7 @@
 //! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
 
 use crate::batches::FacetBatch;
+use crate::boundary::FluxTime;
 use crate::kernels::Differentiate;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
@@ -181,9 +182,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                     self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
                 }
                 for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
-                    let is_given = number == top && velocity_at_top.is_some();
+                    let velocity_is_given = number == top && velocity_at_top.is_some();
+                    let time = FluxTime { instant, position_row: row, velocity_is_given };
                     self.across(Differentiate::Nothing, batch, |context, across| {
-                        self.problem.kernels.boundary_flux(context, instant, row, across, is_given, scratch);
+                        self.problem.kernels.boundary_flux(context, time, across, scratch);
                     });
                     let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));
                     lanes.for_each(|flux| at.boundaries[boundary] += flux);

@@ -107,17 +107,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
-                let (at, weight) = (PointIndex { points, p, part }, weight * self.tables.facet_weights[p]);
-                let here = self.facet_point(scratch, at);
+                let at = PointIndex { points, p, part };
+                let here = self.facet_point(scratch, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let plus = self.state(&scratch.sides[1].u, at);
                 let normal_speed = tensor::dot(&here.n, &here.v);
                 let mut f = law.numerical_flux(&minus, &plus, &here.n, normal_speed);
                 if law.is_viscous() {
-                    self.interior_viscous([&minus, &plus], &here, weight, at, &mut scratch.sides, &mut f);
+                    self.interior_viscous([&minus, &plus], &here, at, &mut scratch.sides, &mut f);
                 }
                 for m in 0..M {
-                    let term = (f[m].scale(here.area) * weight).result();
+                    let term = (f[m].scale(here.area) * here.weight).result();
                     term.write(&mut scratch.sides[0].tested[at.index(m)], part);
                     // The flux that leaves minus enters plus.
                     (-term).write(&mut scratch.sides[1].tested[at.index(m)], part);
@@ -135,7 +135,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         self,
         [minus, plus]: [&[K::State<S>; M]; 2],
         here: &FacetPoint<K::Geometry<S>, D>,
-        weight: f64,
         at: PointIndex,
         [side_minus, side_plus]: &mut [SideScratch; 2],
         f: &mut [K::State<S>; M],
@@ -161,7 +160,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             slope::join(&flux, &here.n, &mut jump_flux_minus, &mut jump_flux_plus);
         }
         // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
-        let scale = here.area * (-0.5 * weight);
+        let scale = here.area * (-0.5 * here.weight);
         self.symmetric_term(&jump_flux_minus, &metric_minus, scale, at, &mut side_minus.tested_gradient);
         self.symmetric_term(&jump_flux_plus, &metric_plus, scale, at, &mut side_plus.tested_gradient);
     }

@@ -19,6 +19,8 @@ pub(crate) struct FacetPoint<G, const D: usize> {
     pub(crate) n: [G; D],
     /// Mesh velocity.
     pub(crate) v: [G; D],
+    /// Quadrature weight.
+    pub(crate) weight: f64,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
@@ -97,9 +99,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// The geometry of a facet at a point, from the minus side.
+    /// The geometry of a facet at a point, from the minus side; `weight` is that of the facet.
     #[inline(always)]
-    pub(crate) fn facet_point(self, scratch: &FacetScratch, at: PointIndex) -> FacetPoint<K::Geometry<S>, D> {
+    pub(crate) fn facet_point(
+        self,
+        scratch: &FacetScratch,
+        at: PointIndex,
+        weight: f64,
+    ) -> FacetPoint<K::Geometry<S>, D> {
         let metric = self.metric(&scratch.sides[0].jacobian, at);
         let sign = Lanes::read(self.simd, &scratch.normal_sign, at.part);
         let v = self.geometry(&scratch.v, at);
@@ -112,6 +119,6 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         for d in 0..D {
             n[d] = n[d] * inverse;
         }
-        FacetPoint { metric, area, n, v }
+        FacetPoint { metric, area, n, v, weight: weight * self.tables.facet_weights[at.p] }
     }
 }

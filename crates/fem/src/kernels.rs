@@ -3,7 +3,7 @@
 //! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
 //! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
 
-use crate::boundary::FacetFlux;
+use crate::boundary::{FacetFlux, FluxTime};
 use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, FacetTerms};
@@ -101,16 +101,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         scratch: &mut FacetScratch,
     ) -> u64;
     /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch. Forces do work at the
-    /// velocity of the mesh, or where `velocity_is_given` at `boundary_velocity` of the scratch.
-    fn boundary_flux(
-        &self,
-        context: &FacetContext<D>,
-        instant: &TimePoint,
-        position_row: &Matrix,
-        across: &Across,
-        velocity_is_given: bool,
-        scratch: &mut FacetScratch,
-    );
+    /// velocity of the mesh, or at `boundary_velocity` of the scratch where `time` says so.
+    fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch);
 }
 
 /// The kernels of the law `L`.
@@ -253,26 +245,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         })
     }
 
-    fn boundary_flux(
-        &self,
-        context: &FacetContext<D>,
-        instant: &TimePoint,
-        position_row: &Matrix,
-        across: &Across,
-        velocity_is_given: bool,
-        scratch: &mut FacetScratch,
-    ) {
+    fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch) {
         let Across::Boundary(number, data) = across else { return };
         let (law, condition, data) = (&self.law, self.conditions[*number], *data);
-        self.arch.dispatch(FacetFlux {
-            law,
-            condition,
-            context,
-            instant,
-            position_row,
-            data,
-            velocity_is_given,
-            scratch,
-        });
+        self.arch.dispatch(FacetFlux { law, condition, context, time, data, scratch });
     }
 }

@@ -12,6 +12,7 @@
 //! | `scratch`, `gather` | their packs, and how vectors get there |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
+//! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `operator` | the residual of a slab and its derivatives |
 //! | `boundary_flux` | what leaves through boundaries: forces, power |
 //! | `sampler` | cells seen from any grid of points: output, errors |
@@ -34,9 +35,10 @@ mod linearisation;
 mod mesh_traces;
 mod mode;
 mod moving_mesh;
+mod nodal_batches;
 mod operator;
+mod per_thread;
 mod point;
-mod pool;
 mod prescribed;
 mod sampler;
 mod scratch;
@@ -56,8 +58,9 @@ pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use moving_mesh::MovingMesh;
+pub use nodal_batches::NodalBatches;
 pub use operator::{Problem, SlabOperator, Violation};
-pub use pool::Pool;
+pub use per_thread::PerThread;
 pub use sampler::{Sampler, squared_errors};
 pub use tables::{Orders, Quadrature, Shape1d, Tables};
 

@@ -10,8 +10,8 @@ use crate::kernels::{Differentiate, Kernels, Times};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
-use crate::pool::Pool;
-use crate::prescribed;
+use crate::per_thread::PerThread;
+use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
@@ -81,8 +81,8 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     mesh_direction: MovingMesh,
     mesh_direction_traces: MeshTraces,
     terms: Vec<f64>,
-    pub(crate) cells: Pool<CellScratch>,
-    pub(crate) facet_scratch: Pool<FacetScratch>,
+    pub(crate) cells: PerThread<CellScratch>,
+    pub(crate) facet_scratch: PerThread<FacetScratch>,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -125,8 +125,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
-            cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
-            facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
+            cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
+            facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             problem,
             mesh: moving,
             facets,
@@ -307,8 +307,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
-                let origins = self.facet_origins(batch);
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
+                let (blocks, origins) = (along.geometry_blocks(), self.facet_origins(batch));
+                Prescribed { field, blocks, origins }.fill(time, self.tables.facet_points(), x, data);
             }
         };
         let data = field.is_some().then_some(&fill as DataAt);
@@ -337,7 +337,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
-                prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
+                Prescribed { field, blocks: along.geometry_blocks(), origins }.fill(time, points, x, data);
             }
         };
         let context = CellContext {

@@ -108,7 +108,7 @@ impl Planes {
     /// equal as can be.
     fn blocks(rule: &Rule, dimension: usize, orders: Orders, packs: usize) -> Vec<Planes> {
         let q = rule.points.len();
-        let in_plane = tensor_weights(&rule.weights, dimension - 1);
+        let in_plane = rule.tensor_weights(dimension - 1);
         let plane_bytes = in_plane.len() * packs * size_of::<Pack>();
         let count = q.div_ceil((BLOCK_BYTES / plane_bytes).max(1));
         let block = |number: usize| {
@@ -183,7 +183,7 @@ impl<const D: usize> Tables<D> {
             test_rate: Matrix::from_fn(n_t, count + 1, |a, q| -rates[q][a]),
             instants,
             time,
-            facet_weights: tensor_weights(&rule.weights, D - 1),
+            facet_weights: rule.tensor_weights(D - 1),
             rule,
         }
     }
@@ -204,13 +204,4 @@ impl<const D: usize> Tables<D> {
     pub fn facet_points(&self) -> usize {
         self.facet_weights.len()
     }
-}
-
-/// Products of one-dimensional weights, lexicographic.
-fn tensor_weights(weights: &[f64], dimension: usize) -> Vec<f64> {
-    let mut product = vec![1.0];
-    for _ in 0..dimension {
-        product = weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect();
-    }
-    product
 }
