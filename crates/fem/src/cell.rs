@@ -12,7 +12,7 @@ use crate::mode::{Mode, Values};
 use crate::point::{Kernel, PointIndex, along_reference};
 use crate::scratch::CellScratch;
 use crate::tables::{Planes, Tables};
-use crate::tensor_product::{AtPoints, Axis, Lattice, evaluate, integrate};
+use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate, integrate};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
@@ -38,7 +38,7 @@ pub struct CellContext<'a, const D: usize> {
 
 /// What a batch of cells is given: a block of packs for the values, and a second one for the derivatives where there are any.
 #[derive(Clone, Copy)]
-pub struct Coefficients<'a> {
+pub struct CellCoefficients<'a> {
     /// State in the slab, `[a][m][i]`.
     pub state: &'a [&'a [Pack]],
     /// Bottom position and velocities of the mesh, `[slot][d][i]`.
@@ -52,7 +52,7 @@ pub struct SlabCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// Shared data.
     pub context: &'c CellContext<'a, D>,
     /// State and motion of these cells.
-    pub coefficients: Coefficients<'c>,
+    pub coefficients: CellCoefficients<'c>,
     /// This thread's packs.
     pub scratch: &'c mut CellScratch,
     /// Values or derivatives.
@@ -77,8 +77,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         }
         kernel.mass_product(TimePointIndex { number: count - 1, count }, scratch);
         let CellScratch { flux_at, mass_product_at, residual, scratch: room, .. } = scratch;
-        room.contract(simd, Axis { matrix: &tables.test, outer: 1, inner }, flux_at, residual, false);
-        room.contract(simd, Axis { matrix: &tables.test_rate, outer: 1, inner }, mass_product_at, residual, true);
+        room.contract(simd, AlongAxis { matrix: &tables.test, outer: 1, inner }, flux_at, residual, false);
+        room.contract(simd, AlongAxis { matrix: &tables.test_rate, outer: 1, inner }, mass_product_at, residual, true);
     }
 }
 
@@ -141,20 +141,20 @@ struct CellTime<'a> {
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
     /// State and position at all instants and at the top, velocity at all instants.
     #[inline(always)]
-    fn to_instants(self, context: &CellContext<D>, coefficients: Coefficients, scratch: &mut CellScratch) {
+    fn to_instants(self, context: &CellContext<D>, coefficients: CellCoefficients, scratch: &mut CellScratch) {
         let (simd, tables) = (self.simd, self.tables);
         let (len, mesh_len) = (M * tables.orders.flow.pow(D as u32), D * tables.orders.mesh.pow(D as u32));
         let count = tables.instants.len() + 1;
         let CellScratch { state_at, position_at, velocity_at, scratch: room, .. } = scratch;
         for (b, state) in coefficients.state.iter().enumerate() {
-            let values = Axis { matrix: &tables.values_and_top, outer: 1, inner: len };
+            let values = AlongAxis { matrix: &tables.values_and_top, outer: 1, inner: len };
             room.contract(simd, values, state, &mut state_at[b * count * len..], false);
         }
         for (b, mesh) in coefficients.mesh.iter().enumerate() {
             let (start, outer, inner) = (b * count * mesh_len, 1, mesh_len);
-            let positions = Axis { matrix: context.positions, outer, inner };
+            let positions = AlongAxis { matrix: context.positions, outer, inner };
             room.contract(simd, positions, mesh, &mut position_at[start..], false);
-            let velocities = Axis { matrix: &tables.velocities, outer, inner };
+            let velocities = AlongAxis { matrix: &tables.velocities, outer, inner };
             room.contract(simd, velocities, mesh, &mut velocity_at[start..], false);
         }
     }

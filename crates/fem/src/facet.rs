@@ -19,7 +19,7 @@ use crate::point::{Kernel, Metric, PointIndex, along_reference};
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::slope;
 use crate::tables::Tables;
-use crate::tensor_product::{AtPoints, Axis, Lattice, Scratch, integrate};
+use crate::tensor_product::{AlongAxis, AtPoints, Lattice, Scratch, integrate};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
@@ -93,7 +93,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
             }
         }
         let outer = if law.is_viscous() { 2 } else { 1 };
-        let back = Axis { matrix: times.test, outer, inner: M * tables.orders.flow.pow(D as u32 - 1) };
+        let back = AlongAxis { matrix: times.test, outer, inner: M * tables.orders.flow.pow(D as u32 - 1) };
         for SideScratch { terms, terms_at, .. } in &mut scratch.sides[..used] {
             scratch.scratch.contract(simd, back, terms_at, terms, false); // 5.
         }

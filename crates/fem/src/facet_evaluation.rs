@@ -5,7 +5,7 @@ use crate::instants::{InTime, TimePointIndex};
 use crate::mode::Mode;
 use crate::point::{Kernel, Metric, PointIndex};
 use crate::scratch::{FacetScratch, SideScratch};
-use crate::tensor_product::{AtPoints, Axis, Lattice, Scratch, evaluate};
+use crate::tensor_product::{AlongAxis, AtPoints, Lattice, Scratch, evaluate};
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Real, norm};
 
@@ -32,14 +32,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let (len, mesh_len) = (M * orders.flow.pow(D as u32 - 1), D * orders.mesh.pow(D as u32 - 1));
         let InTime { values, velocities, positions } = in_time;
         let FacetScratch { sides, velocity_at, scratch: room, .. } = scratch;
-        let velocity = Axis { matrix: velocities, outer: g, inner: mesh_len };
+        let velocity = AlongAxis { matrix: velocities, outer: g, inner: mesh_len };
         room.contract(simd, velocity, &sides[0].mesh, velocity_at, false);
         for (number, SideScratch { state, state_at, mesh, position_at, .. }) in sides[..used].iter_mut().enumerate() {
-            room.contract(simd, Axis { matrix: values, outer: kinds * b, inner: len }, state, state_at, false);
+            room.contract(simd, AlongAxis { matrix: values, outer: kinds * b, inner: len }, state, state_at, false);
             // Position and tangents are those of minus; the plus side has derivatives along its leaving axis only.
             let start = |slots: usize| number * g * slots * mesh_len;
             let (mesh, position_at) = (&mesh[start(positions.cols())..], &mut position_at[start(positions.rows())..]);
-            let position = Axis { matrix: positions, outer: kinds.saturating_sub(number) * g, inner: mesh_len };
+            let position = AlongAxis { matrix: positions, outer: kinds.saturating_sub(number) * g, inner: mesh_len };
             room.contract(simd, position, mesh, position_at, false);
         }
     }

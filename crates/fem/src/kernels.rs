@@ -4,7 +4,7 @@
 //! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
 
 use crate::boundary::{FacetFlux, FluxTime};
-use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
+use crate::cell::{CellCoefficients, CellContext, CellMoments, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, FacetTerms};
 use crate::instants::{InTime, TimePoint};
@@ -68,7 +68,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     );
     /// The terms of space alone, along a direction of the state.
@@ -89,7 +89,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) -> u64;
     /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
@@ -140,7 +140,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) {
         let law = &self.law;
@@ -212,7 +212,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) -> u64 {
         let law = &self.law;

@@ -1,7 +1,7 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
 use crate::batches::{BATCHES_PER_TASK, FacetBatch, FacetBatches, cells_of};
-use crate::cell::{CellContext, Coefficients};
+use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
@@ -347,7 +347,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
         };
-        self.problem.kernels.slab_cells(along, &context, Coefficients { state, mesh }, scratch);
+        self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
         self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {

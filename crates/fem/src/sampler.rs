@@ -119,15 +119,15 @@ pub fn squared_errors<const D: usize, const M: usize>(
     let orders = operator.tables.orders;
     let rule = gauss(2 * orders.flow.max(orders.mesh));
     let sampler = Sampler::<D>::new(orders.flow, orders.mesh, &rule.points);
-    let comparison = Comparison { sampler, weights: rule.tensor_weights(D), moving: &operator.mesh, row, exact, t };
+    let errors = CellErrors { sampler, weights: rule.tensor_weights(D), moving: &operator.mesh, row, exact, t };
     let layout = operator.layout.at_one_time();
-    let of_cell = |cell: usize| comparison.squared_errors(cell, &state[layout.cell(cell)]);
+    let of_cell = |cell: usize| errors.squared(cell, &state[layout.cell(cell)]);
     let errors: Vec<[f64; M]> = (0..layout.cells).into_par_iter().map(of_cell).collect();
     errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
 }
 
 /// An exact state at a time, and the grid on which cells are compared with it.
-struct Comparison<'a, const D: usize, const M: usize> {
+struct CellErrors<'a, const D: usize, const M: usize> {
     sampler: Sampler<D>,
     /// Quadrature weights of the grid.
     weights: Vec<f64>,
@@ -138,10 +138,10 @@ struct Comparison<'a, const D: usize, const M: usize> {
     t: f64,
 }
 
-impl<const D: usize, const M: usize> Comparison<'_, D, M> {
+impl<const D: usize, const M: usize> CellErrors<'_, D, M> {
     /// The squared errors in one cell with the coefficients `state`.
-    fn squared_errors(&self, cell: usize, state: &[f64]) -> [f64; M] {
-        let Comparison { sampler, moving, .. } = self;
+    fn squared(&self, cell: usize, state: &[f64]) -> [f64; M] {
+        let CellErrors { sampler, moving, .. } = self;
         let mut nodal = vec![0.0; moving.slot_len()];
         moving.relative_positions(cell, self.row, &mut nodal);
         let (x, det, u) = (sampler.positions(&nodal), sampler.determinants(&nodal), sampler.state(state));

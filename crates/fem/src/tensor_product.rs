@@ -23,8 +23,15 @@ impl Scratch {
 
     /// [`basis::contract`], counted.
     #[inline(always)]
-    pub(crate) fn contract<S: Simd>(&mut self, simd: S, axis: Axis, input: &[Pack], output: &mut [Pack], add: bool) {
-        let Axis { matrix, outer, inner } = axis;
+    pub(crate) fn contract<S: Simd>(
+        &mut self,
+        simd: S,
+        axis: AlongAxis,
+        input: &[Pack],
+        output: &mut [Pack],
+        add: bool,
+    ) {
+        let AlongAxis { matrix, outer, inner } = axis;
         self.multiplications += multiplications(matrix, outer, inner);
         contract(simd, matrix, outer, inner, input, output, add);
     }
@@ -32,7 +39,7 @@ impl Scratch {
 
 /// A matrix along one axis of a tensor, with so many entries outside and inside of the axis.
 #[derive(Clone, Copy)]
-pub(crate) struct Axis<'a> {
+pub(crate) struct AlongAxis<'a> {
     pub(crate) matrix: &'a Matrix,
     pub(crate) outer: usize,
     pub(crate) inner: usize,

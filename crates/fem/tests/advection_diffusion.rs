@@ -38,7 +38,7 @@ fn solve(operator: &mut Operator) -> Vec<f64> {
 
 /// The L2 error after a few slabs on `cells` x `cells` cells.
 fn error(order: usize, cells: usize) -> f64 {
-    const DT: f64 = 0.05;
+    const DT: f64 = 0.02;
     let mut operator = operator(order, cells);
     let mut bottom = interpolated(&operator, 0.0);
     let mut displacement = vec![0.0; operator.mesh.field_len()];
