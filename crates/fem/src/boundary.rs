@@ -1,6 +1,6 @@
 //! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
 
-use crate::conservation_law::ConservationLaw;
+use crate::conservation_law::{BoundaryPoint, ConservationLaw};
 use crate::facet::{DataAt, FacetContext, times_normal};
 use crate::facet_evaluation::FacetPoint;
 use crate::instants::{InTime, TimePoint, TimePointIndex};
@@ -54,15 +54,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     ) -> PointFlux<K::State<S>, D, M> {
         let (law, FacetPoint { metric, n, v, .. }) = (self.law, here);
         let data = self.geometry(&scratch.data, at);
-        let inviscid = law.boundary_flux(condition, minus, n, v, &data);
+        let point = BoundaryPoint { normal: n, velocity: v, data: &data };
+        let inviscid = law.boundary_flux(condition, minus, point);
         let mut viscous = [minus[0].zero(); M];
         let mut jump_flux = [viscous; D];
         if law.is_viscous() {
-            let state = law.boundary_state(condition, minus, n, v, &data);
+            let state = law.boundary_state(condition, minus, point);
             let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, metric);
             let jump = times_normal(minus, &state, n);
-            let through = law.boundary_viscous_flux(condition, &state, &gradient, n, v);
-            let penalised = law.boundary_viscous_flux(condition, &state, &jump, n, v);
+            let through = law.boundary_viscous_flux(condition, &state, &gradient, point);
+            let penalised = law.boundary_viscous_flux(condition, &state, &jump, point);
             let sigma = here.area * metric.det.recip().abs() * self.penalty();
             for m in 0..M {
                 viscous[m] = penalised[m].scale(sigma) - through[m];

@@ -2,6 +2,17 @@
 
 use tensor::{Over, Real};
 
+/// A point of a boundary, as a condition sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryPoint<'a, G, const D: usize, const M: usize> {
+    /// The unit normal out of the domain.
+    pub normal: &'a [G; D],
+    /// The velocity of the mesh.
+    pub velocity: &'a [G; D],
+    /// The prescribed state where [`ConservationLaw::takes_state`], otherwise arbitrary.
+    pub data: &'a [G; M],
+}
+
 /// A conservation law of `M` components in `D` dimensions, on a mesh that moves with velocity v:
 ///
 /// ```text
@@ -37,15 +48,12 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     fn takes_state(&self, condition: Self::Boundary) -> bool;
 
     /// The state u_b that `condition` imposes: the one at which viscous terms are evaluated and towards which the penalty
-    /// pulls. Equal to `minus` where the condition imposes nothing on viscous terms. `data` is the prescribed state where
-    /// [`Self::takes_state`], otherwise arbitrary.
+    /// pulls. Equal to `minus` where the condition imposes nothing on viscous terms.
     fn boundary_state<T: Over<G>, G: Real>(
         &self,
         condition: Self::Boundary,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
     /// The normal inviscid flux through the boundary, relative to the moving facet.
@@ -53,9 +61,7 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         &self,
         condition: Self::Boundary,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
     /// The normal viscous flux F_v(state, gradient) . n through the boundary, as far as `condition` lets it pass (no heat
@@ -65,8 +71,7 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         condition: Self::Boundary,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
     /// The velocity of the boundary itself where the mesh moves with `v`: another one where a wall slides in its own plane.

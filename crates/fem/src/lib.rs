@@ -50,7 +50,7 @@ mod violation;
 mod work;
 
 pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
-pub use conservation_law::ConservationLaw;
+pub use conservation_law::{BoundaryPoint, ConservationLaw};
 pub use field::{StateField, VectorField};
 pub use instants::{Clock, InTime, TimePoint};
 pub use kernels::{Differentiate, Kernels, LawKernels};

@@ -1,7 +1,7 @@
 //! Advection and diffusion of one scalar, u_t + div (a u - nu grad u) = 0, and a slab on a curved mesh that moves.
 
 use basis::Matrix;
-use fem::{ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabOperator, StateField};
+use fem::{BoundaryPoint, ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -46,28 +46,20 @@ impl ConservationLaw<2, 1> for AdvectionDiffusion {
     fn takes_state(&self, (): ()) -> bool {
         true
     }
-    fn boundary_state<T: Over<G>, G: Real>(&self, (): (), _: &[T; 1], _: &[G; 2], _: &[G; 2], data: &[G; 1]) -> [T; 1] {
-        [T::lift(data[0])]
+    fn boundary_state<T: Over<G>, G: Real>(&self, (): (), _: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> [T; 1] {
+        [T::lift(at.data[0])]
     }
-    fn boundary_flux<T: Over<G>, G: Real>(
-        &self,
-        (): (),
-        minus: &[T; 1],
-        n: &[G; 2],
-        v: &[G; 2],
-        data: &[G; 1],
-    ) -> [T; 1] {
-        self.numerical_flux(minus, &[T::lift(data[0])], n, dot(n, v))
+    fn boundary_flux<T: Over<G>, G: Real>(&self, (): (), minus: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> [T; 1] {
+        self.numerical_flux(minus, &[T::lift(at.data[0])], at.normal, dot(at.normal, at.velocity))
     }
     fn boundary_viscous_flux<T: Over<G>, G: Real>(
         &self,
         (): (),
         _: &[T; 1],
         gradient: &[[T; 1]; 2],
-        n: &[G; 2],
-        _: &[G; 2],
+        at: BoundaryPoint<'_, G, 2, 1>,
     ) -> [T; 1] {
-        [(gradient[0][0].scale(n[0]) + gradient[1][0].scale(n[1])) * DIFFUSIVITY]
+        [(gradient[0][0].scale(at.normal[0]) + gradient[1][0].scale(at.normal[1])) * DIFFUSIVITY]
     }
     fn scales(&self) -> [f64; 1] {
         [1.0]
