@@ -8,7 +8,7 @@
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | what is differentiated |
-//! | `cell`, `facet`, `boundary`, `point` | the kernels |
+//! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
 //! | `scratch`, `gather` | their packs, and how vectors get there |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
@@ -47,6 +47,7 @@ mod tables;
 mod tensor_product;
 mod traces;
 mod violation;
+mod volume_terms;
 mod work;
 
 pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
