@@ -54,6 +54,12 @@ impl Rule {
         let weights = self.weights.iter().map(|w| half * w).collect();
         Rule { points, weights }
     }
+    /// The weights of the tensor product of the rule in `dimension` directions, axis 0 fastest.
+    pub fn tensor_weights(&self, dimension: usize) -> Vec<f64> {
+        (0..dimension).fold(vec![1.0], |product, _| {
+            self.weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect()
+        })
+    }
     fn with_weights(points: Vec<f64>, weight: impl Fn(f64) -> f64) -> Rule {
         let weights = points.iter().map(|&x| weight(x)).collect();
         Rule { points, weights }

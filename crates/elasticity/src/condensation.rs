@@ -16,12 +16,12 @@ mod inner;
 mod sweep;
 
 use crate::ElasticityError;
-use crate::batches::Batches;
 use crate::pool::Pool;
+use fem::NodalBatches;
 use inner::{CellUnknowns, InnerFactor};
 use sparse::{EliminationTree, Factorisation, Kind, eliminations};
 use std::sync::Arc;
-use sweep::SweepWork;
+use sweep::{CellSweeps, SweepWork};
 use tensor::{Pack, WIDTH};
 
 /// In which order the free nodes of a mesh are eliminated, and what their factor will need: known before any matrix is.
@@ -34,7 +34,7 @@ pub(crate) struct Elimination<const D: usize> {
 
 impl<const D: usize> Elimination<D> {
     /// For cells of the given order and the constrained nodes `constrained[C0 node]`. `centres` lie anywhere in the cells.
-    pub(crate) fn new(order: usize, batches: &Batches<D>, constrained: &[bool], centres: &[[f64; D]]) -> Self {
+    pub(crate) fn new(order: usize, batches: &NodalBatches<D>, constrained: &[bool], centres: &[[f64; D]]) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
             let nodes = unknowns.skeleton_nodes(D).map(|k| batches.cell_node(cell, k));
@@ -47,7 +47,7 @@ impl<const D: usize> Elimination<D> {
 
     /// Memory of the factor, and on the way to it of S of all cells and of the matrices of a batch. Threads do not count: they must not
     /// decide which solver is taken.
-    pub(crate) fn bytes(&self, batches: &Batches<D>) -> usize {
+    pub(crate) fn bytes(&self, batches: &NodalBatches<D>) -> usize {
         let inner = self.unknowns.factor_length() * batches.count() * WIDTH;
         let schur = self.unknowns.skeleton().pow(2) * batches.cells();
         let matrices = 2 * self.unknowns.count().pow(2) * WIDTH;
@@ -55,7 +55,7 @@ impl<const D: usize> Elimination<D> {
     }
 
     /// Multiplications of the factorisation.
-    pub(crate) fn operations(&self, batches: &Batches<D>) -> f64 {
+    pub(crate) fn operations(&self, batches: &NodalBatches<D>) -> f64 {
         let of_cell = eliminations(self.unknowns.count(), self.unknowns.inner());
         of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
@@ -67,7 +67,7 @@ impl<const D: usize> Elimination<D> {
     /// [`ElasticityError::NotDefinite`] if too few nodes are constrained, or the state of the mesh is unstable.
     pub(crate) fn factor(
         self: &Arc<Self>,
-        batches: &Batches<D>,
+        batches: &NodalBatches<D>,
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<Condensation<D>, ElasticityError> {
         let (inner, schur) = InnerFactor::new(&self.unknowns, batches, &self.constrained, matrices)?;
@@ -106,17 +106,17 @@ impl<const D: usize> Condensation<D> {
 
     /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained nodes.
     /// After a first call with as many right-hand sides nothing is allocated.
-    pub(crate) fn solve(&self, batches: &Batches<D>, x: &mut [f64]) {
-        let unknowns = &self.elimination.unknowns;
+    pub(crate) fn solve(&self, batches: &NodalBatches<D>, x: &mut [f64]) {
+        let cells = CellSweeps { factor: &self.inner, unknowns: &self.elimination.unknowns, batches };
         let count = x.len() / (self.elimination.constrained.len() * D);
         let mut work = self.work.take(|| SolveWork::new(batches));
         let SolveWork { sweep, swept, fronts } = &mut work;
         swept.resize(x.len(), 0.0);
-        self.inner.forward(unknowns, batches, x, swept, sweep);
+        cells.forward(x, swept, sweep);
         self.on_skeleton(x, swept, |x, swept| *swept += x);
         self.factors.solve(swept, count, fronts);
         self.hold(swept);
-        self.inner.backward(unknowns, batches, swept, x, sweep);
+        cells.backward(swept, x, sweep);
         self.on_skeleton(swept, x, |swept, x| *x = swept);
         self.work.give(work);
     }
@@ -144,7 +144,7 @@ impl<const D: usize> Condensation<D> {
 }
 
 impl SolveWork {
-    fn new<const D: usize>(batches: &Batches<D>) -> Self {
+    fn new<const D: usize>(batches: &NodalBatches<D>) -> Self {
         SolveWork { sweep: SweepWork::new(batches), swept: Vec::new(), fronts: Vec::new() }
     }
 }

@@ -5,14 +5,14 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
+use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Plan, Solver};
 use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use position::Position;
 use solve::SolveWork;
@@ -76,9 +76,8 @@ impl<const D: usize> ElasticMesh<D> {
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
-        let rule = law.rule(D, order);
-        let at_points = Sampler::new(mesh, stiffness, &rule.points);
-        let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let at_points = StiffnessSampler::new(mesh, stiffness, law.rule(D, order));
+        let operator = Operator::new(law, lame, order, NodalBatches::new(mesh, numbering), &at_points)?;
         let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
         let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
@@ -88,11 +87,11 @@ impl<const D: usize> ElasticMesh<D> {
                 Inverse::Direct(Box::new(factor))
             }
             (plan, None) => {
-                let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
+                let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
                 let samples = |cell| at_nodes.cell(cell);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, samples, constrained, multigrid)?;
-                position.keep_nodes(law, mesh.n_cells(), numbering, &at_nodes)?;
+                let low_order = LowOrder::new(lame, numbering, samples, constrained, multigrid)?;
+                position.keep_nodes(law, numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };

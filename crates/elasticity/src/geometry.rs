@@ -2,7 +2,7 @@
 
 use crate::solid::{Relative, Solid};
 use crate::{ElasticityError, Lame, Stiffness};
-use basis::gauss_lobatto;
+use basis::{Rule, gauss_lobatto};
 use mesh::{CellMap, Mesh, NodeNumbering};
 use tensor::{cofactor, determinant, norm};
 
@@ -37,29 +37,36 @@ enum Source<'a, const D: usize> {
     Solid(&'a Solid<D>, Lame),
 }
 
-/// Samples every cell at the same grid of reference points.
-pub(crate) struct Sampler<'a, const D: usize> {
+/// Samples the reference map and the stiffness of every cell at the points of a quadrature rule.
+pub(crate) struct StiffnessSampler<'a, const D: usize> {
+    rule: Rule,
     mesh: &'a Mesh<D>,
     source: Source<'a, D>,
     mean_determinant: f64,
     map: CellMap<D>,
 }
 
-impl<'a, const D: usize> Sampler<'a, D> {
-    /// For the grid with the coordinates `points` along every axis.
-    pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, points: &[f64]) -> Self {
-        Self::with_source(mesh, Source::Mesh(stiffness), points)
+impl<'a, const D: usize> StiffnessSampler<'a, D> {
+    /// For `rule` along every axis.
+    pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, rule: Rule) -> Self {
+        Self::with_source(mesh, Source::Mesh(stiffness), rule)
     }
 
     /// The same for a structure of `solid`, relative to the constants `base`.
-    pub(crate) fn of_solid(mesh: &'a Mesh<D>, solid: &'a Solid<D>, base: Lame, points: &[f64]) -> Self {
-        Self::with_source(mesh, Source::Solid(solid, base), points)
+    pub(crate) fn of_solid(mesh: &'a Mesh<D>, solid: &'a Solid<D>, base: Lame, rule: Rule) -> Self {
+        Self::with_source(mesh, Source::Solid(solid, base), rule)
     }
 
-    fn with_source(mesh: &'a Mesh<D>, source: Source<'a, D>, points: &[f64]) -> Self {
+    fn with_source(mesh: &'a Mesh<D>, source: Source<'a, D>, rule: Rule) -> Self {
         let reference_volume = (mesh.n_cells() << D) as f64;
         let mean_determinant = mesh.volume() / reference_volume;
-        Sampler { mesh, source, mean_determinant, map: CellMap::on_grid(mesh.order(), points) }
+        let map = CellMap::on_grid(mesh.order(), &rule.points);
+        StiffnessSampler { rule, mesh, source, mean_determinant, map }
+    }
+
+    /// The rule along every axis.
+    pub(crate) fn rule(&self) -> &Rule {
+        &self.rule
     }
 
     /// The samples of `cell`, axis 0 fastest.

@@ -12,7 +12,6 @@
 //! | `stiffness` | where the mesh is stiff |
 //! | `wall_distance` | stiffness by the distance to moving and resting boundaries |
 //! | `geometry` | the reference mesh at points of its cells |
-//! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
 //! | `multigrid` | and what solves with those where a factor is too large |
@@ -31,7 +30,6 @@
 //! Invariants: nothing here knows the fluid, or where the boundary motion comes from. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
 
-mod batches;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;

@@ -7,9 +7,9 @@
 //! Positions x and outward normals n are those at rest: displacements are small. ds = |cof J e_a| dxi on a face normal to axis a, and n
 //! is that vector, outwards, over its length.
 
-use crate::batches::Batches;
 use crate::mass::Mass;
 use basis::{Lagrange, Matrix, Rule, gauss};
+use fem::NodalBatches;
 use mesh::{BoundaryFacet, CellMap, Mesh, NodeNumbering, axis_and_side, outward_sign};
 use tensor::{cofactor, norm};
 
@@ -88,7 +88,14 @@ impl<const D: usize> Surface<D> {
 
 impl<const D: usize> Loads<D> {
     /// out = f(t) by (load), `[C0 node][component]`.
-    pub(crate) fn assemble(&self, mass: &Mass<D>, batches: &Batches<D>, surface: &Surface<D>, t: f64, out: &mut [f64]) {
+    pub(crate) fn assemble(
+        &self,
+        mass: &Mass<D>,
+        batches: &NodalBatches<D>,
+        surface: &Surface<D>,
+        t: f64,
+        out: &mut [f64],
+    ) {
         match &self.body_force {
             Some(b) => mass.load(batches, |x| b(x, t), out),
             None => out.fill(0.0),

@@ -37,24 +37,22 @@ enum Inverse {
 
 impl<const D: usize> LowOrder<D> {
     /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
-    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
+    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each cell.
     pub(crate) fn new(
         lame: Lame,
-        cells: usize,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         constrained: &[bool],
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, cells, numbering, samples, &fixed, multigrid)
+        Self::with_mass(lame, 0.0, numbering, samples, &fixed, multigrid)
     }
 
     /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
     pub(crate) fn with_mass(
         lame: Lame,
         m: f64,
-        cells: usize,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         fixed: &[[bool; D]],
@@ -64,7 +62,7 @@ impl<const D: usize> LowOrder<D> {
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?;
+        let matrix = matrix(Terms { lame, m, fixed: &fixed }, numbering, samples, &unknowns)?;
         let inverse = match multigrid {
             None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
@@ -121,7 +119,6 @@ struct Terms<'a, const D: usize> {
 /// The low-order matrix K + m M of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
 fn matrix<const D: usize>(
     terms: Terms<'_, D>,
-    cells: usize,
     numbering: &NodeNumbering,
     samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
@@ -129,9 +126,10 @@ fn matrix<const D: usize>(
     let sub_cells = SubCells::<D>::new(numbering.order());
     let of_cell = |cell| -> Vec<Option<usize>> { numbering.cell(cell).iter().map(|&node| unknowns[node]).collect() };
     let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
-    (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
+    let cells = 0..numbering.n_cells();
+    cells.clone().for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
-    for cell in 0..cells {
+    for cell in cells {
         sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
@@ -280,7 +278,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::Stiffness;
-    use crate::geometry::{Sampler, nodal_coordinates};
+    use crate::geometry::{StiffnessSampler, nodal_coordinates};
     use crate::testing::{material, unit_box};
     use basis::gauss_lobatto;
     use mesh::Mesh;
@@ -293,10 +291,10 @@ mod tests {
         d: impl Fn(&[f64; D]) -> [f64; D],
     ) -> (Vec<f64>, Vec<f64>) {
         let numbering = NodeNumbering::new(mesh, order);
-        let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
+        let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
         let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
-        let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
+        let matrix = matrix(terms, &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }

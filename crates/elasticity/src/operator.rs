@@ -17,13 +17,13 @@ mod tests;
 mod updated;
 mod work;
 
-use crate::batches::Batches;
-use crate::geometry::{Sample, Sampler};
+use crate::geometry::{Sample, StiffnessSampler};
 use crate::law::{Law, NeoHookean, PointLaw};
 use crate::material::Lame;
 use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
-use basis::{Lagrange, Matrix, Rule};
+use basis::{Lagrange, Matrix};
+use fem::NodalBatches;
 use kernel::{CellMatrices, Cells, Forces, Mode, Scratch, Tangent};
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -34,7 +34,7 @@ use tensor::{Pack, WIDTH, zeroed};
 pub(crate) struct Operator<const D: usize> {
     law: Law,
     lame: Lame,
-    batches: Batches<D>,
+    batches: NodalBatches<D>,
     lines: Lines,
     /// W and G, `[batch][point][1 + D D]`.
     metric: Vec<Pack>,
@@ -75,16 +75,15 @@ impl Lines {
 }
 
 impl<const D: usize> Operator<D> {
-    /// The operator of order `order` for `law`, with `rule` along each axis, whose points `sampler` samples.
+    /// The operator of order `order` for `law`, with the quadrature points of `sampler`.
     pub(crate) fn new(
         law: Law,
         lame: Lame,
         order: usize,
-        batches: Batches<D>,
-        rule: &Rule,
-        sampler: &Sampler<'_, D>,
+        batches: NodalBatches<D>,
+        sampler: &StiffnessSampler<'_, D>,
     ) -> Result<Self, ElasticityError> {
-        Self::weighted(law, lame, order, batches, rule, sampler, |sample| sample.stiffness)
+        Self::weighted(law, lame, order, batches, sampler, |sample| sample.stiffness)
     }
 
     /// The same with another factor on the constants of Lame than the stiffness of the samples.
@@ -92,13 +91,13 @@ impl<const D: usize> Operator<D> {
         law: Law,
         lame: Lame,
         order: usize,
-        batches: Batches<D>,
-        rule: &Rule,
-        sampler: &Sampler<'_, D>,
+        batches: NodalBatches<D>,
+        sampler: &StiffnessSampler<'_, D>,
         factor: impl Fn(&Sample<D>) -> f64 + Sync,
     ) -> Result<Self, ElasticityError> {
-        let metric = metric(&batches, rule, sampler, factor)?;
-        Ok(Operator { law, lame, batches, lines: Lines::new(order, &rule.points), metric, workspaces: Pool::new() })
+        let metric = metric(&batches, sampler, factor)?;
+        let lines = Lines::new(order, &sampler.rule().points);
+        Ok(Operator { law, lame, batches, lines, metric, workspaces: Pool::new() })
     }
 
     /// out = R(d), both `[C0 node][component]`. `out` has no meaning after an error.
@@ -138,7 +137,7 @@ impl<const D: usize> Operator<D> {
         self.lame
     }
     /// The cells, in packs.
-    pub(crate) fn batches(&self) -> &Batches<D> {
+    pub(crate) fn batches(&self) -> &NodalBatches<D> {
         &self.batches
     }
     /// W and G of all batches.
@@ -197,12 +196,11 @@ impl<const D: usize> Operator<D> {
 
 /// W and G of all batches.
 fn metric<const D: usize>(
-    batches: &Batches<D>,
-    rule: &Rule,
-    sampler: &Sampler<'_, D>,
+    batches: &NodalBatches<D>,
+    sampler: &StiffnessSampler<'_, D>,
     factor: impl Fn(&Sample<D>) -> f64 + Sync,
 ) -> Result<Vec<Pack>, ElasticityError> {
-    let weights = tensor_weights::<D>(&rule.weights);
+    let weights = sampler.rule().tensor_weights(D);
     let length = weights.len() * (1 + D * D);
     let mut metric = zeroed(batches.count() * length);
     let fill = |(batch, metric): (usize, &mut [Pack])| -> Result<(), ElasticityError> {
@@ -221,9 +219,4 @@ fn metric<const D: usize>(
     let filled: Vec<Result<(), _>> = metric.par_chunks_mut(length).enumerate().map(fill).collect();
     filled.into_iter().collect::<Result<(), _>>()?;
     Ok(metric)
-}
-
-/// Products of the weights along each axis, axis 0 fastest.
-pub(crate) fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
-    (0..D).fold(vec![1.0], |product, _| weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect())
 }

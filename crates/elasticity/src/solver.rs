@@ -1,8 +1,8 @@
 //! Which method solves with K, and what it costs.
 
-use crate::batches::Batches;
 use crate::condensation::{Condensation, Elimination};
 use crate::low_order::LowOrder;
+use fem::NodalBatches;
 use mesh::{CellMap, Mesh, NodeNumbering};
 use std::sync::Arc;
 
@@ -47,14 +47,14 @@ impl Plan {
         constrained: &[bool],
         solver: Solver,
     ) -> Self {
-        Self::with_elimination(mesh, numbering, &Batches::new(mesh, numbering), constrained, solver).0
+        Self::with_elimination(mesh, numbering, &NodalBatches::new(mesh, numbering), constrained, solver).0
     }
 
     /// The same with the order of elimination, where the solver is direct.
     pub(crate) fn with_elimination<const D: usize>(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
-        batches: &Batches<D>,
+        batches: &NodalBatches<D>,
         constrained: &[bool],
         solver: Solver,
     ) -> (Self, Option<Arc<Elimination<D>>>) {

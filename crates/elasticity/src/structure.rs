@@ -1,7 +1,6 @@
 //! An elastic body with mass.
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates};
+use crate::geometry::{StiffnessSampler, nodal_coordinates};
 use crate::loads::{Loads, Surface};
 use crate::low_order::LowOrder;
 use crate::mass::Mass;
@@ -9,6 +8,7 @@ use crate::operator::Operator;
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Lame, Law, Solid};
 use basis::gauss_lobatto;
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
@@ -57,18 +57,18 @@ impl<const D: usize> Structure<D> {
             let (constant, accepted) = ("the density", "a positive number");
             return Err(ElasticityError::Material { constant, value: density, accepted });
         }
-        let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
+        let (order, batches) = (numbering.order(), NodalBatches::new(&mesh, &numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
-        let (solid, rule) = (solid.into(), Law::Linear.rule(D, order));
+        let solid = solid.into();
         let base = solid.base()?;
-        let at_points = Sampler::of_solid(&mesh, &solid, base, &rule.points);
+        let at_points = StiffnessSampler::of_solid(&mesh, &solid, base, Law::Linear.rule(D, order));
         let excess = if solid.ratio_varies() {
-            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, Batches::new(&mesh, &numbering));
-            Some(Operator::weighted(Law::Linear, unit, order, batches, &rule, &at_points, |sample| sample.excess)?)
+            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, NodalBatches::new(&mesh, &numbering));
+            Some(Operator::weighted(Law::Linear, unit, order, batches, &at_points, |sample| sample.excess)?)
         } else {
             None
         };
-        let operator = Operator::new(Law::Linear, base, order, batches, &rule, &at_points)?;
+        let operator = Operator::new(Law::Linear, base, order, batches, &at_points)?;
         let shear_modulus = solid.lame(&mesh.position(0, &[0.0; D]))?.mu;
         let surface = Surface::new(&mesh, &numbering);
         let coordinates = nodal_coordinates(&mesh, &numbering);
@@ -143,12 +143,12 @@ impl<const D: usize> Structure<D> {
 
     /// The preconditioner of K + m M at free entries.
     pub(crate) fn shifted(&self, m: f64) -> Result<Shifted<D>, ElasticityError> {
-        let (base, cells) = (self.solid.base()?, self.mesh.n_cells());
-        let nodes = gauss_lobatto(self.numbering.order()).points;
-        let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
+        let base = self.solid.base()?;
+        let nodes = gauss_lobatto(self.numbering.order());
+        let at_nodes = StiffnessSampler::of_solid(&self.mesh, &self.solid, base, nodes);
         let mass = m * self.mass.density();
         let samples = |cell| at_nodes.cell(cell);
-        let low_order = LowOrder::with_mass(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
+        let low_order = LowOrder::with_mass(base, mass, &self.numbering, samples, &self.fixed, None)?;
         Ok(Shifted { m, low_order })
     }
 

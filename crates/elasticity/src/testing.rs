@@ -1,8 +1,7 @@
 //! Meshes, vectors and the assembled K that the tests compare with.
 #![allow(clippy::unwrap_used)]
 
-use crate::geometry::{Sampler, quadrature_points};
-use crate::operator::tensor_weights;
+use crate::geometry::{StiffnessSampler, quadrature_points};
 use crate::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use basis::{Lagrange, Matrix, gauss};
 use faer::linalg::solvers::Solve;
@@ -81,14 +80,14 @@ pub(crate) fn assembled<const D: usize>(
 ) -> Mat<f64> {
     let numbering = NodeNumbering::new(mesh, order);
     let rule = gauss(quadrature_points(D, order));
-    let sampler = Sampler::new(mesh, stiffness, &rule.points);
+    let sampler = StiffnessSampler::new(mesh, stiffness, rule.clone());
     let lagrange = Lagrange::gauss_lobatto(order);
     let (values, derivatives) = (lagrange.value_matrix(&rule.points), lagrange.derivative_matrix(&rule.points));
     let mut k = Mat::zeros(numbering.count * D, numbering.count * D);
     for cell in 0..mesh.n_cells() {
         let nodes = numbering.cell(cell);
         let samples = sampler.cell(cell).unwrap();
-        for (point, (sample, weight)) in samples.iter().zip(tensor_weights::<D>(&rule.weights)).enumerate() {
+        for (point, (sample, weight)) in samples.iter().zip(rule.tensor_weights(D)).enumerate() {
             let gradients = gradients_at::<D>(&values, &derivatives, point, &sample.inverse_jacobian);
             for (row, grad_row) in nodes.iter().zip(&gradients) {
                 for (column, grad_column) in nodes.iter().zip(&gradients) {

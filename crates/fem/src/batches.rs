@@ -16,11 +16,11 @@ pub struct Permutation {
 pub struct FacetBatch {
     /// Its number.
     pub number: usize,
-    /// Facets in use.
+    /// FacetBatches in use.
     pub count: usize,
     /// Minus sides.
     pub minus: [Side; WIDTH],
-    /// Plus sides and their permutations (index into [`Facets::permutations`]); on a boundary repeats `minus`.
+    /// Plus sides and their permutations (index into [`FacetBatches::permutations`]); on a boundary repeats `minus`.
     pub plus: [(Side, usize); WIDTH],
     /// The boundary, if it is one.
     pub boundary: Option<usize>,
@@ -29,7 +29,7 @@ pub struct FacetBatch {
 }
 
 /// All facets of a mesh in batches.
-pub struct Facets {
+pub struct FacetBatches {
     /// Interior batches first.
     pub batches: Vec<FacetBatch>,
     /// The permutations that occur; number 0 is the identity.
@@ -45,7 +45,7 @@ impl FacetBatch {
     }
 }
 
-impl Facets {
+impl FacetBatches {
     /// The permutation that leads to the lattice of the plus side of a facet; none where both lattices are the same.
     pub fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
         let number = if side == 0 { 0 } else { batch.plus[lane].1 };
@@ -73,7 +73,7 @@ impl Facets {
         batches.extend(boundary.chunk_by(|a, b| a.2 == b.2).flat_map(|same| same.chunks(WIDTH)).map(batch::<D>));
         batches.iter_mut().enumerate().for_each(|(number, batch)| batch.number = number);
         let of_face = faces_to_facets(&batches, mesh.n_cells() * 2 * D, 2 * D);
-        Facets { batches, permutations, of_face }
+        FacetBatches { batches, permutations, of_face }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
-use crate::batches::{BATCHES_PER_TASK, FacetBatch, Facets, cells_of};
-use crate::cell::{CellContext, Coefficients};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, FacetBatches, cells_of};
+use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
@@ -10,8 +10,8 @@ use crate::kernels::{Differentiate, Kernels, Times};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
-use crate::pool::Pool;
-use crate::prescribed;
+use crate::per_thread::PerThread;
+use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
@@ -33,10 +33,10 @@ pub struct Problem<const D: usize, const M: usize> {
     pub source: Option<Arc<dyn StateField<D, M>>>,
 }
 
-/// A state that no gas can have, or a cell turned inside out.
+/// An inadmissible state, or a cell turned inside out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// The quantity: "density", "pressure", "det J".
+    /// The quantity: "det J", or one that the law names.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
@@ -62,7 +62,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub layout: Layout,
     /// The mesh in this slab.
     pub mesh: MovingMesh,
-    pub(crate) facets: Facets,
+    pub(crate) facets: FacetBatches,
     pub(crate) flow_faces: FaceMaps,
     mesh_faces: FaceMaps,
     start: f64,
@@ -82,8 +82,8 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     mesh_direction: MovingMesh,
     mesh_direction_traces: MeshTraces,
     terms: Vec<f64>,
-    pub(crate) cells: Pool<CellScratch>,
-    pub(crate) facet_scratch: Pool<FacetScratch>,
+    pub(crate) cells: PerThread<CellScratch>,
+    pub(crate) facet_scratch: PerThread<FacetScratch>,
     pub(crate) wall_loads: WallLoads,
 }
 
@@ -101,10 +101,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
-        let tables = Tables::<D>::new(orders, quadrature);
+        let tables = Tables::<D>::new(orders, M, quadrature);
         let cells = mesh.n_cells();
         let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
-        let facets = Facets::new(mesh, orders.flow, orders.mesh);
+        let facets = FacetBatches::new(mesh, orders.flow, orders.mesh);
         let moving = MovingMesh::new(mesh, numbering, orders.time);
         let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
         let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
@@ -127,8 +127,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
-            cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
-            facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
+            cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
+            facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             wall_loads: WallLoads::unloaded(facets.batches.len()),
             problem,
             mesh: moving,
@@ -322,8 +322,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
-                let origins = self.facet_origins(batch);
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
+                let (blocks, origins) = (along.geometry_blocks(), self.facet_origins(batch));
+                Prescribed { field, blocks, origins }.fill(time, self.tables.facet_points(), x, data);
             }
         };
         let data = field.is_some().then_some(&fill as DataAt);
@@ -352,7 +352,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
-                prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
+                Prescribed { field, blocks: along.geometry_blocks(), origins }.fill(time, points, x, data);
             }
         };
         let context = CellContext {
@@ -362,7 +362,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
         };
-        self.problem.kernels.slab_cells(along, &context, Coefficients { state, mesh }, scratch);
+        self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
         self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {

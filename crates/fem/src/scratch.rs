@@ -104,6 +104,8 @@ pub struct FacetScratch {
     pub through: Vec<Pack>,
     /// Whether the facets of the batch leave loads, see [`crate::wall_loads`].
     pub(crate) with_loads: bool,
+    /// The momentum of the flux through boundary facets with loads, `[d][p]`.
+    pub(crate) momentum: Vec<Pack>,
     /// Loads of boundary facets, `[time point][d][face node of the mesh]`.
     pub(crate) loads: Vec<Pack>,
     /// The velocity at which forces on a boundary do work, `[d][face node]`, see [`crate::boundary::FacetFlux`].
@@ -154,6 +156,7 @@ impl FacetScratch {
             data: zeroed(2 * M * points),
             through: zeroed(2 * through_len(M) + 2),
             with_loads: false,
+            momentum: zeroed(D * points),
             loads: zeroed(tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
@@ -165,7 +168,7 @@ impl FacetScratch {
     }
 }
 
-/// Numbers of one part of a flux through a boundary: M fluxes and the flux of angular momentum.
+/// Numbers of one part of a flux through a boundary: M fluxes, and those of momentum and of angular momentum.
 pub(crate) const fn through_len(components: usize) -> usize {
-    components + 3
+    components + 6
 }

@@ -108,7 +108,7 @@ impl Planes {
     /// equal as can be.
     fn blocks(rule: &Rule, dimension: usize, orders: Orders, packs: usize) -> Vec<Planes> {
         let q = rule.points.len();
-        let in_plane = tensor_weights(&rule.weights, dimension - 1);
+        let in_plane = rule.tensor_weights(dimension - 1);
         let plane_bytes = in_plane.len() * packs * size_of::<Pack>();
         let count = q.div_ceil((BLOCK_BYTES / plane_bytes).max(1));
         let block = |number: usize| {
@@ -155,8 +155,8 @@ pub struct Tables<const D: usize> {
 }
 
 impl<const D: usize> Tables<D> {
-    /// Tables for `orders`, each in 1..=16 (2..=16 in space).
-    pub fn new(orders: Orders, quadrature: Quadrature) -> Self {
+    /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.
+    pub fn new(orders: Orders, components: usize, quadrature: Quadrature) -> Self {
         let rule = gauss(quadrature.space_points(D, orders));
         let time = RadauTime::new(orders.time);
         let time_rule = gauss(quadrature.time_points(D, orders));
@@ -166,8 +166,8 @@ impl<const D: usize> Tables<D> {
         let (n_t, count) = (orders.time, instants.len());
         let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
         rates.push(time.values(1.0).iter().map(|phi| -phi).collect());
-        // Of a state with D + 2 components: values, gradients, fluxes, moments; of the mesh: Jacobian matrix, velocity.
-        let packs = (D + 2) * (2 * D + 2) + D * D + D;
+        // Of the state: values and gradients, moments and fluxes; of the mesh: velocity and Jacobian matrix.
+        let packs = (2 * components + D) * (1 + D);
         Tables {
             orders,
             planes: Planes::blocks(&rule, D, orders, packs),
@@ -183,7 +183,7 @@ impl<const D: usize> Tables<D> {
             test_rate: Matrix::from_fn(n_t, count + 1, |a, q| -rates[q][a]),
             instants,
             time,
-            facet_weights: tensor_weights(&rule.weights, D - 1),
+            facet_weights: rule.tensor_weights(D - 1),
             rule,
         }
     }
@@ -204,13 +204,4 @@ impl<const D: usize> Tables<D> {
     pub fn facet_points(&self) -> usize {
         self.facet_weights.len()
     }
-}
-
-/// Products of one-dimensional weights, lexicographic.
-fn tensor_weights(weights: &[f64], dimension: usize) -> Vec<f64> {
-    let mut product = vec![1.0];
-    for _ in 0..dimension {
-        product = weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect();
-    }
-    product
 }

@@ -2,7 +2,7 @@
 
 use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
-use crate::pool::Pool;
+use crate::per_thread::PerThread;
 use crate::tables::Shape1d;
 use basis::{Matrix, contract};
 use mesh::{axis_and_side, face_nodes};
@@ -191,14 +191,14 @@ pub struct Traces {
     /// The coefficients, `[batch][slot][component][node]`.
     packs: Vec<Pack>,
     /// Traces of one batch.
-    scratch: Pool<Vec<Pack>>,
+    scratch: PerThread<Vec<Pack>>,
 }
 
 impl Traces {
     /// Room for the traces of `cells` cells.
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
         let packs = zeroed(cells.div_ceil(WIDTH) * layout.coefficients());
-        let scratch = Pool::new(|| zeroed(layout.cell_len()));
+        let scratch = PerThread::new(|| zeroed(layout.cell_len()));
         Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, packs, scratch }
     }
 

@@ -1,6 +1,6 @@
 //! How many floating-point operations the kernels do.
 
-use crate::cell::{CellContext, Coefficients};
+use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::FacetContext;
 use crate::kernels::{Differentiate, Times};
 use crate::operator::SlabOperator;
@@ -24,7 +24,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {
             let before = scratch.scratch.multiplications;
-            let at_points = self.problem.kernels.count_cells(along, &context, Coefficients { state, mesh }, scratch);
+            let at_points =
+                self.problem.kernels.count_cells(along, &context, CellCoefficients { state, mesh }, scratch);
             at_points + in_lanes(scratch.scratch.multiplications - before)
         })
     }

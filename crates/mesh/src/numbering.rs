@@ -30,6 +30,11 @@ impl NodeNumbering {
         self.order
     }
 
+    /// The number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.cells.len() / self.nodes_per_cell
+    }
+
     /// The global numbers of the N^D nodes of `cell`, axis 0 fastest.
     pub fn cell(&self, cell: usize) -> &[usize] {
         &self.cells[cell * self.nodes_per_cell..(cell + 1) * self.nodes_per_cell]

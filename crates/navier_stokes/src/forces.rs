@@ -15,7 +15,7 @@
 //! At the top of a slab w_b is the velocity that is prescribed then: there P = F . h' + M . theta' of a rigid body to round-off. During a
 //! slab it is that of the mesh, a polynomial in time, so that work and heat are the energy that leaves the gas, to round-off.
 
-use fem::{BoundaryFlux, FluxesAt};
+use fem::{BoundaryFlux, FluxPart, FluxesAt};
 use std::ops::AddAssign;
 
 /// What a wall feels at one time; or the integral over some time, an impulse.
@@ -42,8 +42,8 @@ impl<const D: usize> Default for WallForce<D> {
 impl<const D: usize> WallForce<D> {
     /// The force of what leaves through the wall, with the moment about `point`.
     pub fn new<const M: usize>(flux: &BoundaryFlux<M>, point: &[f64; D]) -> Self {
-        let momentum = |flux: &[f64; M]| std::array::from_fn(|i| flux[1 + i]);
-        let (pressure, friction) = (momentum(&flux.inviscid), momentum(&flux.viscous));
+        let force = |flux: &FluxPart<M>| std::array::from_fn(|i| flux.force[i]);
+        let (pressure, friction) = (force(&flux.inviscid), force(&flux.viscous));
         let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.work, heat: flux.heat };
         wall.moment = flux.moment_about(&std::array::from_fn(|i| point.get(i).copied().unwrap_or(0.0)));
         wall
@@ -144,14 +144,10 @@ mod tests {
     use super::*;
 
     fn flux(momentum: [f64; 2], at: [f64; 2]) -> BoundaryFlux<4> {
-        let moment = at[0] * momentum[1] - at[1] * momentum[0];
-        BoundaryFlux {
-            inviscid: [0.0, momentum[0], momentum[1], 3.5],
-            inviscid_moment: [0.0, 0.0, moment],
-            work: 3.0,
-            heat: 0.5,
-            ..BoundaryFlux::default()
-        }
+        let components = [0.0, momentum[0], momentum[1], 3.5];
+        let moment = [0.0, 0.0, at[0] * momentum[1] - at[1] * momentum[0]];
+        let inviscid = FluxPart { components, force: [momentum[0], momentum[1], 0.0], moment };
+        BoundaryFlux { inviscid, work: 3.0, heat: 0.5, ..BoundaryFlux::default() }
     }
 
     #[test]

@@ -10,8 +10,8 @@
 //! come from one rule, row j and column k <= j: L_jk = (K_jk - sum_{r<k} L_jr L_kr) / L_kk, where r is an inner unknown.
 
 use crate::ElasticityError;
-use crate::batches::Batches;
 use faer::Mat;
+use fem::NodalBatches;
 use rayon::prelude::*;
 use std::ops::Range;
 use tensor::Arch;
@@ -69,7 +69,7 @@ impl InnerFactor {
     /// node inside a cell keeps its place, with the row and the column of the identity.
     pub(crate) fn new<const D: usize>(
         unknowns: &CellUnknowns,
-        batches: &Batches<D>,
+        batches: &NodalBatches<D>,
         constrained: &[bool],
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<(Self, Vec<Mat<f64>>), ElasticityError> {

@@ -1,7 +1,7 @@
 //! Where K is taken: the position of the mesh at the bottom of the slab.
 
 use super::ElasticMesh;
-use crate::geometry::{Sample, Sampler};
+use crate::geometry::{Sample, StiffnessSampler};
 use crate::low_order::LowOrder;
 use crate::operator::Operator;
 use crate::solver::Inverse;
@@ -52,12 +52,11 @@ impl<const D: usize> Position<D> {
     pub(super) fn keep_nodes(
         &mut self,
         law: Law,
-        cells: usize,
         numbering: &NodeNumbering,
-        at_nodes: &Sampler<'_, D>,
+        at_nodes: &StiffnessSampler<'_, D>,
     ) -> Result<(), ElasticityError> {
         if law != Law::Linear {
-            let samples = (0..cells).map(|cell| at_nodes.cell(cell)).collect::<Result<_, _>>()?;
+            let samples = (0..numbering.n_cells()).map(|cell| at_nodes.cell(cell)).collect::<Result<_, _>>()?;
             self.nodes = Some(Nodes { numbering: numbering.clone(), samples });
         }
         Ok(())
@@ -108,8 +107,7 @@ impl<const D: usize> ElasticMesh<D> {
         let nodes = self.position.nodes.as_ref().expect("they are kept where the refinement moves");
         let build = |d: &[f64]| {
             let samples = |cell| Ok(nodes.moved(cell, d));
-            let (lame, cells) = (self.operator.lame(), nodes.samples.len());
-            LowOrder::new(lame, cells, &nodes.numbering, samples, &self.constrained, multigrid)
+            LowOrder::new(self.operator.lame(), &nodes.numbering, samples, &self.constrained, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),

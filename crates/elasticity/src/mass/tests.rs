@@ -5,9 +5,9 @@ use mesh::NodeNumbering;
 
 const DENSITY: f64 = 1.7;
 
-fn mass<const D: usize>(mesh: &Mesh<D>, order: usize) -> (Mass<D>, Batches<D>, NodeNumbering) {
+fn mass<const D: usize>(mesh: &Mesh<D>, order: usize) -> (Mass<D>, NodalBatches<D>, NodeNumbering) {
     let numbering = NodeNumbering::new(mesh, order);
-    let batches = Batches::new(mesh, &numbering);
+    let batches = NodalBatches::new(mesh, &numbering);
     (Mass::new(mesh, &batches, order, DENSITY), batches, numbering)
 }
 
@@ -20,7 +20,7 @@ fn points<const D: usize>(mesh: &Mesh<D>, order: usize, n: usize, cell: usize) -
         (0..D as u32).map(|axis| values[(q / n.pow(axis) % n, k / order.pow(axis) % order)]).product()
     };
     let nodes = mesh.cell_coordinates(cell);
-    let weighted = tensor_weights::<D>(&rule.weights).into_iter().zip(map.determinants(nodes)).map(|(w, det)| w * det);
+    let weighted = rule.tensor_weights(D).into_iter().zip(map.determinants(nodes)).map(|(w, det)| w * det);
     let points = map.positions(nodes).into_iter().zip(weighted).enumerate();
     points.map(|(q, (x, w))| (x, w, (0..order.pow(D as u32)).map(|k| phi(q, k)).collect())).collect()
 }

@@ -130,11 +130,11 @@ impl<const D: usize> Operator<D> {
         scratch: &mut Scratch,
         result: &mut [Pack],
     ) -> Pack {
-        let Scratch { values, gradients, between, .. } = scratch;
         let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
         let (extents, block) = ([interpolate.rows(); D], D * self.lines.points::<D>());
         // 1. values and reference gradients at the points
-        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS, &scratch.nodal, values, gradients, between);
+        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS, scratch);
+        let Scratch { values, gradients, between, .. } = scratch;
         // 2. the law at every point
         let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, block);
         // 3. against the reference gradients of the test functions
@@ -158,23 +158,15 @@ impl<const D: usize> Operator<D> {
         scratch: &'a mut Scratch,
     ) -> &'a [Pack] {
         self.batches.gather(batch, d, &mut scratch.nodal);
-        let Scratch { nodal, values, gradients, between } = scratch;
-        reference_gradients::<S, D>(simd, &self.lines, 1, nodal, values, gradients, between);
-        gradients
+        reference_gradients::<S, D>(simd, &self.lines, 1, scratch);
+        &scratch.gradients
     }
 }
 
 /// Interpolates to the points, and differentiates there.
 #[inline(always)]
-fn reference_gradients<S: Simd, const D: usize>(
-    simd: S,
-    lines: &Lines,
-    blocks: usize,
-    nodal: &[Pack],
-    values: &mut [Pack],
-    gradients: &mut [Pack],
-    between: &mut [Pack],
-) {
+fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, blocks: usize, scratch: &mut Scratch) {
+    let Scratch { nodal, values, gradients, between } = scratch;
     let (components, extents) = (blocks * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
     apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);

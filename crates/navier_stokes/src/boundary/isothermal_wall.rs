@@ -6,6 +6,7 @@ use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
 /// A no-slip wall that is kept at a temperature.
@@ -34,10 +35,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let pressure = Primitive::<T, D>::unpack(&law.gas, minus).pressure;
         let density = law.gas.density(pressure, pressure.constant(self.temperature));
         let velocity = lifted(&wall_velocity(&self.slide, n, v));
@@ -49,10 +49,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
     }
 
@@ -63,9 +62,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let stresses = Stresses::new(&law.gas, state, gradient);
         let traction = stresses.traction(n);
         let work = along(&traction, &wall_velocity(&self.slide, n, v));

@@ -34,6 +34,7 @@ use crate::flux::{Stresses, inviscid_normal};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
 /// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments. Only the flux has no answer of its own.
@@ -44,9 +45,7 @@ pub(crate) trait Condition<const D: usize> {
         &self,
         _law: &NavierStokes<D>,
         minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        _data: &[G; M],
+        _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         *minus
     }
@@ -56,9 +55,7 @@ pub(crate) trait Condition<const D: usize> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
     /// F_v . n through the boundary: stress and heat of that state with the gradient inside, unless the condition imposes others.
@@ -68,9 +65,9 @@ pub(crate) trait Condition<const D: usize> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, .. } = at;
         Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 
@@ -86,11 +83,9 @@ pub(crate) trait Condition<const D: usize> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.state(law, minus, n, v, data)
+        self.state(law, minus, at)
     }
 }
 
@@ -149,18 +144,15 @@ impl<const D: usize> Boundary<D> {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
     }
 
-    /// The state that the condition asks for where the gas inside has the state `minus`, the outward unit normal is `n` and the
-    /// boundary moves with `v`; `data` is the prescribed state there, where [`Self::takes_state`]. A flow that follows the condition
-    /// has this very state.
+    /// The state that the condition asks for where the gas inside has the state `minus`. A flow that follows the condition has this very
+    /// state.
     pub fn target_state<const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[f64; M],
-        n: &[f64; D],
-        v: &[f64; D],
-        data: &[f64; M],
+        at: BoundaryPoint<'_, f64, D, M>,
     ) -> [f64; M] {
-        each!(self, condition => condition.target_state(law, minus, n, v, data))
+        each!(self, condition => condition.target_state(law, minus, at))
     }
 
     #[inline(always)]
@@ -168,11 +160,9 @@ impl<const D: usize> Boundary<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.state(law, minus, n, v, data))
+        each!(self, condition => condition.state(law, minus, at))
     }
 
     #[inline(always)]
@@ -180,11 +170,9 @@ impl<const D: usize> Boundary<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.flux(law, minus, n, v, data))
+        each!(self, condition => condition.flux(law, minus, at))
     }
 
     #[inline(always)]
@@ -193,10 +181,9 @@ impl<const D: usize> Boundary<D> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.viscous_flux(law, state, gradient, n, v))
+        each!(self, condition => condition.viscous_flux(law, state, gradient, at))
     }
 
     #[inline(always)]

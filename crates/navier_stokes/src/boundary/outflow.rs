@@ -6,6 +6,7 @@ use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
 /// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see `opening`: of total pressure p_b
@@ -31,9 +32,9 @@ impl Outflow {
         &self,
         gas: &Gas,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let inside = Primitive::unpack(gas, minus);
         let mut direction = *n;
         for i in 0..D {
@@ -60,11 +61,10 @@ impl<const D: usize> Condition<D> for Outflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        through(&law.gas, &self.outside(&law.gas, minus, n, v), n, v)
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
     }
 
     #[inline(always)]
@@ -72,10 +72,8 @@ impl<const D: usize> Condition<D> for Outflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.outside(&law.gas, minus, n, v).pack(&law.gas)
+        self.outside(&law.gas, minus, at).pack(&law.gas)
     }
 }

@@ -4,6 +4,7 @@ use super::{Condition, lifted, through};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
 /// Velocity and temperature given at every point and time; the pressure comes from inside, with the acoustic wave that leaves. Viscous
@@ -33,10 +34,9 @@ impl VelocityInflow {
         self,
         gas: &Gas,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
+        let BoundaryPoint { normal: n, velocity: v, data } = at;
         let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
         let given: Primitive<T, D> = Primitive::unpack(gas, &lifted(minus, data));
         let k = 0.5 * (gas.gamma() - 1.0);
@@ -87,11 +87,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.on_facet::<T, G, D, M>(&law.gas, minus, n, v, data).pack(&law.gas)
+        self.on_facet::<T, G, D, M>(&law.gas, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]
@@ -99,10 +97,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        through(&law.gas, &self.on_facet(&law.gas, minus, n, v, data), n, v)
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.on_facet(&law.gas, minus, at), n, v)
     }
 }

@@ -119,12 +119,12 @@ fn of_boundary_conditions<const D: usize, const M: usize>() {
             (Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap()), inside.velocity),
         ];
         for (condition, v) in matching {
-            let flux = law.boundary_flux(condition, &u, &n, &v, &u);
+            let flux = law.boundary_flux(condition, &u, at(&n, &v, &u));
             let error = difference(&flux, &normal_flux(&u, &n, &v));
             assert!(error <= 1e-14, "{condition:?}: {error:e}");
-            let state = law.boundary_state(condition, &u, &n, &v, &u);
+            let state = law.boundary_state(condition, &u, at(&n, &v, &u));
             assert!(difference(&state, &u) <= 1e-14, "{condition:?}: {state:?}");
-            let target_state = condition.target_state(&law, &u, &n, &v, &u);
+            let target_state = condition.target_state(&law, &u, at(&n, &v, &u));
             assert!(difference(&target_state, &u) <= 1e-14, "{condition:?}: {target_state:?}");
         }
     }
@@ -138,7 +138,7 @@ fn of_what_is_asked<const D: usize, const M: usize>() {
         let p = Point::<f64, f64, D, M>::random(&mut random);
         let stream = random.primitive::<D>();
         let target_state =
-            |condition: Boundary<D>| condition.target_state(&law, &p.minus, &p.n, &p.v, &stream.pack(&gas));
+            |condition: Boundary<D>| condition.target_state(&law, &p.minus, at(&p.n, &p.v, &stream.pack(&gas)));
         let far_field = target_state(Boundary::FarField(FarField::new(stream).unwrap()));
         assert!(difference(&far_field, &stream.pack(&gas)) <= 1e-14);
         assert_eq!(target_state(Boundary::PrescribedState(PrescribedState)), far_field);

@@ -76,7 +76,7 @@ fn viscous_fluxes_are_linear_in_the_gradient<const D: usize, const M: usize>() {
     let sum = std::array::from_fn(|i| std::array::from_fn(|c| a.gradient[i][c] - 2.0 * b.gradient[i][c]));
     let law = law::<D>(Riemann::Roe);
     for condition in Conditions::<D>::sample().list() {
-        let through = |gradient| law.boundary_viscous_flux(condition, &a.minus, gradient, &a.n, &a.v);
+        let through = |gradient| law.boundary_viscous_flux(condition, &a.minus, gradient, at(&a.n, &a.v, &a.data));
         let (of_a, of_b) = (through(&a.gradient), through(&b.gradient));
         let expected = std::array::from_fn(|c| of_a[c] - 2.0 * of_b[c]);
         assert!(difference(&through(&sum), &expected) <= 1e-14, "{condition:?}");

@@ -12,7 +12,7 @@ mod openings;
 mod walls;
 
 use crate::*;
-use fem::ConservationLaw;
+use fem::{BoundaryPoint, ConservationLaw};
 use tensor::{Over, Real, dot, norm};
 
 /// Runs each generic test in two and in three dimensions.
@@ -46,6 +46,15 @@ impl Random {
     pub(super) fn primitive<const D: usize>(&mut self) -> Primitive<f64, D> {
         Primitive { density: self.between(0.5, 2.0), velocity: self.vector(1.5), pressure: self.between(0.5, 2.0) }
     }
+}
+
+/// A point of a boundary.
+pub(super) fn at<'a, G, const D: usize, const M: usize>(
+    normal: &'a [G; D],
+    velocity: &'a [G; D],
+    data: &'a [G; M],
+) -> BoundaryPoint<'a, G, D, M> {
+    BoundaryPoint { normal, velocity, data }
 }
 
 /// Everything that the point functions take, with numbers `T` of the state and `G` of the geometry.
@@ -171,9 +180,9 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
         values.push((format!("{riemann:?}"), law.numerical_flux(&p.minus, &p.plus, &p.n, dot(&p.v, &p.n))));
     }
     for &condition in conditions {
-        let state = base.boundary_state(condition, &p.minus, &p.n, &p.v, &p.data);
-        let flux = base.boundary_flux(condition, &p.minus, &p.n, &p.v, &p.data);
-        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, &p.n, &p.v);
+        let state = base.boundary_state(condition, &p.minus, at(&p.n, &p.v, &p.data));
+        let flux = base.boundary_flux(condition, &p.minus, at(&p.n, &p.v, &p.data));
+        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, at(&p.n, &p.v, &p.data));
         values.push((format!("state of {condition:?}"), state));
         values.push((format!("flux of {condition:?}"), flux));
         values.push((format!("viscous flux of {condition:?}"), viscous));

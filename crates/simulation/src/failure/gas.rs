@@ -3,6 +3,7 @@
 use super::data::{Extreme, Mismatch, Moment};
 use super::grid::{Grid, difference};
 use case::{Flow, State};
+use fem::BoundaryPoint;
 use mesh::{BoundaryFacet, face_nodes, outward_area};
 use navier_stokes::{ExactState, Gas, Primitive};
 use tensor::norm;
@@ -154,8 +155,9 @@ where
             let n = area.map(|a| a / norm(&area));
             let inside: [f64; M] = states[p].pack(&self.flow.law.gas);
             let data = boundary.state.as_ref().map_or(inside, |state| state.state(&x[p], then.time));
-            let target_state = |v: &[f64; D]| {
-                let target_state = boundary.condition.target_state(&self.flow.law, &inside, &n, v, &data);
+            let target_state = |velocity: &[f64; D]| {
+                let at = BoundaryPoint { normal: &n, velocity, data: &data };
+                let target_state = boundary.condition.target_state(&self.flow.law, &inside, at);
                 Primitive::unpack(&self.flow.law.gas, &target_state)
             };
             let (moving, still) = (target_state(&v[p]), target_state(&[0.0; D]));
