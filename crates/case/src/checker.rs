@@ -4,6 +4,7 @@ use super::choices::choices;
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
+use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program, Table};
@@ -38,7 +39,7 @@ impl<'a> Checker<'a> {
         ordered.sort_by_key(|(key, ..)| document.position(key));
         for (key, name, formula) in ordered {
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
-            checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
+            checker.computable(&key, "the constant", value)?;
             if !checker.names.define(name, value) {
                 return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
             }
@@ -103,6 +104,11 @@ impl<'a> Checker<'a> {
     pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
         self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
         Ok(value)
+    }
+
+    /// Whether the program can compute with the `value` of a formula.
+    pub(super) fn computable(&self, key: &Key, quantity: &str, value: f64) -> Checked<()> {
+        self.require(key, &format!("{quantity}, {value:e},"), is_computable(value), magnitude::ACCEPTED)
     }
 
     /// Poisson's ratio, where the elastic energy is definite.
@@ -225,7 +231,10 @@ impl<'a> Checker<'a> {
         match formula {
             Formula::Number(value) => Ok(Program::constant(*value)),
             Formula::Text(text) => {
-                Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))
+                let program =
+                    Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
+                self.computable(key, "the formula", program.as_constant().unwrap_or(0.0))?;
+                Ok(program)
             }
         }
     }

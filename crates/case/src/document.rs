@@ -4,6 +4,7 @@ use super::brackets;
 use super::choices::choices;
 use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
+use super::magnitude;
 use super::shape;
 use crate::excerpt::shortened;
 use crate::input_file;
@@ -89,7 +90,11 @@ impl Document {
         if let Some((key, cause)) = shape::first_misfit(self.tree()?.get_ref()) {
             return Err(self.error(&key, cause));
         }
-        self.deserialize_as()
+        let case = self.deserialize_as()?;
+        match magnitude::first_extreme(self.tree()?.get_ref()) {
+            Some((key, cause)) => Err(self.error(&key, cause)),
+            None => Ok(case),
+        }
     }
 
     fn deserialize_as<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {

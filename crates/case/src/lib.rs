@@ -13,6 +13,7 @@
 //! | `brackets` | brackets of it that are not closed |
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | what can be wrong, and where |
+//! | `magnitude` | which numbers the program can compute with |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation` | which cases may continue each other's runs |
 //! | `checked` | the case as the program needs it; no other code sees `raw` |
@@ -38,6 +39,7 @@ mod excerpt;
 pub mod expression;
 pub mod input_file;
 mod key;
+mod magnitude;
 pub mod memory;
 pub mod mesh_file;
 mod nearest;

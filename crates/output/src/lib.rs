@@ -55,5 +55,5 @@ pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
-    Steady, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
+    Steady, SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };

@@ -325,9 +325,29 @@ pub struct Steady {
     pub krylov: u64,
     /// The residual, relative to that of the initial state.
     pub residual: f64,
+    /// The residual at the next higher order, relative to its inertial terms.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub next_order_residual: Option<f64>,
+    /// What a march in time from the steady flow has shown, where there was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stability: Option<SteadyStability>,
     /// The coefficients of the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, SteadyWall>,
+}
+
+/// A march in time from a steady flow that was disturbed slightly.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyStability {
+    /// By which factor the rate of change has grown.
+    pub growth: f64,
+    /// The time marched.
+    pub duration: f64,
+    /// Whether every slab could be solved.
+    pub completed: bool,
+    /// Whether the steady flow is unstable.
+    pub unstable: bool,
 }
 
 /// The coefficients of a wall in steady flow.
@@ -396,6 +416,8 @@ mod tests {
                 newton: 12,
                 krylov: 300,
                 residual: 1e-10,
+                next_order_residual: Some(2e-3),
+                stability: Some(SteadyStability { growth: 1.5, duration: 8.0, completed: true, unstable: false }),
                 walls: BTreeMap::from([(
                     "foil".to_owned(),
                     SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
@@ -464,8 +486,9 @@ mod tests {
                               "first_invalid_time": 1.5, "first_invalid_time_sampled": 1.75 },
             "conservation": { "mass_error": 1e-15, "energy_error": 3e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
-            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
-                "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
+            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "next_order_residual": 2e-3,
+                "stability": { "growth": 1.5, "duration": 8.0, "completed": true, "unstable": false },
+                "walls": { "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
             "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
                                  "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5, "heat": 0.25,
                                  "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },

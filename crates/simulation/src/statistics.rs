@@ -4,7 +4,7 @@ use super::body_record::BodyRecord;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
-use coupled::{MeshQuality, SlabReport, Stage, StructureReport};
+use coupled::{MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use std::collections::BTreeMap;
 
 /// What a run has done so far.
@@ -89,6 +89,8 @@ pub struct Steady {
     pub residual: f64,
     /// What every wall feels, as numbers.
     pub forces: Vec<Vec<f64>>,
+    /// What speaks for and against it.
+    pub reliability: Reliability,
 }
 
 /// Where a mesh became invalid.
@@ -98,6 +100,22 @@ pub struct FirstInvalid {
     pub time: f64,
     /// The worst cell of that slab.
     pub cell: usize,
+}
+
+/// As numbers: the residual, or NaN, and the march where there was one.
+fn of_reliability(reliability: &Reliability) -> Vec<f64> {
+    let march = |s: Stability| [s.growth, s.duration, f64::from(u8::from(s.completed))];
+    let residual = reliability.next_order_residual.unwrap_or(f64::NAN);
+    std::iter::once(residual).chain(reliability.stability.into_iter().flat_map(march)).collect()
+}
+
+/// Back from numbers.
+fn to_reliability(numbers: &[f64]) -> Reliability {
+    let stability = match *numbers {
+        [_, growth, duration, completed] => Some(Stability { growth, duration, completed: completed == 1.0 }),
+        _ => None,
+    };
+    Reliability { next_order_residual: numbers.first().copied().filter(|r| !r.is_nan()), stability }
 }
 
 impl Steady {
@@ -151,13 +169,9 @@ impl RunStatistics {
         self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
     }
 
-    /// Notes how the steady flow was found from which the run starts: the last solve, and all solves.
-    pub fn start_from_steady<const D: usize, const M: usize>(
-        &mut self,
-        report: &SlabReport<M>,
-        stages: &[Stage],
-        felt: &[WallLoads<D>],
-    ) {
+    /// Notes how the steady flow was found from which the run starts.
+    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, felt: &[WallLoads<D>]) {
+        let SteadyFlow { report, stages, reliability } = found;
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.mass_flows = mass_flows(report);
         self.steady = Some(Steady {
@@ -165,6 +179,7 @@ impl RunStatistics {
             krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
             forces: self.forces.clone(),
+            reliability: *reliability,
         });
     }
 
@@ -216,6 +231,7 @@ impl RunStatistics {
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
+            ("tally.reliability".into(), self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability))),
             ("tally.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
             ("tally.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
             ("tally.structure".into(), {
@@ -270,6 +286,7 @@ impl RunStatistics {
                     krylov: *krylov as u64,
                     residual: *residual,
                     forces: by_wall(forces),
+                    reliability: to_reliability(get("reliability").map_or(&[][..], Vec::as_slice)),
                 }),
                 _ => None,
             },

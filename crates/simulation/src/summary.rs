@@ -13,8 +13,8 @@ use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
-    StructureSummary, Summary, Unknowns, Wall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
 
 /// Of a run of mesh and flow.
@@ -148,6 +148,13 @@ fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Ste
         newton: steady.newton,
         krylov: steady.krylov,
         residual: steady.residual,
+        next_order_residual: steady.reliability.next_order_residual,
+        stability: steady.reliability.stability.map(|stability| SteadyStability {
+            growth: stability.growth,
+            duration: stability.duration,
+            completed: stability.completed,
+            unstable: stability.is_unstable(),
+        }),
         walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
     }
 }

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{column, number, on_case, summary};
+use common::{SLOW, column, number, on_case, power_of_rates, summary};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -77,6 +77,31 @@ fn long_heaving_airfoil_on_896_cells() {
     let run = Run::new("naca0012_heave", &set, ", 896 cells, N_s = 6, steps of 0.05");
     assert_eq!(run.summary["mesh"]["cells"], 896);
     run.expect_airfoil(HEAVE[0], HEAVE[1], 5e-5);
+}
+
+/// Case C2, against our own study on finer meshes, with its bars (docs/src/airfoils.md): there is no other.
+#[test]
+#[ignore = "long: seconds; scripts/test --long"]
+fn long_heaving_and_pitching_airfoil() {
+    let run = Run::new("naca0012_heave_pitch", &[], "");
+    let wall = &run.summary["walls"]["airfoil"];
+    run.expect("impulse", wall["impulse"][1].as_f64().unwrap(), 0.86392, 0.00701);
+    run.expect("work", wall["work"].as_f64().unwrap(), -2.30283, 0.00574);
+}
+
+/// Case C2 at a Mach number of 0.01: the work hardly depends on the step, and the power is that of force and moment.
+#[test]
+#[ignore = "long: minutes; scripts/test --long"]
+fn long_power_and_work_of_a_pitching_airfoil_at_a_low_mach_number() {
+    let fine =
+        Run::new("naca0012_heave_pitch", &[&SLOW[..], &["time.step=0.0125"]].concat(), ", M = 0.01, steps of 0.0125");
+    let run = Run::new("naca0012_heave_pitch", &SLOW, ", M = 0.01");
+    let work = fine.at("walls.airfoil.work");
+    run.expect("work", run.at("walls.airfoil.work"), work, 5e-4 * work.abs());
+    let (power, rates) = (column(&run.path(), "airfoil_power"), power_of_rates(&run.path()));
+    let peak = rates.iter().fold(0.0, |peak: f64, power| peak.max(power.abs()));
+    let apart = power.iter().zip(&rates).fold(0.0, |apart: f64, (a, b)| apart.max((a - b).abs()));
+    run.expect("power against F h' + M theta', relative to its peak", apart / peak, 0.0, 1e-2);
 }
 
 /// Against our own study on finer meshes, with its bars (docs/src/airfoils.md): there is no other.

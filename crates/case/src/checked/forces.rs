@@ -5,6 +5,7 @@ use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::is_computable;
 use crate::raw;
 use crate::vector::Vector;
 use navier_stokes::{ForceScales, Reference, WallForce};
@@ -90,7 +91,7 @@ fn point<const D: usize>(
             checker.require(
                 &key.entry(axis),
                 &quantity,
-                value.is_finite(),
+                is_computable(value),
                 "a formula that is finite over the whole run",
             )?;
         }

@@ -4,6 +4,7 @@ use super::mesh_crate::{CellMap, Mesh, face_nodes};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::is_computable;
 use crate::state::{Formulas, State};
 use basis::gauss_lobatto;
 
@@ -60,12 +61,22 @@ fn check_at<const D: usize>(checker: &Checker<'_>, key: &Key, state: &Formulas<D
     let at = format!("in cell {cell} at {x:?}, t = {t},");
     for (name, value) in [("density", state.density), ("pressure", state.pressure)] {
         let quantity = format!("the {name} {at} {value},");
-        let positive = value > 0.0 && value.is_finite();
-        checker.require(&key.child(name), &quantity, positive, "a formula that is positive everywhere")?;
+        let positive = value > 0.0 && is_computable(value);
+        checker.require(
+            &key.child(name),
+            &quantity,
+            positive,
+            "a formula that is positive everywhere, and at most 1e60",
+        )?;
     }
     for (axis, value) in state.velocity.into_iter().enumerate() {
         let (key, quantity) = (key.child("velocity").entry(axis), format!("the velocity {at} {value},"));
-        checker.require(&key, &quantity, value.is_finite(), "a formula that is finite everywhere")?;
+        checker.require(
+            &key,
+            &quantity,
+            is_computable(value),
+            "a formula that is finite everywhere, and at most 1e60",
+        )?;
     }
     Ok(())
 }

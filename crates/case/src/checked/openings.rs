@@ -5,6 +5,7 @@ use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::is_computable;
 use crate::raw;
 use crate::state::{Entering, State};
 use basis::gauss_lobatto;
@@ -110,14 +111,14 @@ pub(super) fn check_on_boundary<const D: usize>(
                 let state = entering.primitive(x, start);
                 let t = state.pressure / gas.gas_constant();
                 let quantity = format!("the temperature at {x:?}, {t},");
-                let positive = t > 0.0 && t.is_finite();
+                let positive = t > 0.0 && is_computable(t);
                 checker.require(
                     &key.child("temperature"),
                     &quantity,
                     positive,
                     "a formula that is positive everywhere",
                 )?;
-                let finite = state.velocity.iter().all(|w| w.is_finite());
+                let finite = state.velocity.iter().all(|w| is_computable(*w));
                 checker.require(
                     &key.child(vector),
                     &format!("the vector at {x:?}"),
@@ -167,7 +168,7 @@ fn enters_faster_than_sound<const D: usize>(
         };
         for (name, value) in [("density", given.density), ("pressure", given.pressure)] {
             let quantity = format!("the {name} at {x:?}, {value},");
-            checker.require(key, &quantity, value > 0.0 && value.is_finite(), "a positive number everywhere")?;
+            checker.require(key, &quantity, value > 0.0 && is_computable(value), "a positive number everywhere")?;
         }
         fastest = fastest.max(-dot(&given.velocity, normal) / gas.sound_speed(given.density, given.pressure));
     }

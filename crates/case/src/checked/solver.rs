@@ -8,6 +8,9 @@ use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 /// Krylov iterations between restarts at most.
 const MOST_VECTORS: usize = 10_000;
 
+/// The longest march that tells whether a steady flow is stable, in time units.
+const LONGEST_MARCH: f64 = 1e4;
+
 /// Halvings of a slab at most: after more of them it drowns in the round-off of the time.
 const MOST_HALVINGS: usize = 40;
 /// The loosest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
@@ -73,6 +76,8 @@ fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {
     }
     checker.positive(&key.child("first_step"), "the first step", raw.first_step)?;
     checker.require(&key.child("power"), "the power", raw.power >= 0.0 && raw.power.is_finite(), "0 or more")?;
+    let time = raw.stability_time.is_none_or(|time| (0.0..=LONGEST_MARCH).contains(&time));
+    checker.require(&key.child("stability_time"), "the time", time, "0 to 10000, in time units of six slabs each")?;
     let grows = raw.growth > 1.0 && raw.growth.is_finite();
     checker.require(&key.child("growth"), "the factor", grows, "a number above 1")?;
     for (name, value) in [("steps", raw.steps), ("krylov_iterations", raw.krylov_iterations)] {

@@ -6,6 +6,7 @@ use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
 use crate::key::Key;
+use crate::magnitude::is_computable;
 use crate::raw::{self, Analysis, Plane, StructureBoundary};
 use crate::vector::Vector;
 
@@ -228,7 +229,12 @@ fn check_finite<const D: usize>(
         let x: [f64; D] = std::array::from_fn(|axis| x[axis]);
         for (axis, value) in vector.evaluate(&x, start).into_iter().enumerate() {
             let quantity = format!("the {name} in cell {} at {x:?}, {value},", k / mesh.nodes_per_cell());
-            checker.require(&key.entry(axis), &quantity, value.is_finite(), "a formula that is finite everywhere")?;
+            checker.require(
+                &key.entry(axis),
+                &quantity,
+                is_computable(value),
+                "a formula that is finite everywhere, and at most 1e60",
+            )?;
         }
     }
     Ok(())

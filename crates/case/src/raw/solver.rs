@@ -130,6 +130,9 @@ pub struct Steady {
     /// Whether to go by lower orders, the lowest with a dissipative flux, where the order asked for does not converge at once; and to
     /// march in time for some slabs where that fails.
     pub sequence: bool,
+    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether it
+    /// is stable. 0: never. Default: 8 where the residual at the next higher order tells that the flow is not resolved, otherwise 0.
+    pub stability_time: Option<f64>,
 }
 
 impl Default for Steady {
@@ -143,6 +146,7 @@ impl Default for Steady {
             krylov_tolerance: 0.1,
             krylov_iterations: 200,
             sequence: true,
+            stability_time: None,
         }
     }
 }

@@ -213,7 +213,7 @@ const BAD: &[(&str, &[&str])] = &[
     ),
     (
         "generate.disc = { core_cells = 2, radial_cells = 1 }\nextrude = { depth = 1, layers = 2, lower = nan }",
-        &["`mesh.extrude.lower = nan`", "a number"],
+        &["`mesh.extrude.lower = nan`", "number"],
     ),
     (
         "generate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] }\nextrude = { depth = 1, layers = 2 }",

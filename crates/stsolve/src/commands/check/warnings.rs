@@ -225,9 +225,9 @@ fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
         }
         _ if mach < 0.1 && flow.law.riemann == Riemann::LaxFriedrichs => {
             let text = format!(
-                "{mach:.1e} with `flow.riemann = \"lax_friedrichs\"`, which damps every difference with the speed of sound: at this Mach \
-                 number Krylov iterations take many times as many, up to their limit in steady flows, and low orders lose accuracy: \
-                 `flow.riemann = \"roe\"`"
+                "{mach:.1e} with `flow.riemann = \"lax_friedrichs\"`, which damps every difference with the speed of sound: a steady flow \
+                 takes 2 to 8 times the Krylov iterations at a Mach number of 0.05 and up to 23 times at 0.02, and low orders lose accuracy; \
+                 cheaper: `flow.riemann = \"roe\"`"
             );
             warning("Mach number", text)
         }
