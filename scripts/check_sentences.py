@@ -18,7 +18,7 @@ SOURCES = ["crates/**/*.rs", "tests/**/*.rs", "fuzz/**/*.rs"]
 CASES = ["cases/*.toml"]
 
 # What ends a paragraph or begins one: headings, list items, rules of tables.
-ITEM = re.compile(r"\s*([*+-]|\d+[.)])\s+")
+ITEM = re.compile(r"^\s*([*+-]|\d+[.)])\s+")
 # A sentence ends before an upper-case letter, a figure, code or a link.
 END = re.compile(r"(?<=[.!?])[)\"'*_]*\s+(?=[\"'(*_\[]*[A-Z0-9`\[])")
 ABBREVIATIONS = re.compile(r"\b(e\.g|i\.e|cf|et al|vs|Eq|Fig|Sec|No|[A-Z])\.\s")
