@@ -8,7 +8,7 @@ use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, zeroed};
 
 impl InnerFactor {
-    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at those of the skeleton.
+    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at nodes of the skeleton.
     pub(crate) fn forward<const D: usize>(
         &self,
         unknowns: &CellUnknowns,
@@ -20,8 +20,8 @@ impl InnerFactor {
         self.sweep(unknowns, batches, true, b, out, work);
     }
 
-    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at those of the skeleton, for z and d in
-    /// the vector `z`.
+    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at nodes of the skeleton; the vector `z`
+    /// holds z and d.
     pub(crate) fn backward<const D: usize>(
         &self,
         unknowns: &CellUnknowns,
@@ -140,7 +140,7 @@ impl<'a, S: Simd> SweepLanes<'a, S> {
         }
     }
 
-    /// sum_r L_jr x_r, in two halves that do not wait for each other.
+    /// sum_r L_jr x_r, in two independent halves.
     #[inline(always)]
     fn sum(&self, row: &[Pack]) -> Lanes<S> {
         let mut sums = [Lanes::splat(self.simd, 0.0); 2];
