@@ -1,4 +1,4 @@
-//! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
+//! Boundary terms of the residual, and the flux through boundaries.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{DataAt, FacetContext, penalty, symmetric_term, times_normal};
@@ -13,7 +13,7 @@ use basis::Matrix;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// Positions at the points, relative to the origin of the cell, and there the states that are prescribed.
+/// Positions at the points, relative to the origin of the cell, and the prescribed states there.
 #[inline(always)]
 pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
@@ -119,20 +119,21 @@ pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw
     }
 }
 
-/// What leaves through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
+/// The flux through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
 ///
 /// ```text
 /// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
 /// ```
 ///
-/// the second about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
-/// the momentum that leaves and the heat that is conducted, per time,
+/// where the second is about the origin of the cell. In 2-D only its last component, about the axis normal to the plane, is not zero. Then
+/// follow the power of the momentum flux and the conducted heat,
 ///
 /// ```text
 /// int_f Fhat_m . w ds  and  int_f (Fhat_v,E - Fhat_v,m . w_b) ds                                                (power)
 /// ```
 ///
-/// with w_b the velocity of the boundary as the mesh moves, and w the same or the velocity that the boundary should have then.
+/// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
+/// time.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -142,11 +143,11 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     pub context: &'c FacetContext<'a, D>,
     /// The time.
     pub instant: &'c TimePoint,
-    /// The row of positions then.
+    /// The row of positions at that time.
     pub position_row: &'c Matrix,
-    /// Prescribed states, where the condition takes any.
+    /// Prescribed states, if the condition takes any.
     pub data: Option<DataAt<'a>>,
-    /// Whether w comes from `boundary_velocity` of the scratch instead of from the mesh.
+    /// Whether w is `boundary_velocity` of the scratch instead of the velocity of the mesh.
     pub velocity_is_given: bool,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
@@ -194,7 +195,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
     }
 }
 
-/// The velocity at which forces do work, to the points: the second block of `v`, which no derivative needs here.
+/// The velocity at which forces do work, at the points: the second block of `v`, whose derivatives are not needed here.
 #[inline(always)]
 fn velocity_of_work<const D: usize, S: Simd>(
     simd: S,

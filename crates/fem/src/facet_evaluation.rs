@@ -26,7 +26,7 @@ pub(crate) fn to_instants<const D: usize, const M: usize, K: Mode, S: Simd>(
     room.contract(simd, velocities, g, mesh_len, &sides[0].mesh, velocity_at, false);
     for (number, SideScratch { state, state_at, mesh, position_at, .. }) in sides[..used].iter_mut().enumerate() {
         room.contract(simd, values, kinds * b, len, state, state_at, false);
-        // Position and tangents are those of minus; the plus side has derivatives along its leaving axis only.
+        // Position and tangents come from minus; of the plus side only derivatives along its leaving axis are stored.
         let start = |slots: usize| number * g * slots * mesh_len;
         let (mesh, position_at) = (&mesh[start(positions.cols())..], &mut position_at[start(positions.rows())..]);
         room.contract(simd, positions, kinds.saturating_sub(number) * g, mesh_len, mesh, position_at, false);
@@ -56,8 +56,8 @@ pub(crate) fn state_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     }
 }
 
-/// Step 2, too: mesh velocity at the points, and the Jacobian matrices of the `used` sides. Velocity and tangents are those of the facet,
-/// the same from both sides; the derivative along the axis that leaves is read by viscous terms only.
+/// Step 2 as well: mesh velocity at the points, and the Jacobian matrices of the `used` sides. Velocity and tangents belong to the facet
+/// and are the same from both sides. Only viscous terms read the derivative along the leaving axis.
 #[inline(always)]
 pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Simd>(
     simd: S,
@@ -90,7 +90,7 @@ pub(crate) fn geometry_to_points<const D: usize, const M: usize, K: Mode, S: Sim
     }
 }
 
-/// The geometry of a facet point, seen from one side.
+/// The geometry of a facet point, for one side.
 pub(crate) struct FacetPoint<G, const D: usize> {
     /// Cofactors of the side's Jacobian matrix, columns ordered tangential first.
     pub(crate) cof: [[G; D]; D],

@@ -1,10 +1,10 @@
-//! What the kernels of cells and facets do at one point.
+//! Operations of the cell and facet kernels at one point.
 
 use crate::mode::Mode;
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real, cofactor, determinant};
 
-/// Where a point function reads and writes: point `p` of `points`, and the part of its packs.
+/// The place of a point function's data: point `p` of `points`, and the part of its packs.
 #[derive(Clone, Copy)]
 pub(crate) struct PointIndex {
     pub(crate) points: usize,
@@ -82,7 +82,7 @@ pub(crate) fn physical_gradient<const D: usize, const M: usize, K: Mode, S: Simd
     physical
 }
 
-/// The flux f in reference direction j, component m, as grad_x w . f J tests with it: sum_k cof_kj f_k.
+/// The flux f in reference direction j, component m, for the test grad_x w . f J: sum_k cof_kj f_k.
 #[inline(always)]
 pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Real>(
     f: &[[T; M]; D],
@@ -97,7 +97,7 @@ pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Rea
     sum
 }
 
-/// Marks the lanes where `admissibility` is not positive. Written so that a NaN is marked too.
+/// Marks the lanes where `admissibility` is not positive, or NaN.
 #[inline(always)]
 pub(crate) fn flag<T: LaneNumber<S>, S: Simd>(
     simd: S,

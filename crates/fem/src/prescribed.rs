@@ -3,8 +3,8 @@
 use crate::field::StateField;
 use tensor::{Dual, Pack, WIDTH};
 
-/// Fills `data[b][m][p]` with `field` at positions `x[b][d][p]`, relative to the origins `origins[lane]`, and time `t`; with two
-/// blocks also the derivative along the derivative of the position.
+/// Fills `data[b][m][p]` with `field` at positions `x[b][d][p]`, relative to the origins `origins[lane]`, and time `t`. With two
+/// blocks the derivative along the derivative of the position is filled too.
 pub fn fill<const D: usize, const M: usize>(
     field: &dyn StateField<D, M>,
     blocks: usize,

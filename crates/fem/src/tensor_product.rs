@@ -5,17 +5,17 @@ use basis::{Matrix, contract};
 use tensor::Pack;
 use tensor::pulp::Simd;
 
-/// Room for the intermediate tensors of [`evaluate`] and [`integrate`].
+/// Memory for the intermediate tensors of [`evaluate`] and [`integrate`].
 #[derive(Default)]
 pub struct Scratch {
     even: Vec<Pack>,
     odd: Vec<Pack>,
-    /// Multiplications of packs so far, in all that was contracted by way of this scratch.
+    /// The number of multiplications of packs so far, in all contractions with this scratch.
     pub multiplications: usize,
 }
 
 impl Scratch {
-    /// Room for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
+    /// Memory for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
     pub fn new(dimension: usize, components: usize, n: usize) -> Self {
         let len = (dimension + 1) * components * n.pow(dimension as u32);
         Scratch { even: tensor::zeroed(len), odd: tensor::zeroed(len), multiplications: 0 }
@@ -56,7 +56,7 @@ pub enum EvaluationFlags {
 
 /// One-dimensional matrices along the axes of a tensor product.
 ///
-/// The points may be part of a lattice: planes of it, so many as fit into the cache. Then `last` holds the rows of the last
+/// The points may be part of a lattice: as many planes of it as fit into the cache. Then `last` holds the rows of the last
 /// axis that belong to them.
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
@@ -81,8 +81,8 @@ impl<'a> Lattice<'a> {
         self.line.order.pow(self.dimension as u32)
     }
 
-    /// The pass along `axis` for `components`: its matrices, entries outside and inside of the axis, packs before and after.
-    /// Axes above are at the points already, axes below at the nodes still.
+    /// The pass along `axis` for `components`: its matrices, the numbers of entries outside and inside the axis, and the
+    /// packs before and after. Higher axes are already at the points, lower axes still at the nodes.
     #[inline(always)]
     fn pass(&self, axis: usize, components: usize) -> Pass<'a> {
         let (n, q) = (self.line.order, self.line.values.rows());
@@ -106,7 +106,7 @@ struct Pass<'a> {
 
 /// Values and reference derivatives at the quadrature points.
 ///
-/// `nodal[component][node]` gives `values[component][point]` and `gradients[direction][component][point]`; a slice that `parts`
+/// `nodal[component][node]` gives `values[component][point]` and `gradients[direction][component][point]`. A slice that `parts`
 /// leaves out is not touched and may be empty.
 #[inline(always)]
 pub fn evaluate<S: Simd>(
@@ -120,7 +120,8 @@ pub fn evaluate<S: Simd>(
     scratch: &mut Scratch,
 ) {
     let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
-    // Tensors so far: number 0 holds values, the others derivatives, the one along the axis just passed last.
+    // Number 0 of the present tensors holds values, the others hold derivatives; the derivative along the axis just
+    // passed is the last.
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
     for axis in (0..dimension).rev() {
@@ -147,8 +148,9 @@ pub fn evaluate<S: Simd>(
     }
 }
 
-/// The transpose of [`evaluate`]: `nodal[component][node]` is the sum over points of `values[component][point]` times the test function
-/// and of `gradients[direction][component][point]` times its reference derivative in that direction; with `add`, that is added to it.
+/// The transpose of [`evaluate`]: `nodal[component][node]` is a sum over points. Its terms are `values[component][point]` times the
+/// test function, and `gradients[direction][component][point]` times its reference derivative in that direction. With `add` the sum is
+/// added to `nodal`.
 #[inline(always)]
 pub fn integrate<S: Simd>(
     simd: S,
@@ -164,7 +166,8 @@ pub fn integrate<S: Simd>(
     let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
-    // From the first axis to the last: derivative tensors of the axes beyond stay apart, the one of `axis` joins the values.
+    // From the first axis to the last: derivative tensors of higher axes stay separate; the derivative along `axis` is added
+    // to the values.
     for axis in 0..dimension {
         let Pass { line, outer, inner, nodal: size_out, at_points: size_in } = lattice.pass(axis, components);
         let (first, last) = (axis == 0, axis + 1 == dimension);
@@ -177,7 +180,7 @@ pub fn integrate<S: Simd>(
                 let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
                     (true, _) => derivative(tensor),
-                    // What was tensor 1 before the pass along the axis below has joined tensor 0 there.
+                    // Tensor 1 before the pass along the axis below was added to tensor 0 there.
                     (false, 0) => &from[..size_in],
                     (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };
