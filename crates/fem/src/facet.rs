@@ -8,8 +8,8 @@
 //! ```
 //!
 //! This is the symmetric interior penalty method with sigma = N_s^2 |S| / J. The penalty follows from the inverse trace
-//! inequality on the cell's height 2 J / |S| over the facet; the larger one of both sides is taken. n points from minus to
-//! plus; plus takes the flux with opposite sign.
+//! inequality on the cell's height over the facet, 2 J / |S|. The larger penalty of both sides is taken. n points from
+//! minus to plus; plus takes the flux with opposite sign.
 
 use crate::boundary::{boundary_data, boundary_points};
 use crate::conservation_law::ConservationLaw;

@@ -2,19 +2,19 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `conservation_law` | what the kernels ask of a physics |
-//! | `field` | prescribed functions of position and time |
 //! | `conservation_law` | the interface of a physics to the kernels |
+//! | `field` | prescribed functions of position and time |
+//! | `layout` | the layout of unknowns |
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
-//! | `mode` | what is differentiated |
-//! | `cell`, `facet`, `boundary`, `point` | the kernels |
 //! | `mode` | the choice of derivatives |
-//! | `kernels` | the kernels of a law behind one object |
+//! | `cell`, `facet`, `boundary`, `point` | the kernels |
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
-//! | `operator` | the residual of a slab and its derivatives |
+//! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
-//! | `sampler` | cells seen from any grid of points: output, errors |
+//! | `operator` | the residual of a slab and its derivatives |
+//! | `boundary_flux` | fluxes through boundaries: forces, power |
+//! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;
