@@ -1,6 +1,5 @@
 //! Speed of the stiffness operator for every order in million unknowns per second and thread, and the cost per unknown relative to
-//! N.
-//! Also the time of one application of the low-order preconditioner, and the set-up of both.
+//! the order. Also the time of one application of the low-order preconditioner, and the set-up of both.
 //!
 //! `cargo run --release -p elasticity --example throughput`
 #![allow(clippy::print_stdout)]

@@ -1,11 +1,11 @@
-//! How a command fails: what is printed, and the exit code.
+//! Failures of a command: message and exit code.
 
 use crate::case::CaseError;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Why a command did not do what it was asked to.
+/// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The input is wrong; nothing was done. Exit code 2.
@@ -37,13 +37,13 @@ impl Failure {
             Failure::Solve(error) => (error, 1),
             Failure::Stopped => return ExitCode::from(3),
         };
-        // If stderr is closed there is nobody to tell.
+        // If stderr is closed, the message cannot be shown.
         let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));
         ExitCode::from(code)
     }
 }
 
-/// The message of `error` and of its causes, but for those that the message above them contains already.
+/// The message of `error` and of its causes, without those that the message above them already contains.
 fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut next = error.source();
@@ -73,7 +73,7 @@ impl From<output::OutputError> for Failure {
             | Damaged { .. }
             | OtherCase { .. }
             | Version { .. } => Failure::bad_input(error),
-            // The rest happens while results are written.
+            // All other errors occur while results are written.
             _ => Failure::solve(error),
         }
     }

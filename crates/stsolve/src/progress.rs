@@ -1,4 +1,4 @@
-//! How far a run is: a bar where somebody watches, lines otherwise, nothing if asked.
+//! Progress of a run: a bar on a terminal, otherwise lines, nothing with `--quiet`.
 
 use crate::case::Time;
 use crate::cli::Verbosity;
@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-/// A slab that is done.
+/// A finished slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabDone {
     /// Its number in the run, from 1.
@@ -18,7 +18,7 @@ pub struct SlabDone {
     pub newton: usize,
     /// Krylov iterations that it took.
     pub krylov: usize,
-    /// Its residual in the end, relative to the first one.
+    /// Its final residual, relative to the first one.
     pub residual: f64,
 }
 
@@ -31,7 +31,7 @@ pub struct Progress {
     start: f64,
     end: f64,
     begun: Instant,
-    /// What has passed before the first slab.
+    /// The time that passed before the first slab.
     before_slabs: Cell<Duration>,
 }
 
@@ -42,11 +42,11 @@ enum Display {
     Nothing,
 }
 
-/// The bar counts time in these parts: slabs may be halved, so their number is not known.
+/// The number of parts in which the bar counts time. Slabs may be halved, so their number is not known.
 const PARTS: u64 = 10_000;
 
 impl Progress {
-    /// Of a run that covers `time` from `start`, which is later than the case's own start if it is resumed.
+    /// Progress of a run that covers `time` from `start`, which is later than the case's own start if it is resumed.
     pub fn new(time: &Time, start: f64, verbosity: Verbosity, terminal: &Terminal) -> Self {
         let display = if verbosity.quiet {
             Display::Nothing
@@ -65,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// The slabs begin now: what came before them says nothing of how long they take.
+    /// Marks the begin of the slabs: the time before them does not enter the estimate.
     pub fn begin_slabs(&self) {
         self.before_slabs.set(self.begun.elapsed());
         if let Display::Bar(bar) = &self.display {
@@ -108,7 +108,7 @@ impl Progress {
         self.show(time, text);
     }
 
-    /// Says something above the bar, unless asked to be quiet.
+    /// Prints a line above the bar, unless `--quiet` is set.
     pub fn say(&self, line: &str) {
         if !matches!(self.display, Display::Nothing) {
             self.terminal.print(line);
@@ -135,7 +135,7 @@ fn describe(slab: &SlabDone, end: f64) -> String {
     format!("slab {number}  t = {time:.6} of {end}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
 }
 
-/// A time for reading, without the last digits that round-off may have spoiled.
+/// A time without the last digits, which round-off may have changed.
 pub(crate) fn rounded(time: f64) -> f64 {
     format!("{time:.11e}").parse().unwrap_or(time)
 }

@@ -37,8 +37,8 @@ fn a_pressure_all_around_is_in_equilibrium() {
     }
 }
 
-/// One curved side from A to B, traversed with the body on its left, for any curve. int n ds is B - A turned back by 90
-/// degrees. int x cross n ds = (|A|^2 - |B|^2) / 2.
+/// One curved side from A to B, traversed with the body on its left, for any curve. The integral of n ds is B - A
+/// turned back by 90 degrees. The integral of x cross n ds is (|A|^2 - |B|^2) / 2.
 #[test]
 fn a_pressure_on_one_curved_side_knows_its_ends_alone() {
     let mesh = unit_box([3, 2], 5, 0.03);

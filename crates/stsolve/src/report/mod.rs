@@ -2,9 +2,10 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `run_files` | what the run has left in its directory so far |
+//! | `run_files` | the files of a run so far |
 //! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
-//! | `groups` | which columns of the history are drawn together |
+//! | `groups` | groups of history columns that share a chart |
+//! Writes the page of the run in `directory`, and prints its path.
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
 //! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
@@ -30,7 +31,7 @@ pub const REPORT_FILE: &str = "report.html";
 /// Writes the page of the run in `directory`, and prints where it is.
 ///
 /// # Errors
-/// A directory that is none of a run; a page that cannot be written.
+/// A directory without a run; a page that cannot be written.
 pub fn report(directory: &Path) -> Result<(), Failure> {
     let run = RunFiles::read(directory)?;
     let pictures = match &run.result {

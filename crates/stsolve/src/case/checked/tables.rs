@@ -45,7 +45,7 @@ pub(in crate::case) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table)
     })
 }
 
-/// The tables, with what was read from files in its place.
+/// The tables, with the data of their files in place of the files.
 pub(in crate::case) fn written_out(
     checker: &Checker<'_>,
     raw: &BTreeMap<String, raw::Table>,
@@ -89,7 +89,7 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> 
     Ok((t, values))
 }
 
-/// The entries of a line, without its comment: between commas where there are some, otherwise between blanks.
+/// The entries of a line without its comment, separated by commas if there are any, otherwise by blanks.
 fn entries(line: &str) -> Vec<&str> {
     let line = line.split('#').next().unwrap_or_default().trim();
     match line.contains(',') {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 pub enum Generate {
     /// A box of quadrilaterals or hexahedra. Its boundaries are left, right (x), bottom, top (y), front, back (z).
     Box(BoxGenerator),
-    /// A square around the origin with a square hole in its middle, in square cells. Its boundaries are inner and outer.
+    /// A square around the origin with a centred square hole, in square cells. Its boundaries are inner and outer.
     RotatingBox(RotatingBoxGenerator),
     /// A box between two walls. Its boundaries are bottom and top, and inflow and outflow if it is not periodic.
     Channel(ChannelGenerator),
@@ -37,13 +37,13 @@ pub struct BoxGenerator {
     pub upper: Vec<f64>,
     /// The number of cells along each axis.
     pub cells: Vec<usize>,
-    /// Along each axis, the size of the last cell over that of the first; sizes in between form a geometric sequence. Without
-    /// it all cells have the same size.
+    /// Along each axis, the size of the last cell over the size of the first; sizes in between form a geometric sequence.
+    /// Default: all cells have the same size.
     pub size_ratio: Option<Vec<f64>>,
-    /// How the cells are curved.
+    /// The deformation of the box.
     #[serde(default)]
     pub curving: Curving,
-    /// Axes along which the box is periodic; their boundaries vanish.
+    /// Axes along which the box is periodic; their boundaries are joined.
     #[serde(default)]
     pub periodic: Vec<Axis>,
 }
