@@ -73,7 +73,6 @@ pub enum ElasticityError {
         /// The point, at rest.
         position: Vec<f64>,
         /// The cause.
-        /// Round-off prevents the solution of a slab.
         source: Box<ElasticityError>,
     },
     /// CG did not reach the tolerance.
@@ -82,7 +81,7 @@ pub enum ElasticityError {
     /// FGMRES did not reach the tolerance for a pair of temporal modes.
     #[error("the solve of a time slab of the structure failed")]
     SlabSolver(#[from] fgmres::Error),
-    /// Round-off keeps a slab from its solution.
+    /// Round-off prevents the solution of a slab.
     #[error(
         "the structure in the slab from t = {time} cannot be solved further than to {residual:e} of the forces in it: round-off; \
          it may be too slender for its mesh, or the slab too long"

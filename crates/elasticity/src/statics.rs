@@ -57,7 +57,6 @@ impl<const D: usize> Statics<D> {
     /// The equilibria at the time nodes of the slab of length `dt` above the displacement `bottom` at time `start`. `v`, `[time node][C0
     /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it is replaced by the
     /// velocities.
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
     ///
     /// # Errors
     /// As [`Self::equilibrium`].
@@ -85,7 +84,7 @@ impl<const D: usize> Structure<D> {
     /// Returns the CG iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
+    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
         self.balance(&self.shifted(0.0)?, 0.0, f, d)
     }

@@ -45,7 +45,6 @@ impl Quadrature {
 
     /// Gauss points in time. The cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
     /// function N_t - 1 each.
-    /// Nodal polynomials of one order at the quadrature points of one direction.
     pub fn time_points(self, dimension: usize, orders: Orders) -> usize {
         match self {
             Quadrature::Double => 2 * orders.time,
@@ -57,7 +56,7 @@ impl Quadrature {
     }
 }
 
-/// Nodal polynomials of one order, seen from the quadrature points of one direction.
+/// Nodal polynomials of one order at the quadrature points of one direction.
 pub struct Shape1d {
     /// Nodes per direction.
     pub order: usize,

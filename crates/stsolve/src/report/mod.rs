@@ -5,7 +5,6 @@
 //! | `run_files` | the files of a run so far |
 //! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
 //! | `groups` | groups of history columns that share a chart |
-//! Writes the page of the run in `directory`, and prints its path.
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
 //! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
@@ -28,7 +27,7 @@ use std::path::Path;
 /// Name of the page in the directory of the run.
 pub const REPORT_FILE: &str = "report.html";
 
-/// Writes the page of the run in `directory`, and prints where it is.
+/// Writes the page of the run in `directory`, and prints its path.
 ///
 /// # Errors
 /// A directory without a run; a page that cannot be written.

@@ -24,11 +24,10 @@ const OUTLINE: f64 = 1.8;
 const WIDE_CELL: f64 = 14.0;
 
 /// The view of a run.
-/// In three dimensions: the plane z = height that is shown.
 pub struct View<const D: usize> {
     /// The windows.
     pub windows: Vec<Window>,
-    /// In space: the plane z = height that is seen.
+    /// In three dimensions: the plane z = height that is shown.
     pub height: Option<f64>,
     /// The faces of each cell that lie on a boundary.
     boundary_faces: Vec<Vec<usize>>,
