@@ -109,17 +109,17 @@ pub struct RunArguments {
 }
 
 impl RunArguments {
-    /// What to do next to see the run in `directory`.
+    /// The command that shows the run in `directory`.
     pub fn to_report(directory: &Path) -> String {
         format!("look at it: stsolve report {}", quoted(&directory.to_string_lossy()))
     }
 
-    /// The command line that continues this run, as a shell takes it.
+    /// The command line that continues this run, quoted for a shell.
     pub fn to_resume(&self, command: &str, directory: &Path) -> String {
         self.again(command, directory, "--resume")
     }
 
-    /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, as a shell takes it.
+    /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, quoted for a shell.
     pub fn again(&self, command: &str, directory: &Path, option: &str) -> String {
         let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
         let words =
@@ -161,7 +161,7 @@ pub struct BenchArguments {
     pub seconds: f64,
 }
 
-/// A duration that ends: at most an hour.
+/// A finite duration of at most an hour.
 fn seconds(text: &str) -> Result<f64, String> {
     let accepted = |seconds: &f64| (0.0..=3600.0).contains(seconds);
     text.parse().ok().filter(accepted).ok_or_else(|| "a number of seconds from 0 to 3600 is expected".into())

@@ -5,18 +5,18 @@
 //! | module | holds |
 //! |---|---|
 //! | `cli` | the command line |
-//! | `case` | the case file: what the user writes, and what the program needs |
+//! | `case` | the case file: from the text of the user to the checked case |
 //! | `expression` | formulas in a case file |
-//! | `any_mesh` | a mesh whose dimension is known only when it is read |
-//! | `bench` | the kernels against what the machine can do |
-//! | `commands` | what each command does |
+//! | `any_mesh` | a mesh whose dimension is known only after it is read |
+//! | `bench` | the kernels relative to the peak of the machine |
+//! | `commands` | the commands |
 //! | `run` | from a checked case to files |
 //! | `report` | a page that shows a run |
-//! | `input_file` | files that the user names, read whole |
-//! | `mesh_file` | a mesh file, if it fits |
-//! | `memory` | the memory that is there |
-//! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
-//! | `clock` | where the time of a run goes |
+//! | `input_file` | input files, read as a whole |
+//! | `mesh_file` | a mesh file, if it fits into memory |
+//! | `memory` | available memory |
+//! | `progress`, `terminal`, `logging`, `signals` | progress, messages and interruption of a run |
+//! | `clock` | the wall time of the parts of a run |
 //! | `excerpt` | a piece of a line with carets below it |
 //! | `failure` | error messages and exit codes |
 
@@ -48,7 +48,7 @@ use failure::Failure;
 const OTHER_MACHINE: &str = "this program was compiled for the instruction set of another machine alone (feature `this-machine`): compile it \
                              here, `cargo build --release`";
 
-/// Does what the command line asks for.
+/// Executes the command line.
 ///
 /// # Errors
 /// Bad input, or a solve that failed.
@@ -77,13 +77,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Does `work` on a thread of the pool. From outside every parallel loop would wake one of them and wait for it to wake this one, which
-/// costs some loops as much as they do.
+/// Does `work` on a thread of the pool. From outside the pool every parallel loop would wake one of its threads and wait to be woken by
+/// it, which costs some loops as much as their work.
 fn in_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     rayon::scope(|_| work())
 }
 
-/// The case of a command that computes. Its mesh is made by the threads asked for, so they come first.
+/// The case of a command that computes. The number of threads is set first, because they build the mesh.
 fn read_for(arguments: &RunArguments) -> Result<AnyCase, Failure> {
     commands::set_threads(arguments)?;
     read(&arguments.case)

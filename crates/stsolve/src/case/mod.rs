@@ -1,4 +1,4 @@
-//! The case file: what the user wrote, and what the program needs.
+//! The case file: from the text of the user to the checked case.
 //!
 //! ```text
 //! text + --set  ->  Document (every key and value with its place)  ->  raw::Case  ->  Case
@@ -7,16 +7,16 @@
 //! | module | holds |
 //! |---|---|
 //! | `document` | the TOML document with places; `--set` |
-//! | `brackets` | brackets of it that are not closed |
+//! | `brackets` | unclosed brackets in it |
 //! | `key` | the path of a key, `flow.boundary.left` |
-//! | `error` | what can be wrong, and where |
+//! | `error` | errors and their places |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
-//! | `continuation` | which cases may continue each other's runs |
-//! | `checked` | the case as the program needs it; no other code sees `raw` |
-//! | `shape` | keys that there are not, lists that are too long, lists in the place of tables |
+//! | `continuation` | conditions for continuing the run of another case |
+//! | `checked` | the checked case; no other code uses `raw` |
+//! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
-//! | `boundary_motion` | how a boundary moves |
+//! | `boundary_motion` | the motion of a boundary |
 
 mod boundary_motion;
 mod brackets;

@@ -15,10 +15,10 @@ use coupled::{MeshMarch, MeshQuality, MeshReport};
 use output::{SolverState, Summary};
 use std::time::Instant;
 
-/// Moves the mesh over the whole run, even where cells are inverted; `command` is what the user has called.
+/// Moves the mesh over the whole run, even if cells are inverted; `command` is the command of the user.
 ///
 /// # Errors
-/// Bad input before anything is written; an invalid mesh after all is written.
+/// Bad input before anything is written; an invalid mesh after everything is written.
 pub fn move_mesh<const D: usize, const M: usize>(
     case: &Case<D>,
     arguments: &RunArguments,
@@ -48,7 +48,7 @@ struct Inverted {
     finding: Finding,
     /// Time at its bottom.
     start: f64,
-    /// Slabs done before.
+    /// Slabs done before it.
     slabs: usize,
 }
 
@@ -119,7 +119,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
 }
 
 impl<const D: usize> MeshRun<'_, D> {
-    /// The failure of a mesh that is invalid from `first` on, after all that is known of it is written.
+    /// The failure of a mesh that is invalid from `first` on, after the failure report is written.
     fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, context: &RunContext, session: &Session) -> Failure {
         let (MeshQuality { sampled_min, cell, time, .. }, directory) = (quality, session.directory.path());
         let sampled = match context.statistics.first_invalid_sampled {
@@ -142,7 +142,7 @@ impl<const D: usize> MeshRun<'_, D> {
     }
 }
 
-/// Says what was proved until `time`.
+/// Reports the proof up to `time`.
 fn say_valid(quality: &MeshQuality, time: f64, context: &RunContext, session: &Session) {
     let directory = session.directory.path();
     context.progress.say(&format!(

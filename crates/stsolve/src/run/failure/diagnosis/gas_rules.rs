@@ -4,7 +4,7 @@ use super::super::data::{Extreme, FailureData, Mismatch, OpeningEvidence};
 use super::{Cause, number, rises};
 use crate::run::openings::Misuse;
 
-/// There is hardly any gas somewhere.
+/// The density is nearly zero somewhere.
 pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     let likelihood = |lowest: f64| 1.0 - rises(lowest.max(0.0), 0.02);
@@ -21,7 +21,7 @@ pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Gas does at an inflow or outflow what the condition is not made for.
+/// Gas at an inflow or outflow does what the condition is not made for.
 pub fn opening(data: &FailureData) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
