@@ -1,4 +1,4 @@
-//! What a command that computes sets up before the first slab.
+//! The set-up of a command that computes, before the first slab.
 
 use crate::case::About;
 use crate::cli::RunArguments;
@@ -20,15 +20,15 @@ pub struct Session {
     pub terminal: Terminal,
     /// Whether the run has been asked to stop.
     pub stop: StopFlag,
-    /// Where its time goes.
+    /// The clock of its parts.
     pub clock: Clock,
 }
 
 impl Session {
-    /// Sets up a run that has `begun`. `directory` is the one that the case names, if it names one.
+    /// Sets up a run that has `begun`. `directory` is the one given in the case, if any.
     ///
     /// # Errors
-    /// An output directory that cannot be written or is in use, handlers that the system refuses.
+    /// An output directory that cannot be written or is in use, or handlers that the system refuses.
     pub fn start(
         arguments: &RunArguments,
         about: &About,
@@ -44,7 +44,7 @@ impl Session {
     }
 }
 
-/// Has all that follows computed by as many threads as asked for.
+/// Sets the number of threads for everything that follows.
 ///
 /// # Errors
 /// If the system refuses to start them.
@@ -53,7 +53,7 @@ pub fn set_threads(arguments: &RunArguments) -> Result<(), Failure> {
     rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)
 }
 
-/// From the command line, else from the case, else `runs/<case name>`.
+/// From the command line, or else from the case, or else `runs/<case name>`.
 pub fn output_directory(arguments: &RunArguments, about: &About, directory: Option<&Path>) -> PathBuf {
     let chosen = arguments.output.clone().or_else(|| directory.map(Path::to_owned));
     chosen.unwrap_or_else(|| Path::new("runs").join(&about.name))

@@ -1,4 +1,4 @@
-//! What a run keeps beside its march: sums, clock, progress; and how it ends.
+//! Data of a run besides its march: sums, clock, progress; and its end.
 
 use super::statistics::RunStatistics;
 use crate::case::Time;
@@ -10,20 +10,20 @@ use crate::progress::{Progress, rounded};
 use output::{Cost, Machine};
 use std::time::Instant;
 
-/// What a run keeps beside its march.
+/// Data of a run besides its march.
 pub struct RunContext {
     /// Sums over the run.
     pub statistics: RunStatistics,
-    /// What the user sees.
+    /// The progress shown to the user.
     pub progress: Progress,
     begun: Instant,
     setup_seconds: f64,
     clock: Clock,
 }
 
-/// Why a run ended before its end.
+/// Why a run stopped before its end.
 pub enum Stop {
-    /// By a signal.
+    /// A signal.
     Asked,
     /// A slab could not be solved.
     Failed(anyhow::Error),
@@ -40,7 +40,7 @@ impl Stop {
 }
 
 impl RunContext {
-    /// Those of a run of `time` that begun at `begun` and stands at `reached`.
+    /// The context of a run over `time` that began at `begun` and has reached `reached`.
     pub fn new(
         time: &Time,
         reached: f64,
@@ -59,12 +59,12 @@ impl RunContext {
         }
     }
 
-    /// Seconds since the run begun.
+    /// Seconds since the run began.
     pub fn seconds(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
 
-    /// What the run has cost so far.
+    /// The cost of the run so far.
     pub fn cost(&self) -> Cost {
         let parts = self.clock.parts();
         Cost {
@@ -78,25 +78,25 @@ impl RunContext {
         }
     }
 
-    /// Tells where the time of the run went.
+    /// Prints the wall time of the parts of the run.
     pub fn say_cost(&self) {
         self.progress.say(&clock::table(&self.clock.parts()));
     }
 
-    /// Says that the run has reached its end at `time`.
+    /// Reports that the run has reached its end at `time`.
     pub fn say_done(&self, time: f64, session: &Session) {
         let (time, seconds, directory) = (rounded(time), self.seconds(), session.directory.path());
         let next = RunArguments::to_report(directory);
         self.progress.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
     }
 
-    /// Says that the run was stopped at `time`; `again` is the command that continues it.
+    /// Reports that the run was stopped at `time`; `again` is the command that continues it.
     pub fn say_stopped(&self, time: f64, again: &str) {
         self.progress.say(&format!("stopped at t = {}; continue with: {again}", rounded(time)));
     }
 }
 
-/// The machine, as far as the system tells.
+/// The machine, as far as the system reports it.
 pub fn machine() -> Machine {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

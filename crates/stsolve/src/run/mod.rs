@@ -3,23 +3,23 @@
 //! | module | holds |
 //! |---|---|
 //! | `build` | from a case to the problem of the numerics |
-//! | `drive` | a run, slab by slab, whatever it solves |
+//! | `drive` | a run, slab by slab, for any equations |
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
-//! | `context` | what a run keeps beside its march, and how it ends |
-//! | `record` | what every slab leaves on disk |
-//! | `motion_jump` | how a motion differs from that of the run that it continues |
+//! | `context` | data of a run besides its march, and its end |
+//! | `record` | the output of every slab |
+//! | `motion_jump` | differences between a motion and the motion of the run that it continues |
 //! | `occupied` | whether a run may write into its output directory |
 //! | `history` | columns and rows of history.csv |
-//! | `failure` | what a run that has failed leaves behind |
+//! | `failure` | the report of a failed run |
 //! | `summary` | summary.json |
-//! | `fields` | fields for drawing |
+//! | `fields` | fields for display |
 //! | `checkpoint` | the state of a run as named arrays, and back |
-//! | `openings` | what passes inflows and outflows, and whether their conditions are made for it |
-//! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
-//! | `resume` | whether a run may continue the one that left a checkpoint |
-//! | `restart` | a run that starts where another one stands |
+//! | `openings` | the flow through inflows and outflows, and whether their conditions are made for it |
+//! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
+//! | `resume` | the decision whether a run may continue from a checkpoint |
+//! | `restart` | a run that starts from the result of another one |
 //! | `statistics` | sums over the run |
-//! | `walls` | what walls feel |
+//! | `walls` | loads of walls |
 
 mod build;
 mod checkpoint;

@@ -156,8 +156,9 @@ pub enum BoundaryMotion {
     Rigid(Vec<RigidStep>),
     /// A displacement along the unit normal at rest, which points out of the mesh: positive into the wall. It is a formula in the
     /// position x, y, z at rest and the time t. In two dimensions on a closed curve it may contain s, the length along the curve as a
-    /// fraction of the whole. s starts from 0 at the point with the largest x and increases with the mesh on the right, which is
-    /// counter-clockwise around a body. At an edge or a corner the normal is the mean of the facets' normals. Zero at the start.
+    /// fraction of the whole. The length starts from 0 at the point with the largest x and increases with the mesh on the right,
+    /// which is counter-clockwise around a body. At an edge or a corner the normal is the mean of the facets' normals. Zero at the
+    /// start.
     Normal(Formula),
 }
 
