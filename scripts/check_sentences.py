@@ -21,7 +21,8 @@ CASES = ["cases/*.toml"]
 ITEM = re.compile(r"^\s*([*+-]|\d+[.)])\s+")
 # A sentence ends before an upper-case letter, a figure, code or a link.
 END = re.compile(r"(?<=[.!?])[)\"'*_]*\s+(?=[\"'(*_\[]*[A-Z0-9`\[])")
-ABBREVIATIONS = re.compile(r"\b(e\.g|i\.e|cf|et al|vs|Eq|Fig|Sec|No|[A-Z])\.\s")
+# Initials of a name follow a comma, a bracket, "and", or other initials; "det J." ends a sentence.
+ABBREVIATIONS = re.compile(r"\b(e\.g|i\.e|cf|et al|vs|Eq|Fig|Sec|No)\.\s|(?:^|(?<=[,(&>/] )|(?<=\()|(?<=and )|(?<=[A-Z][,.] ))[A-Z]\.\s")
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
 CODE = re.compile(r"`+[^`]*`+")
 

@@ -15,8 +15,8 @@ fn motion(directory: &Path, name: &str, set: &[&str], code: i32) -> (serde_json:
     (summary(&directory.join(name)), outcome.stderr)
 }
 
-/// N, the angle up to which the mesh is valid at 2N Gauss points and at 4N Gauss-Lobatto points, by equation (5) and with
-/// constant stiffness; Diosady & Murman, AIAA 2018-0919, section III.C, and an independent program.
+/// N, and the angle up to which the mesh is valid at 2N Gauss points and at 4N Gauss-Lobatto points, by equation (5) and
+/// with constant stiffness. From Diosady & Murman, AIAA 2018-0919, section III.C, and an independent program.
 const ANGLES: [(usize, [[f64; 2]; 2]); 3] =
     [(2, [[62.9, 60.7], [34.6, 32.7]]), (4, [[48.7, 44.4], [25.0, 21.7]]), (8, [[40.3, 35.3], [19.9, 16.4]])];
 

@@ -34,8 +34,8 @@ fn points<const D: usize>(order: usize) -> usize {
     (D * (order - 1)).pow(D as u32)
 }
 
-/// The count of numbers with which a thread bounds det J. At each point in space and, of degree D N_t, in time there are the D^2
-/// entries of J, four arrays of determinants and 2 D arrays between contractions. Add two arrays of det J_0, and positions at times
+/// The count of numbers with which a thread bounds det J. Each point in space and, of degree D N_t, in time has the D^2 entries of
+/// J, four arrays of determinants and 2 D arrays between contractions. To these come two arrays of det J_0, and positions at times
 /// and at points in time.
 fn proof<const D: usize>(order: usize, time_order: usize) -> usize {
     let (points, instants) = (points::<D>(order), D * time_order + 1);
