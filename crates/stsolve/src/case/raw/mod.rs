@@ -32,9 +32,9 @@ use std::collections::BTreeMap;
 /// time.
 ///
 /// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
-/// A formula is a number or a text such as "0.1*sin(pi*t/4)". Its variables are x, y, z and t; it may contain pi, the constants
-/// and the tables of the case, the operators + - * / ^, comparisons, if(condition, a, b), min, max, abs, sqrt, exp, log,
-/// sin, cos, tan, atan, tanh, sinh and cosh.
+/// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
+/// the case. Its operators are + - * / ^, comparisons and if(condition, a, b). Its functions are min, max, abs, sqrt, exp,
+/// log, sin, cos, tan, atan, tanh, sinh and cosh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
