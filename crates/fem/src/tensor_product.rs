@@ -43,7 +43,7 @@ fn multiplications(matrix: &Matrix, outer: usize, inner: usize) -> usize {
     matrix.rows() * matrix.cols() * outer * inner
 }
 
-/// What to evaluate or to integrate against.
+/// The quantities to evaluate or to integrate against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EvaluationFlags {
     /// Values only.

@@ -95,9 +95,9 @@ pub(crate) struct Small {
     inner_product: Weighted,
     matrix: Dense,
     inverse_pseudo_time: Vec<f64>,
-    /// What `largest_step` returns.
+    /// The result of `largest_step`.
     pub(crate) largest_step: f64,
-    /// What `round_off` returns.
+    /// The result of `round_off`.
     pub(crate) rounding: Option<Vec<f64>>,
 }
 

@@ -45,6 +45,6 @@ pub struct Cost {
 pub struct Part {
     /// Seconds spent in it.
     pub seconds: f64,
-    /// How often it was called.
+    /// The number of its calls.
     pub calls: u64,
 }

@@ -28,7 +28,7 @@ fn alternatives<'a>(schema: &'a Value, value: &'a Value) -> Vec<&'a Value> {
     std::iter::once(value).chain(lists.flatten().flat_map(|inner| alternatives(schema, inner))).collect()
 }
 
-/// What the `step` from `value` leads to.
+/// The value at the `step` from `value`.
 fn inside<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
     let parts = match step {
         Step::Name(name) => [&value["properties"][name.as_str()], &value["additionalProperties"]],

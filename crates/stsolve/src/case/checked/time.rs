@@ -40,7 +40,7 @@ impl Time {
     }
 }
 
-/// What is written, and where.
+/// Directory and contents of the output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// The directory given in the case; None: the default.
