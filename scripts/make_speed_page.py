@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """Writes docs/src/speed.md, the only page with seconds, from a measurement of the kernels and from finished runs.
 
-    make_speed_page.py [--bench FILE] [--bench-mesh-order-3 FILE] [--runs DIRECTORY] [--study DIRECTORY] [--date DATE]
+    make_speed_page.py [--bench FILE] [--bench-mesh-order-3 FILE] [--runs DIRECTORY] [--study DIRECTORY] [--date DATE] [--machine NAME]
 
 --bench: output of `stsolve bench --orders 4,8 --kernel flow,elasticity --seconds 2 --json` on an idle machine; the other file, of the same
 command with `--kernel flow --mesh-order 3`. --runs: the directory of runs of the shipped cases (runs/NAME). --study: the runs of
-`airfoil_study.py` (runs/airfoil_study). --date: when they were measured (default: today). A section without input stays as it is.
+`airfoil_study.py` (runs/airfoil_study). --date and --machine: when and where they were measured (default: today, this processor). A section
+without input stays as it is.
 """
 
 import argparse
 import datetime
 import json
 import pathlib
+import platform
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "src" / "speed.md"
 
@@ -49,7 +51,15 @@ def speedup(rows):
     return f"{min(gains):.1f} to {max(gains):.1f}"
 
 
-def kernels(file, coarse, date):
+def processor():
+    """The name of this processor."""
+    info = pathlib.Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def kernels(file, coarse, date, name):
     machine, rows = json.loads(file.read_text())["machine"], bench_rows(file)
     lines = [(text, *(rate(rows[kernel, *size]) for size in SIZES)) for kernel, text in KERNELS.items()]
     lines.append(("Jacobian product, time over the residual's", *(time_over("product", "residual", rows, size) for size in SIZES)))
@@ -57,9 +67,8 @@ def kernels(file, coarse, date):
         lines.append(("flow residual on a mesh of order 3", *(rate(bench_rows(coarse)["residual", *size]) for size in SIZES)))
     head = ("kernel", *(f"{dimension}-D, N = {order}" for dimension, order in SIZES))
     solve, set_up = ([rows[f"elasticity {part}", 2, order]["seconds_one"] for order in (4, 8)] for part in ("solve", "set-up"))
-    return f"""Measured on {date} with {machine['threads']} threads. Peak of one core: {machine['gflops_one']:.0f} GFLOP/s and
-{machine['gbytes_one']:.0f} GB/s; of all: {machine['gflops_all']:.0f} GFLOP/s and {machine['gbytes_all']:.0f} GB/s.
-Million unknowns per second on one core, and the share of the peak that limits the kernel:
+    return f"""Measured on {date} on {machine['threads']} cores of {name}. Peak of one core: {machine['gflops_one']:.0f} GFLOP/s and
+{machine['gbytes_one']:.0f} GB/s; of all: {machine['gflops_all']:.0f} GFLOP/s and {machine['gbytes_all']:.0f} GB/s. The table shows million unknowns per second on one core, and the share of the peak that limits the kernel:
 
 {table(head, lines)}
 
@@ -100,10 +109,11 @@ def main():
     for name in ("--bench", "--bench-mesh-order-3", "--runs", "--study"):
         parser.add_argument(name, type=pathlib.Path)
     parser.add_argument("--date", default=datetime.date.today().isoformat())
+    parser.add_argument("--machine", default=processor())
     arguments = parser.parse_args()
     page = sections()
     if arguments.bench:
-        page["Kernels"] = kernels(arguments.bench, arguments.bench_mesh_order_3, arguments.date)
+        page["Kernels"] = kernels(arguments.bench, arguments.bench_mesh_order_3, arguments.date, arguments.machine)
     if arguments.runs:
         page["Runs of the shipped cases"] = measured_runs(arguments.runs, arguments.date, lambda name: f"[`{name}`](cases/{name}.md)")
     if arguments.study:
