@@ -1,7 +1,7 @@
 //! Any bytes as a case file.
 
+use ::case::{AnyCase, Document};
 use std::path::Path;
-use stsolve::case::{AnyCase, Document};
 
 /// More cells than this along an axis are no error of a reader, but cost time.
 const MOST_CELLS: i64 = 64;

@@ -1,7 +1,7 @@
 //! The vortex of the paper (IV.A) on a mesh that stretches and travels with it.
 
 use crate::prescribed;
-use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
+use coupled::{BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System};
 use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -28,7 +28,7 @@ impl VectorField<2> for Stretching {
 /// A run of the vortex.
 pub struct VortexRun {
     /// The run.
-    pub march: March<2, 4>,
+    pub march: FlowMarch<2, 4>,
     /// The exact solution.
     pub exact: Arc<dyn StateField<2, 4>>,
 }
@@ -92,13 +92,13 @@ impl VortexRun {
         let (schedule, jacobian) = (Schedule::uniform(end, slabs), Jacobian::Exact);
         let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
         let mover = MeshMover::new(motion, mesh, numbering, time_order);
-        VortexRun { march: March::new(SlabProblem::new(flow, mover), u, settings), exact }
+        VortexRun { march: FlowMarch::new(System::new(flow, mover), u, settings), exact }
     }
 
     /// The largest distance of a node from its position by the affine map.
     pub fn displacement_error(&self) -> f64 {
         let state = &self.march.state;
-        let nodes = self.march.problem.mover.positions().iter().zip(state.d.chunks_exact(2));
+        let nodes = self.march.solver.system.mesh.mover.positions().iter().zip(state.d.chunks_exact(2));
         let distance = |(x, d): (&[f64; 2], &[f64])| {
             let exact = Stretching.value(x, state.time);
             (d[0] - exact[0]).hypot(d[1] - exact[1])
@@ -108,7 +108,7 @@ impl VortexRun {
 
     /// The L2 error of the density at the time reached.
     pub fn density_error(&self) -> f64 {
-        let flow = &self.march.problem.flow;
+        let flow = &self.march.solver.system.flow.operator;
         let row = flow.top_row();
         squared_errors(flow, &self.march.state.u, row.row(0), self.exact.as_ref(), self.march.state.time)[0].sqrt()
     }

@@ -37,6 +37,8 @@ pub enum MeshMotion<const D: usize> {
     Still,
     /// The displacement of every node is prescribed.
     Prescribed(Arc<dyn BoundaryField<D>>),
+    /// Bodies move every node.
+    Followed,
     /// Boundaries move as prescribed and the interior follows like an elastic body.
     Elastic {
         /// K and its preconditioner.
@@ -52,7 +54,7 @@ impl<const D: usize> MeshMotion<D> {
     /// What moves `node`, if its motion is prescribed.
     fn field_of(&self, node: usize) -> Option<&dyn BoundaryField<D>> {
         match self {
-            MeshMotion::Still => None,
+            MeshMotion::Still | MeshMotion::Followed => None,
             MeshMotion::Prescribed(field) => Some(&**field),
             MeshMotion::Elastic { boundary, .. } => boundary.field_of_node[node].map(|field| &*boundary.fields[field]),
         }
@@ -94,7 +96,7 @@ impl<const D: usize> MeshMotion<D> {
     ) -> Result<Work, ElasticityError> {
         match self {
             MeshMotion::Still => v.fill(0.0),
-            MeshMotion::Prescribed(_) => {
+            MeshMotion::Prescribed(_) | MeshMotion::Followed => {
                 v.copy_from_slice(g);
                 motion.velocities(dt, bottom, v);
             }

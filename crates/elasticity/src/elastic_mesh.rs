@@ -184,6 +184,13 @@ impl<const D: usize> ElasticMesh<D> {
         self.set(true, vector, value);
     }
 
+    /// Adds to the entries of constrained nodes.
+    pub(crate) fn add_at_constrained(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
+        for (node, _) in self.constrained.iter().enumerate().filter(|(_, constrained)| **constrained) {
+            (node * D..(node + 1) * D).for_each(|i| vector[i] += value(i));
+        }
+    }
+
     fn set(&self, constrained: bool, vector: &mut [f64], value: impl Fn(usize) -> f64) {
         for (node, _) in self.constrained.iter().enumerate().filter(|(_, c)| **c == constrained) {
             (node * D..(node + 1) * D).for_each(|i| vector[i] = value(i));

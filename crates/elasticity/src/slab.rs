@@ -117,6 +117,14 @@ impl<const D: usize> ElasticSlab<'_, D> {
         })
     }
 
+    /// out += factor diag(K) g at constrained nodes: what their rows of (slab) have of the displacements `g[a][..]`, negative there.
+    pub fn add_prescribed(&self, factor: f64, g: &[f64], out: &mut [f64]) {
+        let length = self.mesh.length();
+        for (g, out) in g.chunks_exact(length).zip(out.chunks_exact_mut(length)) {
+            self.mesh.add_at_constrained(out, |i| factor * self.mesh.diagonal()[i] * g[i]);
+        }
+    }
+
     /// out = (dR/dV)(V) w.
     pub fn jacobian_product(&self, bottom: &[f64], v: &[f64], w: &[f64], out: &mut [f64]) {
         let length = self.mesh.length();

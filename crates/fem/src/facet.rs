@@ -91,6 +91,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                 Across::Boundary(number, data) => {
                     boundary_data::<D, M, K, S>(simd, context, instant, of, *data, scratch);
                     boundary_points::<D, M, L, K, S>(simd, law, conditions[*number], tables, weight, scratch);
+                    if scratch.with_loads {
+                        test_loads::<D, S>(simd, tables, of, scratch); // 4.
+                    }
                 }
             }
             for side in &mut scratch.sides[..used] {
@@ -222,6 +225,22 @@ pub(crate) fn symmetric_term<const D: usize, const M: usize, K: Mode, S: Simd>(
             sum.scale(scale).result().write(&mut tested_gradient[at.index(j * M + m)], at.part);
         }
     }
+}
+
+/// Step 4 for (load): tests the flux of momentum through a boundary with the shape functions of the mesh, at one instant.
+#[inline(always)]
+fn test_loads<const D: usize, S: Simd>(
+    simd: S,
+    tables: &Tables<D>,
+    TimePointIndex { number, .. }: TimePointIndex,
+    scratch: &mut FacetScratch,
+) {
+    let lattice = Lattice::whole(&tables.mesh, D - 1);
+    let FacetScratch { sides, loads, scratch: room, .. } = scratch;
+    // Components 1 to D are momentum.
+    let momentum = &sides[0].tested[tables.facet_points()..];
+    let out = &mut loads[number * D * lattice.nodes()..];
+    integrate(simd, lattice, D, EvaluationFlags::Values, momentum, &[], out, room, false);
 }
 
 /// Step 4: tests one side's terms in space, at one instant.

@@ -14,6 +14,7 @@
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
 //! | `operator` | the residual of a slab and its derivatives |
 //! | `boundary_flux` | fluxes through boundaries: forces, power |
+//! | `wall_loads` | nodal forces on walls that respond to the flow |
 //! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
@@ -45,6 +46,7 @@ mod tables;
 mod tensor_product;
 mod traces;
 mod violation;
+mod wall_loads;
 mod work;
 
 pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};

@@ -15,6 +15,7 @@ use crate::prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
+use crate::wall_loads::{WallLoads, scatter_loads};
 use basis::Matrix;
 use mesh::{Mesh, NodeNumbering};
 use rayon::prelude::*;
@@ -83,6 +84,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     terms: Vec<f64>,
     pub(crate) cells: Pool<CellScratch>,
     pub(crate) facet_scratch: Pool<FacetScratch>,
+    pub(crate) wall_loads: WallLoads,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -127,6 +129,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             terms: vec![0.0; terms],
             cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
+            wall_loads: WallLoads::unloaded(facets.batches.len()),
             problem,
             mesh: moving,
             facets,
@@ -248,12 +251,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell with a NaN in
     /// its result: violations are passed on as NaN, and arithmetic may produce it.
     fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
-        let mut terms = std::mem::take(&mut self.terms);
+        let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
         let facet_len = 2 * self.state_traces.layout.face_len();
-        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches);
-        facets.with_max_len(BATCHES_PER_TASK).for_each(|(terms, batch)| {
-            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms));
+        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&mut loads).zip(&self.facets.batches);
+        facets.with_max_len(BATCHES_PER_TASK).for_each(|((terms, loads), batch)| {
+            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms, loads));
         });
+        self.wall_loads.terms = loads;
+        self.sum_loads();
         let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
         let cells = out.par_chunks_mut(WIDTH * cell_len).enumerate();
         cells.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
@@ -269,14 +274,24 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
-    fn facet_batch(&self, along: Differentiate, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
+    fn facet_batch(
+        &self,
+        along: Differentiate,
+        batch: &FacetBatch,
+        scratch: &mut FacetScratch,
+        terms: &mut [f64],
+        loads: &mut [f64],
+    ) {
         let viscous = self.problem.kernels.is_viscous();
         let state = &self.state_and_direction()[..along.state_blocks()];
         let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
         self.gather_sides(along, state, mesh, batch, scratch);
         let (instants, test) = (&self.tables.instants[..], &self.tables.test);
         let times = Times { instants, in_time: self.in_time(), test, weight: self.dt };
+        scratch.with_loads = !loads.is_empty();
         self.facet_kernel(along, batch, &times, scratch);
+        scatter_loads(&scratch.loads, loads);
+        scratch.with_loads = false;
         self.scatter_terms(batch, scratch, viscous, terms);
     }
 

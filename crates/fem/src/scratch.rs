@@ -102,6 +102,10 @@ pub struct FacetScratch {
     pub data: Vec<Pack>,
     /// The flux through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
     pub through: Vec<Pack>,
+    /// Whether the facets of the batch leave loads, see [`crate::wall_loads`].
+    pub(crate) with_loads: bool,
+    /// Loads of boundary facets, `[time point][d][face node of the mesh]`.
+    pub(crate) loads: Vec<Pack>,
     /// The velocity at which forces on a boundary do work, `[d][face node]`, see [`crate::boundary::FacetFlux`].
     pub boundary_velocity: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
@@ -149,6 +153,8 @@ impl FacetScratch {
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
             through: zeroed(2 * through_len(M) + 2),
+            with_loads: false,
+            loads: zeroed(tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],

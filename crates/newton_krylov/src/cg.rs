@@ -77,7 +77,7 @@ impl Workspace {
         &self.history
     }
 
-    /// Makes room for a solve of the given length.
+    /// Allocates memory for a solve of the given length.
     fn prepare(&mut self, length: usize) {
         for vector in [&mut self.r, &mut self.z, &mut self.p, &mut self.a_p] {
             vector.resize(length, 0.0);

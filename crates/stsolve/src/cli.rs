@@ -114,11 +114,6 @@ impl RunArguments {
         format!("look at it: stsolve report {}", quoted(&directory.to_string_lossy()))
     }
 
-    /// The command line that continues this run, quoted for a shell.
-    pub fn to_resume(&self, command: &str, directory: &Path) -> String {
-        self.again(command, directory, "--resume")
-    }
-
     /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, quoted for a shell.
     pub fn again(&self, command: &str, directory: &Path, option: &str) -> String {
         let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
@@ -211,7 +206,7 @@ mod tests {
         let Command::Run(arguments) = Arguments::parse_from(line).command else { panic!("not a run") };
         assert_eq!(RunArguments::to_report(Path::new("a b")), "look at it: stsolve report 'a b'");
         assert_eq!(
-            arguments.to_resume("run", Path::new("runs/a")),
+            arguments.again("run", Path::new("runs/a"), "--resume"),
             r"stsolve run 'my case.toml' --set time.end=2 --set 'title=it'\''s' --output runs/a --resume"
         );
     }

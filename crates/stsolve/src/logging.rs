@@ -1,8 +1,8 @@
 //! Destinations of log records: all go to `log.jsonl`, for machines; the requested ones go to stderr.
 
 use crate::cli::Verbosity;
-use crate::clock::Clock;
 use crate::terminal::Terminal;
+use simulation::clock::Clock;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -5,9 +5,9 @@
 mod common;
 
 use common::{number, on_case, shipped, stsolve, summary};
+use simulation::clock::{Clock, table};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
-use stsolve::clock::{Clock, table};
 use tempfile::TempDir;
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::filter_fn;

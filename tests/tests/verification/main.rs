@@ -1,6 +1,7 @@
 //! Verification of the numerics against exact solutions and identities: one program, so that the kernels are compiled once.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod architecture;
 mod boundary_flux;
 mod coarse_level;
 mod large_rotation;
@@ -11,3 +12,4 @@ mod top_of_slab;
 mod valid_steps;
 mod viscous;
 mod vortex;
+mod wall_loads;

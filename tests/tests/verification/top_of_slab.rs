@@ -1,6 +1,6 @@
 //! Solutions of a slab that are inadmissible at its top, where the next slab begins.
 
-use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, SlabProblem};
+use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, System};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Compiled, NavierStokes, Riemann, Viscosity};
@@ -22,7 +22,7 @@ impl StateField<2, 4> for Leak {
 }
 
 /// The march of that gas in slabs of length `step` with three nodes in time, for which it is exact.
-fn march(step: f64, max_halvings: u32) -> March<2, 4>
+fn march(step: f64, max_halvings: u32) -> FlowMarch<2, 4>
 where
     NavierStokes<2>: Compiled<2, 4>,
 {
@@ -49,7 +49,7 @@ where
         jacobian: Jacobian::Exact,
         max_halvings,
     };
-    March::new(SlabProblem::new(flow, mover), u, settings)
+    FlowMarch::new(System::new(flow, mover), u, settings)
 }
 
 /// An airfoil that pitched fast once continued from a negative density. The density had changed its sign between the points where the

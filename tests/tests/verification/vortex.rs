@@ -152,7 +152,7 @@ fn slabs_adapt_to_the_jump() {
 #[test]
 fn newton_ends_quadratically_and_at_round_off() {
     let mut run = VortexRun::new(Setting { slabs: 1, end: 0.5, predictor: Predictor::Constant, ..SETTING });
-    let newton = &mut run.march.settings_mut().newton;
+    let newton = &mut run.march.solver.newton;
     (newton.relative_tolerance, newton.forcing.minimum) = (1e-13, 1e-6);
     let report = run.march.advance().unwrap();
     let history = report.newton.residual_history();
@@ -191,7 +191,7 @@ fn coupling_costs_no_more_than_its_parts() {
         );
         totals.push((products + residuals) as f64);
     }
-    let mover = VortexRun::new(setting).march.problem.mover;
+    let mover = VortexRun::new(setting).march.solver.system.mesh.mover;
     let mut mesh = MeshMarch::new(mover, Schedule::uniform(setting.end, setting.slabs), 0);
     let start = std::time::Instant::now();
     while !mesh.is_done() {

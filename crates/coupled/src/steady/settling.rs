@@ -2,7 +2,7 @@
 
 use super::residual_norms;
 use super::search::{Discretisation, Search};
-use crate::march::{Jacobian, March, Predictor, Settings};
+use crate::coupled_slab::{FlowMarch, Jacobian, Predictor, Settings};
 use crate::schedule::Schedule;
 use newton_krylov::newton;
 
@@ -62,15 +62,15 @@ pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, 
     Some(Settling { early, late, duration: step * SLABS as f64 })
 }
 
-fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], step: f64) -> March<D, M> {
+fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], step: f64) -> FlowMarch<D, M> {
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
-    problem.flow.hold_time(search.time);
+    problem.flow.operator.hold_time(search.time);
     let schedule =
         Schedule { start: search.time, end: search.time + step * SLABS as f64, step, slabs: SLABS, control: None };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
     let settings =
         Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };
-    let mut march = March::new(problem, u.to_vec(), settings);
+    let mut march = FlowMarch::new(problem, u.to_vec(), settings);
     march.state.d.copy_from_slice(search.displacement);
     march
 }

@@ -122,7 +122,7 @@ impl<const D: usize> BoxMesh<D> {
             for k in 0..nodes.len().pow(D as u32) {
                 let r = from_fn(|a| {
                     let xi = nodes[digit(k, nodes.len(), a)];
-                    // Exact at both ends, so that neighbours have the same nodes to the bit.
+                    // Exact at both ends, so that neighbours have identical nodes.
                     breakpoints[a][place[a]] * (0.5 - 0.5 * xi) + breakpoints[a][place[a] + 1] * (0.5 + 0.5 * xi)
                 });
                 let d = deformation.displacement(&r);

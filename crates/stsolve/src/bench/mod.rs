@@ -20,7 +20,6 @@ mod vectors;
 
 use crate::cli::BenchArguments;
 use crate::commands::print;
-use crate::failure::Failure;
 use crate::terminal::Terminal;
 use elastic::Elastic;
 use elastic_solvers::ElasticSolvers;
@@ -29,6 +28,7 @@ use measurement::{Growth, Measurement, Report};
 use preconditioner::{ByLines, Preconditioned};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use roofs::Machine;
+use simulation::Failure;
 pub use subject::Group;
 use subject::{Build, Size};
 use vectors::Vectors;

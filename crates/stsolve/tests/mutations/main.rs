@@ -14,13 +14,13 @@ mod damage;
 mod leaves;
 mod legal;
 
+use case::{AnyCase, CaseError, Document, Place};
 use damage::{Damaged, damage};
 use leaves::{Leaves, differing, first_name, last_name, leaves, same};
 use legal::is_legal_number;
 use random::Random;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use stsolve::case::{AnyCase, CaseError, Document, Place};
 
 /// The number of damaged files.
 const FILES: usize = 1000;

@@ -1,16 +1,13 @@
 //! Measurements of trial computations: seconds, and the mesh over the run.
 
 use super::super::table::Table;
-use crate::case::{Case, Motion};
 use crate::cli::Probe;
-use crate::run::{MeshOverRun, Timing};
+use case::{Case, Motion};
 use elasticity::Law;
+use simulation::{MeshOverRun, TYPICAL_ITERATIONS, Timing};
 
 /// Newton steps of a typical slab.
 const TYPICAL_STEPS: usize = 3;
-
-/// Krylov iterations of such a step.
-pub(super) const TYPICAL_ITERATIONS: usize = 8;
 
 /// The amount of work for which a probe takes some seconds: displacements times slabs, unknowns of a three-dimensional mesh, unknowns of
 /// the flow in a slab of two and of three dimensions.

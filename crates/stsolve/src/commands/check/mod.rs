@@ -5,14 +5,10 @@
 //! | `tables` | figures of a case without trial computations |
 //! | `scales` | speed and amplitude of the motion of the mesh |
 //! | `walls` | resolution of the first cell at a wall |
-//! | `memory` | the memory of a run, estimated |
-//! | `mesh_memory` | the part of it that the mesh takes |
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
 
 mod measured;
-pub(crate) mod memory;
-mod mesh_memory;
 mod scales;
 mod tables;
 mod walls;
@@ -20,14 +16,13 @@ mod warnings;
 
 use super::print;
 use super::table::Table;
-use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::Probe;
-use crate::failure::Failure;
-use crate::run::{check_restart, move_over_run, openings, time_flow};
+use case::{AnyCase, Case, Flow, State};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use scales::MotionScales;
 use serde_json::{Map, Value};
+use simulation::{Failure, OpeningRecord, check_restart, move_over_run, openings_at_start, time_flow};
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
@@ -76,11 +71,6 @@ impl<'a, const D: usize> Facts<'a, D> {
         }
     }
 
-    /// The sizes alone, without figures that take long to compute.
-    fn without_scales(case: &'a Case<D>) -> Self {
-        Facts { case, smallest_size: 0.0, motion: None, walls: None, plate: None }
-    }
-
     fn orders(&self, flow: &Flow<D>) -> fem::Orders {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
@@ -91,17 +81,11 @@ impl<'a, const D: usize> Facts<'a, D> {
         wave * self.case.time.step / self.smallest_size
     }
 
-    /// Unknowns of the flow in a cell at a time, and in a slab.
-    fn flow_unknowns(&self) -> (usize, usize) {
-        let per_cell = self.case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
-        (per_cell, self.case.mesh.n_cells() * per_cell * self.case.time.order)
-    }
-
     /// The size of coefficients and fields of the slabs that are written, in MB.
     fn result_megabytes(&self) -> f64 {
         let coordinates = self.case.mesh.coordinates().len() / D;
         let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
-        let coefficients = self.flow_unknowns().1 + D * coordinates * self.case.time.order;
+        let coefficients = self.case.flow_unknowns() + D * coordinates * self.case.time.order;
         8e-6 * (points + coefficients) as f64 * (slabs / self.case.output.every + 2) as f64
     }
 }
@@ -133,11 +117,11 @@ where
     State<D>: ExactState<D, M>,
 {
     let Some(flow) = &case.flow else { return Vec::new() };
-    let warning = |record: &openings::Record| {
+    let warning = |record: &OpeningRecord| {
         let name = &case.mesh.boundary_names()[record.now.boundary];
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
-    openings::at_start::<D, M>(case, flow).iter().map(warning).collect()
+    openings_at_start::<D, M>(case, flow).iter().map(warning).collect()
 }
 
 /// Moves the mesh over the run, if requested, and warns if it is not proved valid.
@@ -176,7 +160,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let flow = facts.case.flow.as_ref()?;
-    if !measured::times_flow::<D>(facts.flow_unknowns().1, probe) {
+    if !measured::times_flow::<D>(facts.case.flow_unknowns(), probe) {
         return None;
     }
     match time_flow::<D, M>(facts.case, flow) {

@@ -1,8 +1,8 @@
 //! Speed and amplitude of the motion of a mesh.
 
-use crate::case::{Case, Flow, Motion, Wall};
-use crate::run::{PrescribedNode, prescribed_nodes};
+use case::{Case, Flow, Motion, Wall};
 use mesh::NodeNumbering;
+use simulation::{PrescribedNode, prescribed_nodes};
 use std::collections::BTreeSet;
 
 /// The largest number of nodes examined.

@@ -2,13 +2,11 @@
 
 use super::super::table::Table;
 use super::Facts;
-use super::measured::TYPICAL_ITERATIONS;
-use super::memory::Memory;
-use crate::case::{About, Analysis, Case, Flow, Motion, Plane, Structure, Support};
-use crate::run::elasticity_plan;
+use case::{About, Analysis, Case, Flow, Motion, Plane, Structure, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
 use serde_json::Value;
+use simulation::{MemoryEstimate, TYPICAL_ITERATIONS, elasticity_plan};
 
 /// All tables except the defaults.
 pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
@@ -71,6 +69,7 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
+        Motion::Followed => table.row("interior", "follows bodies by weights", ""),
         Motion::Elastic { poisson_ratio, law, boundary, .. } => table
             .row("interior", law_name(*law), "")
             .row("Poisson's ratio", *poisson_ratio, "")
@@ -185,12 +184,11 @@ fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Ta
 fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     let case = facts.case;
     let mesh = case.mesh_unknowns().unwrap_or(0);
-    let (_, flow) = facts.flow_unknowns();
-    let memory = Memory::new(facts);
+    let memory = MemoryEstimate::new(case);
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
     let mut table = Table::new("unknowns and memory");
     table
-        .row("flow unknowns", flow, "per slab")
+        .row("flow unknowns", case.flow_unknowns(), "per slab")
         .row("mesh unknowns", mesh, "per slab")
         .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
         .row("mesh", megabytes(memory.mesh), "MB, with the solver of an elastic one")

@@ -1,6 +1,6 @@
 //! The resolution of the first cell at a wall, by the boundary layer of a flat plate.
 
-use crate::case::{Case, Flow};
+use case::{Case, Flow};
 use mesh::{BoundaryDistance, BoundaryFacet, face_nodes};
 use navier_stokes::Boundary;
 

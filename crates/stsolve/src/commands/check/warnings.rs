@@ -2,7 +2,7 @@
 
 use super::Facts;
 use super::scales::walls_at_start;
-use crate::case::{Flow, Motion, Preconditioner, State};
+use case::{Flow, Motion, Preconditioner, State};
 use fem::Quadrature;
 use navier_stokes::{Boundary, Riemann, Viscosity};
 

@@ -1,12 +1,12 @@
 //! The contents of a mesh file.
 
-use crate::any_mesh::AnyMesh;
 use crate::commands::print;
 use crate::commands::table::Table;
-use crate::failure::Failure;
-use crate::mesh_file;
+use case::AnyMesh;
+use case::mesh_file;
 use mesh::{Mesh, ValidityCheck};
 use serde_json::{Map, Value};
+use simulation::Failure;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

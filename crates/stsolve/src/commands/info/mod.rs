@@ -4,9 +4,9 @@ mod mesh_file;
 
 use super::print;
 use super::table::Table;
-use crate::failure::Failure;
-use crate::input_file;
+use case::input_file;
 use output::{RESULT_FILE, ResultInfo};
+use simulation::Failure;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
