@@ -2,7 +2,7 @@
 
 use crate::jacobi::{jacobi_derivative, jacobi_roots, legendre};
 
-/// A quadrature rule, int f dx ~ sum_q w_q f(x_q), on [-1, 1] unless moved by [`on`](Rule::on).
+/// A quadrature rule, int f dx ~ sum_q w_q f(x_q), on [-1, 1] unless mapped by [`on`](Rule::on).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// Points, ascending.
@@ -66,7 +66,7 @@ impl Rule {
     }
 }
 
-/// Removes the last bit of asymmetry, so that a mirrored cell is the mirrored cell exactly.
+/// Removes the asymmetry of the last bit, so that a mirrored cell has exactly mirrored points.
 fn symmetrised(roots: Vec<f64>) -> Vec<f64> {
     let last = roots.len().wrapping_sub(1);
     (0..roots.len()).map(|i| (roots[i] - roots[last - i]) / 2.0).collect()

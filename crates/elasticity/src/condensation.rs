@@ -1,7 +1,8 @@
-//! A direct solver: the mesh is condensed part by part, until nothing is left.
+//! A direct solver: the mesh is condensed part by part.
 //!
-//! A node inside a cell is coupled with the nodes of that cell alone, so it is eliminated there. What is left couples the nodes of the
-//! skeleton; a cell and its neighbour together need no node between them any more; and so on, along a tree of ever larger parts:
+//! A node inside a cell is coupled only with the nodes of that cell, so it is eliminated there. The Schur complement couples the nodes
+//! of the skeleton. When a cell and its neighbour are joined, the nodes between them can be eliminated too, and so on, along a tree of
+//! ever larger parts:
 //!
 //! ```text
 //! S = sum over cells of  K_ss - K_si K_ii^{-1} K_is                                                            (condensation)
@@ -9,8 +10,8 @@
 //! d_i = K_ii^{-1} (f_i - K_is d_s)
 //! ```
 //!
-//! It is made of the matrices of the cells, whatever law they come from. Exact up to round-off, without iterations; several right-hand
-//! sides share every pass through the factor. A cell of order N stores D (N - 2)^D rows.
+//! It is built from the matrices of the cells, for any law. It is exact up to round-off, without iterations; several right-hand sides
+//! share every pass through the factor. A cell of order N stores D (N - 2)^D rows.
 
 mod inner;
 mod sweep;
@@ -24,16 +25,18 @@ use std::sync::Arc;
 use sweep::{CellSweeps, SweepWork};
 use tensor::{Pack, WIDTH};
 
-/// In which order the free nodes of a mesh are eliminated, and what their factor will need: known before any matrix is.
+/// The order of elimination of the free nodes of a mesh, and the size of their factor. Both are known before any
+/// matrix.
 pub(crate) struct Elimination<const D: usize> {
     unknowns: CellUnknowns,
-    /// Of the free nodes of the skeleton.
+    /// The tree of the free nodes of the skeleton.
     tree: Arc<EliminationTree>,
     constrained: Vec<bool>,
 }
 
 impl<const D: usize> Elimination<D> {
-    /// For cells of the given order and the constrained nodes `constrained[C0 node]`. `centres` lie anywhere in the cells.
+    /// For cells of the given order and the constrained nodes `constrained[C0 node]`. `centres` are any points of the
+    /// cells.
     pub(crate) fn new(order: usize, batches: &NodalBatches<D>, constrained: &[bool], centres: &[[f64; D]]) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
@@ -45,8 +48,8 @@ impl<const D: usize> Elimination<D> {
         Elimination { unknowns, tree, constrained: constrained.to_vec() }
     }
 
-    /// Memory of the factor, and on the way to it of S of all cells and of the matrices of a batch. Threads do not count: they must not
-    /// decide which solver is taken.
+    /// Memory of the factor, including temporarily S of all cells and the matrices of a batch. The number of threads does not count,
+    /// because it must not influence the choice of the solver.
     pub(crate) fn bytes(&self, batches: &NodalBatches<D>) -> usize {
         let inner = self.unknowns.factor_length() * batches.count() * WIDTH;
         let schur = self.unknowns.skeleton().pow(2) * batches.cells();
@@ -60,7 +63,7 @@ impl<const D: usize> Elimination<D> {
         of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
 
-    /// The factor of the sum of the cells' matrices: `matrices(batch)` are those of a batch, `[column][row]`, both of them
+    /// The factor of the sum of the cells' matrices: `matrices(batch)` are the matrices of a batch, `[column][row]`, both
     /// `[component][node]`.
     ///
     /// # Errors
@@ -92,9 +95,9 @@ pub(crate) struct Condensation<const D: usize> {
 /// Work space of one solve with several right-hand sides.
 struct SolveWork {
     sweep: SweepWork,
-    /// What a sweep returns, `[right-hand side][C0 node][component]`.
+    /// The result of a sweep, `[right-hand side][C0 node][component]`.
     swept: Vec<f64>,
-    /// That of the factors of the skeleton.
+    /// Work space of the factors of the skeleton.
     fronts: Vec<f64>,
 }
 
@@ -132,7 +135,7 @@ impl<const D: usize> Condensation<D> {
         nodes.filter(|(constrained, _)| **constrained).for_each(|(_, d)| d.fill(0.0));
     }
 
-    /// Changes the entries of the skeleton in `to`, given those in `from`, of every right-hand side.
+    /// Changes the entries of the skeleton in `to`, given the entries in `from`, for every right-hand side.
     fn on_skeleton(&self, from: &[f64], to: &mut [f64], mut change: impl FnMut(f64, &mut f64)) {
         let length = self.elimination.constrained.len() * D;
         for (from, to) in from.chunks_exact(length).zip(to.chunks_exact_mut(length)) {

@@ -1,26 +1,26 @@
 //! The motion of a structure in one slab, by discontinuous Galerkin in time.
 //!
-//! The velocity is a polynomial with the values V_b at the N_t right-Radau nodes s_b of the slab and jumps at its bottom; the displacement
-//! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
+//! The velocity is a polynomial with the values V_b at the N_t right-Radau nodes s_b of the slab; it jumps at the bottom. The displacement
+//! is its integral, (motion) of `slab`, and continuous. Tested with phi_a and integrated by the right-Radau rule,
 //!
 //! ```text
 //! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( K d(s_a) - f(s_a) ) = 0      at free entries              (dynamics)
 //! V_a = g'(s_a)                                                                  at fixed entries
 //! ```
 //!
-//! T and w are those of `basis::RadauTime`; as W^{-1} T = A^{-1}, this is the Radau IIA method: order 2 N_t - 1 at the top of a slab,
-//! stable for any dt. At supports it is the velocity that is prescribed: prescribed positions would cost (dynamics) its order, for the
-//! reactions then follow from second differences. A support so stands where the Radau rule puts the integral of g', of the same order.
+//! T and w come from `basis::RadauTime`. As W^{-1} T = A^{-1}, this is the Radau IIA method: order 2 N_t - 1 at the top of a slab,
+//! stable for any dt. At supports the velocity is prescribed. Prescribed positions would reduce the order of (dynamics), because the
+//! reactions would follow from second differences. So the position of a support is the Radau integral of g', which has the same order.
 //!
-//! Nothing is lost but what the jumps take: with [v] = v(0+) - v_n and [d] that of the polynomial through the d(s_a),
+//! Only the jumps dissipate energy. With [v] = v(0+) - v_n and [d] the jump of the polynomial through the d(s_a),
 //!
 //! ```text
 //! E_{n+1} - E_n = W - D,     E = v.Mv/2 + d.Kd/2,     D = [v].M[v]/2 + [d].K[d]/2                              (energy)
 //! W = dt sum_a w_a f(s_a) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
 //! ```
 //!
-//! The eigenvectors of A^{-1} separate (dynamics) into N_t systems of space. With its eigenvalues lambda, and c for what the residual
-//! becomes,
+//! The eigenvectors of A^{-1} decouple (dynamics) into N_t systems in space. With its eigenvalues lambda and the transformed residual
+//! c,
 //!
 //! ```text
 //! ( K + (lambda/dt)^2 M ) y = (lambda/dt^2) c                                                                  (mode)
@@ -35,15 +35,15 @@ use basis::{RadauTime, TemporalModes, is_real};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use rayon::prelude::*;
 
-/// A slab is solved when its residual is this small against the forces in it ...
+/// A slab is solved when its residual, relative to the forces in it, is this small ...
 pub(crate) const TOLERANCE: f64 = 1e-12;
-/// ... or when a correction leaves more than this part of it: that is round-off.
+/// ... or when a correction leaves more than this fraction of it, so that only round-off is left.
 pub(crate) const ROUND_OFF: f64 = 0.1;
-/// A residual that round-off holds above this is an error.
+/// It is an error if the residual stagnates by round-off above this.
 pub(crate) const STALLED: f64 = 1e-5;
-/// Relative tolerance of the systems of one correction, where the modes separate well.
+/// Relative tolerance of the systems of one correction, if the modes are well conditioned.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
-/// Slabs whose lengths differ by less than this, relatively, share their factors.
+/// Slabs whose lengths differ relatively by less than this share their factors.
 const SAME_LENGTH: f64 = 1e-9;
 
 /// A structure, its loads, and the factors of the systems of a slab.
@@ -60,7 +60,7 @@ pub struct Dynamics<const D: usize> {
     factored: (f64, Vec<Shifted<D>>),
 }
 
-/// Where a slab begins.
+/// The bottom of a slab.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabBottom<'a> {
     /// t_n
@@ -71,7 +71,7 @@ pub struct SlabBottom<'a> {
     pub velocity: &'a [f64],
 }
 
-/// What a slab has done.
+/// The report of a slab.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicsReport {
     /// Corrections of the guess.
@@ -82,7 +82,7 @@ pub struct DynamicsReport {
     pub load_work: f64,
     /// The work of the supports.
     pub support_work: f64,
-    /// D of (energy): what the jumps take.
+    /// D of (energy): the energy dissipated by the jumps.
     pub dissipation: f64,
 }
 
@@ -93,11 +93,11 @@ struct Residual {
 }
 
 impl<const D: usize> Dynamics<D> {
-    /// The motion of `structure` under `loads` with `time_order` nodes per slab; most slabs have the length `step`, for which the systems
-    /// are factored.
+    /// The motion of `structure` under `loads` with `time_order` nodes per slab. The systems are factored for slabs of length `step`, the
+    /// length of most slabs.
     ///
     /// # Errors
-    /// A sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// An inverted sub-cell between Gauss-Lobatto nodes.
     pub fn new(
         structure: Structure<D>,
         loads: Loads<D>,
@@ -124,7 +124,8 @@ impl<const D: usize> Dynamics<D> {
     /// velocities at fixed entries and a guess at the others.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or that of a system that cannot be solved; `v` then holds the last iterate.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or the error of a system that cannot be solved; `v` then holds the last
+    /// iterate.
     pub fn solve(&mut self, bottom: SlabBottom<'_>, dt: f64, v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
         self.factor_for(dt)?;
         let forces = self.forces(bottom.time, dt)?;
@@ -152,7 +153,7 @@ impl<const D: usize> Dynamics<D> {
         Ok(report)
     }
 
-    /// Makes the factors for slabs of length `dt` if there are none. They depend on `dt` alone, not on what was solved before.
+    /// Makes the factors for slabs of length `dt` if there are none. They depend on `dt` alone, not on earlier solves.
     fn factor_for(&mut self, dt: f64) -> Result<(), ElasticityError> {
         let dt = if (dt - self.step).abs() <= SAME_LENGTH * self.step { self.step } else { dt };
         if self.factored.0 != dt {
@@ -171,7 +172,7 @@ impl<const D: usize> Dynamics<D> {
         Ok(forces)
     }
 
-    /// R_a by (dynamics), at fixed entries too: there it is dt w_a times the reaction of the support.
+    /// R_a by (dynamics), also at fixed entries, where it is dt w_a times the reaction of the support.
     fn residual(&self, bottom: SlabBottom<'_>, dt: f64, forces: &[f64], v: &[f64]) -> Residual {
         let (time, length) = (self.motion.time(), self.structure.length());
         let at_bottom = time.values(0.0);
@@ -224,7 +225,7 @@ impl<const D: usize> Dynamics<D> {
     }
 }
 
-/// A slab that is solved, with or without inertia.
+/// A solved slab, with or without inertia.
 pub(crate) struct Slab<'a, const D: usize> {
     pub(crate) structure: &'a Structure<D>,
     pub(crate) motion: &'a SlabMotion,
@@ -235,7 +236,7 @@ pub(crate) struct Slab<'a, const D: usize> {
 }
 
 impl<const D: usize> Slab<'_, D> {
-    /// The terms of (energy) but the kinetic one, for the solution `v` with the residual `r` of (dynamics).
+    /// The terms of (energy) except the kinetic one, for the solution `v` with the residual `r` of (dynamics).
     pub(crate) fn add_works(&self, forces: &[f64], v: &[f64], r: &[f64], report: &mut DynamicsReport) {
         let (time, length) = (self.motion.time(), self.structure.length());
         let at_bottom = time.values(0.0);

@@ -8,35 +8,36 @@
 //! P = mu (F - F^{-T}) + lambda ln J F^{-T}
 //! ```
 //!
-//! They agree to first order in H. The linear law costs one solve, but takes a rotation for a strain: turned far enough, its cells
-//! invert. The neo-Hookean one does not notice rotations, and -ln J lets no cell collapse at the points where W is integrated.
+//! They agree to first order in H. The linear law costs one solve, but treats a rotation as a strain: after a large rotation its
+//! cells invert. The neo-Hookean law is invariant under rotations, and -ln J prevents the collapse of cells at the points where W
+//! is integrated.
 
 use crate::Lame;
 use crate::geometry::quadrature_points;
 use basis::{Rule, gauss, gauss_lobatto};
 use tensor::{Real, cofactor, determinant};
 
-/// Which energy the mesh minimises, and from where its strain is counted.
+/// The energy that the mesh minimises, and the reference of its strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Law {
-    /// (linear), about the initial mesh: K never changes, and the mesh depends on the position of its boundary alone.
+    /// (linear), about the initial mesh: K is constant, and the mesh depends only on the position of its boundary.
     #[default]
     Linear,
-    /// (linear) for the increment d - d_n of a slab, about the mesh at its bottom. The stiffness stays with the material; where it is a
-    /// power of det J, that is the Jacobian of the mesh at the bottom.
+    /// (linear) for the increment d - d_n of a slab, about the mesh at its bottom. The stiffness is fixed to the material. If it is a
+    /// power of det J, this is the Jacobian of the mesh at the bottom.
     Incremental,
     /// (neo-Hookean), about the initial mesh.
     NeoHookean,
 }
 
 impl Law {
-    /// Whether P is linear in H: one solve with K then reaches the equilibrium.
+    /// Whether P is linear in H; one solve with K then gives the equilibrium.
     pub fn is_linear(self) -> bool {
         self != Law::NeoHookean
     }
 
-    /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm guards its own points only, so
-    /// there are 2N, with those at the ends.
+    /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm is a barrier at these points
+    /// only, so there are 2N, including those at the ends.
     pub(crate) fn rule(self, dimension: usize, order: usize) -> Rule {
         match self {
             Law::Linear | Law::Incremental => gauss(quadrature_points(dimension, order)),
@@ -45,20 +46,20 @@ impl Law {
     }
 }
 
-/// A law in any number type.
+/// A law for any number type.
 pub(crate) trait PointLaw: Copy + Send + Sync {
-    /// Whether the law holds for J > 0 only.
+    /// Whether the law is defined for J > 0 only.
     const HAS_BARRIER: bool;
 
     /// P and J of H, `gradient[i][j]` = d d_i / d x_j.
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D>;
 }
 
-/// The answer of a law.
+/// The stress of a law, and J.
 pub(crate) struct PointStress<T, const D: usize> {
     /// P, `[i][j]` = dW/dH_ij.
     pub(crate) piola: [[T; D]; D],
-    /// J = det F; 1 for a law without barrier. P has no meaning unless J > 0.
+    /// J = det F; 1 for a law without barrier. P is meaningless unless J > 0.
     pub(crate) volume_ratio: T,
 }
 
@@ -155,7 +156,7 @@ mod tests {
         is_derivative_of_energy(&SPACE);
     }
 
-    /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation costs nothing, whatever its angle.
+    /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation of any angle costs no energy.
     #[test]
     fn energy_does_not_notice_rotations() {
         let rotate = |f: &[[f64; 2]; 2]| -> [[f64; 2]; 2] {

@@ -4,8 +4,8 @@
 //! f_k(t) = int phi_k b(x, t) dx + sum over loaded boundaries of  int phi_k q(x, n, t) ds                       (load)
 //! ```
 //!
-//! Positions x and outward normals n are those at rest: displacements are small. ds = |cof J e_a| dxi on a face normal to axis a, and n
-//! is that vector, outwards, over its length.
+//! Positions x and outward normals n are those at rest, because displacements are small. On a face normal to axis a, ds = |cof J e_a|
+//! dxi, and n is this vector, pointing outwards, divided by its length.
 
 use crate::mass::Mass;
 use basis::{Lagrange, Matrix, Rule, gauss};
@@ -53,8 +53,8 @@ struct Facet<const D: usize> {
     points: Vec<(SurfacePoint<D>, f64)>,
 }
 
-/// Gauss points per direction of a facet: exact for a constant pressure, resultant and moment, whose integrand phi_k n ds has the degree
-/// (N - 1) + (D - 1) (G - 1) - 1 for a geometry of order G; two more for what is no polynomial.
+/// Gauss points per direction of a facet. They are exact for resultant and moment of a constant pressure. For a geometry of order G the
+/// integrand phi_k n ds has the degree (N - 1) + (D - 1) (G - 1) - 1. Two more points serve integrands that are not polynomials.
 fn quadrature_points(dimension: usize, order: usize, geometry: usize) -> usize {
     ((order - 1) + (dimension - 1) * (geometry - 1)).div_ceil(2).max(order) + 2
 }

@@ -1,9 +1,9 @@
 //! The low-order refined preconditioner.
 //!
 //! The Gauss-Lobatto nodes of a cell of order N span (N - 1)^D sub-cells. Bilinear (trilinear) elasticity on all sub-cells has the same
-//! unknowns as K, is sparse, and is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells:
-//! 20 to 30 CG iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D corners;
-//! with Gauss points the equivalence is lost as N grows.
+//! unknowns as K and is sparse. It is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells.
+//! CG takes 20 to 30 iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D
+//! corners; with Gauss points the equivalence is lost as N grows.
 
 use crate::ElasticityError;
 use crate::geometry::{Sample, determinant_and_inverse};
@@ -14,7 +14,7 @@ use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
-/// The low-order matrix of the free nodes, those that are not constrained, factored or with a multigrid hierarchy.
+/// The low-order matrix of the free nodes, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
     /// The C0 nodes that are free.
     free: Vec<usize>,
@@ -22,7 +22,7 @@ pub(crate) struct LowOrder<const D: usize> {
     buffers: Pool<Buffers>,
 }
 
-/// Work space of an application: a vector of free nodes, and that of the sparse solver.
+/// Work space of an application: a vector of free nodes, and the work space of the sparse solver.
 #[derive(Default)]
 struct Buffers {
     x: Vec<f64>,
@@ -97,7 +97,7 @@ impl<const D: usize> LowOrder<D> {
         matches!(self.inverse, Inverse::Multigrid(_))
     }
 
-    /// Memory of what is prepared.
+    /// Memory of the factor or the hierarchy.
     pub(crate) fn bytes(&self) -> usize {
         match &self.inverse {
             Inverse::Factor(factor) => factor.bytes(),
@@ -106,13 +106,13 @@ impl<const D: usize> LowOrder<D> {
     }
 }
 
-/// What a low-order matrix is made of.
+/// The input of a low-order matrix.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
     /// The factor of the mass matrix.
     m: f64,
-    /// The components, by unknown, that are coupled with nothing.
+    /// The decoupled components, by unknown.
     fixed: &'a [[bool; D]],
 }
 
@@ -139,7 +139,7 @@ fn matrix<const D: usize>(
 struct SubCells<const D: usize> {
     /// The lattice index of corner 0 of each sub-cell.
     first: Vec<usize>,
-    /// From corner 0 to corner k.
+    /// The offsets from corner 0 to corner k.
     offsets: Vec<usize>,
 }
 
@@ -147,11 +147,11 @@ struct SubCells<const D: usize> {
 struct Corner<const D: usize> {
     /// det / 2^D.
     volume: f64,
-    /// The factor on the constants of Lame, and what the first has beyond that.
+    /// The factor of the constants of Lame, and the contribution to the first constant beyond that.
     stiffness: f64,
     excess: f64,
-    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself, the last one and the
-    /// only one that does not vanish there.
+    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself. The corner's
+    /// function is the last one, and the only one that does not vanish there.
     gradients: Vec<(usize, [f64; D])>,
 }
 
@@ -169,7 +169,7 @@ impl<const D: usize> SubCells<D> {
             let corners = || self.offsets.iter().filter_map(|offset| unknowns[first + offset]);
             corners().for_each(|unknown| neighbours[unknown].extend(corners().filter(|&other| other > unknown)));
         }
-        // Sub-cells share most of their corners: what is listed twice goes at once.
+        // Sub-cells share most of their corners, so duplicates are removed at once.
         for unknown in unknowns.iter().flatten() {
             neighbours[*unknown].sort_unstable();
             neighbours[*unknown].dedup();
@@ -236,7 +236,7 @@ fn add_corner<const D: usize>(
 }
 
 impl<const D: usize> Terms<'_, D> {
-    /// Leaves of the rows and columns of fixed components only the diagonal.
+    /// Sets the rows and columns of fixed components to zero, except the diagonal.
     fn decouple(&self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
         for i in 0..D {
             for j in 0..D {
@@ -263,7 +263,7 @@ fn corner_gradients<const D: usize>(corner: usize, inverse: &[[f64; D]; D]) -> V
     let mut own = [0.0; D];
     let mut gradients = Vec::with_capacity(D + 1);
     for axis in 0..D {
-        // The function of the high end grows along the axis, that of the low end falls; together they are constant.
+        // The function of the high end grows along the axis, the function of the low end falls; their sum is constant.
         let sign = if corner >> axis & 1 == 0 { 1.0 } else { -1.0 };
         let gradient = inverse[axis].map(|g| sign * g);
         gradients.push((corner ^ 1 << axis, gradient));
@@ -330,7 +330,7 @@ mod tests {
             stiffness: 1.0,
             excess: 0.0,
         };
-        // The last corner is pulled over the diagonal.
+        // The last corner is moved across the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
         let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };

@@ -1,12 +1,12 @@
-//! The mass matrix, and all that is integrated over the cells against the displacement functions, matrix-free.
+//! The mass matrix, and all other integrals over the cells against the displacement functions, matrix-free.
 //!
 //! ```text
 //! w . M v = int rho w . v dx = sum over cells and points of  rho W  w . v                                      (M)
 //! w . f   = int w . b dx     = sum over cells and points of      W  w . b                                      (body force)
 //! ```
 //!
-//! with W = w det J of the quadrature weight w. The mass is consistent: what is interpolated to the points is a v or a b, and the
-//! transpose of the same interpolation tests it.
+//! with W = w det J of the quadrature weight w. The mass is consistent: v or b is interpolated to the points, and the transposed
+//! interpolation tests it.
 
 use crate::pool::Pool;
 use basis::{Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
@@ -19,13 +19,13 @@ use tensor::{Lanes, Pack, WIDTH, zeroed};
 
 /// Gauss points per direction for displacements of order `order` on a geometry of order `geometry`.
 ///
-/// A body that is accelerated as a whole resists with int rho phi_k dx at node k, exact where (N - 1) + D (G - 1) - 1, the degree of
-/// phi_k det J per direction, is at most 2 n - 1. N points integrate M on affine cells.
+/// A body accelerated as a whole resists with int rho phi_k dx at node k. This is exact if the degree of phi_k det J per direction,
+/// (N - 1) + D (G - 1) - 1, is at most 2 n - 1. N points integrate M on affine cells.
 fn quadrature_points(dimension: usize, order: usize, geometry: usize) -> usize {
     ((order - 1) + dimension * (geometry - 1)).div_ceil(2).max(order)
 }
 
-/// M, without a constraint, and (body force).
+/// M on all nodes, and (body force).
 pub(crate) struct Mass<const D: usize> {
     density: f64,
     interpolate: Matrix,
@@ -44,12 +44,12 @@ struct Scratch {
     nodal: Vec<Pack>,
     /// `[component][point]`
     values: Vec<Pack>,
-    /// Between two axes.
+    /// Intermediate results between two axes.
     between: Vec<Pack>,
 }
 
 impl<const D: usize> Mass<D> {
-    /// The mass matrix of a body of constant `density` for displacements of order `order`; `batches` are those of `mesh`.
+    /// The mass matrix of a body of constant `density` for displacements of order `order`; `batches` belong to `mesh`.
     pub(crate) fn new(mesh: &Mesh<D>, batches: &NodalBatches<D>, order: usize, density: f64) -> Self {
         let rule = gauss(quadrature_points(D, order, mesh.order()));
         let interpolate = Lagrange::gauss_lobatto(order).value_matrix(&rule.points);
@@ -95,7 +95,7 @@ impl<const D: usize> Mass<D> {
         self.integrate(batches, 1.0, values_of_batch, out);
     }
 
-    /// out = `factor` int phi_k times the values that `values_of_batch` leaves at the points.
+    /// out = `factor` int phi_k times the values that `values_of_batch` writes at the points.
     fn integrate(
         &self,
         batches: &NodalBatches<D>,

@@ -5,10 +5,10 @@
 //! w . K(d) e = d/da  w . R(d + a e)  at a = 0                                                                  (K)
 //! ```
 //!
-//! with the reference gradients H, H' of d and w, `H[i][a]` = d d_i / d xi_a, the inverse Jacobian of the reference mesh,
-//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0 with the quadrature weight w. Per cell: interpolate to the points, differentiate
-//! there, apply the law, and the transposes of both in reverse order: O(N^(D+1)). K is the same source with dual numbers; for a linear
-//! law R(d) = K d, and K is the same everywhere.
+//! H and H' are the reference gradients of d and w, `H[i][a]` = d d_i / d xi_a. G is the inverse Jacobian of the reference mesh,
+//! `G[a][j]` = d xi_a / d x_j. W = w det J E / E_0 has the quadrature weight w. Steps per cell: interpolate to the points,
+//! differentiate there, apply the law, then the transposes of both in reverse order, O(N^(D+1)). K is the same source with dual
+//! numbers. For a linear law R(d) = K d, and K is constant.
 
 mod diagonal;
 mod kernel;
@@ -30,7 +30,7 @@ use std::marker::PhantomData;
 use tensor::Arch;
 use tensor::{Pack, WIDTH, zeroed};
 
-/// R and K on all nodes: no node is constrained here.
+/// R and K on all nodes; no node is constrained here.
 pub(crate) struct Operator<const D: usize> {
     law: Law,
     lame: Lame,
@@ -57,7 +57,7 @@ struct Workspace {
     results: Vec<Pack>,
     /// The smallest J of every cell, one pack per batch.
     smallest: Vec<Pack>,
-    /// One per task.
+    /// The scratch of each task.
     scratch: Vec<Scratch>,
     batches_per_task: usize,
 }
@@ -100,7 +100,7 @@ impl<const D: usize> Operator<D> {
         Ok(Operator { law, lame, batches, lines, metric, workspaces: Pool::new() })
     }
 
-    /// out = R(d), both `[C0 node][component]`. `out` has no meaning after an error.
+    /// out = R(d), both `[C0 node][component]`. `out` is meaningless after an error.
     pub(crate) fn forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
         match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[d], out),
@@ -108,7 +108,7 @@ impl<const D: usize> Operator<D> {
         }
     }
 
-    /// out = K(d) w, for a `d` where R is defined. A linear law does not look at `d`.
+    /// out = K(d) w, for a `d` where R is defined. A linear law does not read `d`.
     pub(crate) fn product(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
         let applied = match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[w], out),
@@ -117,7 +117,7 @@ impl<const D: usize> Operator<D> {
         debug_assert!(applied.is_ok(), "K is asked for where R is defined");
     }
 
-    /// The matrices K(d) of the cells of one batch, `[column][row]`, column and row `[component][node]`.
+    /// The matrices K(d) of the cells of one batch, `[column][row]`, both `[component][node]`.
     pub(crate) fn cell_matrices(&self, d: &[f64], batch: usize) -> Vec<Pack> {
         let mut matrices = zeroed(self.batches.cell_length().pow(2));
         match self.law {
@@ -144,12 +144,12 @@ impl<const D: usize> Operator<D> {
     pub(crate) fn metric(&self) -> &[Pack] {
         &self.metric
     }
-    /// Replaces W and G by those of another mesh.
+    /// Replaces W and G by the metric of another mesh.
     pub(crate) fn set_metric(&mut self, metric: Vec<Pack>) {
         self.metric = metric;
     }
 
-    /// The cells with `law`, in tasks, and their sum.
+    /// Applies `law` to the cells, in parallel tasks, and sums the results.
     fn apply<M: Mode, L: PointLaw>(&self, law: L, fields: &[&[f64]], out: &mut [f64]) -> Result<(), Inversion> {
         let mut workspace = self.workspaces.take(|| self.workspace());
         let Workspace { results, smallest, scratch, batches_per_task } = &mut workspace;
@@ -173,7 +173,7 @@ impl<const D: usize> Operator<D> {
         inverted.min_by(|a, b| a.volume_ratio.total_cmp(&b.volume_ratio)).map_or(Ok(()), Err)
     }
 
-    /// Work space for the threads there are now; a few tasks per thread, so that none waits long for another.
+    /// Work space for the present number of threads; a few tasks per thread, so that no thread waits long for another.
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
         let batches_per_task = self.batches.count().div_ceil(tasks).max(1);
@@ -215,7 +215,7 @@ fn metric<const D: usize>(
         }
         Ok(())
     };
-    // All batches, then the first error: the same one for any number of threads.
+    // All batches first, then the first error: the same one for any number of threads.
     let filled: Vec<Result<(), _>> = metric.par_chunks_mut(length).enumerate().map(fill).collect();
     filled.into_iter().collect::<Result<(), _>>()?;
     Ok(metric)

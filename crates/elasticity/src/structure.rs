@@ -19,11 +19,11 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 /// M d_tt + K d = f(t)             at free entries                                                              (motion of nodes)
 /// ```
 ///
-/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`, and an entry is either free or fixed: its
-/// motion then is prescribed. All methods take `&self`.
+/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`. An entry is either free or fixed; the
+/// motion of a fixed entry is prescribed. All methods take `&self`.
 pub struct Structure<const D: usize> {
     operator: Operator<D>,
-    /// What lambda adds to K beyond `operator`, where Poisson's ratio varies: see `solid`.
+    /// The contribution of lambda to K beyond `operator`, if Poisson's ratio varies: see `solid`.
     excess: Option<Operator<D>>,
     mass: Mass<D>,
     surface: Surface<D>,
@@ -37,11 +37,11 @@ pub struct Structure<const D: usize> {
 }
 
 impl<const D: usize> Structure<D> {
-    /// A body of `solid` (or a `Material`, the same everywhere) and `density` that fills `mesh`, with displacements of the
-    /// order of `numbering`. `fixed[node][component]` says where the motion is prescribed; it may be so nowhere.
+    /// A body of `solid` (or a constant `Material`) and `density` that fills `mesh`, with displacements of the order of
+    /// `numbering`. `fixed[node][component]` tells whether the motion is prescribed; it may be prescribed nowhere.
     ///
     /// # Errors
-    /// A material that is not possible, a density that is not positive, or a `fixed` of the wrong length.
+    /// A material out of range, a density that is not positive, or a `fixed` of the wrong length.
     pub fn new(
         mesh: Mesh<D>,
         numbering: NodeNumbering,
@@ -98,7 +98,7 @@ impl<const D: usize> Structure<D> {
 
     /// out = K d on all entries, fixed or not.
     pub fn apply_stiffness(&self, d: &[f64], out: &mut [f64]) {
-        // A linear K is the same everywhere.
+        // A linear K does not depend on the displacement.
         self.operator.product(d, d, out);
         if let Some(excess) = &self.excess {
             let mut forces = vec![0.0; out.len()];
@@ -152,7 +152,7 @@ impl<const D: usize> Structure<D> {
         Ok(Shifted { m, low_order })
     }
 
-    /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
+    /// An m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
     pub(crate) fn typical_shift(&self) -> f64 {
         self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
     }

@@ -1,4 +1,4 @@
-//! Meshes, vectors and the assembled K that the tests compare with.
+//! Meshes, vectors and the assembled K for comparison in tests.
 #![allow(clippy::unwrap_used)]
 
 use crate::geometry::{StiffnessSampler, quadrature_points};
@@ -8,7 +8,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
-/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary where `amplitude` is not zero.
+/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary if `amplitude` is not zero.
 pub(crate) fn unit_box<const D: usize>(cells: [usize; D], order: usize, amplitude: f64) -> Mesh<D> {
     let curving = Curving::Wavy { amplitude };
     BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap()
@@ -44,7 +44,7 @@ pub(crate) fn clamped_with<const D: usize>(
     ElasticMesh::with_solver(mesh, &numbering, material(), stiffness, &constrained, solver).unwrap()
 }
 
-/// Numbers in [-1, 1) that look random: the fractional parts of a quadratic sequence.
+/// Pseudo-random numbers in [-1, 1): the fractional parts of a quadratic sequence.
 pub(crate) fn noise(length: usize) -> Vec<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut next = || {

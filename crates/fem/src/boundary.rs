@@ -1,4 +1,4 @@
-//! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
+//! Boundary terms of the residual, and the flux through boundaries.
 
 use crate::conservation_law::{BoundaryPoint, ConservationLaw};
 use crate::facet::{DataAt, FacetContext, times_normal};
@@ -24,7 +24,7 @@ struct PointFlux<T, const D: usize, const M: usize> {
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// Positions at the points, relative to the origin of the cell, and there the states that are prescribed.
+    /// Positions at the points, relative to the origin of the cell, and the prescribed states there.
     #[inline(always)]
     pub(crate) fn boundary_data(self, time: f64, of: TimePointIndex, data: Option<DataAt>, scratch: &mut FacetScratch) {
         let Some(data) = data else { return };
@@ -111,7 +111,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     }
 }
 
-/// What leaves through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
+/// The flux through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
 ///
 /// ```text
 /// int_f Fhat ds,   int_f Fhat_m ds   and   int_f x x Fhat_m ds,   Fhat_m the flux of momentum                   (through)
@@ -124,7 +124,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 /// int_f Fhat_m . w ds  and  int_f (Fhat_v,E - Fhat_v,m . w_b) ds                                                (power)
 /// ```
 ///
-/// with w_b the velocity of the boundary as the mesh moves, and w the same or the velocity that the boundary should have then.
+/// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
+/// time.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -134,7 +135,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     pub context: &'c FacetContext<'a, D>,
     /// The time.
     pub time: FluxTime<'c>,
-    /// Prescribed states, where the condition takes any.
+    /// Prescribed states, if the condition takes any.
     pub data: Option<DataAt<'a>>,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
@@ -145,7 +146,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
 pub struct FluxTime<'a> {
     /// The time.
     pub instant: &'a TimePoint,
-    /// The row of positions then.
+    /// The row of positions at that time.
     pub position_row: &'a Matrix,
     /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
     pub velocity_is_given: bool,
@@ -198,7 +199,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
         }
     }
 
-    /// The velocity at which forces do work, to the points: the second block of `v`, which no derivative needs here.
+    /// The velocity at which forces do work, at the points: the second block of `v`, whose derivatives are not needed here.
     #[inline(always)]
     fn velocity_of_work(self, velocity_is_given: bool, scratch: &mut FacetScratch) {
         let lattice = Lattice::whole(&self.tables.mesh, D - 1, D);

@@ -1,4 +1,4 @@
-//! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
+//! The flux through the boundaries of the domain, by the numerical fluxes and the quadrature of the scheme.
 
 use crate::batches::FacetBatch;
 use crate::boundary::FluxTime;
@@ -8,10 +8,10 @@ use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
 use tensor::Pack;
 
-/// What leaves through a boundary at one time, or during some time: of the inviscid and of the viscous flux relative to
-/// the moving boundary, (through).
+/// The flux through a boundary at one time, or its integral over some time: inviscid and viscous flux relative to the
+/// moving boundary, (through).
 ///
-/// Moments are taken about a point near the boundary: about the origin of coordinates, far away, they would lose digits.
+/// Moments are taken about a point near the boundary, because far from the origin of coordinates they would lose digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryFlux<const M: usize> {
     /// The point that moments are taken about; in 2-D its last component is zero.
@@ -20,9 +20,9 @@ pub struct BoundaryFlux<const M: usize> {
     pub inviscid: FluxPart<M>,
     /// The viscous flux.
     pub viscous: FluxPart<M>,
-    /// Of a wall, the work of both fluxes of momentum on it, (power).
+    /// For a wall, the power of both momentum fluxes on it, (power).
     pub work: f64,
-    /// Of a wall, the heat that it takes up, (power).
+    /// For a wall, the heat that it takes up, (power).
     pub heat: f64,
 }
 
@@ -129,7 +129,7 @@ impl<const M: usize> BoundaryFlux<M> {
     }
 }
 
-/// The centre stays where it is.
+/// The centre does not change.
 impl<const M: usize> AddAssign for BoundaryFlux<M> {
     fn add_assign(&mut self, other: Self) {
         let arm = other.arm_from(&self.centre);
@@ -140,7 +140,7 @@ impl<const M: usize> AddAssign for BoundaryFlux<M> {
     }
 }
 
-/// What leaves the domain during a slab through all boundaries: the integral of `fluxes`.
+/// The amount that leaves the domain during a slab through all boundaries: the integral of `fluxes`.
 pub fn left_during_slab<const M: usize>(fluxes: &[FluxesAt<M>]) -> [f64; M] {
     let mut sum = BoundaryFlux::default();
     for at in fluxes {
@@ -150,15 +150,15 @@ pub fn left_during_slab<const M: usize>(fluxes: &[FluxesAt<M>]) -> [f64; M] {
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// What leaves through the boundaries at the Gauss points of the slab in time, and last at its top, in the state and on the
+    /// The fluxes through the boundaries at the Gauss points of the slab in time, and last at its top, in the state and on the
     /// mesh last set.
     ///
-    /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
-    /// the cells.
+    /// Test functions sum to one in space and in time. So the integral over the slab equals the amount that the residual
+    /// takes from the cells.
     ///
     /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
-    /// polynomial in time, and at an instant less exact than the positions: a wall that turns seems to breathe, and pressure works on
-    /// that. Therefore the work at the top is done at `velocity_at_top`, `[C0 node][component]`, where it is given.
+    /// polynomial in time, and at a given time less accurate than the positions. The volume of a body that turns seems to oscillate,
+    /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
     pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
@@ -205,7 +205,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// For every boundary no flux, with moments about the origin of a cell there.
+    /// Zero flux for every boundary, with moments about the origin of one of its cells.
     fn no_boundary_flux(&self) -> Vec<BoundaryFlux<M>> {
         let mut nothing = vec![BoundaryFlux::default(); self.problem.kernels.boundaries()];
         for batch in self.facets.batches.iter().rev() {
@@ -217,7 +217,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// A point of the plane or of space as one of space.
+/// A point in two or three dimensions as three coordinates.
 fn in_space(x: &[f64]) -> [f64; 3] {
     std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
 }

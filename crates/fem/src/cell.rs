@@ -4,7 +4,7 @@
 //! R_a += - int_I int_K ( phi_a' w u + phi_a grad_x w . (F_c - u v - F_v) + phi_a w s ) J  +  [ phi_a int_K w u J ]_top      (volume)
 //! ```
 //!
-//! The integral over the slab is a sum over its Gauss points; at each of them the terms are those of a problem in space.
+//! The integral over the slab is a sum over its Gauss points. At each of them the terms form a problem in space.
 
 use crate::conservation_law::ConservationLaw;
 use crate::instants::{Clock, TimePoint, TimePointIndex};
@@ -23,13 +23,13 @@ use tensor::pulp::{Simd, WithSimd};
 /// `(time, points, x [b][d][p], source [b][m][p])`.
 pub type SourceAt<'a> = &'a (dyn Fn(f64, usize, &[Pack], &mut [Pack]) + Sync);
 
-/// What the kernels of a slab share.
+/// Data shared by the cell kernels of a slab.
 pub struct CellContext<'a, const D: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
     /// Length of the slab.
     pub dt: f64,
-    /// When data are taken.
+    /// The times at which data are evaluated.
     pub clock: Clock,
     /// Positions at the Gauss points in time and last at the top, `[instant][slot]`.
     pub positions: &'a Matrix,
@@ -37,7 +37,7 @@ pub struct CellContext<'a, const D: usize> {
     pub source: Option<SourceAt<'a>>,
 }
 
-/// What a batch of cells is given: a block of packs for the values, and a second one for the derivatives where there are any.
+/// The input of a batch of cells: a block of packs for the values, and a second block for the derivatives, if there are any.
 #[derive(Clone, Copy)]
 pub struct CellCoefficients<'a> {
     /// State in the slab, `[a][m][i]`.
@@ -83,8 +83,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     }
 }
 
-/// The terms of space alone at one time: reads `state_at`, `position_at` and `velocity_at` of one instant, overwrites `flux_at` and `mass_product_at` of
-/// instant 0.
+/// The terms of space alone at one time. Reads `state_at`, `position_at` and `velocity_at` of one time, overwrites `flux_at` and
+/// `mass_product_at` of time 0.
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
     pub law: &'c L,
@@ -110,7 +110,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     }
 }
 
-/// Moments int w u J of a state at one time: reads `state_at` and `position_at` of one instant, overwrites `mass_product_at` of instant 0.
+/// Moments int w u J of a state at one time. Reads `state_at` and `position_at` of one time, overwrites `mass_product_at` of time 0.
 pub struct CellMoments<'a, 'c, const D: usize, const M: usize, L> {
     /// The conservation law.
     pub law: &'c L,

@@ -7,8 +7,9 @@
 //! boundary   Fhat_v = F_v(u_b, grad u-) . n - sigma F_v(u_b, (u- - u_b) n) . n,             uhat = u_b
 //! ```
 //!
-//! the symmetric interior penalty method with sigma = N_s^2 |S| / J: the inverse trace inequality on the cell's height
-//! 2 J / |S| over the facet, the larger of both sides. n points from minus to plus; plus takes the flux with opposite sign.
+//! This is the symmetric interior penalty method with sigma = N_s^2 |S| / J. The penalty follows from the inverse trace
+//! inequality on the cell's height over the facet, 2 J / |S|. The larger penalty of both sides is taken. n points from
+//! minus to plus; plus takes the flux with opposite sign.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::FacetPoint;
@@ -28,21 +29,21 @@ use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 /// `(time, x [b][d][p], data [b][m][p])`.
 pub type DataAt<'a> = &'a (dyn Fn(f64, &[Pack], &mut [Pack]) + Sync);
 
-/// What a batch of facets separates.
+/// The two sides of a batch of facets.
 pub enum Across<'a> {
     /// Two cells.
     Cells,
-    /// A cell from the outside: the number of the boundary, and its prescribed states where its condition takes any.
+    /// A cell and the outside: the number of the boundary, and its prescribed states, if its condition takes any.
     Boundary(usize, Option<DataAt<'a>>),
 }
 
-/// What the facet kernels of a slab share.
+/// Data shared by the facet kernels of a slab.
 pub struct FacetContext<'a, const D: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
     /// Length of the slab.
     pub dt: f64,
-    /// When data are taken.
+    /// The times at which data are evaluated.
     pub clock: Clock,
 }
 
@@ -58,7 +59,7 @@ pub struct FacetTerms<'a, 'c, const D: usize, const M: usize, L: ConservationLaw
     pub context: &'c FacetContext<'a, D>,
     /// The times.
     pub times: &'c Times<'c>,
-    /// What lies on the plus side.
+    /// The other side of the facets.
     pub across: &'c Across<'a>,
     /// This thread's packs.
     pub scratch: &'c mut FacetScratch,

@@ -9,7 +9,7 @@ use crate::tensor_product::{AlongAxis, AtPoints, Lattice, Scratch, evaluate};
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Real, norm};
 
-/// The geometry of a facet point, seen from one side.
+/// The geometry of a facet point, for one side.
 pub(crate) struct FacetPoint<G, const D: usize> {
     /// The side's map, columns ordered tangential first. Its determinant has either sign: the facet's frame need not be right-handed.
     pub(crate) metric: Metric<G, D>,
@@ -36,7 +36,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         room.contract(simd, velocity, &sides[0].mesh, velocity_at, false);
         for (number, SideScratch { state, state_at, mesh, position_at, .. }) in sides[..used].iter_mut().enumerate() {
             room.contract(simd, AlongAxis { matrix: values, outer: kinds * b, inner: len }, state, state_at, false);
-            // Position and tangents are those of minus; the plus side has derivatives along its leaving axis only.
+            // Position and tangents come from minus; of the plus side only derivatives along its leaving axis are stored.
             let start = |slots: usize| number * g * slots * mesh_len;
             let (mesh, position_at) = (&mesh[start(positions.cols())..], &mut position_at[start(positions.rows())..]);
             let position = AlongAxis { matrix: positions, outer: kinds.saturating_sub(number) * g, inner: mesh_len };

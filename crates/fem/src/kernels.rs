@@ -1,7 +1,7 @@
 //! The kernels of a conservation law behind one object.
 //!
-//! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
-//! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
+//! The kernels are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are
+//! compiled once, in the crate that knows the law. Code that works with slabs knows only dimension and components.
 
 use crate::boundary::{FacetFlux, FluxTime};
 use crate::cell::{CellCoefficients, CellContext, CellMoments, SlabCells, SpaceCells};
@@ -17,7 +17,7 @@ use tensor::Arch;
 use tensor::count_operations;
 use tensor::pulp::{Scalar, WithSimd};
 
-/// What a run of the kernels differentiates.
+/// The quantity that a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differentiate {
     /// Nothing: the residual itself.
@@ -43,7 +43,7 @@ impl Differentiate {
 pub struct Times<'a> {
     /// The times.
     pub instants: &'a [TimePoint],
-    /// From time nodes and slots to them.
+    /// The map from time nodes and slots to these times.
     pub in_time: InTime<'a>,
     /// phi_a at these times, `[a][time]`.
     pub test: &'a Matrix,
@@ -84,7 +84,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         across: &Across,
         scratch: &mut FacetScratch,
     );
-    /// Operations at points of one run of [`Self::slab_cells`], in all lanes: counted by running it in scalars.
+    /// Operations at points of one run of [`Self::slab_cells`], in all lanes, counted by a run in scalars.
     fn count_cells(
         &self,
         along: Differentiate,
@@ -92,7 +92,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) -> u64;
-    /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
+    /// The same for [`Self::facets`] between cells. The mesh is not differentiated in either.
     fn count_facets(
         &self,
         along: Differentiate,

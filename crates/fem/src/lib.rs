@@ -2,21 +2,21 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `conservation_law` | what the kernels ask of a physics |
+//! | `conservation_law` | the interface of a physics to the kernels |
 //! | `field` | prescribed functions of position and time |
 //! | `layout` | the layout of unknowns |
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
-//! | `mode` | what is differentiated |
+//! | `mode` | the choice of derivatives |
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
-//! | `scratch`, `gather` | their packs, and how vectors get there |
+//! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
-//! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
+//! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
 //! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `operator` | the residual of a slab and its derivatives |
-//! | `boundary_flux` | what leaves through boundaries: forces, power |
+//! | `boundary_flux` | fluxes through boundaries: forces, power |
 //! | `wall_loads` | nodal forces on walls that respond to the flow |
-//! | `sampler` | cells seen from any grid of points: output, errors |
+//! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;

@@ -1,4 +1,4 @@
-//! Traces of the mesh, ready for the kernels of cells and facets: a mesh serves many evaluations.
+//! Traces of the mesh in the layout of the kernels of cells and facets, since a mesh serves many evaluations.
 
 use crate::batches::{BATCHES_PER_TASK, FacetBatches};
 use crate::gather::gather_traces;
@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use std::array::from_fn;
 use tensor::{Pack, WIDTH, zeroed};
 
-/// What a batch of facets reads: kinds 0 and 1 of the minus side, from which position and tangents are taken, and kind 1 of the plus side.
+/// The traces that a batch of facets reads: kinds 0 and 1 of the minus side, which give position and tangents, and kind 1 of the plus
+/// side.
 const PARTS: [(usize, usize); 3] = [(0, 0), (0, 1), (1, 1)];
 
 /// Coefficients of the mesh by batches of cells, and their traces by batches of facets.
@@ -21,14 +22,14 @@ pub(crate) struct MeshTraces {
 }
 
 impl MeshTraces {
-    /// Room for the traces of `cells` cells on `batches` batches of facets.
+    /// Memory for the traces of `cells` cells on `batches` batches of facets.
     pub(crate) fn new(layout: TraceLayout, cells: usize, batches: usize) -> Self {
         let on_facets = zeroed(batches * PARTS.len() * layout.kind_len());
         let reordered = PerThread::new(|| vec![0.0; WIDTH * layout.kind_len()]);
         MeshTraces { traces: Traces::new(layout, cells), on_facets, reordered }
     }
 
-    /// Takes the traces of `coefficients[cell][slot][d][node]`.
+    /// Computes the traces of `coefficients[cell][slot][d][node]`.
     pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &FacetBatches) {
         self.traces.take(maps, coefficients, true);
         let (traces, len) = (&self.traces, self.traces.layout.kind_len());

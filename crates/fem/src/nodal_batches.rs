@@ -10,7 +10,7 @@ const NODES_PER_TASK: usize = 4096;
 
 /// The cells of a mesh, [`WIDTH`] at a time.
 ///
-/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes behind the last cell
+/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes after the last cell
 /// repeat it: they are computed, but not assembled.
 pub struct NodalBatches<const D: usize> {
     cells: usize,
@@ -19,7 +19,9 @@ pub struct NodalBatches<const D: usize> {
     nodes: Vec<usize>,
     /// First entry of each C0 node in `places`, with the end.
     starts: Vec<usize>,
-    /// Where a C0 node lies in the cells, component 0: numbers of cell fields, counted by f64; in the order of the cells.
+    /// The places of each C0 node in the cells, component 0: indices into cell fields, counted in f64, in the order of
+    /// the cells.
+    /// The cell in a lane of a batch; after the last cell, the last cell again.
     places: Vec<usize>,
 }
 
@@ -102,7 +104,8 @@ impl<const D: usize> NodalBatches<D> {
         }
     }
 
-    /// out = sum over cells of a cell field, `[C0 node][component]`. A node adds its cells in increasing order, whoever computes it.
+    /// out = sum over cells of a cell field, `[C0 node][component]`. A node adds its cells in increasing order for any number of
+    /// threads.
     pub fn assemble(&self, field: &[Pack], out: &mut [f64]) {
         let component = self.nodes_per_cell * WIDTH;
         out.par_chunks_mut(NODES_PER_TASK * D).enumerate().for_each(|(task, out)| {

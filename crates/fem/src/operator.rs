@@ -23,11 +23,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tensor::WIDTH;
 
-/// What a slab operator is made of.
+/// The data of a slab operator.
 pub struct Problem<const D: usize, const M: usize> {
     /// The law with its boundary conditions.
     pub kernels: Box<dyn Kernels<D, M>>,
-    /// For every boundary the states that its condition prescribes, where it takes any.
+    /// For every boundary the states that its condition prescribes, if it takes any.
     pub data: Vec<Option<Arc<dyn StateField<D, M>>>>,
     /// The source s.
     pub source: Option<Arc<dyn StateField<D, M>>>,
@@ -68,7 +68,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     start: f64,
     dt: f64,
     clock: Clock,
-    /// The time at which all data are taken, if that is always the same.
+    /// The fixed time at which all data are evaluated, if set.
     held_time: Option<f64>,
     pub(crate) position_rows: Vec<Matrix>,
     /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
@@ -143,12 +143,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (self.start, self.dt)
     }
 
-    /// When the slab takes data that depend on time.
+    /// The times at which the slab evaluates time-dependent data.
     pub(crate) fn clock(&self) -> Clock {
         self.clock
     }
 
-    /// Takes all data of this and of later slabs at `time`: a steady flow is that of one time, however long its slab is.
+    /// Evaluates all data of this and of later slabs at `time`: a steady flow depends on one time, although its slab is
+    /// long.
     pub fn hold_time(&mut self, time: f64) {
         self.held_time = Some(time);
         self.clock = Clock::stopped(time);
@@ -159,8 +160,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.tables.top.position_row(self.dt)
     }
 
-    /// Moves to the slab [`start`, `start + dt`], on top of the state `bottom` (laid out at one time) and the displacement
-    /// `displacement` of the C0 nodes.
+    /// Moves to the slab [`start`, `start + dt`], with the state `bottom` (laid out at one time) and the displacement
+    /// `displacement` of the C0 nodes at its bottom.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
         (self.start, self.dt) = (start, dt);
         self.clock = self.held_time.map_or(Clock::running(start, dt), Clock::stopped);
@@ -191,7 +192,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (0..self.layout.cells).flat_map(|cell| self.state_traces.coefficients_of(cell)).collect()
     }
 
-    /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
+    /// The residual R(U; V) at the mesh last set. An error is the first violation in the order of cells; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
         match self.run(Differentiate::Nothing, out) {
@@ -247,8 +248,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
-    /// not a number: violations are passed on this way, and arithmetic may make its own.
+    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell with a NaN in
+    /// its result: violations are passed on as NaN, and arithmetic may produce it.
     fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
         let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
         let facet_len = 2 * self.state_traces.layout.face_len();
@@ -294,7 +295,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.scatter_terms(batch, scratch, viscous, terms);
     }
 
-    /// From time nodes and slots to the Gauss points in time.
+    /// The map from time nodes and slots to the Gauss points in time.
     pub(crate) fn in_time(&self) -> InTime<'_> {
         InTime { values: &self.tables.values, velocities: &self.tables.velocities, positions: &self.positions }
     }
@@ -312,7 +313,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
-    /// Hands what lies across the facets of a batch to `kernel`.
+    /// Passes the data on the other side of the facets of a batch to `kernel`.
     pub(crate) fn across(
         &self,
         along: Differentiate,
@@ -331,7 +332,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock }, &across);
     }
 
-    /// The origins to which the positions of a batch of facets are relative, those of the minus cells.
+    /// The origins of the positions of a batch of facets, those of the minus cells.
     pub(crate) fn facet_origins(&self, batch: &FacetBatch) -> [&[f64]; WIDTH] {
         batch.minus.map(|side| self.mesh.origin(side.cell))
     }
@@ -409,7 +410,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// Whether all of `r` is finite: then, and short of overflow only then, so are sums of it. Several, so that none waits for another.
+/// Whether all of `r` is finite: sums of it are then finite too, except for overflow. Several independent sums, so that none waits
+/// for another.
 fn sums_to_a_number(r: &[f64]) -> bool {
     let mut sums = [0.0; WIDTH];
     let (chunks, rest) = r.as_chunks::<WIDTH>();

@@ -1,4 +1,4 @@
-//! What the kernels of cells and facets do at one point.
+//! Operations of the cell and facet kernels at one point.
 
 use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
@@ -26,7 +26,7 @@ impl<const D: usize, const M: usize, L, K, S: Copy> Clone for Kernel<'_, D, M, L
 
 impl<const D: usize, const M: usize, L, K, S: Copy> Copy for Kernel<'_, D, M, L, K, S> {}
 
-/// Where a point function reads and writes: point `p` of `points`, and the part of its packs.
+/// The place of a point function's data: point `p` of `points`, and the part of its packs.
 #[derive(Clone, Copy)]
 pub(crate) struct PointIndex {
     pub(crate) points: usize,
@@ -111,7 +111,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         physical
     }
 
-    /// Marks the lanes where `admissibility` is not positive. Written so that a NaN is marked too.
+    /// Marks the lanes where `admissibility` is not positive, or NaN.
     #[inline(always)]
     pub(crate) fn flag(self, admissibility: K::State<S>, violated: &mut Pack, part: usize) {
         let (so_far, one) = (Lanes::read(self.simd, violated, part), Lanes::<S>::splat(self.simd, 1.0));
@@ -129,7 +129,7 @@ pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack
     vector
 }
 
-/// The flux f in reference direction j, component m, as grad_x w . f J tests with it: sum_k cof_kj f_k.
+/// The flux f in reference direction j, component m, for the test grad_x w . f J: sum_k cof_kj f_k.
 #[inline(always)]
 pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Real>(
     f: &[[T; M]; D],

@@ -1,4 +1,5 @@
-//! Cells seen from any tensor grid of reference points: output, errors, integrals. Plain numbers, one cell at a time.
+//! Values in cells on any tensor grid of reference points, for output, errors and integrals. Plain numbers, one cell at
+//! a time.
 
 use crate::StateField;
 use crate::moving_mesh::MovingMesh;
@@ -75,7 +76,7 @@ impl<const D: usize> Sampler<D> {
     }
 }
 
-/// Positions `[component][node]` relative to the first node: what all have in common would cost digits.
+/// Positions `[component][node]` relative to the first node: a common offset would cost digits.
 fn relative<const D: usize>(nodal: &[f64]) -> Vec<f64> {
     nodal.chunks_exact(nodal.len() / D).flat_map(|x| x.iter().map(move |value| value - x[0])).collect()
 }
@@ -108,7 +109,7 @@ fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a M
 
 /// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
 ///
-/// `state` is laid out at one time, at which the mesh has position row `row` (see `TimePoint::position_row`).
+/// `state` is laid out at one time; at this time the mesh has the position row `row` (see `TimePoint::position_row`).
 pub fn squared_errors<const D: usize, const M: usize>(
     operator: &SlabOperator<D, M>,
     state: &[f64],

@@ -1,15 +1,15 @@
-//! The penalty on jumps of slope between two cells, for what the viscous flux does not diffuse.
+//! The penalty on jumps of slope between two cells, for quantities that the viscous flux does not diffuse.
 //!
 //! ```text
 //! R_a += int_I int_f phi_a [w_,n] delta s({u}, [u_,n]) ds,   delta = 2 h^2 / N_s^5 = 8 / (N_s sigma^2)             (slope)
 //! ```
 //!
 //! h = 2 N_s^2 / sigma is the smaller height of the two cells, s the law's [`ConservationLaw::slope_flux`]. The term vanishes for a
-//! smooth state, and where the test is constant: nothing is created.
+//! smooth state, and for constant test functions, so it is conservative.
 //!
-//! Where N_s is odd, the Legendre polynomial of the highest degree has the same value at both ends of a cell. Repeated
-//! from cell to cell it does not jump, and no numerical flux damps it; its slope jumps. Where N_s is even it is the value that jumps, and
-//! the penalty is not needed. With N_s^5 the rate at which that polynomial decays, about speed / h, does not depend on N_s.
+//! For odd N_s, the Legendre polynomial of the highest degree has the same value at both ends of a cell. Repeated from cell to cell it
+//! does not jump, and no numerical flux damps it; but its slope jumps. For even N_s its value jumps, and the penalty is not needed. With
+//! N_s^5 the decay rate of that polynomial, about speed / h, does not depend on N_s.
 
 use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
@@ -18,7 +18,7 @@ use tensor::pulp::Simd;
 use tensor::{Over, Real};
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// Whether the order of the flow is one that needs the penalty.
+    /// Whether the order of the flow needs the penalty.
     #[inline(always)]
     pub(crate) fn penalises_slopes(self) -> bool {
         self.tables.orders.flow % 2 == 1
@@ -50,7 +50,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     }
 }
 
-/// Joins (slope) to the fluxes that (sip) tests with gradients of minus and plus, -1/2 times each.
+/// Adds (slope) to the fluxes that (sip) tests with gradients of minus and plus, -1/2 times each.
 #[inline(always)]
 pub(crate) fn join<const D: usize, const M: usize, T: Over<G>, G: Real>(
     flux: &[T; M],

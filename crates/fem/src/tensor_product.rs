@@ -5,17 +5,17 @@ use basis::{Matrix, contract};
 use tensor::Pack;
 use tensor::pulp::Simd;
 
-/// Room for the intermediate tensors of [`evaluate`] and [`integrate`].
+/// Memory for the intermediate tensors of [`evaluate`] and [`integrate`].
 #[derive(Default)]
 pub struct Scratch {
     even: Vec<Pack>,
     odd: Vec<Pack>,
-    /// Multiplications of packs so far, in all that was contracted by way of this scratch.
+    /// The number of multiplications of packs so far, in all contractions with this scratch.
     pub multiplications: usize,
 }
 
 impl Scratch {
-    /// Room for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
+    /// Memory for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
     pub fn new(dimension: usize, components: usize, n: usize) -> Self {
         let len = (dimension + 1) * components * n.pow(dimension as u32);
         Scratch { even: tensor::zeroed(len), odd: tensor::zeroed(len), multiplications: 0 }
@@ -81,7 +81,7 @@ impl<P: Default> AtPoints<P> {
 
 /// One-dimensional matrices along the axes of a tensor product, for fields of some components.
 ///
-/// The points may be part of a lattice: planes of it, so many as fit into the cache. Then `last` holds the rows of the last
+/// The points may be part of a lattice: as many planes of it as fit into the cache. Then `last` holds the rows of the last
 /// axis that belong to them.
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
@@ -136,7 +136,8 @@ struct Pass<'a> {
 pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints<&mut [Pack]>, scratch: &mut Scratch) {
     let dimension = lattice.dimension;
     let ([with_values, with_gradients], values, gradients) = to.parts();
-    // Tensors so far: number 0 holds values, the others derivatives, the one along the axis just passed last.
+    // Number 0 of the present tensors holds values, the others hold derivatives; the derivative along the axis just
+    // passed is the last.
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
     for axis in (0..dimension).rev() {
@@ -178,7 +179,8 @@ pub fn integrate<S: Simd>(
     let ([with_values, with_gradients], values, gradients) = from.parts();
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
-    // From the first axis to the last: derivative tensors of the axes beyond stay apart, the one of `axis` joins the values.
+    // From the first axis to the last: derivative tensors of higher axes stay separate; the derivative along `axis` is added
+    // to the values.
     for axis in 0..dimension {
         let Pass { line, outer, inner, nodal: size_out, at_points: size_in } = lattice.pass(axis);
         let (first, last) = (axis == 0, axis + 1 == dimension);
@@ -191,7 +193,7 @@ pub fn integrate<S: Simd>(
                 let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
                     (true, _) => derivative(tensor),
-                    // What was tensor 1 before the pass along the axis below has joined tensor 0 there.
+                    // Tensor 1 before the pass along the axis below was added to tensor 0 there.
                     (false, 0) => &from[..size_in],
                     (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };

@@ -72,7 +72,7 @@ fn lifting_is_the_transpose_of_taking_traces() {
     }
 }
 
-/// The functionals are the preconditioner's view of the same traces.
+/// The functionals give the preconditioner the same traces.
 #[test]
 fn traces_are_the_functionals_of_the_nodes() {
     for dimension in [2, 3] {

@@ -9,7 +9,7 @@ use crate::state::{Conserved, Primitive};
 use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
 use tensor::{Over, Real};
 
-/// The law in `D` dimensions: the gas, the choice of the numerical flux, and what is large and small.
+/// The law in `D` dimensions: the gas, the numerical flux, and the reference state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavierStokes<const D: usize> {
     /// The gas.

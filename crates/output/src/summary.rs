@@ -44,7 +44,7 @@ pub struct Summary {
     /// Quality of the moving mesh over the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_quality: Option<MeshQuality>,
-    /// What must be conserved.
+    /// Errors of conserved quantities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conservation: Option<Conservation>,
     /// Distance to the exact solution at the end.
@@ -62,13 +62,13 @@ pub struct Summary {
     /// Rigid bodies that the flow moves, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub bodies: BTreeMap<String, Body>,
-    /// What passes inflows and outflows, by name.
+    /// Mass flow and warnings of inflows and outflows, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub openings: BTreeMap<String, Opening>,
     /// The machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
-    /// What the run cost.
+    /// The cost of the run.
     pub cost: Cost,
 }
 
@@ -105,7 +105,7 @@ pub struct Unknowns {
 pub struct Newton {
     /// Over the run.
     pub total: u64,
-    /// The most that a slab took.
+    /// The largest number in a slab.
     pub max: u64,
     /// Mean over the slabs.
     pub per_slab: f64,
@@ -117,7 +117,7 @@ pub struct Newton {
 pub struct Krylov {
     /// Over the run.
     pub total: u64,
-    /// The most that a Newton step took.
+    /// The largest number in a Newton step.
     pub max_per_newton: u64,
     /// Mean over the Newton steps.
     pub mean_per_newton: f64,
@@ -133,7 +133,7 @@ pub struct MeshQuality {
     /// Proven lower bound of det J, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_lower_bound: Option<f64>,
-    /// Smallest det J met at a point, relative to the mesh at rest.
+    /// Smallest det J at a sampled point, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_sampled_min: Option<f64>,
     /// Smallest scaled Jacobian.
@@ -147,7 +147,7 @@ pub struct MeshQuality {
     pub first_invalid_time_sampled: Option<f64>,
 }
 
-/// Errors in what must be conserved.
+/// Errors of conserved quantities.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conservation {
@@ -199,7 +199,7 @@ pub struct StructureSummary {
     pub support_work: f64,
     /// Energy lost in the jumps between slabs.
     pub dissipation: f64,
-    /// Energy that all this does not explain.
+    /// Imbalance of the energy: the part of its change that work and dissipation do not explain.
     pub energy_error: f64,
     /// Iterations of the linear solvers over the run.
     pub iterations: u64,
@@ -255,7 +255,7 @@ pub struct Oscillation {
     pub frequency: Option<f64>,
 }
 
-/// What passes an inflow or outflow, and what was seen there that its condition is not made for.
+/// The mass flow through an inflow or outflow, and observed flow that its condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Opening {
@@ -276,29 +276,29 @@ pub struct Opening {
     pub subsonic: Option<Misused>,
 }
 
-/// Where a condition met what it is not made for.
+/// An observation of flow that a condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Misused {
-    /// The time at which it was seen first.
+    /// The time of the first observation.
     pub since: f64,
-    /// The part of the area of the boundary, at the end.
+    /// The fraction of the area of the boundary, at the end.
     pub share: f64,
-    /// The largest part over the run.
+    /// The largest fraction over the run.
     pub largest_share: f64,
 }
 
-/// What a wall received over the run.
+/// Impulse, work and heat that a wall received over the run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Time integral of the force, one entry per direction.
     pub impulse: Vec<f64>,
-    /// The part of pressure in it.
+    /// Its part due to pressure.
     pub pressure_impulse: Vec<f64>,
-    /// The part of friction in it.
+    /// Its part due to friction.
     pub friction_impulse: Vec<f64>,
-    /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
+    /// Time integral of the moment, one entry per axis of rotation: one in two dimensions, three in three.
     pub moment_impulse: Vec<f64>,
     /// Work of the force on the wall.
     pub work: f64,
@@ -323,7 +323,7 @@ pub struct Steady {
     pub newton: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// The residual, relative to that of the initial state.
+    /// The residual, relative to the residual of the initial state.
     pub residual: f64,
     /// The residual at the next higher order, relative to its inertial terms.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -363,7 +363,7 @@ pub struct SteadyWall {
 }
 
 impl Summary {
-    /// Writes `summary.json`, replacing an older one whole.
+    /// Writes `summary.json`; an older file is replaced as a whole.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -473,7 +473,7 @@ mod tests {
         }
     }
 
-    /// Written out in full: these names are a contract with scripts.
+    /// Written out in full, because scripts rely on these names.
     fn contract() -> Value {
         json!({
             "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",

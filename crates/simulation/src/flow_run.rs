@@ -70,7 +70,7 @@ where
         walls.filter(|(_, wall)| moves(wall.boundary)).map(|(number, _)| number).collect()
     }
 
-    /// Looks at inflows and outflows, and says what is seen there for the first time.
+    /// Measures inflows and outflows, and reports each observation once.
     fn observe(&self, context: &mut RunContext) {
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
@@ -149,7 +149,7 @@ fn doubt(reliability: &Reliability) -> Option<String> {
     Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
 }
 
-/// A solve for the steady flow, in a line.
+/// A solve for the steady flow, in one line.
 fn told(stage: &Stage) -> String {
     let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
     let flux = if *dissipative { ", dissipative flux" } else { "" };
@@ -184,7 +184,7 @@ where
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
-        // A run that continues another one has its start behind it, but for a steady flow of other orders.
+        // A run that continues another one does not search the steady flow again, unless its orders differ.
         let row = match &self.case.solver.steady {
             Some(steady) if self.march.state.slab == 0 && context.statistics.steady.is_none() => {
                 Some(self.start_from_steady_flow(steady, context)?)

@@ -7,18 +7,18 @@ use coupled::block::BodyState;
 use coupled::{MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use std::collections::BTreeMap;
 
-/// What a run has done so far.
+/// The statistics of a run so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunStatistics {
     /// Attempts at slabs that were rejected.
     pub rejected: u64,
     /// Newton steps.
     pub newton: u64,
-    /// Newton steps of the slab with most of them.
+    /// The largest number of Newton steps in a slab.
     pub newton_max: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// Krylov iterations of the Newton step with most of them.
+    /// The largest number of Krylov iterations in a Newton step.
     pub krylov_max: u64,
     /// CG iterations of the mesh.
     pub elasticity: u64,
@@ -26,21 +26,21 @@ pub struct RunStatistics {
     pub residuals: u64,
     /// Jacobian products.
     pub products: u64,
-    /// The worst of the mesh.
+    /// The worst quality of the mesh.
     pub quality: Option<MeshQuality>,
-    /// Where the mesh was invalid first.
+    /// The first place where the mesh was invalid.
     pub first_invalid: Option<FirstInvalid>,
     /// The first time at which a sampled det J was not positive.
     pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
-    /// What has left through all boundaries, per component.
+    /// The amount that has left through all boundaries, per component.
     pub left: Vec<f64>,
     /// Impulses, work and heat of every wall, as numbers.
     pub impulses: Vec<Vec<f64>>,
-    /// What every wall feels at the time reached, as numbers.
+    /// The loads of every wall at the time reached, as numbers.
     pub forces: Vec<Vec<f64>>,
-    /// How the steady flow was found, where the run starts from one.
+    /// The search for the steady flow, if the run starts from one.
     pub steady: Option<Steady>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
@@ -48,9 +48,9 @@ pub struct RunStatistics {
     pub energy_error: f64,
     /// The energy of a structure.
     pub structure: EnergyBalance,
-    /// What leaves through every boundary at the time reached, mass per time.
+    /// The mass flow out through every boundary at the time reached.
     pub mass_flows: Vec<f64>,
-    /// What was seen at inflows and outflows.
+    /// The observations at inflows and outflows.
     pub openings: Vec<Record>,
     /// What bodies have done.
     pub bodies: Vec<BodyRecord>,
@@ -58,7 +58,7 @@ pub struct RunStatistics {
     pub coupled_energy_error: f64,
 }
 
-/// Where the energy of a structure came from and went to, since the start of the run.
+/// The energy balance of a structure since the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// The energy at the start.
@@ -67,12 +67,12 @@ pub struct EnergyBalance {
     pub load_work: f64,
     /// The work of the supports.
     pub support_work: f64,
-    /// What the jumps between slabs have taken.
+    /// The energy dissipated by the jumps between slabs.
     pub dissipation: f64,
 }
 
 impl EnergyBalance {
-    /// By how much `energy` is more than it should be: round-off.
+    /// The excess of `energy` over its balance: round-off.
     pub fn error(&self, energy: f64) -> f64 {
         energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
     }
@@ -85,15 +85,15 @@ pub struct Steady {
     pub newton: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// The residual, relative to that of the initial state.
+    /// The residual, relative to the residual of the initial state.
     pub residual: f64,
-    /// What every wall feels, as numbers.
+    /// The loads of every wall, as numbers.
     pub forces: Vec<Vec<f64>>,
     /// What speaks for and against it.
     pub reliability: Reliability,
 }
 
-/// Where a mesh became invalid.
+/// The first invalidity of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstInvalid {
     /// The first time at which a cell is not proved to be valid.
@@ -124,13 +124,13 @@ impl Steady {
     }
 }
 
-/// What leaves through every boundary at the top of a slab.
+/// The mass flow out through every boundary at the top of a slab.
 fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
     report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
 }
 
 impl RunStatistics {
-    /// Adds a slab, with what the walls felt.
+    /// Adds a slab, with the loads of the walls.
     pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[WallLoads<D>]) {
         self.rejected += report.rejected as u64;
         let steps = report.newton.steps.len() as u64;
@@ -196,7 +196,7 @@ impl RunStatistics {
         self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
     }
 
-    /// (what there is now + what has left - what there was at the start) / what there was at the start, of one component.
+    /// (present amount + amount that has left - amount at the start) / amount at the start, of one component.
     pub fn balance(&self, totals: &[f64], component: usize) -> f64 {
         let at = |values: &[f64]| values.get(component).copied();
         let start = at(&self.totals_at_start).unwrap_or(f64::NAN);
@@ -243,7 +243,7 @@ impl RunStatistics {
         ])
     }
 
-    /// Back from named numbers, of a run with a number of `walls`; `None` if some are missing.
+    /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
     pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
         let get = |name: &str| arrays.get(&format!("tally.{name}"));
         let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]

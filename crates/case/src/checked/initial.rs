@@ -1,4 +1,4 @@
-//! Formulas may give anything: a state at the start or on a boundary must be one of a gas.
+//! Checks that formulas give admissible states at the start and on boundaries.
 
 use super::mesh_crate::{CellMap, Mesh, face_nodes};
 use super::time::Time;
@@ -8,14 +8,14 @@ use crate::magnitude::is_computable;
 use crate::state::{Formulas, State};
 use basis::gauss_lobatto;
 
-/// Where and when a state is looked at.
+/// Where and when a state is checked.
 struct Place<const D: usize> {
     cell: usize,
     x: [f64; D],
     t: f64,
 }
 
-/// The state `initial` at time `start`, given at `key`, is admissible at all nodes of a flow of `order`, which take its values.
+/// Checks that the state `initial` at time `start`, given at `key`, is admissible at all nodes of a flow of `order`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -34,7 +34,7 @@ pub(super) fn check<const D: usize>(
     places.try_for_each(|place| check_at(checker, &key, formulas, &place))
 }
 
-/// The state that a `boundary` is given at `key` is admissible at its nodes, at some instants of the run.
+/// Checks that the state of a `boundary`, given at `key`, is admissible at its nodes, at some times of the run.
 pub(super) fn check_on_boundary<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,

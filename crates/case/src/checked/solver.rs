@@ -1,19 +1,19 @@
-//! How the equations of a slab are solved.
+//! The solver settings of a case.
 
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
-/// Krylov iterations between restarts at most.
+/// The largest number of Krylov iterations between restarts.
 const MOST_VECTORS: usize = 10_000;
 
 /// The longest march that tells whether a steady flow is stable, in time units.
 const LONGEST_MARCH: f64 = 1e4;
 
-/// Halvings of a slab at most: after more of them it drowns in the round-off of the time.
+/// The largest number of halvings of a slab: after more of them its length is below the round-off of the time.
 const MOST_HALVINGS: usize = 40;
-/// The loosest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
+/// The largest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
 const LOOSEST: f64 = 0.1;
 
 /// The same in words.
@@ -114,7 +114,7 @@ impl Steady {
 }
 
 impl Solver {
-    /// The settings of the Newton driver; what the case does not name is left to its defaults.
+    /// The settings of the Newton driver; the case leaves other settings at their defaults.
     pub fn newton(&self) -> newton::Settings {
         let defaults = newton::Settings::default();
         let maximum = self.krylov_tolerance;

@@ -1,9 +1,9 @@
-//! What is wrong with a case is named.
+//! Errors of a case name their cause.
 
 use super::super::error::Place;
 use super::*;
 
-/// A line of BASE, what it is replaced by, and what the message must contain beside file and line.
+/// A line of BASE, its replacement, and parts of the message besides file and line.
 const BAD: &[(&str, &str, &[&str])] = &[
     ("order = 4", "ordr = 4", &["`flow.ordr = 4`", "unknown key `ordr`", "`quadrature`", "did you mean `order`"]),
     ("order = 4", "order = \"four\"", &["`flow.order = \"four\"`", "wrong type", "a whole number"]),
@@ -332,7 +332,7 @@ fn bad_input_is_named_with_file_line_key_value_and_what_is_accepted() {
     }
 }
 
-/// What is wrong is in the window that is shown of a long line, and the message stays short.
+/// The excerpt of a long line contains the error, and the message stays short.
 #[test]
 fn a_long_line_is_shown_where_it_is_wrong() {
     let sum = |terms: usize| (0..terms).map(|k| format!("a*sin({k}*t)+")).collect::<String>();
@@ -344,7 +344,7 @@ fn a_long_line_is_shown_where_it_is_wrong() {
     assert!(message.contains("4, \"two\"] }") && message.contains("^^^^^") && message.len() < 2000, "{message}");
 }
 
-/// Such a formula was evaluated for hours by `check`.
+/// Such a formula once kept `check` busy for hours.
 #[test]
 fn a_formula_of_200000_terms_is_refused_at_once() {
     let formula = (0..200_000).map(|k| format!("a*sin({k}*t)+")).collect::<String>() + "0";
@@ -353,7 +353,7 @@ fn a_formula_of_200000_terms_is_refused_at_once() {
     assert!(message.len() < 2000, "{} characters", message.len());
 }
 
-/// The displacement everywhere is looked at over the run, as that of boundaries is.
+/// A displacement of the whole mesh is checked over the run, like the displacement of boundaries.
 #[test]
 fn a_displacement_everywhere_has_a_value_that_coordinates_can_hold() {
     for (formula, parts) in [
@@ -366,7 +366,7 @@ fn a_displacement_everywhere_has_a_value_that_coordinates_can_hold() {
     }
 }
 
-/// The state at the start is looked at where the flow has its nodes, not only where the mesh has.
+/// The initial state is checked at the nodes of the flow, not only at those of the mesh.
 #[test]
 fn a_state_at_the_start_that_is_none_is_named_with_cell_and_value() {
     let start = |pressure: &str| {
@@ -377,7 +377,7 @@ fn a_state_at_the_start_that_is_none_is_named_with_cell_and_value() {
     let parts =
         ["`flow.initial.expression.pressure = \"sqrt(-1-x)\"`", "the pressure in cell 0 at [0.0, 0.0], t = 0, NaN"];
     parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
-    // Of the nodes of a line of the first cell only those of the flow, of order 4, lie near x = 0.138.
+    // Of the nodes on a line of the first cell only those of the flow, of order 4, lie near x = 0.138.
     let message = start("1 - 2*(abs(x - 0.138) < 0.01)").unwrap_err().to_string();
     assert!(message.contains("in cell 0 at [0.138") && message.contains(", -1,"), "{message}");
 }
@@ -405,12 +405,12 @@ fn errors_of_options_name_the_option() {
     }
 }
 
-/// Lines left out, doubled, cut, misspelt: refused with a place, or still a case; never a panic.
+/// Lines that are missing, doubled, cut or misspelt give an error with a place, or still a case; never a panic.
 #[test]
 fn damaged_cases_are_refused_with_a_place_or_are_cases() {
     let mut refused = 0;
     for file in case_files() {
-        // The lowest order, for meshes that are made quickly.
+        // The lowest order makes meshes quickly.
         let text =
             std::fs::read_to_string(&file).unwrap().replace("order = 4", "order = 2").replace("order = 8", "order = 2");
         let lines: Vec<&str> = text.lines().collect();
@@ -438,7 +438,7 @@ fn damaged_cases_are_refused_with_a_place_or_are_cases() {
     assert!(refused > 400, "{refused} refused");
 }
 
-/// The header of a table names its way; the error is about the part that offers a choice.
+/// The header of a table names the full path; the error concerns the part that offers a choice.
 #[test]
 fn two_choices_are_named() {
     let text = BASE
@@ -454,7 +454,7 @@ fn two_choices_are_named() {
     }
 }
 
-/// Who does not know the choices is told.
+/// The error lists the choices.
 #[test]
 fn choices_are_listed_where_none_is_made() {
     let none = check_text(&BASE.replace("generate.box = {", "generate = {}\n#"), &[]).unwrap_err().to_string();

@@ -15,13 +15,13 @@ pub(crate) struct CellSweeps<'a, const D: usize> {
 }
 
 impl<const D: usize> CellSweeps<'_, D> {
-    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at those of the skeleton.
+    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at nodes of the skeleton.
     pub(crate) fn forward(&self, b: &[f64], out: &mut [f64], work: &mut SweepWork) {
         self.sweep(true, b, out, work);
     }
 
-    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at those of the skeleton, for z and d in
-    /// the vector `z`.
+    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at nodes of the skeleton; the vector `z`
+    /// holds z and d.
     pub(crate) fn backward(&self, z: &[f64], out: &mut [f64], work: &mut SweepWork) {
         self.sweep(false, z, out, work);
     }
@@ -126,7 +126,7 @@ impl<'a, S: Simd> SweepLanes<'a, S> {
         }
     }
 
-    /// sum_r L_jr x_r, in two halves that do not wait for each other.
+    /// sum_r L_jr x_r, in two independent halves.
     #[inline(always)]
     fn sum(&self, row: &[Pack]) -> Lanes<S> {
         let mut sums = [Lanes::splat(self.simd, 0.0); 2];

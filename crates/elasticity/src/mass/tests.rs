@@ -51,7 +51,8 @@ fn matrix_free_is_assembled() {
     agrees_with_assembled(&unit_box([2, 2, 3], 3, 0.03), 3);
 }
 
-/// M times a constant is int rho phi_k dx, here by a rule with points to spare; their sum is the mass of the curved body.
+/// M times a constant is int rho phi_k dx, here by a rule with more points than needed; the sum is the mass of the curved
+/// body.
 fn constants_are_exact<const D: usize>(mesh: &Mesh<D>) {
     let order = mesh.order();
     let (mass, batches, numbering) = mass(mesh, order);
@@ -81,7 +82,7 @@ fn inertia_of_a_body_moved_as_a_whole_is_exact() {
     }
 }
 
-/// Resultant and moment of gravity on a curved body: its mass, and its centroid times that.
+/// Resultant and moment of gravity on a curved body: its mass, and its centroid times its mass.
 #[test]
 fn body_force_has_the_resultant_and_moment_of_the_mass() {
     let mesh = unit_box([3, 2], 5, 0.03);
@@ -97,7 +98,7 @@ fn body_force_has_the_resultant_and_moment_of_the_mass() {
     assert!(f.iter().step_by(2).all(|f| *f == 0.0));
 }
 
-/// N nodes would sum a diagonal mass; the consistent one knows the kinetic energy of a rotation of a curved body.
+/// N nodes would give a diagonal mass; the consistent mass gives the kinetic energy of a rotation of a curved body.
 #[test]
 fn kinetic_energy_of_a_rotation() {
     let mesh = unit_box([2, 2], 4, 0.03);

@@ -16,7 +16,7 @@ pub struct AdiabaticWall<const D: usize> {
 }
 
 impl<const D: usize> AdiabaticWall<D> {
-    /// A wall that slides with the velocity `slide` (of which the tangential part counts) relative to the mesh.
+    /// A wall that slides with the velocity `slide` relative to the mesh; only its tangential part counts.
     ///
     /// # Errors
     /// A velocity that is not finite.
@@ -51,7 +51,7 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
     }
 
-    /// [0 ; tau n ; (tau n) . w_b]: friction works on the moving wall, no heat.
+    /// [0 ; tau n ; (tau n) . w_b]: friction does work on the moving wall; there is no heat.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,

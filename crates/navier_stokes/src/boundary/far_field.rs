@@ -7,8 +7,8 @@ use crate::state::Primitive;
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// A uniform free stream outside. The Riemann solver lets it act through the waves that come in, and lets pass those that
-/// leave. No viscous stress, no heat: wakes leave freely.
+/// A uniform free stream outside. Through the Riemann solver it acts on the incoming waves; outgoing waves pass. No
+/// viscous stress, no heat: wakes leave freely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarField<const D: usize> {
     free_stream: Primitive<f64, D>,

@@ -9,9 +9,9 @@ use crate::state::Primitive;
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Total pressure p_0, total temperature T_0 and direction d of the gas that flows in, as seen by an observer at rest: an opening to a
-/// reservoir, see `opening`. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential
-/// velocity. No viscous stress, no heat.
+/// Total pressure p_0, total temperature T_0 and direction d of the gas that flows in, for an observer at rest: an opening to a
+/// reservoir, see `opening`. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential velocity.
+/// No viscous stress, no heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inflow<const D: usize> {
     reservoir: Reservoir,
@@ -19,7 +19,7 @@ pub struct Inflow<const D: usize> {
 }
 
 impl<const D: usize> Inflow<D> {
-    /// Inflow of the given total state along `direction`, of any length but zero, into the domain.
+    /// Inflow of the given total state along `direction`, a vector of any nonzero length that points into the domain.
     ///
     /// # Errors
     /// A total pressure or temperature that is not positive, a direction that is zero or not finite.

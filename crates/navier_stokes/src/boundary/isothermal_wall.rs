@@ -9,7 +9,7 @@ use crate::state::{Primitive, along, components};
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
-/// A no-slip wall that is kept at a temperature.
+/// A no-slip wall of given temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsothermalWall<const D: usize> {
     temperature: f64,
@@ -17,8 +17,8 @@ pub struct IsothermalWall<const D: usize> {
 }
 
 impl<const D: usize> IsothermalWall<D> {
-    /// A wall of the given `temperature` that slides with the velocity `slide` (of which the tangential part counts)
-    /// relative to the mesh.
+    /// A wall of the given `temperature` that slides with the velocity `slide` relative to the mesh; only its
+    /// tangential part counts.
     ///
     /// # Errors
     /// A temperature that is not positive, a velocity that is not finite.
@@ -29,7 +29,8 @@ impl<const D: usize> IsothermalWall<D> {
 }
 
 impl<const D: usize> Condition<D> for IsothermalWall<D> {
-    /// Pressure from inside (the acoustic wave that arrives carries it), the velocity and the temperature of the wall.
+    /// The velocity and the temperature of the wall, and the pressure from inside, which the arriving acoustic wave
+    /// carries.
     #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,

@@ -1,12 +1,12 @@
 //! Boundary conditions, imposed weakly.
 //!
-//! Each condition answers the three questions of [`Condition`]. On walls and symmetry planes the inviscid flux is that of the
-//! state u_b(u-) at which the viscous terms are evaluated, no Riemann problem is solved: the residual there depends on the
-//! inner state through u_b and the gradient alone, which makes the scheme and functionals like lift adjoint consistent
-//! (Hartmann 2007). Where gas may cross, inflow and outflow take F_c(u_b) with u_b made of data and of the invariants that
-//! leave; the far field and prescribed states leave that choice to the Riemann solver.
+//! Each condition implements the methods of [`Condition`]. On walls and symmetry planes no Riemann problem is solved: the
+//! inviscid flux is the flux of the state u_b(u-) at which the viscous terms are evaluated. The residual there depends on the
+//! inner state only through u_b and the gradient. This makes the scheme and functionals like lift adjoint consistent
+//! (Hartmann 2007). If gas may cross, inflow and outflow take F_c(u_b), where u_b is made of data and of the invariants that
+//! leave. The far field and prescribed states leave that choice to the Riemann solver.
 //!
-//! Data stand for entropy and tangential velocity exactly where gas enters, whatever the condition is called: see [`opening`].
+//! For every condition, data replace entropy and tangential velocity exactly where gas enters: see [`opening`].
 
 mod adiabatic_wall;
 mod far_field;
@@ -37,9 +37,9 @@ use crate::state::{Primitive, along, components};
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments. Only the flux has no answer of its own.
+/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments. Only the flux has no default.
 pub(crate) trait Condition<const D: usize> {
-    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes one on them.
+    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes another one.
     #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
@@ -71,13 +71,14 @@ pub(crate) trait Condition<const D: usize> {
         Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 
-    /// The velocity of the boundary where the mesh moves with `v`: that of the mesh, unless it slides in its own plane.
+    /// The velocity of the boundary if the mesh moves with `v`: the velocity of the mesh, unless the boundary slides in
+    /// its own plane.
     #[inline(always)]
     fn velocity<G: Real>(&self, _n: &[G; D], v: &[G; D]) -> [G; D] {
         *v
     }
 
-    /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
+    /// The target state of the condition: [`Self::state`], or the state outside if that imposes nothing.
     #[inline(always)]
     fn target_state<T: Over<G>, G: Real, const M: usize>(
         &self,
@@ -96,11 +97,11 @@ pub enum Boundary<const D: usize> {
     FarField(FarField<D>),
     /// A state prescribed as a function of position and time.
     PrescribedState(PrescribedState),
-    /// A no-slip wall that passes no heat.
+    /// An adiabatic no-slip wall.
     AdiabaticWall(AdiabaticWall<D>),
     /// A no-slip wall of given temperature.
     IsothermalWall(IsothermalWall<D>),
-    /// A wall without friction.
+    /// A frictionless wall.
     SlipWall(SlipWall),
     /// A plane of symmetry: the condition of a slip wall, but no body.
     Symmetry(SlipWall),
@@ -138,7 +139,7 @@ impl<const D: usize> Boundary<D> {
         matches!(self, Boundary::PrescribedState(_) | Boundary::VelocityInflow(_) | Boundary::SupersonicInflow(_))
     }
 
-    /// Whether the boundary is the surface of a body, which feels a force.
+    /// Whether the boundary is the surface of a body, on which forces are evaluated.
     #[inline(always)]
     pub fn is_wall(&self) -> bool {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
@@ -192,7 +193,7 @@ impl<const D: usize> Boundary<D> {
     }
 }
 
-/// The zero flux, in the kind of `like`.
+/// The zero flux, in the number type of `like`.
 #[inline(always)]
 fn nothing<T: Real, const M: usize>(like: T) -> [T; M] {
     [like.zero(); M]

@@ -9,8 +9,9 @@ use crate::state::{Primitive, along};
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see `opening`: of total pressure p_b
-/// and total temperature T_0 relative to the facet, it enters along the normal. Viscous stress and heat pass as they come from inside.
+/// Outflow to the static pressure p_b outside. Gas that comes back is the gas of a reservoir, see `opening`. It has the total pressure
+/// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat pass as they come
+/// from inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow {
     reservoir: Reservoir,
@@ -26,7 +27,7 @@ impl Outflow {
         Ok(Outflow { reservoir: Reservoir::new(pressure, total_temperature)? })
     }
 
-    /// The state on the facet: `minus` itself where w_n - v_n >= c, since no wave comes in there.
+    /// The state on the facet: `minus` itself if w_n - v_n >= c, since then no wave comes in.
     #[inline(always)]
     fn outside<T: Over<G>, G: Real, const D: usize, const M: usize>(
         &self,

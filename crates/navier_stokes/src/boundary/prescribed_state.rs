@@ -5,8 +5,8 @@ use crate::law::NavierStokes;
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// A state given at every point and time, an exact solution for instance: the Riemann solver chooses what of it comes in,
-/// and viscous terms take it as Dirichlet data.
+/// A state given at every point and time, for instance an exact solution. The Riemann solver selects the part that comes
+/// in, and viscous terms take the state as Dirichlet data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedState;
 

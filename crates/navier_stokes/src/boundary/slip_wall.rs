@@ -1,4 +1,4 @@
-//! The wall without friction, which is also the plane of symmetry.
+//! The frictionless wall, which is also the plane of symmetry.
 
 use super::{Condition, pressure_flux};
 use crate::flux::Stresses;
@@ -7,7 +7,7 @@ use crate::state::{Primitive, along, components};
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Gas may slide along the wall but neither cross it nor leave it; no shear, no heat.
+/// Gas may slide along the wall but not cross it; no shear, no heat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlipWall;
 

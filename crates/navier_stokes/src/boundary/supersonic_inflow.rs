@@ -6,8 +6,8 @@ use crate::state::Primitive;
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
-/// A complete state, given at every point and time. All waves enter, so that the flux is F_c(u_b) whatever the gas inside does. Viscous
-/// terms take the state as Dirichlet data. Well posed only where the given normal velocity relative to the facet exceeds the speed of
+/// A complete state, given at every point and time. All waves enter, so the flux is F_c(u_b) for any gas inside. Viscous terms take the
+/// state as Dirichlet data. The condition is well posed only if the given normal velocity relative to the facet exceeds the speed of
 /// sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SupersonicInflow;

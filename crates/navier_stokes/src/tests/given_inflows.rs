@@ -4,8 +4,8 @@ use super::consistency::normal_flux;
 use super::openings::{along_x, invariant};
 use super::*;
 
-/// Whatever the gas inside does, a velocity inflow passes the given velocity and temperature, or the given mass flux to round-off, with
-/// the acoustic invariant of the gas inside.
+/// For any gas inside, a velocity inflow passes the given velocity and temperature, or the given mass flux, to round-off. The acoustic
+/// invariant is that of the gas inside.
 fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
     let (gas, n, t) = (gas(), along_x::<D>(-1.0), 1.7);
     for seed in 0..100 {
@@ -37,7 +37,7 @@ fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
     }
 }
 
-/// A mass flux that fits the state inside passes that state, and where the given vector points out of the domain gas leaves with its own
+/// A mass flux that fits the state inside passes that state. Where the given vector points out of the domain, gas leaves with its own
 /// entropy and tangential velocity.
 fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
     let (gas, law) = (gas(), law::<D>(Riemann::Roe));
@@ -66,7 +66,7 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
     }
 }
 
-/// A supersonic inflow passes the given state, whatever the gas inside does.
+/// A supersonic inflow passes the given state for any gas inside.
 fn supersonic_inflow_passes_its_state<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));

@@ -1,4 +1,4 @@
-//! What must hold of every flux and every boundary condition, in two and three dimensions.
+//! Properties of every flux and every boundary condition, in two and three dimensions.
 #![allow(clippy::unwrap_used)]
 
 mod consistency;
@@ -57,7 +57,7 @@ pub(super) fn at<'a, G, const D: usize, const M: usize>(
     BoundaryPoint { normal, velocity, data }
 }
 
-/// Everything that the point functions take, with numbers `T` of the state and `G` of the geometry.
+/// The arguments of the point functions, with numbers `T` of the state and `G` of the geometry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point<T, G, const D: usize, const M: usize> {
     pub(super) minus: [T; M],
@@ -109,7 +109,7 @@ impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
     }
 }
 
-/// A gas with a viscosity that varies.
+/// A gas with variable viscosity.
 pub(super) fn gas() -> Gas {
     let viscosity = Viscosity::Sutherland { viscosity: 0.1, temperature: 1.2, constant: 0.4 };
     Gas::new(1.4, 0.7, 0.72, viscosity).unwrap()
@@ -134,7 +134,8 @@ impl<const D: usize> Conditions<D> {
         let mut random = Random(9);
         Conditions { free_stream: random.vector(1.0), slide: random.vector(1.0), direction: random.unit() }
     }
-    /// So many at the end of the list depend on the observer: a reservoir is at rest, and a mass flux is one through a plane at rest.
+    /// The number of conditions at the end of the list that depend on the observer: a reservoir is at rest, and a mass flux refers to
+    /// a plane at rest.
     pub(super) const OF_AN_OBSERVER: usize = 2;
 
     /// Each condition, named.
@@ -156,7 +157,7 @@ impl<const D: usize> Conditions<D> {
     }
 }
 
-/// The values of all point functions: what flows through a facet with normal n, by name.
+/// The values of all point functions, the fluxes through a facet with normal n, by name.
 pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     conditions: &[Boundary<D>],
     p: &Point<T, G, D, M>,

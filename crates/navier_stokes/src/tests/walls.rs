@@ -11,7 +11,7 @@ fn walls<const D: usize>(slide: [f64; D]) -> [Boundary<D>; 4] {
     ]
 }
 
-/// Exactly, not up to round-off, whatever the wall does.
+/// Exactly, not up to round-off, for any motion of the wall.
 fn no_mass<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);
@@ -25,7 +25,7 @@ fn no_mass<const D: usize, const M: usize>() {
     }
 }
 
-/// The gas between walls at rest keeps its energy exactly, unless one of them is kept at a temperature.
+/// The gas between walls at rest keeps its energy exactly, unless one of them is isothermal.
 fn no_energy_at_rest<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
@@ -41,7 +41,7 @@ fn no_energy_at_rest<const D: usize, const M: usize>() {
     }
 }
 
-/// The energy that crosses a wall without heat is the work of the force on it: p n . v - (tau n) . w_b.
+/// The energy that crosses an adiabatic wall is the work of the force on it: p n . v - (tau n) . w_b.
 fn energy_is_work<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);
@@ -59,8 +59,8 @@ fn energy_is_work<const D: usize, const M: usize>() {
     }
 }
 
-/// The states that walls impose have the velocity of the wall and pressure from inside; an isothermal wall has its
-/// temperature, the others that of the gas.
+/// The states that walls impose have the velocity of the wall and pressure from inside. The temperature is given at an
+/// isothermal wall, and otherwise that of the gas.
 fn imposed_states<const D: usize, const M: usize>() {
     let gas = gas();
     for seed in 0..100 {
@@ -83,8 +83,8 @@ fn imposed_states<const D: usize, const M: usize>() {
     }
 }
 
-/// The viscous flux through a wall is that of the gas, less the heat where it is adiabatic, and less heat and shear where
-/// gas slides.
+/// The viscous flux through a wall is the flux in the gas, without the heat if the wall is adiabatic, and without heat
+/// and shear if the gas slips.
 fn viscous_flux<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));

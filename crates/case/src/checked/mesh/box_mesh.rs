@@ -34,12 +34,12 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     }
     let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
-    // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
+    // Corners and cells are valid here, so any error is caused by the curving.
     let key = curving_key(key, raw.curving);
     generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error))
 }
 
-/// Sizes of cells differ at most by this factor: beyond, det J of the thin ones drowns in round-off.
+/// The largest ratio of cell sizes: beyond it, det J of thin cells is lost in round-off.
 const LARGEST_RATIO: f64 = 1e10;
 
 fn check_axes<const D: usize>(family: &Family<'_>, extents: &[f64; D], cells: &[usize; D]) -> Checked<()> {
