@@ -220,6 +220,11 @@ impl<'a> Checker<'a> {
         self.programs(key, formulas, &self.names.with_time())
     }
 
+    /// The value of a formula of constants.
+    pub(super) fn number(&self, key: &Key, formula: &Formula) -> Checked<f64> {
+        Ok(self.program(key, formula, &self.names)?.evaluate(&[], 0.0))
+    }
+
     fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
         let formulas: [Formula; D] = self.vector(key, formulas)?;
         let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);

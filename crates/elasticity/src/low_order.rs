@@ -36,8 +36,8 @@ enum Inverse {
 }
 
 impl<const D: usize> LowOrder<D> {
-    /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
-    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each cell.
+    /// Assembles the matrix of the nodes that are not `constrained`, and factors it. For `multigrid` it makes a hierarchy from the
+    /// positions of all C0 nodes instead. `samples(cell)` are the samples at the Gauss-Lobatto nodes of `numbering`'s order in a cell.
     pub(crate) fn new(
         lame: Lame,
         numbering: &NodeNumbering,

@@ -144,7 +144,7 @@ impl<const D: usize> Given<'_, D> {
         let body = RigidBody {
             name: name.to_owned(),
             walls: self.walls(name, &key, raw)?,
-            mass: checker.positive(&key.child("mass"), "the mass", raw.mass)?,
+            mass: checker.positive(&key.child("mass"), "the mass", checker.number(&key.child("mass"), &raw.mass)?)?,
             moment_of_inertia: self.moment_of_inertia(&key, raw, rotates)?,
             pivot,
             axis: match raw.axis {
@@ -183,8 +183,11 @@ impl<const D: usize> Given<'_, D> {
     }
 
     fn moment_of_inertia(&self, key: &Key, raw: &raw::Body, rotates: bool) -> Checked<f64> {
-        match raw.moment_of_inertia {
-            Some(inertia) => self.checker.positive(&key.child("moment_of_inertia"), "the moment of inertia", inertia),
+        match &raw.moment_of_inertia {
+            Some(inertia) => {
+                let key = key.child("moment_of_inertia");
+                self.checker.positive(&key, "the moment of inertia", self.checker.number(&key, inertia)?)
+            }
             None if rotates => {
                 let accepted = "`moment_of_inertia`, about the axis through the centre of mass";
                 Err(self.checker.combination(key, "a body that rotates has no moment of inertia", accepted))
@@ -215,21 +218,12 @@ impl<const D: usize> Given<'_, D> {
 
     fn freedom(&self, key: &Key, axis: Option<usize>, raw: &raw::Freedom) -> Checked<Freedom> {
         let checker = self.checker;
-        let numbers = [
-            ("spring", raw.spring),
-            ("cubic_spring", raw.cubic_spring),
-            ("rest", raw.rest),
-            ("damping", raw.damping),
-            ("rate", raw.rate),
-        ];
-        for (name, value) in numbers {
-            checker.require(
-                &key.child(name),
-                &format!("the {}", name.replace('_', " ")),
-                value.is_finite(),
-                "a finite number",
-            )?;
-        }
+        let number = |name: &str, formula: &raw::Formula| -> Checked<f64> {
+            let (key, quantity) = (key.child(name), format!("the {}", name.replace('_', " ")));
+            let value = checker.number(&key, formula)?;
+            checker.require(&key, &quantity, value.is_finite(), "a finite number")?;
+            Ok(value)
+        };
         if let Some(raw::Stops { lower, upper, stiffness }) = raw.stops {
             let key = key.child("stops");
             checker.require(
@@ -250,8 +244,17 @@ impl<const D: usize> Given<'_, D> {
             ));
         }
         let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
-        let raw::Freedom { spring, cubic_spring, rest, damping, rate, release, .. } = *raw;
-        Ok(Freedom { axis, spring, cubic_spring, rest, damping, rate, stops, motion, release })
+        Ok(Freedom {
+            axis,
+            spring: number("spring", &raw.spring)?,
+            cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
+            rest: number("rest", &raw.rest)?,
+            damping: number("damping", &raw.damping)?,
+            rate: number("rate", &raw.rate)?,
+            stops,
+            motion,
+            release: raw.release,
+        })
     }
 
     /// A driven coordinate starts at zero and has a value over the whole run.

@@ -11,9 +11,9 @@ pub struct Body {
     /// The walls that are its surface. Without it, the wall that has the name of the body.
     pub walls: Option<Vec<String>>,
     /// Its mass.
-    pub mass: f64,
+    pub mass: Formula,
     /// Its moment of inertia about the axis of rotation through the centre of mass; needed where it rotates.
-    pub moment_of_inertia: Option<f64>,
+    pub moment_of_inertia: Option<Formula>,
     /// A point on the axis of rotation, at rest. Without it the origin.
     pub pivot: Option<Vec<f64>>,
     /// The axis of rotation in three dimensions. Without it z.
@@ -35,30 +35,34 @@ pub struct Body {
 }
 
 /// A translation or rotation of a body. An empty section is one that is free.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Freedom {
     /// Force per displacement, or moment per angle.
-    #[serde(default)]
-    pub spring: f64,
+    #[serde(default = "zero")]
+    pub spring: Formula,
     /// The same per cube of the displacement.
-    #[serde(default)]
-    pub cubic_spring: f64,
+    #[serde(default = "zero")]
+    pub cubic_spring: Formula,
     /// Where the springs are at rest.
-    #[serde(default)]
-    pub rest: f64,
+    #[serde(default = "zero")]
+    pub rest: Formula,
     /// Force or moment per rate.
-    #[serde(default)]
-    pub damping: f64,
+    #[serde(default = "zero")]
+    pub damping: Formula,
     /// The rate at the start.
-    #[serde(default)]
-    pub rate: f64,
+    #[serde(default = "zero")]
+    pub rate: Formula,
     /// Springs that act outside of a range only.
     pub stops: Option<Stops>,
     /// The displacement or angle as a formula in the time t, zero at the start: it is driven, not free.
     pub motion: Option<Formula>,
     /// The time from which on a driven one is free. A slab must begin there.
     pub release: Option<f64>,
+}
+
+fn zero() -> Formula {
+    Formula::Number(0.0)
 }
 
 /// Springs that act outside of a range only.

@@ -4,8 +4,8 @@
 //! x(X) = p + h + R(w theta) (X - p) + (w - 1) h,      v_c = h' + theta' n x R(theta) c                             (rigid motion)
 //! ```
 //!
-//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, c the centre of mass relative to the pivot, and w
-//! a weight: one on the body, less where the mesh around it follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
+//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, and c the centre of mass relative to the pivot.
+//! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
 //! time nodes. With g_k = dv_c/dq_k',
 //!
 //! ```text
@@ -236,8 +236,10 @@ impl<const D: usize> Block for RigidBody<D> {
     }
 
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
-        let loads = self.load(&tangent.wall_loads);
-        self.subtract_loads(&loads.moments, out);
+        let along = self.load(&tangent.wall_loads);
+        let still = vec![0.0; out.len()];
+        let loads = self.load(&self.flow_loads).derivative(&along, &self.w, &still, self.count());
+        self.subtract_loads(&loads, out);
     }
 
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
