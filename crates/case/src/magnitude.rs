@@ -18,6 +18,11 @@ pub(super) fn is_computable(value: f64) -> bool {
     value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
 }
 
+/// Whether the value of a formula may be used. It may be as small as it likes where it is not divided by: the tail of exp(-x^2) is.
+pub(super) fn is_bounded(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// The first number of the document that is not accepted, and what is wrong with it.
 pub(super) fn first_extreme(document: &DeTable<'_>) -> Option<(Key, Cause)> {
     let key = extreme_in_table(document, &Key::default())?;

@@ -5,7 +5,7 @@ use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::magnitude::is_computable;
+use crate::magnitude::is_bounded;
 use crate::raw;
 use crate::vector::Vector;
 use navier_stokes::{ForceScales, Reference, WallForce};
@@ -91,7 +91,7 @@ fn point<const D: usize>(
             checker.require(
                 &key.entry(axis),
                 &quantity,
-                is_computable(value),
+                is_bounded(value),
                 "a formula that is finite over the whole run",
             )?;
         }

@@ -5,7 +5,7 @@ use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::magnitude::is_computable;
+use crate::magnitude::{is_bounded, is_computable};
 use crate::raw;
 use crate::state::{Entering, State};
 use basis::gauss_lobatto;
@@ -118,7 +118,7 @@ pub(super) fn check_on_boundary<const D: usize>(
                     positive,
                     "a formula that is positive everywhere",
                 )?;
-                let finite = state.velocity.iter().all(|w| is_computable(*w));
+                let finite = state.velocity.iter().all(|w| is_bounded(*w));
                 checker.require(
                     &key.child(vector),
                     &format!("the vector at {x:?}"),

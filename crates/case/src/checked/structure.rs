@@ -6,7 +6,7 @@ use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
 use crate::key::Key;
-use crate::magnitude::is_computable;
+use crate::magnitude::is_bounded;
 use crate::raw::{self, Analysis, Plane, StructureBoundary};
 use crate::vector::Vector;
 
@@ -232,7 +232,7 @@ fn check_finite<const D: usize>(
             checker.require(
                 &key.entry(axis),
                 &quantity,
-                is_computable(value),
+                is_bounded(value),
                 "a formula that is finite everywhere, and at most 1e60",
             )?;
         }
