@@ -73,6 +73,19 @@ impl<const D: usize> Surface<D> {
         Surface { facets: mesh.boundary_facets().iter().map(facet).collect(), functions: tensor_power(&values, D - 1) }
     }
 
+    /// The integral of phi_k n n^T over the facets whose nodes all are `wet`, for every node k.
+    pub(crate) fn areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
+        let mut areas = vec![[[0.0; D]; D]; wet.len()];
+        for facet in self.facets.iter().filter(|facet| facet.nodes.iter().all(|node| wet[*node])) {
+            for (row, (SurfacePoint { normal: n, .. }, area)) in facet.points.iter().enumerate() {
+                for (phi, node) in self.functions.row(row).iter().zip(&facet.nodes) {
+                    (0..D).for_each(|i| (0..D).for_each(|j| areas[*node][i][j] += area * phi * n[i] * n[j]));
+                }
+            }
+        }
+        areas
+    }
+
     /// out += int phi_k q on one boundary, for every node k.
     fn add(&self, boundary: usize, q: impl Fn(&SurfacePoint<D>) -> [f64; D], out: &mut [f64]) {
         for facet in self.facets.iter().filter(|facet| facet.boundary == boundary) {

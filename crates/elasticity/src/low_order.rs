@@ -47,13 +47,13 @@ impl<const D: usize> LowOrder<D> {
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, cells, numbering, samples, &fixed, multigrid)
+        Self::with_mass(lame, Inertia::none(), cells, numbering, samples, &fixed, multigrid)
     }
 
-    /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
+    /// The same for K + m M with the m and M of `inertia`, where only some components of a node may be `fixed`.
     pub(crate) fn with_mass(
         lame: Lame,
-        m: f64,
+        inertia: Inertia<'_, D>,
         cells: usize,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
@@ -64,7 +64,13 @@ impl<const D: usize> LowOrder<D> {
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?;
+        let terms = Terms { lame, mass: inertia.m * inertia.density, fixed: &fixed };
+        let mut matrix = matrix(terms, cells, numbering, samples, &unknowns)?;
+        for (unknown, &node) in free.iter().enumerate().take(if inertia.layer.is_empty() { 0 } else { free.len() }) {
+            let mut block = inertia.layer[node].map(|row| row.map(|mass| inertia.m * mass));
+            terms.decouple(unknown, unknown, &mut block);
+            matrix.add(unknown, unknown, |i, j| block[i][j]);
+        }
         let inverse = match multigrid {
             None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
@@ -108,12 +114,29 @@ impl<const D: usize> LowOrder<D> {
     }
 }
 
+/// The mass in K + m M.
+#[derive(Clone, Copy)]
+pub(crate) struct Inertia<'a, const D: usize> {
+    /// m
+    pub(crate) m: f64,
+    /// rho
+    pub(crate) density: f64,
+    /// The mass that every C0 node has beyond that; may be empty.
+    pub(crate) layer: &'a [[[f64; D]; D]],
+}
+
+impl<const D: usize> Inertia<'_, D> {
+    fn none() -> Self {
+        Inertia { m: 0.0, density: 0.0, layer: &[] }
+    }
+}
+
 /// What a low-order matrix is made of.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
-    /// The factor of the mass matrix.
-    m: f64,
+    /// The factor of the mass matrix of unit density.
+    mass: f64,
     /// The components, by unknown, that are coupled with nothing.
     fixed: &'a [[bool; D]],
 }
@@ -228,7 +251,7 @@ fn add_corner<const D: usize>(
                 let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
                 let mut block = lame.block(grad_row, &weighted);
                 if (k, l) == (own, own) {
-                    (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
+                    (0..D).for_each(|i| block[i][i] += terms.mass * corner.volume);
                 }
                 terms.decouple(row, column, &mut block);
                 matrix.add(row, column, |i, j| block[i][j]);
@@ -295,7 +318,7 @@ mod tests {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &vec![[false; D]; numbering.count] };
         let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
@@ -335,7 +358,7 @@ mod tests {
         // The last corner is pulled over the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &[] };
         let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
         assert!(
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),

@@ -24,6 +24,8 @@ const MAX_ITERATIONS: usize = 500;
 /// A shift m and the factored low-order K + m M.
 pub(crate) struct Shifted<const D: usize> {
     pub(crate) m: f64,
+    /// What M has beyond the mass of the structure, by node; may be empty.
+    pub(crate) layer: Vec<[[f64; D]; D]>,
     pub(crate) low_order: LowOrder<D>,
 }
 
@@ -86,7 +88,7 @@ struct Real<'a, const D: usize> {
 impl<const D: usize> LinearSystem for Real<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
         self.structure.apply_stiffness(x, y);
-        self.structure.apply_mass(x, &mut self.inertia);
+        self.structure.apply_mass_with(&self.shifted.layer, x, &mut self.inertia);
         y.iter_mut().zip(&self.inertia).for_each(|(y, inertia)| *y += self.shifted.m * inertia);
         self.structure.at_fixed(y, |_| 0.0);
     }
@@ -113,7 +115,7 @@ impl<const D: usize> LinearSystem for Rotated<'_, D> {
         let (forces, inertia) = self.work.split_at_mut(2 * n);
         for part in [0..n, n..2 * n] {
             self.structure.apply_stiffness(&x[part.clone()], &mut forces[part.clone()]);
-            self.structure.apply_mass(&x[part.clone()], &mut inertia[part]);
+            self.structure.apply_mass_with(&self.shifted.layer, &x[part.clone()], &mut inertia[part]);
         }
         let (re, im) = y.split_at_mut(n);
         for i in 0..n {

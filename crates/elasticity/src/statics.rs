@@ -7,10 +7,11 @@
 //! ```
 //!
 //! It holds at the time nodes of a slab; in between d is the polynomial through them and the bottom, as (motion) of `slab` has it. Works
-//! and energies are those of `dynamics` without the kinetic terms.
+//! and energies are those of `structure_slab` without the kinetic terms.
 
-use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, Slab, TOLERANCE};
+use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, TOLERANCE};
 use crate::shifted::Shifted;
+use crate::structure_slab::{SlabBottom, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
 use basis::RadauTime;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -29,7 +30,7 @@ impl<const D: usize> Statics<D> {
     /// # Errors
     /// [`ElasticityError::NotDefinite`] if too little is fixed; a sub-cell between Gauss-Lobatto nodes that is inverted.
     pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
-        let stiffness = structure.shifted(0.0)?;
+        let stiffness = structure.shifted(0.0, Vec::new())?;
         Ok(Statics { structure, loads, motion: SlabMotion::new(RadauTime::new(time_order)), stiffness })
     }
 
@@ -70,8 +71,10 @@ impl<const D: usize> Statics<D> {
             r.iter_mut().zip(&*f).for_each(|(r, f)| *r = dt * time.weights()[a] * (*r - f));
         }
         self.motion.velocities(dt, bottom, v);
-        let slab = Slab { structure: &self.structure, motion: &self.motion, dt, bottom };
-        slab.add_works(&forces, v, &residual, &mut report);
+        // Without inertia the velocity at the bottom is not asked for.
+        let bottom = SlabBottom { time: start, displacement: bottom, velocity: &[] };
+        let slab = StructureSlab { structure: &self.structure, motion: &self.motion, bottom, dt };
+        report.work = slab.work_without_inertia(&forces, v, &residual);
         Ok(report)
     }
 }
@@ -83,7 +86,7 @@ impl<const D: usize> Structure<D> {
     /// # Errors
     /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        self.balance(&self.shifted(0.0)?, 0.0, f, d)
+        self.balance(&self.shifted(0.0, Vec::new())?, 0.0, f, d)
     }
 
     /// The same with the preconditioner of K, at time `t`: corrections until the residual is round-off.

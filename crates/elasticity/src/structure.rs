@@ -1,9 +1,9 @@
 //! An elastic body with mass.
 
 use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates};
+use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
 use crate::loads::{Loads, Surface};
-use crate::low_order::LowOrder;
+use crate::low_order::{Inertia, LowOrder};
 use crate::mass::Mass;
 use crate::operator::Operator;
 use crate::shifted::Shifted;
@@ -112,6 +112,14 @@ impl<const D: usize> Structure<D> {
         self.mass.apply(self.operator.batches(), v, out);
     }
 
+    /// out = (M + `layer`) v, where the layer is a mass of every node, none if that is empty.
+    pub(crate) fn apply_mass_with(&self, layer: &[[[f64; D]; D]], v: &[f64], out: &mut [f64]) {
+        self.apply_mass(v, out);
+        for ((mass, v), out) in layer.iter().zip(v.chunks_exact(D)).zip(out.chunks_exact_mut(D)) {
+            (0..D).for_each(|i| out[i] += (0..D).map(|j| mass[i][j] * v[j]).sum::<f64>());
+        }
+    }
+
     /// out = f(t), on all entries.
     ///
     /// # Errors
@@ -141,15 +149,38 @@ impl<const D: usize> Structure<D> {
         0.5 * Euclidean.dot(d, &forces)
     }
 
-    /// The preconditioner of K + m M at free entries.
-    pub(crate) fn shifted(&self, m: f64) -> Result<Shifted<D>, ElasticityError> {
+    /// The preconditioner of K + m M at free entries, where M has the additional mass `layer` of every node, none if that is empty.
+    pub(crate) fn shifted(&self, m: f64, layer: Vec<[[f64; D]; D]>) -> Result<Shifted<D>, ElasticityError> {
         let (base, cells) = (self.solid.base()?, self.mesh.n_cells());
         let nodes = gauss_lobatto(self.numbering.order()).points;
         let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
-        let mass = m * self.mass.density();
+        let inertia = Inertia { m, density: self.mass.density(), layer: &layer };
         let samples = |cell| at_nodes.cell(cell);
-        let low_order = LowOrder::with_mass(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
-        Ok(Shifted { m, low_order })
+        let low_order = LowOrder::with_mass(base, inertia, cells, &self.numbering, samples, &self.fixed, None)?;
+        Ok(Shifted { m, low_order, layer })
+    }
+
+    /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.
+    pub fn wet_areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
+        self.surface.areas(wet)
+    }
+
+    /// The diagonal of K + m M with lumped masses: the scale of the forces at every entry.
+    pub fn force_scales(&self, m: f64) -> Vec<f64> {
+        let (mut scales, mut excess, mut masses) =
+            (vec![0.0; self.length()], vec![0.0; self.length()], vec![0.0; self.length()]);
+        self.operator.diagonal(&mut scales);
+        if let Some(operator) = &self.excess {
+            operator.diagonal(&mut excess);
+        }
+        self.apply_mass(&vec![1.0; self.length()], &mut masses);
+        scales.iter_mut().zip(excess.iter().zip(&masses)).for_each(|(k, (excess, mass))| *k += excess + m * mass);
+        scales
+    }
+
+    /// The distance of every C0 node to the nearest neighbour on its lines.
+    pub fn node_spacing(&self) -> Vec<f64> {
+        node_spacing(&self.mesh, &self.numbering)
     }
 
     /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.

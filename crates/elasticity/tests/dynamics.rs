@@ -72,10 +72,10 @@ fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
         for _ in 0..5 {
             let before = run.energy();
             let report = run.advance(0.4, |x, t| [(3.0 * t).cos() * x[0], (2.0 * t).sin() * x[1]]);
-            let gained = report.load_work + report.support_work - report.dissipation;
-            let size = report.load_work.abs() + report.support_work.abs();
+            let gained = report.work.load + report.work.support - report.work.dissipation;
+            let size = report.work.load.abs() + report.work.support.abs();
             assert!(((run.energy() - before) - gained).abs() < 1e-10 * size, "N_t = {order}: {report:?}");
-            assert!(report.dissipation > 0.0);
+            assert!(report.work.dissipation > 0.0);
         }
     }
 }

@@ -166,8 +166,8 @@ fn works_of_load_steps_are_the_strain_energy() {
         let bottom = d.clone();
         let report = statics.solve(slab as f64 * dt, dt, &bottom, &mut v).unwrap();
         statics.motion().displacement(dt, &bottom, &v, 1.0, &mut d);
-        assert!(report.support_work != 0.0 && report.load_work > 0.0);
-        balance += report.load_work + report.support_work - report.dissipation;
+        assert!(report.work.support != 0.0 && report.work.load > 0.0);
+        balance += report.work.load + report.work.support - report.work.dissipation;
     }
     let energy = statics.structure().strain_energy(&d);
     assert!((balance / energy - 1.0).abs() < 1e-11, "{balance:e} of {energy:e}");
