@@ -31,6 +31,11 @@ impl Reference {
         Ok(Reference { density, speed, sound_speed: gas.sound_speed(density, pressure) })
     }
 
+    /// The density.
+    pub fn density(&self) -> f64 {
+        self.density
+    }
+
     /// The pressure, rho c^2 / gamma.
     pub fn pressure(&self, gas: &Gas) -> f64 {
         self.density * self.sound_speed * self.sound_speed / gas.gamma()

@@ -54,6 +54,6 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, SUMMARY_FILE, Steady,
-    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
+    Steady, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };

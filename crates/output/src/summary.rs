@@ -59,6 +59,9 @@ pub struct Summary {
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
+    /// Rigid bodies that the flow moves, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub bodies: BTreeMap<String, Body>,
     /// What passes inflows and outflows, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub openings: BTreeMap<String, Opening>,
@@ -154,6 +157,9 @@ pub struct Conservation {
     /// Energy gained minus energy flown in, relative to the energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
+    /// Of the energy of gas and bodies together, relative to that of the gas at the start: what is there more than came in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupled_energy_error: Option<f64>,
     /// Largest deviation from a free stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free_stream_error: Option<f64>,
@@ -197,6 +203,56 @@ pub struct StructureSummary {
     pub energy_error: f64,
     /// Iterations of the linear solvers over the run.
     pub iterations: u64,
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// How far it has moved along each axis.
+    pub displacement: Vec<f64>,
+    /// How far it has turned, in radians.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<f64>,
+    /// Its velocity.
+    pub velocity: Vec<f64>,
+    /// Its angular velocity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<f64>,
+    /// The amplitude of the coordinate that oscillates most, over the last ten periods at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Its frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
+    /// Every coordinate: "x", "y", "z", "rotation".
+    pub coordinates: BTreeMap<String, Oscillation>,
+    /// The work of the flow on it.
+    pub work: f64,
+    /// Its kinetic energy.
+    pub kinetic_energy: f64,
+    /// The energy in its springs.
+    pub spring_energy: f64,
+    /// The work of what drives coordinates.
+    pub drive_work: f64,
+    /// The work of the outer force.
+    pub force_work: f64,
+    /// What its dampers have taken.
+    pub damped: f64,
+    /// What the time integration has taken.
+    pub numerical_dissipation: f64,
+}
+
+/// The oscillation of a coordinate.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Oscillation {
+    /// Half of the distance between turning points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Periods per time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
 }
 
 /// What passes an inflow or outflow, and what was seen there that its condition is not made for.
@@ -327,6 +383,7 @@ mod tests {
             conservation: Some(Conservation {
                 mass_error: Some(1e-15),
                 energy_error: Some(3e-15),
+                coupled_energy_error: None,
                 free_stream_error: Some(2e-14),
             }),
             error: Some(ErrorNorms {
@@ -354,6 +411,7 @@ mod tests {
                 energy_error: 1e-16,
                 iterations: 99,
             }),
+            bodies: BTreeMap::new(),
             walls: BTreeMap::from([(
                 "foil".to_owned(),
                 Wall {

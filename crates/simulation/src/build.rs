@@ -1,5 +1,6 @@
 //! From a checked case to the problem of the numerics.
 
+use super::bodies::bodies;
 use case::expression::Program;
 use case::{
     Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure, Support,
@@ -33,6 +34,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     let motion = match &case.motion {
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
+        Some(Motion::Followed) => MeshMotion::Followed,
         Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary }) => {
             let (constrained, boundary) = constraints(case, &numbering, boundary);
             let modulus = modulus(case, stiffness);
@@ -66,7 +68,7 @@ pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryFiel
 pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let motion: BoundaryMotion<D> = match &case.motion {
-        None => return Vec::new(),
+        None | Some(Motion::Followed) => return Vec::new(),
         Some(Motion::Elastic { boundary, .. }) => constraints(case, &numbering, boundary).1,
         Some(Motion::Prescribed(displacement)) => {
             let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
@@ -142,7 +144,8 @@ where
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    let mut problem = System::new(operator, mover);
+    let bodies = bodies(case, flow, &mut operator);
+    let mut problem = System::with_bodies(operator, mover, bodies);
     problem.flow.preconditioner.method = match case.solver.preconditioner {
         Preconditioner::Blocks => Method::BlockIlu,
         Preconditioner::Lines => Method::LineAdi,

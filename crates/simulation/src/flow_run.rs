@@ -1,5 +1,6 @@
 //! Mesh and flow.
 
+use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
@@ -14,6 +15,7 @@ use crate::memory_estimate::require_memory;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use case::{Case, Flow, State, Steady};
+use coupled::block::BodyState;
 use coupled::{Discretisation, FlowMarch, Search, SlabReport, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
@@ -61,6 +63,13 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    /// The walls of all bodies, by their number in the list of walls.
+    fn walls_of_bodies(&self) -> Vec<usize> {
+        let moves = |boundary: usize| self.case.bodies.iter().any(|body| body.walls.contains(&boundary));
+        let walls = self.flow.walls.iter().enumerate();
+        walls.filter(|(_, wall)| moves(wall.boundary)).map(|(number, _)| number).collect()
+    }
+
     /// Looks at inflows and outflows, and says what is seen there for the first time.
     fn observe(&self, context: &mut RunContext) {
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
@@ -109,7 +118,7 @@ where
         self.observe(context);
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
-        Ok(history::row(self.flow, &report, &felt, &context.statistics))
+        Ok(history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics))
     }
 }
 
@@ -160,6 +169,8 @@ where
         }
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
             context.statistics.totals_at_start = self.march.totals();
+            let start = |state: &BodyState| BodyRecord::start(state, self.march.state.time);
+            context.statistics.bodies = self.march.bodies().iter().map(start).collect();
         }
         Ok(row)
     }
@@ -175,7 +186,9 @@ where
             krylov: report.newton.krylov_iterations,
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
         });
-        history::row(self.flow, report, &felt, &context.statistics)
+        let bodies = self.march.bodies();
+        context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
+        history::row(self.flow, report, &felt, &bodies, &context.statistics)
     }
 
     fn store(&self) -> SolverState {

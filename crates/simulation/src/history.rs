@@ -1,9 +1,11 @@
 //! The columns of history.csv, and its rows.
 
+use super::bodies;
 use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
 use super::walls::WallLoads;
 use case::{Case, Flow, Structure, Wall};
+use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::Coefficients;
 
@@ -53,6 +55,7 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
         columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
     columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
+    columns.extend(case.bodies.iter().flat_map(bodies::columns));
     columns
 }
 
@@ -120,6 +123,7 @@ pub fn row<const D: usize, const M: usize>(
     flow: &Flow<D>,
     report: &SlabReport<M>,
     felt: &[WallLoads<D>],
+    bodies: &[BodyState],
     statistics: &RunStatistics,
 ) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
@@ -130,5 +134,6 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
+    row.extend(bodies.iter().flat_map(bodies::row));
     row
 }

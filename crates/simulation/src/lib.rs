@@ -49,6 +49,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bodies;
+mod body_record;
 mod build;
 mod checkpoint;
 pub mod clock;

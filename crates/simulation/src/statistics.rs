@@ -1,7 +1,9 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
+use super::body_record::BodyRecord;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
+use coupled::block::BodyState;
 use coupled::{MeshQuality, SlabReport, Stage, StructureReport};
 use std::collections::BTreeMap;
 
@@ -50,6 +52,10 @@ pub struct RunStatistics {
     pub mass_flows: Vec<f64>,
     /// What was seen at inflows and outflows.
     pub openings: Vec<Record>,
+    /// What bodies have done.
+    pub bodies: Vec<BodyRecord>,
+    /// The largest error of the energy of gas and bodies together, relative to that of the gas at the start.
+    pub coupled_energy_error: f64,
 }
 
 /// Where the energy of a structure came from and went to, since the start of the run.
@@ -131,6 +137,20 @@ impl RunStatistics {
         self.energy_error = self.energy_error.max(self.balance(&report.totals, M - 1).abs());
     }
 
+    /// Adds the `states` of bodies at the end of a slab, the time `t`, in which the gas has the integrals `totals`. `walls` are the walls
+    /// of all bodies, by their number in the list of walls.
+    pub fn add_bodies(&mut self, states: &[BodyState], t: f64, totals: &[f64], walls: &[usize]) {
+        self.bodies.iter_mut().zip(states).for_each(|(record, state)| record.add(state, t));
+        let component = totals.len() - 1;
+        let Some(start) = self.totals_at_start.get(component) else { return };
+        // Work is the last but one of the numbers of a wall.
+        let work = |wall: &usize| self.impulses[*wall].iter().rev().nth(1).copied().unwrap_or(0.0);
+        let lost: f64 = walls.iter().map(work).sum();
+        let gained: f64 = self.bodies.iter().zip(states).map(|(record, state)| record.gained(state)).sum();
+        let error = self.balance(totals, component) + (gained - lost) / start;
+        self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
+    }
+
     /// Notes how the steady flow was found from which the run starts: the last solve, and all solves.
     pub fn start_from_steady<const D: usize, const M: usize>(
         &mut self,
@@ -196,7 +216,8 @@ impl RunStatistics {
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
-            ("tally.errors".into(), vec![self.mass_error, self.energy_error]),
+            ("tally.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
+            ("tally.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
             ("tally.structure".into(), {
                 let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
                 vec![energy_at_start, load_work, support_work, dissipation]
@@ -254,6 +275,8 @@ impl RunStatistics {
             },
             mass_error: *get("errors")?.first()?,
             energy_error: *get("errors")?.get(1)?,
+            coupled_energy_error: *get("errors")?.get(2)?,
+            bodies: BodyRecord::read_all(get("bodies")?)?,
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
             mass_flows: get("mass_flows")?.clone(),
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,

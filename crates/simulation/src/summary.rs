@@ -1,17 +1,19 @@
 //! summary.json
 
+use super::body_record::{BodyRecord, Oscillation};
 use super::context::{self, RunContext, Stop};
 use super::history::openings;
 use super::openings::Misuse;
 use super::statistics;
 use super::walls::from_numbers;
 use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
+use coupled::block::BodyState;
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
     StructureSummary, Summary, Unknowns, Wall,
 };
 
@@ -47,6 +49,7 @@ where
         // A manufactured source makes mass and energy.
         mass_error: (!flow.manufactured).then_some(statistics.mass_error),
         energy_error: (!flow.manufactured).then_some(statistics.energy_error),
+        coupled_energy_error: (!case.bodies.is_empty()).then_some(statistics.coupled_energy_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,
@@ -60,6 +63,9 @@ where
     }
     for boundary in openings(flow) {
         summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
+    }
+    for ((body, state), record) in case.bodies.iter().zip(march.bodies()).zip(&statistics.bodies) {
+        summary.bodies.insert(body.name.clone(), of_body(body, &state, record));
     }
     summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
@@ -79,6 +85,41 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
         drag_coefficient: Some(coefficients.drag),
         lift_coefficient: Some(coefficients.lift),
         moment_coefficient: Some(coefficients.moment),
+    }
+}
+
+/// Of a rigid body.
+fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record: &BodyRecord) -> Body {
+    let (mut displacement, mut velocity) = (vec![0.0; D], vec![0.0; D]);
+    let (mut rotation, mut angular_velocity) = (None, None);
+    for (freedom, (q, w)) in body.freedoms.iter().zip(state.position.iter().zip(&state.rate)) {
+        match freedom.axis {
+            Some(axis) => (displacement[axis], velocity[axis]) = (*q, *w),
+            None => (rotation, angular_velocity) = (Some(*q), Some(*w)),
+        }
+    }
+    let oscillation = |freedom: (&case::Freedom, &Oscillation)| {
+        let name = freedom.0.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
+        (name.to_owned(), output::Oscillation { amplitude: freedom.1.amplitude(), frequency: freedom.1.frequency() })
+    };
+    // The coordinate that moves most stands for the body.
+    let largest =
+        record.coordinates.iter().max_by(|a, b| a.amplitude().unwrap_or(0.0).total_cmp(&b.amplitude().unwrap_or(0.0)));
+    Body {
+        displacement,
+        rotation,
+        velocity,
+        angular_velocity,
+        amplitude: largest.and_then(Oscillation::amplitude),
+        frequency: largest.and_then(Oscillation::frequency),
+        coordinates: body.freedoms.iter().zip(&record.coordinates).map(oscillation).collect(),
+        work: state.ledger.flow,
+        kinetic_energy: state.kinetic_energy,
+        spring_energy: state.potential_energy,
+        drive_work: state.ledger.drive,
+        force_work: state.ledger.force,
+        damped: state.ledger.damped,
+        numerical_dissipation: state.ledger.numerical,
     }
 }
 
@@ -234,7 +275,7 @@ fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<Displace
             let periodic = case.mesh.interior_facets().iter().any(|facet| facet.periodic);
             (whole && !periodic && is_affine(case, &displacement)).then_some(displacement)
         }
-        Motion::Elastic { .. } => None,
+        Motion::Elastic { .. } | Motion::Followed => None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
 
+mod bodies;
 mod boundary_motion;
 mod displacement;
 mod flow;
@@ -20,6 +21,7 @@ mod time;
 pub use super::raw::{
     AllowedChange, Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
 };
+pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
@@ -59,6 +61,8 @@ pub struct Case<const D: usize> {
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
     pub flow: Option<Flow<D>>,
+    /// The rigid bodies that the flow moves.
+    pub bodies: Vec<RigidBody<D>>,
     /// The structure that fills the mesh; then there is neither motion nor flow.
     pub structure: Option<Structure<D>>,
     /// The time to cover.
@@ -138,8 +142,9 @@ impl AnyCase {
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-        let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, &time)).transpose()?;
+        let bodies = bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time)?;
+        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &bodies, &time)?;
         let structure =
             raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
@@ -154,6 +159,7 @@ impl<const D: usize> Case<D> {
             mesh,
             motion,
             flow,
+            bodies,
             structure,
             time,
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),

@@ -1,6 +1,7 @@
 //! The motion of the mesh.
 
 use super::Time;
+use super::bodies::RigidBody;
 use super::boundary_motion::Boundaries;
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
@@ -12,12 +13,15 @@ use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
 use elasticity::{Law, Solver};
+use std::collections::BTreeMap;
 
 /// How the mesh moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion<const D: usize> {
     /// Every point as prescribed, a displacement in the position at rest and time.
     Prescribed(Vector<D>),
+    /// Every point with rigid bodies, by weights.
+    Followed,
     /// The boundary as prescribed, the interior as an elastic body.
     Elastic {
         /// Poisson's ratio.
@@ -40,6 +44,7 @@ impl<const D: usize> Motion<D> {
     pub fn operations(&self) -> usize {
         match self {
             Motion::Prescribed(displacement) => displacement.operations(),
+            Motion::Followed => 0,
             Motion::Elastic { boundary, .. } => {
                 boundary.iter().flatten().map(BoundaryMotion::operations).max().unwrap_or(0)
             }
@@ -83,17 +88,54 @@ pub enum Stiffness {
 /// Powers of det J up to this size: of larger ones the stiffness overflows or leaves the matrix singular.
 const LARGEST_POWER: f64 = 10.0;
 
-/// Checks `[motion]` of a run that covers `time`.
+/// Checks `[motion]` of a run that covers `time`, in which `bodies` move parts of the mesh. None: the mesh rests.
 pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: Option<&raw::Motion>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+    time: &Time,
+) -> Checked<Option<Motion<D>>> {
+    let by_weights = bodies.iter().any(|body| body.mesh.is_some());
+    match raw {
+        Some(_) if by_weights => {
+            let problem = "`bodies` move the whole mesh by weights";
+            Err(checker.combination(
+                &Key::new("motion"),
+                problem,
+                "this section, or the key `mesh` of the bodies: remove one",
+            ))
+        }
+        None if by_weights => Ok(Some(Motion::Followed)),
+        Some(raw) => Ok(Some(check_given(checker, raw, mesh, bodies, time)?)),
+        None if !bodies.is_empty() => {
+            let still = raw::Motion { displacement: None, elasticity: None, boundary: others_fixed() };
+            Ok(Some(check_given(checker, &still, mesh, bodies, time)?))
+        }
+        None => Ok(None),
+    }
+}
+
+fn others_fixed() -> BTreeMap<String, raw::BoundaryMotion> {
+    BTreeMap::from([("others".to_owned(), raw::BoundaryMotion::Fixed)])
+}
+
+fn check_given<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
     time: &Time,
 ) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
-        return elastic(checker, &key, raw, mesh, time);
+        let motion = elastic(checker, &key, raw, mesh, time)?;
+        return check_walls(checker, &key, motion, mesh, bodies);
     };
+    if !bodies.is_empty() {
+        let problem = "`motion.displacement` prescribes the motion everywhere, and a body moves its walls";
+        return Err(checker.combination(&key.child("displacement"), problem, "one of the two: remove the other"));
+    }
     for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
         if given {
             let problem =
@@ -112,6 +154,24 @@ pub(super) fn check<const D: usize>(
         all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
     }
     Ok(Motion::Prescribed(displacement))
+}
+
+/// The walls of bodies have no other motion.
+fn check_walls<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    motion: Motion<D>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+) -> Checked<Motion<D>> {
+    let Motion::Elastic { boundary, .. } = &motion else { return Ok(motion) };
+    let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
+    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some()) {
+        let name = &mesh.boundary_names()[wall];
+        let problem = format!("boundary `{name}` is moved by the body `{body}`");
+        return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
+    }
+    Ok(motion)
 }
 
 fn elastic<const D: usize>(

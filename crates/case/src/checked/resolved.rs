@@ -54,7 +54,7 @@ pub fn motion_of<const D: usize>(
     let raw: raw::Case = document.deserialize()?;
     let checker = checker_of(&document, &raw)?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-    raw.motion.as_ref().map(|motion| motion::check(&checker, motion, mesh, &time)).transpose()
+    motion::check(&checker, raw.motion.as_ref(), mesh, &[], &time)
 }
 
 /// The pressure of the reference state of a case with a flow that was resolved.

@@ -2,6 +2,7 @@
 //!
 //! The doc comments here are the reference of the case file: `stsolve schema` prints them.
 
+mod bodies;
 mod flow;
 mod formula;
 mod generate;
@@ -13,6 +14,7 @@ mod solver;
 mod structure;
 mod table;
 
+pub use bodies::*;
 pub use flow::*;
 pub use formula::Formula;
 pub use generate::*;
@@ -52,6 +54,9 @@ pub struct Case {
     pub motion: Option<Motion>,
     /// The flow. Without it only the mesh moves.
     pub flow: Option<Flow>,
+    /// Rigid bodies that the flow moves, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub bodies: BTreeMap<String, Body>,
     /// An elastic structure that fills the mesh and moves by itself. It excludes `motion` and `flow`.
     pub structure: Option<Structure>,
     /// The time to cover.

@@ -50,7 +50,7 @@ pub fn shape<const D: usize>(grid: &Grid<D>, d: &[f64]) -> Mesh {
 fn kind<const D: usize>(case: &Case<D>) -> (Motion, f64) {
     match &case.motion {
         None => (Motion::Still, 0.0),
-        Some(case::Motion::Prescribed(_)) => (Motion::Prescribed, 0.0),
+        Some(case::Motion::Prescribed(_) | case::Motion::Followed) => (Motion::Prescribed, 0.0),
         Some(case::Motion::Elastic { poisson_ratio, stiffness: Stiffness::Constant, .. }) => {
             (Motion::Elastic, *poisson_ratio)
         }

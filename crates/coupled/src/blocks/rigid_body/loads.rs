@@ -11,6 +11,7 @@
 
 use super::geometry::{cross, dot};
 use super::{RigidBody, Vec3};
+use crate::block::Ledger;
 
 /// The load without the correction, and what the wall does.
 pub(super) struct Loads {
@@ -20,46 +21,6 @@ pub(super) struct Loads {
     pub(super) wall_work: f64,
     /// The coordinate that rotates.
     rotation: Option<usize>,
-}
-
-/// Work during a slab.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Work {
-    /// Of the flow on the body.
-    pub(super) flow: f64,
-}
-
-/// What has become of the energy since the start of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ledger {
-    /// Work of the flow on the body.
-    pub flow: f64,
-    /// Work of what drives coordinates.
-    pub drive: f64,
-    /// Work of the outer force.
-    pub force: f64,
-    /// What dampers have taken.
-    pub damped: f64,
-    /// What jumps in time have taken: the error of the time integration.
-    pub numerical: f64,
-    /// What the equations, solved to a tolerance, leave open.
-    pub defect: f64,
-}
-
-impl Ledger {
-    /// The number of its entries.
-    pub const LEN: usize = 6;
-
-    /// Its entries.
-    pub fn numbers(&self) -> [f64; Self::LEN] {
-        [self.flow, self.drive, self.force, self.damped, self.numerical, self.defect]
-    }
-
-    /// The ledger with these entries.
-    pub fn read(numbers: &[f64]) -> Self {
-        let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
-        Ledger { flow: at(0), drive: at(1), force: at(2), damped: at(3), numerical: at(4), defect: at(5) }
-    }
 }
 
 impl Loads {
@@ -184,11 +145,6 @@ impl<const D: usize> RigidBody<D> {
         (0..r.len()).filter(free).for_each(|i| r[i] -= q[i]);
     }
 
-    pub(super) fn work_of(&self, loads: &Loads) -> Work {
-        let flow = loads.total(&self.w, self.count()).iter().zip(&self.w).map(|(q, w)| q * w).sum();
-        Work { flow }
-    }
-
     /// The ledger after a slab with the rates `z`.
     pub(super) fn closed(&self, z: &[f64], before: Ledger) -> Ledger {
         let (count, n, weights) = (self.count(), self.time.order(), self.time.weights());
@@ -197,8 +153,9 @@ impl<const D: usize> RigidBody<D> {
         let q = self.load(&self.flow_loads).total(z, count);
         let positions = self.positions(z);
         let driven: Vec<usize> = self.driven().collect();
-        let mut ledger = Ledger { flow: before.flow + self.work.flow, ..before };
-        let (mut springs, mut kinetic) = (0.0, 0.0);
+        let flow: f64 = q.iter().zip(z).map(|(q, w)| q * w).sum();
+        let mut ledger = Ledger { flow: before.flow + flow, ..before };
+        let mut springs = 0.0;
         for a in 0..n {
             let (w, here) = (&z[a * count..][..count], &positions[a * count..][..count]);
             let weight = self.slab.dt * weights[a];
@@ -214,11 +171,8 @@ impl<const D: usize> RigidBody<D> {
                 springs += weight * self.data.coordinates[k].spring_force(here[k]) * w[k];
             }
         }
-        let energy = |q: &[f64], w: &[f64]| (self.kinetic_energy(q, w), self.spring_energy(q));
-        let below = energy(&self.slab.position, &self.slab.rate);
-        let above = energy(&positions[(n - 1) * count..], &z[(n - 1) * count..]);
-        kinetic += self.kinetic_jump(z);
-        ledger.numerical += kinetic + springs - (above.1 - below.1);
+        let stored = self.spring_energy(&positions[(n - 1) * count..]) - self.spring_energy(&self.slab.position);
+        ledger.numerical += self.kinetic_jump(z) + springs - stored;
         ledger
     }
 

@@ -69,6 +69,7 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
+        Motion::Followed => table.row("interior", "follows bodies by weights", ""),
         Motion::Elastic { poisson_ratio, law, boundary, .. } => table
             .row("interior", law_name(*law), "")
             .row("Poisson's ratio", *poisson_ratio, "")
