@@ -1,6 +1,6 @@
 //! The motion of a structure, slab by slab: (dynamics) of `structure_slab`, solved by the temporal modes of `modal`.
 
-use crate::modal::{ModalSolver, SlabSystems};
+use crate::modal::{ModalSolver, SlabSystems, nominal_length};
 use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
 use basis::{RadauTime, TemporalModes};
@@ -14,8 +14,6 @@ pub(crate) const ROUND_OFF: f64 = 0.1;
 pub(crate) const STALLED: f64 = 1e-5;
 /// Relative tolerance of the systems of one correction, where the modes separate well.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
-/// Slabs whose lengths differ by less than this, relatively, share their factors.
-const SAME_LENGTH: f64 = 1e-9;
 
 /// A structure, its loads, and the factors of the systems of a slab.
 pub struct Dynamics<const D: usize> {
@@ -99,7 +97,7 @@ impl<const D: usize> Dynamics<D> {
 
     /// Factors the systems for slabs of length `dt` if they are others. They depend on `dt` alone, not on what was solved before.
     fn factor_for(&mut self, dt: f64) -> Result<(), ElasticityError> {
-        let dt = if (dt - self.step).abs() <= SAME_LENGTH * self.step { self.step } else { dt };
+        let dt = nominal_length(dt, self.step);
         if self.modal.dt() != dt {
             self.modal = ModalSolver::new(&self.structure, self.motion.time(), alone(dt))?;
         }

@@ -69,7 +69,7 @@ pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
 pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
 pub use material::{Lame, Material, Plane};
-pub use modal::{FluidLayer, ModalSolver, SlabSystems};
+pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};

@@ -47,6 +47,15 @@ impl<const D: usize> FluidLayer<D> {
     }
 }
 
+/// Slabs whose lengths differ by less than this, relatively, share their factors.
+const SAME_LENGTH: f64 = 1e-9;
+
+/// The length for which the systems of a slab of length `dt` are factored: `step`, the length of most slabs, if they are equal but for
+/// rounding.
+pub fn nominal_length(dt: f64, step: f64) -> f64 {
+    if (dt - step).abs() <= SAME_LENGTH * step { step } else { dt }
+}
+
 /// What beside the structure determines the systems of a slab.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabSystems<'a, const D: usize> {

@@ -7,7 +7,7 @@ use crate::low_order::{Inertia, LowOrder};
 use crate::mass::Mass;
 use crate::operator::Operator;
 use crate::shifted::Shifted;
-use crate::{ElasticityError, Lame, Law, Solid};
+use crate::{ElasticityError, FluidLayer, Lame, Law, Solid};
 use basis::gauss_lobatto;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -118,6 +118,11 @@ impl<const D: usize> Structure<D> {
         for ((mass, v), out) in layer.iter().zip(v.chunks_exact(D)).zip(out.chunks_exact_mut(D)) {
             (0..D).for_each(|i| out[i] += (0..D).map(|j| mass[i][j] * v[j]).sum::<f64>());
         }
+    }
+
+    /// out = (M + added mass) v, where `fluid` moves along at the rate |lambda| / dt.
+    pub fn apply_mass_beside(&self, fluid: &FluidLayer<D>, rate: f64, v: &[f64], out: &mut [f64]) {
+        self.apply_mass_with(&fluid.masses(rate), v, out);
     }
 
     /// out = f(t), on all entries.
