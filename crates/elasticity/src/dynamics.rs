@@ -1,5 +1,7 @@
-//! The motion of a structure, slab by slab: (dynamics) of `structure_slab`, solved by the temporal modes of `modal`.
+//! The motion of a structure, slab by slab: (dynamics) of `structure_slab`, solved by the temporal modes of `modal`, or where it is not
+//! linear by `large_displacement`.
 
+use crate::large_displacement::{self, Motion};
 use crate::modal::{ModalSolver, SlabSystems, nominal_length};
 use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
@@ -71,35 +73,68 @@ impl<const D: usize> Dynamics<D> {
     /// velocities at fixed entries and a guess at the others.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or that of a system that cannot be solved; `v` then holds the last iterate.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or that of a system that cannot be solved; `v` then holds the last iterate.
     pub fn solve(&mut self, bottom: SlabBottom<'_>, dt: f64, v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
-        self.factor_for(dt)?;
-        let slab = StructureSlab { structure: &self.structure, motion: &self.motion, bottom, dt };
-        let forces = slab.forces(&self.loads)?;
+        self.factor_for(dt, bottom)?;
+        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        let forces = slab.forces()?;
+        let mut report = if self.is_linear() { self.correct(&slab, &forces, v)? } else { self.find(&slab, &forces, v)? };
+        let mut r = vec![0.0; v.len()];
+        slab.residual(&forces, v, &mut r)?;
+        report.work = slab.work(&forces, v, &r);
+        Ok(report)
+    }
+
+    /// Whether the residual is affine.
+    fn is_linear(&self) -> bool {
+        self.structure.law().is_linear() && self.loads.pressures.is_empty()
+    }
+
+    /// Corrects `v` until the residual is round-off: one correction would be exact if the modes were solved exactly.
+    fn correct(
+        &self,
+        slab: &StructureSlab<'_, D>,
+        forces: &[f64],
+        v: &mut [f64],
+    ) -> Result<DynamicsReport, ElasticityError> {
         let (mut report, mut r) = (DynamicsReport::default(), vec![0.0; v.len()]);
-        let mut scale = slab.residual(&forces, v, &mut r);
+        let mut scale = slab.residual(forces, v, &mut r)?;
         let mut norm = self.free_norm(&r);
         while norm > TOLERANCE * scale {
-            report.iterations += self.correct(&r, dt, v)?;
+            report.iterations += self.correct_once(&r, slab.dt, v)?;
             report.corrections += 1;
-            scale = slab.residual(&forces, v, &mut r);
+            scale = slab.residual(forces, v, &mut r)?;
             let before = std::mem::replace(&mut norm, self.free_norm(&r));
             if norm > ROUND_OFF * before {
                 break;
             }
         }
         if norm.is_nan() || norm > STALLED * scale {
-            return Err(ElasticityError::Stalled { time: bottom.time, residual: norm / scale });
+            return Err(ElasticityError::Stalled { time: slab.bottom.time, residual: norm / scale });
         }
-        report.work = slab.work(&forces, v, &r);
         Ok(report)
     }
 
-    /// Factors the systems for slabs of length `dt` if they are others. They depend on `dt` alone, not on what was solved before.
-    fn factor_for(&mut self, dt: f64) -> Result<(), ElasticityError> {
+    /// Finds `v` by Newton's method.
+    fn find(
+        &self,
+        slab: &StructureSlab<'_, D>,
+        forces: &[f64],
+        v: &mut [f64],
+    ) -> Result<DynamicsReport, ElasticityError> {
+        let scale = slab.residual(forces, v, &mut vec![0.0; v.len()])?;
+        let mut motion = Motion::new(*slab, forces, &self.modal);
+        let large_displacement::Work { steps, iterations } =
+            large_displacement::solve(&mut motion, scale, slab.bottom.time, v)?;
+        Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
+    }
+
+    /// Factors the systems for slabs of length `dt` above `bottom` if they are others. They do not depend on what was solved before.
+    fn factor_for(&mut self, dt: f64, bottom: SlabBottom<'_>) -> Result<(), ElasticityError> {
         let dt = nominal_length(dt, self.step);
-        if self.modal.dt() != dt {
-            self.modal = ModalSolver::new(&self.structure, self.motion.time(), alone(dt))?;
+        if self.modal.dt() != dt || !self.structure.law().is_linear() {
+            let of = SlabSystems { position: bottom.displacement, ..alone(dt) };
+            self.modal = ModalSolver::new(&self.structure, self.motion.time(), of)?;
         }
         Ok(())
     }
@@ -112,7 +147,7 @@ impl<const D: usize> Dynamics<D> {
     }
 
     /// v := v - (dR/dV)^{-1} r at free entries; returns the iterations.
-    fn correct(&self, r: &[f64], dt: f64, v: &mut [f64]) -> Result<usize, ElasticityError> {
+    fn correct_once(&self, r: &[f64], dt: f64, v: &mut [f64]) -> Result<usize, ElasticityError> {
         let mut increment = r.to_vec();
         let solved = self.modal.solve(&self.structure, dt, self.tolerance, &mut increment);
         v.iter_mut().zip(&increment).for_each(|(v, w)| *v -= w);
@@ -122,5 +157,5 @@ impl<const D: usize> Dynamics<D> {
 
 /// The systems of slabs of length `dt` without a fluid and without pseudo-time.
 fn alone<'a, const D: usize>(dt: f64) -> SlabSystems<'a, D> {
-    SlabSystems { dt, inverse_pseudo_time: 0.0, fluid: None }
+    SlabSystems { dt, inverse_pseudo_time: 0.0, fluid: None, position: &[] }
 }

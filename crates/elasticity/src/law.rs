@@ -1,4 +1,4 @@
-//! The laws of the mesh at a point: the first Piola stress P = dW/dH of the displacement gradient H = grad d.
+//! The laws of meshes and bodies at a point: the first Piola stress P = dW/dH of the displacement gradient H = grad d.
 //!
 //! ```text
 //! W = mu eps : eps + lambda/2 tr(eps)^2,                   eps = (H + H^T) / 2                                   (linear)
@@ -6,17 +6,21 @@
 //!
 //! W = mu/2 (|F|^2 - D - 2 ln J) + lambda/2 (ln J)^2,       F = I + H,  J = det F                                 (neo-Hookean)
 //! P = mu (F - F^{-T}) + lambda ln J F^{-T}
+//!
+//! W = mu E : E + lambda/2 tr(E)^2,                         E = (F^T F - I) / 2                          (St. Venant-Kirchhoff)
+//! P = F (2 mu E + lambda tr(E) I)
 //! ```
 //!
 //! They agree to first order in H. The linear law costs one solve, but takes a rotation for a strain: turned far enough, its cells
-//! invert. The neo-Hookean one does not notice rotations, and -ln J lets no cell collapse at the points where W is integrated.
+//! invert. The others do not notice rotations. In the neo-Hookean one -ln J lets no cell collapse at the points where W is integrated;
+//! that of St. Venant and Kirchhoff is for large displacements of small strain: compressed to about half, a body offers no resistance.
 
 use crate::Lame;
 use crate::geometry::quadrature_points;
 use basis::{Rule, gauss, gauss_lobatto};
-use tensor::{Real, cofactor, determinant};
+use tensor::{Real, cofactor, determinant, dot};
 
-/// Which energy the mesh minimises, and from where its strain is counted.
+/// Which energy a mesh or a body has, and from where its strain is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Law {
     /// (linear), about the initial mesh: K never changes, and the mesh depends on the position of its boundary alone.
@@ -27,20 +31,24 @@ pub enum Law {
     Incremental,
     /// (neo-Hookean), about the initial mesh.
     NeoHookean,
+    /// (St. Venant-Kirchhoff), about the initial mesh. For bodies.
+    StVenantKirchhoff,
 }
 
 impl Law {
     /// Whether P is linear in H: one solve with K then reaches the equilibrium.
     pub fn is_linear(self) -> bool {
-        self != Law::NeoHookean
+        matches!(self, Law::Linear | Law::Incremental)
     }
 
     /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm guards its own points only, so
-    /// there are 2N, with those at the ends.
+    /// there are 2N, with those at the ends. W of (St. Venant-Kirchhoff) has the degree 4 (N - 1) on affine cells, which 2N - 1 points
+    /// integrate exactly.
     pub(crate) fn rule(self, dimension: usize, order: usize) -> Rule {
         match self {
             Law::Linear | Law::Incremental => gauss(quadrature_points(dimension, order)),
             Law::NeoHookean => gauss_lobatto(2 * order),
+            Law::StVenantKirchhoff => gauss((2 * order - 1).max(quadrature_points(dimension, order))),
         }
     }
 }
@@ -52,6 +60,9 @@ pub(crate) trait PointLaw: Copy + Send + Sync {
 
     /// P and J of H, `gradient[i][j]` = d d_i / d x_j.
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D>;
+
+    /// W of H.
+    fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T;
 }
 
 /// The answer of a law.
@@ -67,6 +78,11 @@ impl PointLaw for Lame {
     #[inline(always)]
     fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D> {
         PointStress { piola: Lame::stress(&self, gradient), volume_ratio: gradient[0][0].constant(1.0) }
+    }
+    /// sigma : H / 2
+    #[inline(always)]
+    fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
+        contraction(&Lame::stress(&self, gradient), gradient) * 0.5
     }
 }
 
@@ -92,6 +108,64 @@ impl PointLaw for NeoHookean {
         }
         PointStress { piola, volume_ratio: j }
     }
+    #[inline(always)]
+    fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
+        let Lame { lambda, mu } = self.0;
+        let f = plus_identity(gradient);
+        let ln_j = determinant(&f, &cofactor(&f)).ln();
+        (contraction(&f, &f) - D as f64 - ln_j * 2.0) * (0.5 * mu) + ln_j * ln_j * (0.5 * lambda)
+    }
+}
+
+/// (St. Venant-Kirchhoff)
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StVenantKirchhoff(pub(crate) Lame);
+
+impl PointLaw for StVenantKirchhoff {
+    const HAS_BARRIER: bool = false;
+    #[inline(always)]
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D> {
+        let (f, second) = (plus_identity(gradient), Lame::stress(&self.0, &green_strain(gradient)));
+        let mut piola = f;
+        for i in 0..D {
+            for k in 0..D {
+                // The second stress is symmetric.
+                piola[i][k] = dot(&f[i], &second[k]);
+            }
+        }
+        PointStress { piola, volume_ratio: gradient[0][0].constant(1.0) }
+    }
+    #[inline(always)]
+    fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
+        let strain = green_strain(gradient);
+        contraction(&Lame::stress(&self.0, &strain), &strain) * 0.5
+    }
+}
+
+/// E = (H + H^T + H^T H) / 2: without the rounding of F^T F - I where the strain is small.
+#[inline(always)]
+fn green_strain<T: Real, const D: usize>(gradient: &[[T; D]; D]) -> [[T; D]; D] {
+    let mut strain = *gradient;
+    for i in 0..D {
+        for j in 0..D {
+            let mut sum = gradient[i][j] + gradient[j][i];
+            for k in 0..D {
+                sum = gradient[k][i].mul_add(gradient[k][j], sum);
+            }
+            strain[i][j] = sum * 0.5;
+        }
+    }
+    strain
+}
+
+/// A : B
+#[inline(always)]
+fn contraction<T: Real, const D: usize>(a: &[[T; D]; D], b: &[[T; D]; D]) -> T {
+    let mut sum = a[0][0].zero();
+    for i in 0..D {
+        sum += dot(&a[i], &b[i]);
+    }
+    sum
 }
 
 /// F = I + H.
@@ -108,18 +182,18 @@ pub(crate) fn plus_identity<T: Real, const D: usize>(gradient: &[[T; D]; D]) -> 
 mod tests {
     use super::*;
     use crate::testing::material;
-    use tensor::{Dual, Transcendental, dot};
+    use tensor::Dual;
 
-    /// W of (neo-Hookean).
-    fn energy<T: Transcendental, const D: usize>(lame: Lame, gradient: &[[T; D]; D]) -> T {
-        let f = plus_identity(gradient);
-        let ln_j = determinant(&f, &cofactor(&f)).ln();
-        let square = f.iter().map(|row| dot(row, row)).fold(T::from(0.0), |sum, row| sum + row);
-        (square - D as f64 - ln_j * 2.0) * (lame.mu / 2.0) + ln_j * ln_j * (lame.lambda / 2.0)
+    fn neo_hookean() -> NeoHookean {
+        NeoHookean(material().lame())
+    }
+
+    fn st_venant_kirchhoff() -> StVenantKirchhoff {
+        StVenantKirchhoff(material().lame())
     }
 
     fn stress<const D: usize>(gradient: &[[f64; D]; D]) -> [[f64; D]; D] {
-        NeoHookean(material().lame()).stress(gradient).piola
+        neo_hookean().stress(gradient).piola
     }
 
     fn largest_difference<const D: usize>(a: &[[f64; D]; D], b: &[[f64; D]; D]) -> f64 {
@@ -130,18 +204,17 @@ mod tests {
     const PLANE: [[f64; 2]; 2] = [[0.3, -0.7], [0.9, 0.4]];
     const SPACE: [[f64; 3]; 3] = [[0.3, -0.7, 0.2], [0.9, 0.4, -0.1], [-0.3, 0.5, -0.2]];
 
-    fn is_derivative_of_energy<const D: usize>(gradient: &[[f64; D]; D]) {
-        let lame = material().lame();
-        let piola = stress(gradient);
+    fn is_derivative_of_energy<const D: usize>(law: impl PointLaw, gradient: &[[f64; D]; D]) {
+        let piola = law.stress(gradient).piola;
         for i in 0..D {
             for j in 0..D {
                 let mut dual = gradient.map(|row| row.map(|h| Dual::new(h, 0.0)));
                 dual[i][j].derivative = 1.0;
-                assert!((piola[i][j] - energy(lame, &dual).derivative).abs() < 1e-14, "dual, {i}, {j}");
+                assert!((piola[i][j] - law.energy(&dual).derivative).abs() < 1e-14, "dual, {i}, {j}");
                 let at = |h: f64| {
                     let mut moved = *gradient;
                     moved[i][j] += h;
-                    energy(lame, &moved)
+                    law.energy(&moved)
                 };
                 let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
                 assert!((piola[i][j] - difference).abs() < 1e-8, "difference, {i}, {j}");
@@ -151,13 +224,15 @@ mod tests {
 
     #[test]
     fn stress_is_the_derivative_of_the_energy() {
-        is_derivative_of_energy(&PLANE);
-        is_derivative_of_energy(&SPACE);
+        is_derivative_of_energy(neo_hookean(), &PLANE);
+        is_derivative_of_energy(neo_hookean(), &SPACE);
+        is_derivative_of_energy(st_venant_kirchhoff(), &PLANE);
+        is_derivative_of_energy(st_venant_kirchhoff(), &SPACE);
+        is_derivative_of_energy(material().lame(), &SPACE);
     }
 
     /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation costs nothing, whatever its angle.
-    #[test]
-    fn energy_does_not_notice_rotations() {
+    fn does_not_notice_rotations(law: impl PointLaw) {
         let rotate = |f: &[[f64; 2]; 2]| -> [[f64; 2]; 2] {
             let (sin, cos) = 2.4_f64.sin_cos();
             let q = [[cos, -sin], [sin, cos]];
@@ -167,23 +242,34 @@ mod tests {
             (0..2).for_each(|i| f[i][i] -= 1.0);
             f
         };
+        let stress = |gradient: &[[f64; 2]; 2]| law.stress(gradient).piola;
         let rotated = minus_identity(rotate(&plus_identity(&PLANE)));
-        let lame = material().lame();
-        assert!((energy(lame, &rotated) - energy(lame, &PLANE)).abs() < 1e-14);
+        assert!((law.energy(&rotated) - law.energy(&PLANE)).abs() < 1e-14);
         assert!(largest_difference(&stress(&rotated), &rotate(&stress(&PLANE))) < 1e-14);
         let pure = minus_identity(rotate(&plus_identity(&[[0.0; 2]; 2])));
         assert!(largest_difference(&stress(&pure), &[[0.0; 2]; 2]) < 1e-15);
     }
 
-    /// The difference of the two laws falls with the square of the strain.
     #[test]
-    fn small_strains_are_linear() {
+    fn energy_does_not_notice_rotations() {
+        does_not_notice_rotations(neo_hookean());
+        does_not_notice_rotations(st_venant_kirchhoff());
+    }
+
+    /// The difference to the linear law falls with the square of the strain.
+    fn small_strains_are_linear_in(law: impl PointLaw) {
         let difference = |size: f64| {
             let gradient = SPACE.map(|row| row.map(|h| h * size));
-            largest_difference(&stress(&gradient), &Lame::stress(&material().lame(), &gradient))
+            largest_difference(&law.stress(&gradient).piola, &Lame::stress(&material().lame(), &gradient))
         };
         let order = (difference(1e-3) / difference(5e-4)).log2();
         assert!((order - 2.0).abs() < 0.01, "order {order}");
+    }
+
+    #[test]
+    fn small_strains_are_linear() {
+        small_strains_are_linear_in(neo_hookean());
+        small_strains_are_linear_in(st_venant_kirchhoff());
     }
 
     #[test]
@@ -195,7 +281,7 @@ mod tests {
 
     #[test]
     fn volume_ratio_tells_an_inverted_point() {
-        let law = NeoHookean(material().lame());
+        let law = neo_hookean();
         assert!((law.stress(&[[1.0, 0.0], [0.0, 0.5]]).volume_ratio - 3.0).abs() < 1e-15);
         assert!(law.stress(&[[-1.5, 0.0], [0.0, 0.5]]).volume_ratio < 0.0);
         assert_eq!(PointLaw::stress(material().lame(), &[[-1.5, 0.0], [0.0, 0.5]]).volume_ratio, 1.0);

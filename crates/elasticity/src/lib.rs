@@ -26,6 +26,7 @@
 //! | `solid` | the material of a structure, point by point |
 //! | `structure_slab` | the equations of a structure in a time slab |
 //! | `modal` | their systems, by temporal modes, with the mass of a fluid |
+//! | `large_displacement` | Newton's method for laws that are not linear |
 //! | `dynamics`, `statics` | the motion of a structure, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
 //! | `modes` | natural frequencies and shapes |
@@ -40,6 +41,7 @@ mod elastic_mesh;
 mod equilibrium;
 mod errors;
 mod geometry;
+mod large_displacement;
 mod law;
 mod loads;
 mod low_order;
@@ -67,7 +69,7 @@ pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
-pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
+pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
 pub use material::{Lame, Material, Plane};
 pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
@@ -77,6 +79,6 @@ pub use solid::{Field, Quantity, Solid};
 pub use solver::{Plan, Solver};
 pub use statics::Statics;
 pub use stiffness::Stiffness;
-pub use structure::Structure;
+pub use structure::{Damping, Structure};
 pub use structure_slab::{SlabBottom, SlabWork, StructureSlab};
 pub use wall_distance::WallDistance;

@@ -4,10 +4,12 @@
 //! residual becomes, and 1/dtau the rate of a pseudo-time,
 //!
 //! ```text
-//! ( K + s^2 M ) y = (lambda/dt^2) c,      s^2 = lambda (lambda + dt/dtau) / dt^2                                (mode)
+//! ( K + s^2 M ) y = (lambda / b dt^2) c,      s^2 = lambda (lambda + dt/dtau + alpha dt) / (b dt^2),   b = 1 + beta lambda / dt   (mode)
 //! ```
 //!
-//! Each has its own factor, see `shifted`. A fluid beside the structure moves with it: for a preconditioner M has its mass,
+//! with the alpha and beta of a damping.
+//!
+//! Each has its own factor, see `shifted`. Where the law is not linear K is that of one displacement, and these systems precondition. A fluid beside the structure moves with it: for a preconditioner M has its mass,
 //!
 //! ```text
 //! M + m_L int_G (N_i n).(N_j n) ds,     m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2)                        (added mass)
@@ -17,6 +19,7 @@
 
 use crate::shifted::Shifted;
 use crate::slab::combine_nodes;
+use crate::structure::Damping;
 use crate::{ElasticityError, Structure};
 use basis::{RadauTime, TemporalModes, is_real};
 use rayon::prelude::*;
@@ -65,6 +68,8 @@ pub struct SlabSystems<'a, const D: usize> {
     pub inverse_pseudo_time: f64,
     /// The fluid beside it.
     pub fluid: Option<&'a FluidLayer<D>>,
+    /// The displacement where K is taken, at rest if it is empty. A linear law does not look at it.
+    pub position: &'a [f64],
 }
 
 /// The factored systems of (mode).
@@ -77,6 +82,8 @@ pub struct ModalSolver<const D: usize> {
 /// The system of one mode.
 struct System<const D: usize> {
     lambda: faer::c64,
+    /// b
+    stiffening: faer::c64,
     /// The argument of s^2.
     theta: f64,
     /// K + |s^2| M
@@ -91,11 +98,13 @@ impl<const D: usize> ModalSolver<D> {
     pub fn new(structure: &Structure<D>, time: &RadauTime, of: SlabSystems<'_, D>) -> Result<Self, ElasticityError> {
         let modes = TemporalModes::new(time);
         let system = |lambda: &faer::c64| -> Result<_, ElasticityError> {
-            let damped = lambda + of.dt * of.inverse_pseudo_time;
-            let m = (lambda.norm() / of.dt) * (damped.norm() / of.dt);
+            let Damping { mass, stiffness } = structure.damping();
+            let damped = lambda + of.dt * (of.inverse_pseudo_time + mass);
+            let stiffening = 1.0 + lambda * (stiffness / of.dt);
+            let m = (lambda.norm() / of.dt) * (damped.norm() / of.dt) / stiffening.norm();
             let layer = of.fluid.map(|fluid| fluid.masses(lambda.norm() / of.dt)).unwrap_or_default();
-            let theta = argument(*lambda) + argument(damped);
-            Ok(System { lambda: *lambda, theta, shifted: structure.shifted(m, layer)? })
+            let theta = argument(*lambda) + argument(damped) - argument(stiffening);
+            Ok(System { lambda: *lambda, stiffening, theta, shifted: structure.shifted(m, layer, of.position)? })
         };
         let systems: Vec<Result<_, _>> = modes.eigenvalues.par_iter().map(system).collect();
         Ok(ModalSolver { dt: of.dt, systems: systems.into_iter().collect::<Result<_, _>>()?, modes })
@@ -145,7 +154,10 @@ impl<const D: usize> System<D> {
         tolerance: f64,
         column: &mut [f64],
     ) -> Result<usize, ElasticityError> {
-        let factor = self.lambda / (dt * dt);
+        let mut factor = self.lambda / (dt * dt);
+        if structure.damping().stiffness != 0.0 {
+            factor /= self.stiffening;
+        }
         let mut right_hand_side = column.to_vec();
         if is_real(self.lambda) {
             right_hand_side.iter_mut().for_each(|c| *c *= factor.re);

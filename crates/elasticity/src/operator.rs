@@ -11,6 +11,7 @@
 //! law R(d) = K d, and K is the same everywhere.
 
 mod diagonal;
+mod energy;
 mod kernel;
 #[cfg(test)]
 mod tests;
@@ -19,7 +20,7 @@ mod work;
 
 use crate::batches::Batches;
 use crate::geometry::{Sample, Sampler};
-use crate::law::{Law, NeoHookean, PointLaw};
+use crate::law::{Law, NeoHookean, PointLaw, StVenantKirchhoff};
 use crate::material::Lame;
 use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
@@ -106,6 +107,7 @@ impl<const D: usize> Operator<D> {
         match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[d], out),
             Law::NeoHookean => self.apply::<Forces, _>(NeoHookean(self.lame), &[d], out),
+            Law::StVenantKirchhoff => self.apply::<Forces, _>(StVenantKirchhoff(self.lame), &[d], out),
         }
     }
 
@@ -114,8 +116,18 @@ impl<const D: usize> Operator<D> {
         let applied = match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[w], out),
             Law::NeoHookean => self.apply::<Tangent, _>(NeoHookean(self.lame), &[d, w], out),
+            Law::StVenantKirchhoff => self.apply::<Tangent, _>(StVenantKirchhoff(self.lame), &[d, w], out),
         };
         debug_assert!(applied.is_ok(), "K is asked for where R is defined");
+    }
+
+    /// The integral of W(grad d), for a `d` where R is defined.
+    pub(crate) fn energy(&self, d: &[f64]) -> f64 {
+        match self.law {
+            Law::Linear | Law::Incremental => self.energy_by(self.lame, d),
+            Law::NeoHookean => self.energy_by(NeoHookean(self.lame), d),
+            Law::StVenantKirchhoff => self.energy_by(StVenantKirchhoff(self.lame), d),
+        }
     }
 
     /// The matrices K(d) of the cells of one batch, `[column][row]`, column and row `[component][node]`.
@@ -124,6 +136,9 @@ impl<const D: usize> Operator<D> {
         match self.law {
             Law::Linear | Law::Incremental => self.columns::<Forces, _>(self.lame, d, batch, &mut matrices),
             Law::NeoHookean => self.columns::<Tangent, _>(NeoHookean(self.lame), d, batch, &mut matrices),
+            Law::StVenantKirchhoff => {
+                self.columns::<Tangent, _>(StVenantKirchhoff(self.lame), d, batch, &mut matrices);
+            }
         }
         matrices
     }

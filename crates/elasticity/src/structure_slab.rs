@@ -4,23 +4,29 @@
 //! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
 //!
 //! ```text
-//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( K d(s_a) - f(s_a) ) = 0      at free entries              (dynamics)
-//! V_a = g'(s_a)                                                                  at fixed entries
+//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( R(d(s_a)) + C V_a - f(s_a) ) = 0     at free entries      (dynamics)
+//! V_a = g'(s_a)                                                                          at fixed entries
 //! ```
 //!
 //! T and w are those of `basis::RadauTime`; as W^{-1} T = A^{-1}, this is the Radau IIA method: order 2 N_t - 1 at the top of a slab,
-//! stable for any dt. At supports it is the velocity that is prescribed: prescribed positions would cost (dynamics) its order, for the
-//! reactions then follow from second differences. A support so stands where the Radau rule puts the integral of g', of the same order.
+//! stable for any dt, whatever the law of R. At supports it is the velocity that is prescribed: prescribed positions would cost
+//! (dynamics) its order, for the reactions then follow from second differences. A support so stands where the Radau rule puts the
+//! integral of g', of the same order.
 //!
-//! Nothing is lost but what the jumps take: with [v] = v(0+) - v_n and [d] that of the polynomial through the d(s_a),
+//! Nothing is lost but what dampers and jumps take: with the strain energy W_s, [v] = v(0+) - v_n and [d] that of the polynomial through
+//! the d(s_a),
 //!
 //! ```text
-//! E_{n+1} - E_n = W - D,     E = v.Mv/2 + d.Kd/2,     D = [v].M[v]/2 + [d].K[d]/2                              (energy)
+//! E_{n+1} - E_n = W - D_C - D,     E = v.Mv/2 + W_s(d)                                                         (energy)
 //! W = dt sum_a w_a f(s_a) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
+//! D_C = dt sum_a w_a V_a . C V_a
+//! D = [v].M[v]/2 + dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
 //! ```
+//!
+//! The last difference is [d].K[d]/2 for a linear law, and of the order 2 N_t - 1 for others.
 
 use crate::slab::accumulate;
-use crate::{ElasticityError, Loads, SlabMotion, Structure};
+use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// Where a slab begins.
@@ -41,6 +47,8 @@ pub struct SlabWork {
     pub load: f64,
     /// The work of the supports.
     pub support: f64,
+    /// D_C: what dampers take.
+    pub damped: f64,
     /// D: what the jumps take.
     pub dissipation: f64,
 }
@@ -48,8 +56,10 @@ pub struct SlabWork {
 /// A structure in the slab of length `dt` above `bottom`. Fields of the slab have the layout `[time node][C0 node][component]`.
 #[derive(Clone, Copy)]
 pub struct StructureSlab<'a, const D: usize> {
-    /// M, K and the supports.
+    /// M, R and the supports.
     pub structure: &'a Structure<D>,
+    /// The loads on it.
+    pub loads: &'a Loads<D>,
     /// The polynomials in time.
     pub motion: &'a SlabMotion,
     /// Where it begins.
@@ -59,22 +69,29 @@ pub struct StructureSlab<'a, const D: usize> {
 }
 
 impl<const D: usize> StructureSlab<'_, D> {
-    /// f(s_a) of `loads`.
+    /// The loads f(s_a) at rest: all but follower pressures.
     ///
     /// # Errors
     /// [`ElasticityError::Load`] if a load is not a finite number.
-    pub fn forces(&self, loads: &Loads<D>) -> Result<Vec<f64>, ElasticityError> {
-        let (time, length) = (self.motion.time(), self.structure.length());
-        let mut forces = vec![0.0; time.order() * length];
-        for (s, f) in time.nodes().iter().zip(forces.chunks_exact_mut(length)) {
-            self.structure.load(loads, self.bottom.time + s * self.dt, f)?;
+    pub fn forces(&self) -> Result<Vec<f64>, ElasticityError> {
+        let length = self.structure.length();
+        let mut forces = vec![0.0; self.motion.time().order() * length];
+        for (a, f) in forces.chunks_exact_mut(length).enumerate() {
+            self.structure.load(self.loads, self.time_of(a), f)?;
         }
         Ok(forces)
     }
 
-    /// r := R(V) by (dynamics) for the loads `forces`, at fixed entries too: there it is dt w_a times the reaction of the support. Returns
-    /// the size of the forces that cancel in it.
-    pub fn residual(&self, forces: &[f64], v: &[f64], r: &mut [f64]) -> f64 {
+    fn time_of(&self, a: usize) -> f64 {
+        self.bottom.time + self.motion.time().nodes()[a] * self.dt
+    }
+
+    /// r := R(V) by (dynamics) for the loads `forces` at rest, at fixed entries too: there it is dt w_a times the reaction of the support.
+    /// Returns the size of the forces that cancel in it.
+    ///
+    /// # Errors
+    /// [`Inversion`] where the law has no stress; `r` then has no meaning.
+    pub fn residual(&self, forces: &[f64], v: &[f64], r: &mut [f64]) -> Result<f64, Inversion> {
         let (time, length) = (self.motion.time(), self.structure.length());
         let at_bottom = time.values(0.0);
         let (mut inertia, mut elastic, mut loads) = (vec![0.0; v.len()], vec![0.0; v.len()], forces.to_vec());
@@ -86,26 +103,31 @@ impl<const D: usize> StructureSlab<'_, D> {
             accumulate(1.0, v, time.slab_matrix().row(a), &mut change);
             self.structure.apply_mass(&change, &mut inertia[node.clone()]);
             self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
-            self.structure.apply_stiffness(&d, &mut elastic[node.clone()]);
+            self.structure.internal_forces(&d, &mut elastic[node.clone()])?;
+            self.structure.add_damping(&d, &v[node.clone()], &mut elastic[node.clone()]);
+            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut loads[node.clone()]);
             elastic[node.clone()].iter_mut().for_each(|k| *k *= weight);
             loads[node].iter_mut().for_each(|f| *f *= weight);
         }
         (0..v.len()).for_each(|i| r[i] = inertia[i] + elastic[i] - loads[i]);
-        [&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum()
+        Ok([&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum())
     }
 
-    /// out := (dR/dV) w, at fixed entries too.
-    pub fn product(&self, w: &[f64], out: &mut [f64]) {
+    /// out := (dR/dV)(V) w, at fixed entries too.
+    pub fn product(&self, v: &[f64], w: &[f64], out: &mut [f64]) {
         let (time, length) = (self.motion.time(), self.structure.length());
-        let mut elastic = vec![0.0; length];
+        let (mut elastic, mut d, mut along) = (vec![0.0; length], vec![0.0; length], vec![0.0; length]);
         for (a, out) in out.chunks_exact_mut(length).enumerate() {
-            let mut direction = vec![0.0; length];
-            accumulate(1.0, w, time.slab_matrix().row(a), &mut direction);
-            self.structure.apply_mass(&direction, out);
-            direction.fill(0.0);
-            accumulate(self.dt, w, time.collocation().row(a), &mut direction);
-            self.structure.apply_stiffness(&direction, &mut elastic);
-            let weight = self.dt * time.weights()[a];
+            let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
+            along.fill(0.0);
+            accumulate(1.0, w, time.slab_matrix().row(a), &mut along);
+            self.structure.apply_mass(&along, out);
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            along.fill(0.0);
+            accumulate(self.dt, w, time.collocation().row(a), &mut along);
+            self.structure.apply_stiffness_at(&d, &along, &mut elastic);
+            self.structure.add_damping_product((&d, &v[node.clone()]), (&along, &w[node]), &mut elastic);
+            self.structure.add_pressure_stiffness(self.loads, self.time_of(a), (&d, &along), -1.0, &mut elastic);
             out.iter_mut().zip(&elastic).for_each(|(out, k)| *out += weight * k);
         }
     }
@@ -122,20 +144,50 @@ impl<const D: usize> StructureSlab<'_, D> {
     /// The same but for the kinetic term.
     pub(crate) fn work_without_inertia(&self, forces: &[f64], v: &[f64], r: &[f64]) -> SlabWork {
         let (time, length) = (self.motion.time(), self.structure.length());
-        let at_bottom = time.values(0.0);
-        let mut jump: Vec<f64> = self.bottom.displacement.iter().map(|d| -d).collect();
         let (mut work, mut d) = (SlabWork::default(), vec![0.0; length]);
         for a in 0..time.order() {
-            let node = a * length..(a + 1) * length;
-            work.load += self.dt * time.weights()[a] * Euclidean.dot(&forces[node.clone()], &v[node.clone()]);
+            let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
+            let velocity = &v[node.clone()];
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            let mut force = forces[node].to_vec();
+            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut force);
+            work.load += weight * Euclidean.dot(&force, velocity);
             let mut reaction = vec![0.0; length];
             self.structure.at_fixed(&mut reaction, |i| r[a * length + i]);
-            work.support += Euclidean.dot(&reaction, &v[node]);
+            work.support += Euclidean.dot(&reaction, velocity);
+            let mut damping = vec![0.0; length];
+            self.structure.add_damping(&d, velocity, &mut damping);
+            work.damped += weight * Euclidean.dot(&damping, velocity);
+        }
+        work.dissipation = if self.structure.law().is_linear() { self.energy_of_jump(v) } else { self.excess_work(v) };
+        work
+    }
+
+    /// [d].K[d]/2
+    fn energy_of_jump(&self, v: &[f64]) -> f64 {
+        let at_bottom = self.motion.time().values(0.0);
+        let mut jump: Vec<f64> = self.bottom.displacement.iter().map(|d| -d).collect();
+        let mut d = vec![0.0; jump.len()];
+        for a in 0..at_bottom.len() {
             self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
             accumulate(1.0, &d, &at_bottom[a..=a], &mut jump);
         }
-        work.dissipation = self.structure.strain_energy(&jump);
-        work
+        self.structure.strain_energy(&jump)
+    }
+
+    /// dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
+    fn excess_work(&self, v: &[f64]) -> f64 {
+        let (time, bottom) = (self.motion.time(), self.bottom.displacement);
+        let (mut work, mut d, mut forces) = (0.0, vec![0.0; bottom.len()], vec![0.0; bottom.len()]);
+        for (a, v_a) in v.chunks_exact(bottom.len()).enumerate() {
+            self.motion.displacement_at_node(self.dt, bottom, v, a, &mut d);
+            if self.structure.internal_forces(&d, &mut forces).is_err() {
+                return f64::NAN;
+            }
+            work += self.dt * time.weights()[a] * Euclidean.dot(&forces, v_a);
+        }
+        // The last node is the top.
+        work - (self.structure.strain_energy(&d) - self.structure.strain_energy(bottom))
     }
 }
 

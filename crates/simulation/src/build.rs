@@ -216,7 +216,12 @@ fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
         Plane::Strain => elasticity::Plane::Strain,
         Plane::Stress => elasticity::Plane::Stress,
     };
-    Solid { young: quantity(&structure.young_modulus), poisson: quantity(&structure.poisson_ratio), plane }
+    Solid {
+        young: quantity(&structure.young_modulus),
+        poisson: quantity(&structure.poisson_ratio),
+        plane,
+        law: elasticity::Law::Linear,
+    }
 }
 
 /// Which components of which nodes are prescribed, and how they move.
@@ -249,7 +254,8 @@ fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
             _ => None,
         }
     };
-    Loads { body_force, tractions: structure.boundary.iter().enumerate().filter_map(traction).collect() }
+    let tractions = structure.boundary.iter().enumerate().filter_map(traction).collect();
+    Loads { body_force, tractions, ..Loads::default() }
 }
 
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>

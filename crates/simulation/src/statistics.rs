@@ -173,7 +173,7 @@ impl RunStatistics {
         self.elasticity += report.dynamics.iterations as u64;
         self.structure.load_work += report.dynamics.work.load;
         self.structure.support_work += report.dynamics.work.support;
-        self.structure.dissipation += report.dynamics.work.dissipation;
+        self.structure.dissipation += report.dynamics.work.damped + report.dynamics.work.dissipation;
     }
 
     /// Adds the quality of the mesh in a slab.

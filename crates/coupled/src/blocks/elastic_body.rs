@@ -144,7 +144,8 @@ impl<const D: usize> ElasticBody<D> {
         let dt = elasticity::nominal_length(self.slab.dt, self.step);
         let rate = self.inverse_pseudo_time;
         if self.modal.as_ref().is_none_or(|(of, modal)| *of != rate || modal.dt() != dt) {
-            let of = elasticity::SlabSystems { dt, inverse_pseudo_time: rate, fluid: Some(&self.data.fluid) };
+            let (fluid, position) = (Some(&self.data.fluid), &self.slab.displacement[..]);
+            let of = elasticity::SlabSystems { dt, inverse_pseudo_time: rate, fluid, position };
             let modal = ModalSolver::new(&self.data.structure, self.motion.time(), of);
             self.modal = modal.ok().map(|modal| (rate, modal));
         }
@@ -179,8 +180,12 @@ impl<const D: usize> Block for ElasticBody<D> {
             velocity: velocity.to_vec(),
             ..Slab::default()
         };
-        self.slab.forces = self.in_slab().forces(&self.data.loads).map_err(SlabError::Structure)?;
+        self.slab.forces = self.in_slab().forces().map_err(SlabError::Structure)?;
         self.slab.supports = self.prescribed();
+        if !self.data.structure.law().is_linear() {
+            // K is that at the bottom.
+            self.modal = None;
+        }
         self.inverse_pseudo_time = 0.0;
         Ok(())
     }
@@ -188,7 +193,7 @@ impl<const D: usize> Block for ElasticBody<D> {
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
         self.w.copy_from_slice(z);
         self.write_walls(&self.slab.displacement, z, exchange);
-        self.in_slab().residual(&self.slab.forces, z, r);
+        self.in_slab().residual(&self.slab.forces, z, r)?;
         self.constrain(|i| z[i] - self.slab.supports[i], r);
         Ok(())
     }
@@ -206,7 +211,7 @@ impl<const D: usize> Block for ElasticBody<D> {
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         self.write_walls(&vec![0.0; self.data.structure.length()], x, tangent);
-        self.in_slab().product(x, out);
+        self.in_slab().product(&self.w, x, out);
         self.constrain(|i| x[i], out);
     }
 

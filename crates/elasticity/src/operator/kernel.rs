@@ -199,15 +199,8 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
     for point in 0..points {
         for part in 0..Lanes::<S>::PARTS {
             let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-            let mut physical = [[M::Number::<S>::lift(weight.zero()); D]; D];
-            for a in 0..D {
-                for i in 0..D {
-                    let h = M::Number::<S>::load(simd, &gradients[a * direction..], block, i * points + point, part);
-                    for j in 0..D {
-                        physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
-                    }
-                }
-            }
+            let at = (point, part);
+            let physical = physical_gradient::<S, M::Number<S>, D>(simd, gradients, direction, points, at, &g);
             let stress = law.stress(&physical);
             if L::HAS_BARRIER {
                 let least = Lanes::read(simd, &smallest, part);
@@ -225,6 +218,30 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
         }
     }
     smallest
+}
+
+/// grad d = H G at the part `at.1` of the lanes of the point `at.0`, from the reference gradients `[direction][block][component][point]`,
+/// a `direction` of so many numbers.
+#[inline(always)]
+pub(super) fn physical_gradient<S: Simd, T: LaneNumber<S> + Over<Lanes<S>>, const D: usize>(
+    simd: S,
+    gradients: &[Pack],
+    direction: usize,
+    points: usize,
+    at: (usize, usize),
+    g: &[[Lanes<S>; D]; D],
+) -> [[T; D]; D] {
+    let (point, part) = at;
+    let mut physical = [[T::lift(g[0][0].zero()); D]; D];
+    for a in 0..D {
+        for i in 0..D {
+            let h = T::load(simd, &gradients[a * direction..], D * points, i * points + point, part);
+            for j in 0..D {
+                physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
+            }
+        }
+    }
+    physical
 }
 
 /// W and G at one point.

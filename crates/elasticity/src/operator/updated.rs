@@ -8,7 +8,7 @@
 //! ```
 
 use super::Operator;
-use super::kernel::{Scratch, read_metric};
+use super::kernel::{Scratch, physical_gradient, read_metric};
 use crate::Inversion;
 use crate::law::plus_identity;
 use rayon::prelude::*;
@@ -40,15 +40,7 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
         for point in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-                let mut gradient = [[weight.zero(); D]; D];
-                for a in 0..D {
-                    for i in 0..D {
-                        let h = Lanes::read(simd, &gradients[(a * D + i) * points + point], part);
-                        for j in 0..D {
-                            gradient[i][j] = h.mul_add(g[a][j], gradient[i][j]);
-                        }
-                    }
-                }
+                let gradient = physical_gradient::<S, Lanes<S>, D>(simd, gradients, D * points, points, (point, part), &g);
                 let f = plus_identity(&gradient);
                 let cofactor = cofactor(&f);
                 let j = determinant(&f, &cofactor);

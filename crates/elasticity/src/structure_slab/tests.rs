@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::testing::{distance, largest, material, noise, unit_box};
-use crate::{FluidLayer, ModalSolver, SlabSystems};
+use crate::{Damping, FluidLayer, ModalSolver, SlabSystems};
 use basis::RadauTime;
 use mesh::NodeNumbering;
 
@@ -11,17 +11,18 @@ fn square() -> Structure<2> {
     let numbering = NodeNumbering::new(&mesh, 4);
     let mut fixed = vec![[false; 2]; numbering.count];
     numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| fixed[node] = [true; 2]);
-    Structure::new(mesh, numbering, material(), 1.5, fixed).unwrap()
+    let damping = Damping { mass: 0.7, stiffness: 0.2 };
+    Structure::new(mesh, numbering, material(), 1.5, fixed).unwrap().with_damping(damping)
 }
 
 /// Something to do with the square in a slab, a state at its bottom, and a vector of the slab.
 fn in_slab<R>(act: impl FnOnce(StructureSlab<'_, 2>, &[f64]) -> R) -> R {
-    let (structure, motion) = (square(), SlabMotion::new(RadauTime::new(3)));
+    let (structure, loads, motion) = (square(), Loads::default(), SlabMotion::new(RadauTime::new(3)));
     let state = noise(2 * structure.length());
     let (displacement, velocity) = state.split_at(structure.length());
     let bottom = SlabBottom { time: 0.2, displacement, velocity };
     let v = noise(3 * structure.length());
-    act(StructureSlab { structure: &structure, motion: &motion, bottom, dt: 0.3 }, &v)
+    act(StructureSlab { structure: &structure, loads: &loads, motion: &motion, bottom, dt: 0.3 }, &v)
 }
 
 /// The residual is affine, so that a difference over a long step is exact.
@@ -31,12 +32,12 @@ fn the_product_is_the_derivative_of_the_residual() {
         let (forces, w) = (vec![0.0; v.len()], noise(v.len() + 1)[1..].to_vec());
         let at = |a: f64| {
             let (moved, mut r) = (v.iter().zip(&w).map(|(v, w)| v + a * w).collect::<Vec<_>>(), vec![0.0; v.len()]);
-            slab.residual(&forces, &moved, &mut r);
+            slab.residual(&forces, &moved, &mut r).unwrap();
             r
         };
         let difference: Vec<f64> = at(1.0).iter().zip(at(-1.0)).map(|(plus, minus)| 0.5 * (plus - minus)).collect();
         let mut product = vec![0.0; v.len()];
-        slab.product(&w, &mut product);
+        slab.product(v, &w, &mut product);
         assert!(distance(&product, &difference) < 1e-13 * largest(&product));
     });
 }
@@ -53,10 +54,10 @@ fn the_modes_invert_the_derivative_with_pseudo_time_and_a_fluid() {
             // A sound that is fast: the mass of the layer is the same for all modes, and the system exact.
             let areas = structure.wet_areas(&wet);
             let fluid = FluidLayer { density: 2.0, speed_of_sound: 1e9, depth, areas };
-            let of = SlabSystems { dt, inverse_pseudo_time: rate, fluid: Some(&fluid) };
+            let of = SlabSystems { dt, inverse_pseudo_time: rate, fluid: Some(&fluid), position: &[] };
             let solver = ModalSolver::new(structure, slab.motion.time(), of).unwrap();
             let (mut r, mut inertia) = (vec![0.0; w.len()], vec![0.0; length]);
-            slab.product(&w, &mut r);
+            slab.product(&w, &w, &mut r);
             let (time, layer) = (slab.motion.time(), fluid.masses(0.0));
             for (a, r) in r.chunks_exact_mut(length).enumerate() {
                 let (mut change, mut alone) = (vec![0.0; length], vec![0.0; length]);
@@ -65,7 +66,11 @@ fn the_modes_invert_the_derivative_with_pseudo_time_and_a_fluid() {
                 structure.apply_mass_with(&layer, &change, &mut inertia);
                 (0..length).for_each(|i| r[i] += inertia[i] - alone[i]);
                 structure.apply_mass_with(&layer, &w[a * length..(a + 1) * length], &mut inertia);
-                (0..length).for_each(|i| r[i] += rate * dt * time.weights()[a] * inertia[i]);
+                structure.apply_mass(&w[a * length..(a + 1) * length], &mut alone);
+                let alpha = structure.damping().mass;
+                (0..length).for_each(|i| {
+                    r[i] += dt * time.weights()[a] * (rate * inertia[i] + alpha * (inertia[i] - alone[i]));
+                });
             }
             solver.solve(structure, dt, 1e-12, &mut r).unwrap();
             let error = distance(&r, &w) / largest(&w);

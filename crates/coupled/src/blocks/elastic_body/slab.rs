@@ -24,7 +24,8 @@ impl<const D: usize> ElasticBody<D> {
     pub(super) fn in_slab(&self) -> StructureSlab<'_, D> {
         let Slab { start, dt, displacement, velocity, .. } = &self.slab;
         let bottom = SlabBottom { time: *start, displacement, velocity };
-        StructureSlab { structure: &self.data.structure, motion: &self.motion, bottom, dt: *dt }
+        let (structure, loads, motion) = (&self.data.structure, &self.data.loads, &self.motion);
+        StructureSlab { structure, loads, motion, bottom, dt: *dt }
     }
 
     /// The velocities of the supports at the time nodes.
@@ -82,7 +83,8 @@ impl<const D: usize> ElasticBody<D> {
     pub(super) fn closed(&self, w: &[f64], before: Ledger) -> Ledger {
         let (slab, fixed) = (self.in_slab(), self.data.structure.fixed());
         let mut r = vec![0.0; w.len()];
-        slab.residual(&self.slab.forces, w, &mut r);
+        // The slab is solved, so that there is a residual.
+        let _ = slab.residual(&self.slab.forces, w, &mut r);
         r.iter_mut().zip(&self.flow_loads).for_each(|(r, load)| *r -= load);
         let work = slab.work(&self.slab.forces, w, &r);
         let sum = |terms: &mut dyn Iterator<Item = f64>| terms.sum::<f64>();
@@ -91,9 +93,9 @@ impl<const D: usize> ElasticBody<D> {
             flow: before.flow + sum(&mut self.flow_loads.iter().zip(w).map(|(load, w)| load * w)),
             drive: before.drive + work.support,
             force: before.force + work.load,
+            damped: before.damped + work.damped,
             numerical: before.numerical + work.dissipation,
             defect: before.defect + sum(&mut (0..w.len()).filter(free).map(|i| r[i] * w[i])),
-            ..before
         }
     }
 }

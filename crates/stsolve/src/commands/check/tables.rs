@@ -127,6 +127,7 @@ fn law_name(law: Law) -> &'static str {
         Law::Linear => "linear elasticity about the initial mesh",
         Law::Incremental => "linear elasticity about the mesh at the start of each slab",
         Law::NeoHookean => "neo-Hookean elasticity about the initial mesh",
+        Law::StVenantKirchhoff => "St. Venant-Kirchhoff elasticity about the initial mesh",
     }
 }
 
