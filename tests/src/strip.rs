@@ -116,7 +116,8 @@ impl Strip {
         v: impl Fn(f64) -> f64,
     ) -> ElasticBody<2> {
         let (structure, loads) = self.structure();
-        let wall: Vec<usize> = (0..structure.coordinates().len()).filter(|i| structure.coordinates()[*i][0] == 0.0).collect();
+        let wall: Vec<usize> =
+            (0..structure.coordinates().len()).filter(|i| structure.coordinates()[*i][0] == 0.0).collect();
         let interface = self.interface(&structure, &wall, flow, mover);
         let wet: Vec<bool> = (0..structure.coordinates().len()).map(|node| wall.contains(&node)).collect();
         let along = |f: &dyn Fn(f64) -> f64| structure.coordinates().iter().flat_map(|x| [f(x[0]), 0.0]).collect();
@@ -150,7 +151,8 @@ impl Strip {
             let distance = |node: &usize| (structure.coordinates()[*node][1] - y).abs();
             wall.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
         };
-        let nodes = mover.positions().iter().enumerate().map(|(node, x)| (beside(x[1]), node, 1.0 - x[0] / self.lengths[0]));
+        let nodes =
+            mover.positions().iter().enumerate().map(|(node, x)| (beside(x[1]), node, 1.0 - x[0] / self.lengths[0]));
         let pairs: Vec<_> = nodes.clone().filter(|(_, _, weight)| *weight == 1.0).map(|(s, n, _)| (s, n)).collect();
         let behind = nodes.filter(|(_, _, weight)| *weight != 1.0 && *weight != 0.0);
         let behind = behind.map(|(solid, node, weight)| Follower { solid, node, weight });

@@ -78,7 +78,8 @@ impl<const D: usize> Dynamics<D> {
         self.factor_for(dt, bottom)?;
         let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
         let forces = slab.forces()?;
-        let mut report = if self.is_linear() { self.correct(&slab, &forces, v)? } else { self.find(&slab, &forces, v)? };
+        let mut report =
+            if self.is_linear() { self.correct(&slab, &forces, v)? } else { self.find(&slab, &forces, v)? };
         let mut r = vec![0.0; v.len()];
         slab.residual(&forces, v, &mut r)?;
         report.work = slab.work(&forces, v, &r);

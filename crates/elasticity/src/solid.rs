@@ -72,7 +72,11 @@ impl<const D: usize> Solid<D> {
 
     /// The law, if there is one for what is plane.
     pub(crate) fn law(&self) -> Result<Law, ElasticityError> {
-        if self.plane == Plane::Stress && !self.law.is_linear() { Err(ElasticityError::PlaneStress) } else { Ok(self.law) }
+        if self.plane == Plane::Stress && !self.law.is_linear() {
+            Err(ElasticityError::PlaneStress)
+        } else {
+            Ok(self.law)
+        }
     }
 
     /// Whether nu is not the same everywhere.
@@ -98,7 +102,12 @@ impl<const D: usize> Solid<D> {
 impl<const D: usize> From<Material> for Solid<D> {
     fn from(material: Material) -> Self {
         let (young, poisson) = material.constants();
-        Solid { young: Quantity::Constant(young), poisson: Quantity::Constant(poisson), plane: material.plane(), law: material.law() }
+        Solid {
+            young: Quantity::Constant(young),
+            poisson: Quantity::Constant(poisson),
+            plane: material.plane(),
+            law: material.law(),
+        }
     }
 }
 

@@ -103,8 +103,7 @@ impl<const D: usize> Statics<D> {
         self.motion.velocities(dt, bottom, v);
         // Without inertia the velocity at the bottom is not asked for.
         let bottom = SlabBottom { time: start, displacement: bottom, velocity: &[] };
-        let slab =
-            StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
         report.work = slab.work_without_inertia(&forces, v, &residual);
         Ok(report)
     }

@@ -217,12 +217,7 @@ impl<const D: usize> Structure<D> {
     }
 
     /// out += the derivative of C v along the displacement and the velocity of the second pair, at those of the first one.
-    pub(crate) fn add_damping_product(
-        &self,
-        _at: (&[f64], &[f64]),
-        (_, w): (&[f64], &[f64]),
-        out: &mut [f64],
-    ) {
+    pub(crate) fn add_damping_product(&self, _at: (&[f64], &[f64]), (_, w): (&[f64], &[f64]), out: &mut [f64]) {
         let Damping { mass, stiffness } = self.damping;
         let mut force = vec![0.0; out.len()];
         if mass != 0.0 {

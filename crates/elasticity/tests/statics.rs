@@ -151,7 +151,8 @@ fn works_of_load_steps_are_the_strain_energy() {
     let mesh = box_mesh([2.0, 1.0], [3, 2], 3, 0.03);
     let pulled = traction(&mesh, "right", Box::new(|_, t| [0.1 * t * t, 0.02 * t]));
     let body = structure(mesh, Material::new(3.0, 0.3).unwrap(), 1.0, |name| [name == "left"; 2]);
-    let statics = Statics::new(body, Loads { body_force: None, tractions: vec![pulled], ..Default::default() }, 3).unwrap();
+    let statics =
+        Statics::new(body, Loads { body_force: None, tractions: vec![pulled], ..Default::default() }, 3).unwrap();
     let (length, dt) = (statics.structure().length(), 0.5);
     let mut d = vec![0.0; length];
     let mut balance = 0.0;

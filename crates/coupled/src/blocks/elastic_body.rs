@@ -165,9 +165,8 @@ impl<const D: usize> Block for ElasticBody<D> {
     /// An impulse R moves a node by R / D_a: an error of position, here relative to the node spacing.
     fn weights(&self) -> Vec<f64> {
         let (spacing, length) = (self.data.structure.node_spacing(), self.data.structure.length());
-        let weight = |(i, scale): (usize, &f64)| {
-            1.0 / ((scale * spacing[i % length / D]).powi(2) * self.scales.len() as f64)
-        };
+        let weight =
+            |(i, scale): (usize, &f64)| 1.0 / ((scale * spacing[i % length / D]).powi(2) * self.scales.len() as f64);
         self.scales.iter().enumerate().map(weight).collect()
     }
 

@@ -32,7 +32,8 @@ impl<const D: usize, L: PointLaw> WithSimd for BatchEnergy<'_, D, L> {
         for point in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let (weight, g) = read_metric::<S, D>(simd, operator.batch_metric(batch), point, part);
-                let gradient = physical_gradient::<S, Lanes<S>, D>(simd, gradients, D * points, points, (point, part), &g);
+                let gradient =
+                    physical_gradient::<S, Lanes<S>, D>(simd, gradients, D * points, points, (point, part), &g);
                 let sum = Lanes::read(simd, &energies, part) + law.energy(&gradient) * weight;
                 sum.write(&mut energies, part);
             }

@@ -40,7 +40,8 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
         for point in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-                let gradient = physical_gradient::<S, Lanes<S>, D>(simd, gradients, D * points, points, (point, part), &g);
+                let gradient =
+                    physical_gradient::<S, Lanes<S>, D>(simd, gradients, D * points, points, (point, part), &g);
                 let f = plus_identity(&gradient);
                 let cofactor = cofactor(&f);
                 let j = determinant(&f, &cofactor);
