@@ -53,14 +53,19 @@ impl Law {
     }
 }
 
-/// A law in any number type.
+/// A stress of the displacement gradient, in any number type.
 pub(crate) trait PointLaw: Copy + Send + Sync {
     /// Whether the law holds for J > 0 only.
     const HAS_BARRIER: bool;
+    /// The fields that it looks at: the displacement, or that and the velocity.
+    const FIELDS: usize = 1;
 
-    /// P and J of H, `gradient[i][j]` = d d_i / d x_j.
-    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D>;
+    /// P and J of H, `gradient[i][j]` = d d_i / d x_j, and of its `rate` H' where the law looks at that.
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], rate: &[[T; D]; D]) -> PointStress<T, D>;
+}
 
+/// A law with an energy.
+pub(crate) trait Hyperelastic: PointLaw {
     /// W of H.
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T;
 }
@@ -76,9 +81,12 @@ pub(crate) struct PointStress<T, const D: usize> {
 impl PointLaw for Lame {
     const HAS_BARRIER: bool = false;
     #[inline(always)]
-    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D> {
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         PointStress { piola: Lame::stress(&self, gradient), volume_ratio: gradient[0][0].constant(1.0) }
     }
+}
+
+impl Hyperelastic for Lame {
     /// sigma : H / 2
     #[inline(always)]
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
@@ -93,7 +101,7 @@ pub(crate) struct NeoHookean(pub(crate) Lame);
 impl PointLaw for NeoHookean {
     const HAS_BARRIER: bool = true;
     #[inline(always)]
-    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D> {
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         let Lame { lambda, mu } = self.0;
         let f = plus_identity(gradient);
         let cofactor = cofactor(&f);
@@ -108,6 +116,9 @@ impl PointLaw for NeoHookean {
         }
         PointStress { piola, volume_ratio: j }
     }
+}
+
+impl Hyperelastic for NeoHookean {
     #[inline(always)]
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
         let Lame { lambda, mu } = self.0;
@@ -124,22 +135,64 @@ pub(crate) struct StVenantKirchhoff(pub(crate) Lame);
 impl PointLaw for StVenantKirchhoff {
     const HAS_BARRIER: bool = false;
     #[inline(always)]
-    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> PointStress<T, D> {
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], _: &[[T; D]; D]) -> PointStress<T, D> {
         let (f, second) = (plus_identity(gradient), Lame::stress(&self.0, &green_strain(gradient)));
-        let mut piola = f;
-        for i in 0..D {
-            for k in 0..D {
-                // The second stress is symmetric.
-                piola[i][k] = dot(&f[i], &second[k]);
-            }
-        }
-        PointStress { piola, volume_ratio: gradient[0][0].constant(1.0) }
+        PointStress { piola: times_symmetric(&f, &second), volume_ratio: f[0][0].constant(1.0) }
     }
+}
+
+impl Hyperelastic for StVenantKirchhoff {
     #[inline(always)]
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T {
         let strain = green_strain(gradient);
         contraction(&Lame::stress(&self.0, &strain), &strain) * 0.5
     }
+}
+
+/// The viscous stress of a body of large displacement, for beta = 1,
+///
+/// ```text
+/// P = beta F (2 mu E' + lambda tr(E') I),      E' = sym(F^T H')                                                  (viscous)
+/// ```
+///
+/// It agrees with beta sigma(H') to first order, does not notice rotations, and takes the energy P : H' >= 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Viscous(pub(crate) Lame);
+
+impl PointLaw for Viscous {
+    const HAS_BARRIER: bool = false;
+    const FIELDS: usize = 2;
+    #[inline(always)]
+    fn stress<T: Real, const D: usize>(self, gradient: &[[T; D]; D], rate: &[[T; D]; D]) -> PointStress<T, D> {
+        let f = plus_identity(gradient);
+        let mut product = f;
+        for i in 0..D {
+            for j in 0..D {
+                let mut sum = f[0][i] * rate[0][j];
+                for k in 1..D {
+                    sum = f[k][i].mul_add(rate[k][j], sum);
+                }
+                product[i][j] = sum;
+            }
+        }
+        // The stress of a gradient is that of its symmetric part.
+        PointStress {
+            piola: times_symmetric(&f, &Lame::stress(&self.0, &product)),
+            volume_ratio: f[0][0].constant(1.0),
+        }
+    }
+}
+
+/// A B of a symmetric B.
+#[inline(always)]
+fn times_symmetric<T: Real, const D: usize>(a: &[[T; D]; D], b: &[[T; D]; D]) -> [[T; D]; D] {
+    let mut product = *a;
+    for i in 0..D {
+        for k in 0..D {
+            product[i][k] = dot(&a[i], &b[k]);
+        }
+    }
+    product
 }
 
 /// E = (H + H^T + H^T H) / 2: without the rounding of F^T F - I where the strain is small.
@@ -193,7 +246,7 @@ mod tests {
     }
 
     fn stress<const D: usize>(gradient: &[[f64; D]; D]) -> [[f64; D]; D] {
-        neo_hookean().stress(gradient).piola
+        neo_hookean().stress(gradient, gradient).piola
     }
 
     fn largest_difference<const D: usize>(a: &[[f64; D]; D], b: &[[f64; D]; D]) -> f64 {
@@ -204,8 +257,8 @@ mod tests {
     const PLANE: [[f64; 2]; 2] = [[0.3, -0.7], [0.9, 0.4]];
     const SPACE: [[f64; 3]; 3] = [[0.3, -0.7, 0.2], [0.9, 0.4, -0.1], [-0.3, 0.5, -0.2]];
 
-    fn is_derivative_of_energy<const D: usize>(law: impl PointLaw, gradient: &[[f64; D]; D]) {
-        let piola = law.stress(gradient).piola;
+    fn is_derivative_of_energy<const D: usize>(law: impl Hyperelastic, gradient: &[[f64; D]; D]) {
+        let piola = law.stress(gradient, gradient).piola;
         for i in 0..D {
             for j in 0..D {
                 let mut dual = gradient.map(|row| row.map(|h| Dual::new(h, 0.0)));
@@ -232,7 +285,7 @@ mod tests {
     }
 
     /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation costs nothing, whatever its angle.
-    fn does_not_notice_rotations(law: impl PointLaw) {
+    fn does_not_notice_rotations(law: impl Hyperelastic) {
         let rotate = |f: &[[f64; 2]; 2]| -> [[f64; 2]; 2] {
             let (sin, cos) = 2.4_f64.sin_cos();
             let q = [[cos, -sin], [sin, cos]];
@@ -242,7 +295,7 @@ mod tests {
             (0..2).for_each(|i| f[i][i] -= 1.0);
             f
         };
-        let stress = |gradient: &[[f64; 2]; 2]| law.stress(gradient).piola;
+        let stress = |gradient: &[[f64; 2]; 2]| law.stress(gradient, gradient).piola;
         let rotated = minus_identity(rotate(&plus_identity(&PLANE)));
         assert!((law.energy(&rotated) - law.energy(&PLANE)).abs() < 1e-14);
         assert!(largest_difference(&stress(&rotated), &rotate(&stress(&PLANE))) < 1e-14);
@@ -260,7 +313,7 @@ mod tests {
     fn small_strains_are_linear_in(law: impl PointLaw) {
         let difference = |size: f64| {
             let gradient = SPACE.map(|row| row.map(|h| h * size));
-            largest_difference(&law.stress(&gradient).piola, &Lame::stress(&material().lame(), &gradient))
+            largest_difference(&law.stress(&gradient, &gradient).piola, &Lame::stress(&material().lame(), &gradient))
         };
         let order = (difference(1e-3) / difference(5e-4)).log2();
         assert!((order - 2.0).abs() < 0.01, "order {order}");
@@ -270,6 +323,19 @@ mod tests {
     fn small_strains_are_linear() {
         small_strains_are_linear_in(neo_hookean());
         small_strains_are_linear_in(st_venant_kirchhoff());
+    }
+
+    /// A body that spins, H' = W F with a skew W, has no viscous stress, however it is deformed; any other motion loses energy.
+    #[test]
+    fn viscous_stress_does_not_notice_spin() {
+        let (law, f) = (Viscous(material().lame()), plus_identity(&PLANE));
+        let spin = [[-f[1][0], -f[1][1]], f[0]];
+        let none = law.stress(&PLANE, &spin).piola;
+        assert!(largest_difference(&none, &[[0.0; 2]; 2]) < 1e-15);
+        let rate = [[0.4, -0.3], [0.8, 0.1]];
+        assert!(contraction(&law.stress(&PLANE, &rate).piola, &rate) > 0.1);
+        let at_rest = law.stress(&[[0.0; 2]; 2], &rate).piola;
+        assert!(largest_difference(&at_rest, &Lame::stress(&material().lame(), &rate)) < 1e-15);
     }
 
     #[test]
@@ -282,8 +348,10 @@ mod tests {
     #[test]
     fn volume_ratio_tells_an_inverted_point() {
         let law = neo_hookean();
-        assert!((law.stress(&[[1.0, 0.0], [0.0, 0.5]]).volume_ratio - 3.0).abs() < 1e-15);
-        assert!(law.stress(&[[-1.5, 0.0], [0.0, 0.5]]).volume_ratio < 0.0);
-        assert_eq!(PointLaw::stress(material().lame(), &[[-1.5, 0.0], [0.0, 0.5]]).volume_ratio, 1.0);
+        let ratio = |law: NeoHookean, h: [[f64; 2]; 2]| law.stress(&h, &h).volume_ratio;
+        assert!((ratio(law, [[1.0, 0.0], [0.0, 0.5]]) - 3.0).abs() < 1e-15);
+        assert!(ratio(law, [[-1.5, 0.0], [0.0, 0.5]]) < 0.0);
+        let inverted = [[-1.5, 0.0], [0.0, 0.5]];
+        assert_eq!(PointLaw::stress(material().lame(), &inverted, &inverted).volume_ratio, 1.0);
     }
 }

@@ -20,7 +20,7 @@ mod work;
 
 use crate::batches::Batches;
 use crate::geometry::{Sample, Sampler};
-use crate::law::{Law, NeoHookean, PointLaw, StVenantKirchhoff};
+use crate::law::{Law, NeoHookean, PointLaw, StVenantKirchhoff, Viscous};
 use crate::material::Lame;
 use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
@@ -121,6 +121,17 @@ impl<const D: usize> Operator<D> {
         debug_assert!(applied.is_ok(), "K is asked for where R is defined");
     }
 
+    /// out = the forces of (viscous) for the displacement `d` and the velocity `v`; of a law that is not linear.
+    pub(crate) fn viscous_forces(&self, d: &[f64], v: &[f64], out: &mut [f64]) {
+        // This law has no barrier.
+        let _ = self.apply::<Forces, _>(Viscous(self.lame), &[d, v], out);
+    }
+
+    /// out = their derivative at d and v along the displacement and the velocity of `along`.
+    pub(crate) fn viscous_product(&self, at: (&[f64], &[f64]), along: (&[f64], &[f64]), out: &mut [f64]) {
+        let _ = self.apply::<Tangent, _>(Viscous(self.lame), &[at.0, at.1, along.0, along.1], out);
+    }
+
     /// The integral of W(grad d), for a `d` where R is defined.
     pub(crate) fn energy(&self, d: &[f64]) -> f64 {
         match self.law {
@@ -193,8 +204,8 @@ impl<const D: usize> Operator<D> {
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
         let batches_per_task = self.batches.count().div_ceil(tasks).max(1);
-        let blocks = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS };
-        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, blocks)).collect();
+        let fields = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS * Viscous::FIELDS };
+        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, fields)).collect();
         let smallest = zeroed(self.batches.count());
         Workspace { results: zeroed(self.batches.field_length()), smallest, scratch, batches_per_task }
     }
