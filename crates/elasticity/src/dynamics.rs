@@ -8,13 +8,13 @@ use crate::{ElasticityError, Loads, SlabMotion, Structure};
 use basis::{RadauTime, TemporalModes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
-/// A slab is solved when its residual is this small against the forces in it ...
+/// A slab is solved when its residual, relative to the forces in it, is this small ...
 pub(crate) const TOLERANCE: f64 = 1e-12;
-/// ... or when a correction leaves more than this part of it: that is round-off.
+/// ... or when a correction leaves more than this fraction of it, so that only round-off is left.
 pub(crate) const ROUND_OFF: f64 = 0.1;
-/// A residual that round-off holds above this is an error.
+/// It is an error if the residual stagnates by round-off above this.
 pub(crate) const STALLED: f64 = 1e-5;
-/// Relative tolerance of the systems of one correction, where the modes separate well.
+/// Relative tolerance of the systems of one correction, if the modes are well conditioned.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
 
 /// A structure, its loads, and the factors of the systems of a slab.
@@ -30,7 +30,7 @@ pub struct Dynamics<const D: usize> {
     modal: ModalSolver<D>,
 }
 
-/// What a slab has done.
+/// The report of a slab.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicsReport {
     /// Corrections of the guess.
@@ -42,11 +42,11 @@ pub struct DynamicsReport {
 }
 
 impl<const D: usize> Dynamics<D> {
-    /// The motion of `structure` under `loads` with `time_order` nodes per slab; most slabs have the length `step`, for which the systems
-    /// are factored.
+    /// The motion of `structure` under `loads` with `time_order` nodes per slab. The systems are factored for slabs of length `step`, the
+    /// length of most slabs.
     ///
     /// # Errors
-    /// A sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// An inverted sub-cell between Gauss-Lobatto nodes.
     pub fn new(
         structure: Structure<D>,
         loads: Loads<D>,
@@ -73,7 +73,8 @@ impl<const D: usize> Dynamics<D> {
     /// velocities at fixed entries and a guess at the others.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or that of a system that cannot be solved; `v` then holds the last iterate.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or the error of a system that
+    /// cannot be solved; `v` then holds the last iterate.
     pub fn solve(&mut self, bottom: SlabBottom<'_>, dt: f64, v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
         self.factor_for(dt, bottom)?;
         let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };

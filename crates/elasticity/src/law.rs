@@ -11,23 +11,24 @@
 //! P = F (2 mu E + lambda tr(E) I)
 //! ```
 //!
-//! They agree to first order in H. The linear law costs one solve, but takes a rotation for a strain: turned far enough, its cells
-//! invert. The others do not notice rotations. In the neo-Hookean one -ln J lets no cell collapse at the points where W is integrated;
-//! that of St. Venant and Kirchhoff is for large displacements of small strain: compressed to about half, a body offers no resistance.
+//! They agree to first order in H. The linear law costs one solve, but treats a rotation as a strain: after a large rotation its
+//! cells invert. The other laws are invariant under rotations. In the neo-Hookean law -ln J prevents the collapse of cells at the
+//! points where W is integrated. The law of St. Venant and Kirchhoff is for large displacements of small strain: it does not resist
+//! a compression to less than about half of the length.
 
 use crate::Lame;
 use crate::geometry::quadrature_points;
 use basis::{Rule, gauss, gauss_lobatto};
 use tensor::{Real, cofactor, determinant, dot};
 
-/// Which energy a mesh or a body has, and from where its strain is counted.
+/// The energy of a mesh or a body, and the reference of its strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Law {
-    /// (linear), about the initial mesh: K never changes, and the mesh depends on the position of its boundary alone.
+    /// (linear), about the initial mesh: K is constant, and the mesh depends only on the position of its boundary.
     #[default]
     Linear,
-    /// (linear) for the increment d - d_n of a slab, about the mesh at its bottom. The stiffness stays with the material; where it is a
-    /// power of det J, that is the Jacobian of the mesh at the bottom.
+    /// (linear) for the increment d - d_n of a slab, about the mesh at its bottom. The stiffness is fixed to the material. If it is a
+    /// power of det J, this is the Jacobian of the mesh at the bottom.
     Incremental,
     /// (neo-Hookean), about the initial mesh.
     NeoHookean,
@@ -36,14 +37,14 @@ pub enum Law {
 }
 
 impl Law {
-    /// Whether P is linear in H: one solve with K then reaches the equilibrium.
+    /// Whether P is linear in H; one solve with K then gives the equilibrium.
     pub fn is_linear(self) -> bool {
         matches!(self, Law::Linear | Law::Incremental)
     }
 
-    /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm guards its own points only, so
-    /// there are 2N, with those at the ends. W of (St. Venant-Kirchhoff) has the degree 4 (N - 1) on affine cells, which 2N - 1 points
-    /// integrate exactly.
+    /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm is a barrier at these points
+    /// only, so there are 2N, including those at the ends. W of (St. Venant-Kirchhoff) has the degree 4 (N - 1) on affine cells, which
+    /// 2N - 1 points integrate exactly.
     pub(crate) fn rule(self, dimension: usize, order: usize) -> Rule {
         match self {
             Law::Linear | Law::Incremental => gauss(quadrature_points(dimension, order)),
@@ -53,9 +54,9 @@ impl Law {
     }
 }
 
-/// A stress of the displacement gradient, in any number type.
+/// A stress of the displacement gradient, for any number type.
 pub(crate) trait PointLaw: Copy + Send + Sync {
-    /// Whether the law holds for J > 0 only.
+    /// Whether the law is defined for J > 0 only.
     const HAS_BARRIER: bool;
     /// The fields that it looks at: the displacement, or that and the velocity.
     const FIELDS: usize = 1;
@@ -70,11 +71,11 @@ pub(crate) trait Hyperelastic: PointLaw {
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T;
 }
 
-/// The answer of a law.
+/// The stress of a law, and J.
 pub(crate) struct PointStress<T, const D: usize> {
     /// P, `[i][j]` = dW/dH_ij.
     pub(crate) piola: [[T; D]; D],
-    /// J = det F; 1 for a law without barrier. P has no meaning unless J > 0.
+    /// J = det F; 1 for a law without barrier. P is meaningless unless J > 0.
     pub(crate) volume_ratio: T,
 }
 
@@ -284,7 +285,7 @@ mod tests {
         is_derivative_of_energy(material().lame(), &SPACE);
     }
 
-    /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation costs nothing, whatever its angle.
+    /// W(Q F) = W(F) and P(Q F) = Q P(F): a rotation of any angle costs no energy.
     fn does_not_notice_rotations(law: impl Hyperelastic) {
         let rotate = |f: &[[f64; 2]; 2]| -> [[f64; 2]; 2] {
             let (sin, cos) = 2.4_f64.sin_cos();

@@ -1,23 +1,21 @@
-//! Elasticity that moves the mesh, and that a structure obeys.
+//! Elasticity, for the motion of the mesh and for structures.
 //!
-//! The displacement d of the reference mesh x0 is that of an elastic body whose boundary follows the prescribed motion:
-//! div P(grad d) = 0 with the stress P of linear elasticity or of a neo-Hookean material, in 2-D in plane strain. The space is that of
-//! the C0 nodes of order N; its basis here is nodal, at Gauss-Lobatto points. K of the linear law is constant over a run, so it is
-//! prepared once.
+//! The displacement d of the reference mesh x0 is the displacement of an elastic body whose boundary follows the prescribed motion:
+//! div P(grad d) = 0. The stress P is linear or neo-Hookean, in 2-D in plane strain. The space consists of the C0 nodes of order N;
+//! its basis here is nodal, at Gauss-Lobatto points. K of the linear law is constant over a run, so it is prepared once.
 //!
 //! | module | mathematics |
 //! |---|---|
 //! | `material` | Lame's constants, and the linear stress |
 //! | `law` | the laws at a point |
-//! | `stiffness` | where the mesh is stiff |
+//! | `stiffness` | variation of the stiffness over the mesh |
 //! | `wall_distance` | stiffness by the distance to moving and resting boundaries |
 //! | `geometry` | the reference mesh at points of its cells |
-//! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
-//! | `multigrid` | and what solves with those where a factor is too large |
+//! | `multigrid` | its approximate inverse where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
-//! | `solver` | which of them is taken |
+//! | `solver` | the choice among them |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
 //! | `equilibrium` | their solution |
@@ -31,10 +29,9 @@
 //! | `shifted` | systems with K + m M, real and complex |
 //! | `modes` | natural frequencies and shapes |
 //!
-//! Invariants: nothing here knows the fluid, or where the boundary motion comes from. Results have the same bits for any number of
+//! Invariants: this crate contains no fluid and no source of the boundary motion. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
 
-mod batches;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;

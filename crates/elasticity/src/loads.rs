@@ -4,16 +4,16 @@
 //! f_k(t) = int phi_k b(x, t) dx + sum over loaded boundaries of  int phi_k q(x, n, t) ds                       (load)
 //! ```
 //!
-//! Positions x and outward normals n are those at rest. ds = |cof J e_a| dxi on a face normal to axis a, and n is that vector, outwards,
-//! over its length. A follower pressure p acts against the normal of the body as it is, with the Jacobian of x + d,
+//! Positions x and outward normals n are those at rest. On a face normal to axis a, ds = |cof J e_a| dxi, and n is this vector, pointing
+//! outwards, divided by its length. A follower pressure p acts against the current normal, with the Jacobian of x + d,
 //!
 //! ```text
 //! f_k(d, t) = - sum over facets of  int phi_k p(x, t) cof J(x + d) e_a dxi                                     (follower pressure)
 //! ```
 
-use crate::batches::Batches;
 use crate::mass::Mass;
 use basis::{Lagrange, Matrix, Rule, gauss};
+use fem::NodalBatches;
 use mesh::{BoundaryFacet, CellMap, Mesh, NodeNumbering, axis_and_side, outward_sign};
 use tensor::{Real, cofactor, norm};
 
@@ -67,8 +67,8 @@ struct Facet<const D: usize> {
     jacobians: Vec<([[f64; D]; D], f64)>,
 }
 
-/// Gauss points per direction of a facet: exact for a constant pressure, resultant and moment, whose integrand phi_k n ds has the degree
-/// (N - 1) + (D - 1) (G - 1) - 1 for a geometry of order G; two more for what is no polynomial.
+/// Gauss points per direction of a facet. They are exact for resultant and moment of a constant pressure. For a geometry of order G the
+/// integrand phi_k n ds has the degree (N - 1) + (D - 1) (G - 1) - 1. Two more points serve integrands that are not polynomials.
 fn quadrature_points(dimension: usize, order: usize, geometry: usize) -> usize {
     ((order - 1) + (dimension - 1) * (geometry - 1)).div_ceil(2).max(order) + 2
 }
@@ -164,7 +164,14 @@ impl<const D: usize> Loads<D> {
     }
 
     /// out = f(t) by (load), `[C0 node][component]`.
-    pub(crate) fn assemble(&self, mass: &Mass<D>, batches: &Batches<D>, surface: &Surface<D>, t: f64, out: &mut [f64]) {
+    pub(crate) fn assemble(
+        &self,
+        mass: &Mass<D>,
+        batches: &NodalBatches<D>,
+        surface: &Surface<D>,
+        t: f64,
+        out: &mut [f64],
+    ) {
         match &self.body_force {
             Some(b) => mass.load(batches, |x| b(x, t), out),
             None => out.fill(0.0),

@@ -1,9 +1,9 @@
 //! The low-order refined preconditioner.
 //!
 //! The Gauss-Lobatto nodes of a cell of order N span (N - 1)^D sub-cells. Bilinear (trilinear) elasticity on all sub-cells has the same
-//! unknowns as K, is sparse, and is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells:
-//! 20 to 30 CG iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D corners;
-//! with Gauss points the equivalence is lost as N grows.
+//! unknowns as K and is sparse. It is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells.
+//! CG takes 20 to 30 iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D
+//! corners; with Gauss points the equivalence is lost as N grows.
 
 use crate::ElasticityError;
 use crate::geometry::{Sample, determinant_and_inverse};
@@ -14,7 +14,7 @@ use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
-/// The low-order matrix of the free nodes, those that are not constrained, factored or with a multigrid hierarchy.
+/// The low-order matrix of the free nodes, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
     /// The C0 nodes that are free.
     free: Vec<usize>,
@@ -22,7 +22,7 @@ pub(crate) struct LowOrder<const D: usize> {
     buffers: Pool<Buffers>,
 }
 
-/// Work space of an application: a vector of free nodes, and that of the sparse solver.
+/// Work space of an application: a vector of free nodes, and the work space of the sparse solver.
 #[derive(Default)]
 struct Buffers {
     x: Vec<f64>,
@@ -37,24 +37,22 @@ enum Inverse {
 
 impl<const D: usize> LowOrder<D> {
     /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
-    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
+    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each cell.
     pub(crate) fn new(
         lame: Lame,
-        cells: usize,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         constrained: &[bool],
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, Inertia::none(), cells, numbering, samples, &fixed, multigrid)
+        Self::with_mass(lame, Inertia::none(), numbering, samples, &fixed, multigrid)
     }
 
     /// The same for K + m M with the m and M of `inertia`, where only some components of a node may be `fixed`.
     pub(crate) fn with_mass(
         lame: Lame,
         inertia: Inertia<'_, D>,
-        cells: usize,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         fixed: &[[bool; D]],
@@ -65,9 +63,9 @@ impl<const D: usize> LowOrder<D> {
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
         let terms = Terms { lame, mass: inertia.m * inertia.density, fixed: &fixed };
-        let mut matrix = matrix(terms, cells, numbering, samples, &unknowns)?;
-        for (unknown, &node) in free.iter().enumerate().take(if inertia.layer.is_empty() { 0 } else { free.len() }) {
-            let mut block = inertia.layer[node].map(|row| row.map(|mass| inertia.m * mass));
+        let mut matrix = matrix(terms, numbering, samples, &unknowns)?;
+        for (unknown, layer) in free.iter().filter_map(|&node| inertia.layer.get(node)).enumerate() {
+            let mut block = layer.map(|row| row.map(|mass| inertia.m * mass));
             terms.decouple(unknown, unknown, &mut block);
             matrix.add(unknown, unknown, |i, j| block[i][j]);
         }
@@ -105,7 +103,7 @@ impl<const D: usize> LowOrder<D> {
         matches!(self.inverse, Inverse::Multigrid(_))
     }
 
-    /// Memory of what is prepared.
+    /// Memory of the factor or the hierarchy.
     pub(crate) fn bytes(&self) -> usize {
         match &self.inverse {
             Inverse::Factor(factor) => factor.bytes(),
@@ -121,7 +119,7 @@ pub(crate) struct Inertia<'a, const D: usize> {
     pub(crate) m: f64,
     /// rho
     pub(crate) density: f64,
-    /// The mass that every C0 node has beyond that; may be empty.
+    /// The additional mass of every C0 node; may be empty.
     pub(crate) layer: &'a [[[f64; D]; D]],
 }
 
@@ -131,20 +129,19 @@ impl<const D: usize> Inertia<'_, D> {
     }
 }
 
-/// What a low-order matrix is made of.
+/// The input of a low-order matrix.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
     /// The factor of the mass matrix of unit density.
     mass: f64,
-    /// The components, by unknown, that are coupled with nothing.
+    /// The decoupled components, by unknown.
     fixed: &'a [[bool; D]],
 }
 
 /// The low-order matrix K + m M of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
 fn matrix<const D: usize>(
     terms: Terms<'_, D>,
-    cells: usize,
     numbering: &NodeNumbering,
     samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
@@ -152,9 +149,10 @@ fn matrix<const D: usize>(
     let sub_cells = SubCells::<D>::new(numbering.order());
     let of_cell = |cell| -> Vec<Option<usize>> { numbering.cell(cell).iter().map(|&node| unknowns[node]).collect() };
     let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
-    (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
+    let cells = 0..numbering.n_cells();
+    cells.clone().for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
-    for cell in 0..cells {
+    for cell in cells {
         sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
@@ -164,7 +162,7 @@ fn matrix<const D: usize>(
 struct SubCells<const D: usize> {
     /// The lattice index of corner 0 of each sub-cell.
     first: Vec<usize>,
-    /// From corner 0 to corner k.
+    /// The offsets from corner 0 to corner k.
     offsets: Vec<usize>,
 }
 
@@ -172,11 +170,11 @@ struct SubCells<const D: usize> {
 struct Corner<const D: usize> {
     /// det / 2^D.
     volume: f64,
-    /// The factor on the constants of Lame, and what the first has beyond that.
+    /// The factor of the constants of Lame, and the contribution to the first constant beyond that.
     stiffness: f64,
     excess: f64,
-    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself, the last one and the
-    /// only one that does not vanish there.
+    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself. The corner's
+    /// function is the last one, and the only one that does not vanish there.
     gradients: Vec<(usize, [f64; D])>,
 }
 
@@ -194,7 +192,7 @@ impl<const D: usize> SubCells<D> {
             let corners = || self.offsets.iter().filter_map(|offset| unknowns[first + offset]);
             corners().for_each(|unknown| neighbours[unknown].extend(corners().filter(|&other| other > unknown)));
         }
-        // Sub-cells share most of their corners: what is listed twice goes at once.
+        // Sub-cells share most of their corners, so duplicates are removed at once.
         for unknown in unknowns.iter().flatten() {
             neighbours[*unknown].sort_unstable();
             neighbours[*unknown].dedup();
@@ -261,7 +259,7 @@ fn add_corner<const D: usize>(
 }
 
 impl<const D: usize> Terms<'_, D> {
-    /// Leaves of the rows and columns of fixed components only the diagonal.
+    /// Sets the rows and columns of fixed components to zero, except the diagonal.
     fn decouple(&self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
         for i in 0..D {
             for j in 0..D {
@@ -288,7 +286,7 @@ fn corner_gradients<const D: usize>(corner: usize, inverse: &[[f64; D]; D]) -> V
     let mut own = [0.0; D];
     let mut gradients = Vec::with_capacity(D + 1);
     for axis in 0..D {
-        // The function of the high end grows along the axis, that of the low end falls; together they are constant.
+        // The function of the high end grows along the axis, the function of the low end falls; their sum is constant.
         let sign = if corner >> axis & 1 == 0 { 1.0 } else { -1.0 };
         let gradient = inverse[axis].map(|g| sign * g);
         gradients.push((corner ^ 1 << axis, gradient));
@@ -303,7 +301,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::Stiffness;
-    use crate::geometry::{Sampler, nodal_coordinates};
+    use crate::geometry::{StiffnessSampler, nodal_coordinates};
     use crate::testing::{material, unit_box};
     use basis::gauss_lobatto;
     use mesh::Mesh;
@@ -316,10 +314,10 @@ mod tests {
         d: impl Fn(&[f64; D]) -> [f64; D],
     ) -> (Vec<f64>, Vec<f64>) {
         let numbering = NodeNumbering::new(mesh, order);
-        let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
+        let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
         let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &vec![[false; D]; numbering.count] };
-        let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
+        let matrix = matrix(terms, &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }
@@ -355,7 +353,7 @@ mod tests {
             stiffness: 1.0,
             excess: 0.0,
         };
-        // The last corner is pulled over the diagonal.
+        // The last corner is moved across the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
         let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &[] };

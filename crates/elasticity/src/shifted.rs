@@ -1,16 +1,16 @@
 //! Systems with stiffness and mass, K + m M, and their complex rotations.
 //!
-//! The low-order matrix K_lo + m M_lo, M_lo by the same corner points and so diagonal, is spectrally equivalent to K + m M as K_lo is to
-//! K. With m = |s|^2 and s^2 = m e^(i theta) it also preconditions the complex system
+//! Let M_lo use the same corner points, so that it is diagonal. The low-order matrix K_lo + m M_lo is spectrally equivalent to K + m M
+//! as K_lo is to K. With m = |s|^2 and s^2 = m e^(i theta) it also preconditions the complex system
 //!
 //! ```text
 //! (K + s^2 M) y = c                                                                                            (complex)
 //! ( cos(theta/2) (K + m M) + i sin(theta/2) (m M - K) ) y = e^(-i theta/2) c                                   (rotated)
 //! ```
 //!
-//! Rotated by half the angle, the real part is definite and a multiple of what is factored, and the eigenvalues of
-//! (K + m M)^{-1} (m M - K) lie in [-1, 1]: a preconditioned spectrum on a straight line past the origin, where GMRES gains a factor
-//! tan(theta/4) per iteration whatever the mesh.
+//! Rotated by half the angle, the real part is definite and a multiple of the factored matrix. The eigenvalues of (K + m M)^{-1} (m
+//! M - K) lie in [-1, 1]. So the preconditioned spectrum lies on a straight line past the origin, and GMRES gains a factor
+//! tan(theta/4) per iteration on any mesh.
 
 use crate::low_order::LowOrder;
 use crate::{ElasticityError, Structure};
@@ -18,7 +18,7 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::operator::LinearSystem;
 use newton_krylov::{cg, fgmres};
 
-/// Iterations after which a solve is given up: several times what the worst case takes.
+/// Iterations after which a solve is given up: several times the worst case.
 const MAX_ITERATIONS: usize = 500;
 
 /// A shift m and the factored low-order K + m M.
@@ -32,8 +32,8 @@ pub(crate) struct Shifted<const D: usize> {
 }
 
 impl<const D: usize> Shifted<D> {
-    /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|, for a b that vanishes at fixed entries, as
-    /// x then does. Returns the iterations. After an error x still is an approximation.
+    /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|. b must vanish at fixed entries; then x
+    /// does too. Returns the iterations. After an error x still is an approximation.
     pub(crate) fn solve(
         &self,
         structure: &Structure<D>,
@@ -53,8 +53,8 @@ impl<const D: usize> Shifted<D> {
         Ok(solved?.iterations)
     }
 
-    /// Solves (complex) at free entries from y = 0 by FGMRES on (rotated), `theta` in [0, pi). Real parts of `c` and `y` are followed
-    /// by the imaginary ones. Returns the iterations.
+    /// Solves (complex) at free entries from y = 0 by FGMRES on (rotated), `theta` in [0, pi). In `c` and `y` the real parts come
+    /// first, then the imaginary parts. Returns the iterations.
     pub(crate) fn solve_complex(
         &self,
         structure: &Structure<D>,
@@ -79,7 +79,7 @@ impl<const D: usize> Shifted<D> {
         match fgmres::solve(&mut system, &rotated, y, &settings, &mut fgmres::Workspace::default()) {
             Ok(report) => Ok(report.iterations),
             Err(error @ fgmres::Error::NotFinite(_)) => Err(error.into()),
-            // y is the best that round-off allows; whether it will do shows in the residual of the slab.
+            // y is as accurate as round-off allows; the residual of the slab shows whether this is enough.
             Err(error) => Ok(error.report().iterations),
         }
     }

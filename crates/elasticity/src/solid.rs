@@ -1,12 +1,12 @@
 //! The material of a structure, point by point.
 //!
-//! Stresses are linear in the constants of Lame. With constants mu_0, lambda_0 that are the same everywhere,
+//! Stresses are linear in the constants of Lame. With spatially constant mu_0, lambda_0,
 //!
 //! ```text
 //! mu(x) = s(x) mu_0,     lambda(x) = s(x) lambda_0 + e(x)                                                      (relative)
 //! ```
 //!
-//! so that they are s times those of (mu_0, lambda_0), and e times those of (0, 1) where Poisson's ratio varies; elsewhere e = 0.
+//! A stress is s times that of (mu_0, lambda_0). Where Poisson's ratio varies, e times that of (0, 1) is added; elsewhere e = 0.
 
 use crate::{ElasticityError, Lame, Law, Material, Plane};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub type Field<const D: usize> = Arc<dyn Fn(&[f64; D]) -> f64 + Send + Sync>;
 pub enum Quantity<const D: usize> {
     /// The same everywhere.
     Constant(f64),
-    /// Different from point to point.
+    /// Varies from point to point.
     Field(Field<D>),
 }
 
@@ -31,7 +31,7 @@ impl<const D: usize> Quantity<D> {
         }
     }
 
-    /// The value, if it is the same everywhere; otherwise `instead`.
+    /// The value if it is constant; otherwise `instead`.
     fn constant_or(&self, instead: f64) -> f64 {
         if let Quantity::Constant(value) = self { *value } else { instead }
     }
@@ -70,7 +70,7 @@ impl<const D: usize> Solid<D> {
         Ok(material.map_err(at_point)?.in_plane(self.plane).lame())
     }
 
-    /// The law, if there is one for what is plane.
+    /// The law, if it exists for what is plane.
     pub(crate) fn law(&self) -> Result<Law, ElasticityError> {
         if self.plane == Plane::Stress && !self.law.is_linear() {
             Err(ElasticityError::PlaneStress)
@@ -79,12 +79,12 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// Whether nu is not the same everywhere.
+    /// Whether nu varies in space.
     pub(crate) fn ratio_varies(&self) -> bool {
         matches!(self.poisson, Quantity::Field(_))
     }
 
-    /// (mu_0, lambda_0): those of the body where E and nu are constants, of E = 1 and nu = 0 where they are not.
+    /// (mu_0, lambda_0): the constants of the body if E and nu are constant, otherwise those of E = 1 and nu = 0.
     pub(crate) fn base(&self) -> Result<Lame, ElasticityError> {
         Ok(Material::new(self.young.constant_or(1.0), self.poisson.constant_or(0.0))?.in_plane(self.plane).lame())
     }

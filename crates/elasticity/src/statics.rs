@@ -1,13 +1,13 @@
 //! The equilibrium of a structure under given loads and supports, without inertia.
 //!
-//! Loads and supports may change with time, which then numbers the steps of the load:
+//! Loads and supports may change with time, which then numbers the load steps:
 //!
 //! ```text
 //! R(d(t)) = f(d, t)   at free entries,      d(t) = g(t)   at fixed entries                                     (statics)
 //! ```
 //!
-//! It holds at the time nodes of a slab; in between d is the polynomial through them and the bottom, as (motion) of `slab` has it. Works
-//! and energies are those of `structure_slab` without the kinetic terms.
+//! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion) of `slab`. Works and
+//! energies are defined as in `structure_slab`, without the kinetic terms.
 
 use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, TOLERANCE};
 use crate::large_displacement::{self, Equilibrium};
@@ -29,7 +29,8 @@ impl<const D: usize> Statics<D> {
     /// The equilibria of `structure` under `loads` at `time_order` nodes per slab.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] if too little is fixed; a sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// [`ElasticityError::NotDefinite`] if too few entries are fixed; an error if a sub-cell between Gauss-Lobatto nodes
+    /// is inverted.
     pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
         let stiffness = structure.shifted(0.0, Vec::new(), &[])?;
         Ok(Statics { structure, loads, motion: SlabMotion::new(RadauTime::new(time_order)), stiffness })
@@ -44,11 +45,12 @@ impl<const D: usize> Statics<D> {
         &self.motion
     }
 
-    /// (statics) at time `t`: `d` holds the prescribed displacement at fixed entries and a guess at the others. Returns the iterations.
+    /// Solves (statics) at time `t`: `d` holds the prescribed displacement at fixed entries and a guess at the others. Returns the
+    /// iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or that of a system that cannot be
-    /// solved.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or the error of a system that
+    /// cannot be solved.
     pub fn equilibrium(&self, t: f64, d: &mut [f64]) -> Result<usize, ElasticityError> {
         let mut f = vec![0.0; d.len()];
         self.structure.load(&self.loads, t, &mut f)?;
@@ -84,7 +86,8 @@ impl<const D: usize> Statics<D> {
     }
 
     /// The equilibria at the time nodes of the slab of length `dt` above the displacement `bottom` at time `start`. `v`, `[time node][C0
-    /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it becomes the velocities.
+    /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it is replaced by the
+    /// velocities.
     ///
     /// # Errors
     /// As [`Self::equilibrium`].
@@ -114,7 +117,7 @@ impl<const D: usize> Structure<D> {
     /// Returns the CG iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
+    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
         self.balance(&self.shifted(0.0, Vec::new(), &[])?, 0.0, f, d)
     }

@@ -1,7 +1,6 @@
 //! An elastic body with mass.
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
+use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
 use crate::loads::{Loads, Surface};
 use crate::low_order::{Inertia, LowOrder};
 use crate::mass::Mass;
@@ -9,6 +8,7 @@ use crate::operator::Operator;
 use crate::shifted::Shifted;
 use crate::{ElasticityError, FluidLayer, Inversion, Lame, Law, Solid};
 use basis::gauss_lobatto;
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use tensor::Dual;
@@ -20,14 +20,14 @@ use tensor::Dual;
 /// M d_tt + C d_t + R(d) = f(t)     at free entries                                                             (motion of nodes)
 /// ```
 ///
-/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`], R(d) = K d of the linear one. K(d) is their derivative, and K
-/// that at rest.
+/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is their derivative, and
+/// K that at rest.
 ///
-/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`, and an entry is either free or fixed: its
-/// motion then is prescribed. All methods take `&self`.
+/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`. An entry is either free or fixed; the
+/// motion of a fixed entry is prescribed. All methods take `&self`.
 pub struct Structure<const D: usize> {
     operator: Operator<D>,
-    /// What lambda adds to R beyond `operator`, where Poisson's ratio varies: see `solid`.
+    /// The contribution of lambda to R beyond `operator`, if Poisson's ratio varies: see `solid`.
     excess: Option<Operator<D>>,
     mass: Mass<D>,
     surface: Surface<D>,
@@ -51,11 +51,11 @@ pub struct Damping {
 }
 
 impl<const D: usize> Structure<D> {
-    /// A body of `solid` (or a `Material`, the same everywhere) and `density` that fills `mesh`, with displacements of the
-    /// order of `numbering`. `fixed[node][component]` says where the motion is prescribed; it may be so nowhere.
+    /// A body of `solid` (or a constant `Material`) and `density` that fills `mesh`, with displacements of the order of
+    /// `numbering`. `fixed[node][component]` tells whether the motion is prescribed; it may be prescribed nowhere.
     ///
     /// # Errors
-    /// A material that is not possible, [`ElasticityError::PlaneStress`], a density that is not positive, or a `fixed` of the wrong length.
+    /// A material out of range, [`ElasticityError::PlaneStress`], a density that is not positive, or a `fixed` of the wrong length.
     pub fn new(
         mesh: Mesh<D>,
         numbering: NodeNumbering,
@@ -71,19 +71,18 @@ impl<const D: usize> Structure<D> {
             let (constant, accepted) = ("the density", "a positive number");
             return Err(ElasticityError::Material { constant, value: density, accepted });
         }
-        let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
+        let (order, batches) = (numbering.order(), NodalBatches::new(&mesh, &numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
         let solid = solid.into();
         let (law, base) = (solid.law()?, solid.base()?);
-        let rule = law.rule(D, order);
-        let at_points = Sampler::of_solid(&mesh, &solid, base, &rule.points);
+        let at_points = StiffnessSampler::of_solid(&mesh, &solid, base, law.rule(D, order));
         let excess = if solid.ratio_varies() {
-            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, Batches::new(&mesh, &numbering));
-            Some(Operator::weighted(law, unit, order, batches, &rule, &at_points, |sample| sample.excess)?)
+            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, NodalBatches::new(&mesh, &numbering));
+            Some(Operator::weighted(law, unit, order, batches, &at_points, |sample| sample.excess)?)
         } else {
             None
         };
-        let operator = Operator::new(law, base, order, batches, &rule, &at_points)?;
+        let operator = Operator::new(law, base, order, batches, &at_points)?;
         let shear_modulus = solid.lame(&mesh.position(0, &[0.0; D]))?.mu;
         let surface = Surface::new(&mesh, &numbering);
         let coordinates = nodal_coordinates(&mesh, &numbering);
@@ -301,9 +300,9 @@ impl<const D: usize> Structure<D> {
     }
 
     fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrder<D>, ElasticityError> {
-        let (base, cells) = (self.solid.base()?, self.mesh.n_cells());
-        let nodes = gauss_lobatto(self.numbering.order()).points;
-        let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
+        let base = self.solid.base()?;
+        let nodes = gauss_lobatto(self.numbering.order());
+        let at_nodes = StiffnessSampler::of_solid(&self.mesh, &self.solid, base, nodes);
         let inertia = Inertia { m, density: self.mass.density(), layer };
         let samples = |cell: usize| {
             let mut samples = at_nodes.cell(cell)?;
@@ -312,7 +311,7 @@ impl<const D: usize> Structure<D> {
             }
             Ok(samples)
         };
-        LowOrder::with_mass(base, inertia, cells, &self.numbering, samples, &self.fixed, None)
+        LowOrder::with_mass(base, inertia, &self.numbering, samples, &self.fixed, None)
     }
 
     /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.
@@ -338,7 +337,7 @@ impl<const D: usize> Structure<D> {
         node_spacing(&self.mesh, &self.numbering)
     }
 
-    /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
+    /// An m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
     pub(crate) fn typical_shift(&self) -> f64 {
         self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
     }

@@ -1,4 +1,4 @@
-//! The motion of structures: orders in time, energy, limits, and what they take.
+//! The motion of structures: orders in time, energy, limits, and iterations.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
@@ -14,8 +14,8 @@ fn distance(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// d = phi(t) (x^2, x y) is in the space of order 3, so that the error is that of time alone. With phi'' = -phi, b = -phi (rho d + div
-/// sigma) and div sigma = (5 mu + 3 lambda, 0); traction sigma n on three sides, and the fourth moves with d.
+/// d = phi(t) (x^2, x y) is in the space of order 3, so that only the error in time remains. With phi'' = -phi, b = -phi (rho d + div
+/// sigma) and div sigma = (5 mu + 3 lambda, 0). The traction is sigma n on three sides, and the fourth moves with d.
 fn manufactured(order: usize, step: f64) -> Run<2> {
     let (density, lame) = (1.5, material().lame());
     let body = move |x: &[f64; 2], t: f64| {
@@ -64,7 +64,7 @@ fn order_at_slab_ends_is_2_n_t_minus_1() {
     }
 }
 
-/// (energy) holds to round-off in every slab, whatever the orders and the length of the slab.
+/// (energy) holds to round-off in every slab, for any orders and length of the slab.
 #[test]
 fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
     for order in 1..=5 {
@@ -80,7 +80,7 @@ fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
     }
 }
 
-/// A free body falls as a point does: d = a t^2 / 2 is a polynomial of the slab for N_t >= 2.
+/// A free body falls like a point: d = a t^2 / 2 is a polynomial of the slab for N_t >= 2.
 #[test]
 fn a_free_body_falls_without_deforming() {
     let gravity = [0.3, -9.81, 0.1];
@@ -137,8 +137,8 @@ fn same_bits_for_any_number_of_threads() {
     assert!(run(1) == run(2));
 }
 
-/// The iterations of a slab of a cantilever, of all modes and corrections, dt a fifteenth of the first period: counts, not seconds.
-/// They hardly grow with N.
+/// The iterations of a slab of a cantilever, over all modes and corrections, with dt a fifteenth of the first period. They hardly
+/// grow with N.
 #[test]
 fn iterations_of_a_slab() {
     let count = |order: usize, time_order: usize| {

@@ -33,7 +33,7 @@ fn traction<const D: usize>(mesh: &Mesh<D>, name: &str, q: Traction<D>) -> (usiz
     (mesh.boundary_names().iter().position(|known| known == name).unwrap(), q)
 }
 
-/// A sheet that is pulled contracts by nu; a slice of a long body by nu / (1 - nu), and it is stiffer.
+/// A stretched sheet contracts by nu; a slice of a long body by nu / (1 - nu), and it is stiffer.
 #[test]
 fn a_sheet_that_is_pulled_contracts_by_poissons_ratio() {
     let (young, nu, pull) = (3.0, 0.3, 0.02);
@@ -52,8 +52,8 @@ fn a_sheet_that_is_pulled_contracts_by_poissons_ratio() {
     }
 }
 
-/// Timoshenko's cantilever of length L and height H in plane stress, with a parabolic shear stress on its end: cubic, so that order 4 has
-/// it to round-off.
+/// Timoshenko's cantilever of length L and height H in plane stress, with a parabolic shear stress on its end. The solution is cubic, so
+/// order 4 is exact to round-off.
 #[test]
 fn timoshenkos_cantilever_is_exact() {
     let (young, nu, length, height, load) = (200.0, 0.3, 4.0, 1.0, 0.5);
@@ -145,7 +145,7 @@ fn varying_constants_converge_with_order_n() {
     }
 }
 
-/// A load that grows does the work of the strain; a support that is pulled does so, too.
+/// The work of a growing load equals the strain energy; so does the work of a moving support.
 #[test]
 fn works_of_load_steps_are_the_strain_energy() {
     let mesh = box_mesh([2.0, 1.0], [3, 2], 3, 0.03);

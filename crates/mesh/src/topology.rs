@@ -1,9 +1,9 @@
-//! Which faces meet: facets from vertex numbers, boundaries from names.
+//! Connectivity: facets from vertex numbers, boundaries from names.
 
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, PeriodicPair, Side, periodic};
 use std::collections::BTreeMap;
 
-/// Finds the facets of `mesh`, which has cells only so far.
+/// Finds the facets of `mesh`, which so far has only cells.
 pub(crate) fn connect<const D: usize>(
     mesh: &mut Mesh<D>,
     boundaries: Vec<(String, Vec<Side>)>,
@@ -53,7 +53,7 @@ pub(crate) fn face_key(mut vertices: Vec<usize>) -> Vec<usize> {
     vertices
 }
 
-/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, one with a partner must
+/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, a face with a partner must
 /// not.
 fn match_faces<const D: usize>(
     mesh: &Mesh<D>,
@@ -93,7 +93,7 @@ pub(crate) fn not_manifold<const D: usize>(mesh: &Mesh<D>, side: Side, count: us
     MeshError::NonManifold { cell: side.cell, face: side.face, count, position: mesh.face_centre(side) }
 }
 
-/// Keeps the boundaries that no periodic pair has joined, in the order given, their sides in increasing order.
+/// Keeps the boundaries that are not joined by a periodic pair, in the given order, their sides in increasing order.
 fn keep_named<const D: usize>(mesh: &mut Mesh<D>, boundaries: Vec<(String, Vec<Side>)>, pairs: &[PeriodicPair<D>]) {
     let joined = |boundary| pairs.iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
     for (number, (name, mut sides)) in boundaries.into_iter().enumerate() {
@@ -215,7 +215,7 @@ mod tests {
             p.boundaries[1].1[0].face = 0;
         });
         assert!(matches!(error, MeshError::Inverted { cell: 1, determinant: -0.25, .. }), "{error}");
-        // Cell 1 moved away from the vertices that it claims.
+        // Cell 1 moved away from its vertices.
         let error = two_squares().refused(|p| p.coordinates[9] -= 0.125);
         assert!(matches!(error, MeshError::Gap { minus: 0, plus: 1, distance: 0.125, .. }), "{error}");
         // A third cell on the facet between the two.

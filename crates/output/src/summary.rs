@@ -44,7 +44,7 @@ pub struct Summary {
     /// Quality of the moving mesh over the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_quality: Option<MeshQuality>,
-    /// What must be conserved.
+    /// Errors of conserved quantities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conservation: Option<Conservation>,
     /// Distance to the exact solution at the end.
@@ -62,13 +62,13 @@ pub struct Summary {
     /// Rigid bodies that the flow moves, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub bodies: BTreeMap<String, Body>,
-    /// What passes inflows and outflows, by name.
+    /// Mass flow and warnings of inflows and outflows, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub openings: BTreeMap<String, Opening>,
     /// The machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
-    /// What the run cost.
+    /// The cost of the run.
     pub cost: Cost,
 }
 
@@ -105,7 +105,7 @@ pub struct Unknowns {
 pub struct Newton {
     /// Over the run.
     pub total: u64,
-    /// The most that a slab took.
+    /// The largest number in a slab.
     pub max: u64,
     /// Mean over the slabs.
     pub per_slab: f64,
@@ -117,7 +117,7 @@ pub struct Newton {
 pub struct Krylov {
     /// Over the run.
     pub total: u64,
-    /// The most that a Newton step took.
+    /// The largest number in a Newton step.
     pub max_per_newton: u64,
     /// Mean over the Newton steps.
     pub mean_per_newton: f64,
@@ -133,7 +133,7 @@ pub struct MeshQuality {
     /// Proven lower bound of det J, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_lower_bound: Option<f64>,
-    /// Smallest det J met at a point, relative to the mesh at rest.
+    /// Smallest det J at a sampled point, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_sampled_min: Option<f64>,
     /// Smallest scaled Jacobian.
@@ -147,7 +147,7 @@ pub struct MeshQuality {
     pub first_invalid_time_sampled: Option<f64>,
 }
 
-/// Errors in what must be conserved.
+/// Errors of conserved quantities.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conservation {
@@ -199,7 +199,7 @@ pub struct StructureSummary {
     pub support_work: f64,
     /// Energy lost in the jumps between slabs.
     pub dissipation: f64,
-    /// Energy that all this does not explain.
+    /// Imbalance of the energy: the part of its change that work and dissipation do not explain.
     pub energy_error: f64,
     /// Iterations of the linear solvers over the run.
     pub iterations: u64,
@@ -255,7 +255,7 @@ pub struct Oscillation {
     pub frequency: Option<f64>,
 }
 
-/// What passes an inflow or outflow, and what was seen there that its condition is not made for.
+/// The mass flow through an inflow or outflow, and observed flow that its condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Opening {
@@ -276,29 +276,29 @@ pub struct Opening {
     pub subsonic: Option<Misused>,
 }
 
-/// Where a condition met what it is not made for.
+/// An observation of flow that a condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Misused {
-    /// The time at which it was seen first.
+    /// The time of the first observation.
     pub since: f64,
-    /// The part of the area of the boundary, at the end.
+    /// The fraction of the area of the boundary, at the end.
     pub share: f64,
-    /// The largest part over the run.
+    /// The largest fraction over the run.
     pub largest_share: f64,
 }
 
-/// What a wall received over the run.
+/// Impulse, work and heat that a wall received over the run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Time integral of the force, one entry per direction.
     pub impulse: Vec<f64>,
-    /// The part of pressure in it.
+    /// Its part due to pressure.
     pub pressure_impulse: Vec<f64>,
-    /// The part of friction in it.
+    /// Its part due to friction.
     pub friction_impulse: Vec<f64>,
-    /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
+    /// Time integral of the moment, one entry per axis of rotation: one in two dimensions, three in three.
     pub moment_impulse: Vec<f64>,
     /// Work of the force on the wall.
     pub work: f64,
@@ -323,11 +323,31 @@ pub struct Steady {
     pub newton: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// The residual, relative to that of the initial state.
+    /// The residual, relative to the residual of the initial state.
     pub residual: f64,
+    /// The residual at the next higher order, relative to its inertial terms.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub next_order_residual: Option<f64>,
+    /// What a march in time from the steady flow has shown, where there was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stability: Option<SteadyStability>,
     /// The coefficients of the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, SteadyWall>,
+}
+
+/// A march in time from a steady flow that was disturbed slightly.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyStability {
+    /// By which factor the rate of change has grown.
+    pub growth: f64,
+    /// The time marched.
+    pub duration: f64,
+    /// Whether every slab could be solved.
+    pub completed: bool,
+    /// Whether the steady flow is unstable.
+    pub unstable: bool,
 }
 
 /// The coefficients of a wall in steady flow.
@@ -343,7 +363,7 @@ pub struct SteadyWall {
 }
 
 impl Summary {
-    /// Writes `summary.json`, replacing an older one whole.
+    /// Writes `summary.json`; an older file is replaced as a whole.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -396,6 +416,8 @@ mod tests {
                 newton: 12,
                 krylov: 300,
                 residual: 1e-10,
+                next_order_residual: Some(2e-3),
+                stability: Some(SteadyStability { growth: 1.5, duration: 8.0, completed: true, unstable: false }),
                 walls: BTreeMap::from([(
                     "foil".to_owned(),
                     SteadyWall { drag_coefficient: 0.12, lift_coefficient: 0.25, moment_coefficient: 0.5 },
@@ -451,7 +473,7 @@ mod tests {
         }
     }
 
-    /// Written out in full: these names are a contract with scripts.
+    /// Written out in full, because scripts rely on these names.
     fn contract() -> Value {
         json!({
             "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",
@@ -464,8 +486,9 @@ mod tests {
                               "first_invalid_time": 1.5, "first_invalid_time_sampled": 1.75 },
             "conservation": { "mass_error": 1e-15, "energy_error": 3e-15, "free_stream_error": 2e-14 },
             "error": { "density_l2": 1e-3, "momentum_l2": 2e-3, "energy_l2": 3e-3, "displacement_max": 1e-12 },
-            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "walls": {
-                "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
+            "steady": { "newton": 12, "krylov": 300, "residual": 1e-10, "next_order_residual": 2e-3,
+                "stability": { "growth": 1.5, "duration": 8.0, "completed": true, "unstable": false },
+                "walls": { "foil": { "drag_coefficient": 0.12, "lift_coefficient": 0.25, "moment_coefficient": 0.5 } } },
             "walls": { "foil": { "impulse": [1.0, -2.0], "pressure_impulse": [0.75, -2.25],
                                  "friction_impulse": [0.25, 0.25], "moment_impulse": [3.0], "work": 0.5, "heat": 0.25,
                                  "drag_coefficient": 0.12, "lift_coefficient": 1.5, "moment_coefficient": -0.5 } },

@@ -53,8 +53,27 @@ fn surface<const D: usize, const M: usize>(
     let place = |wall: &SurfaceNode<D>| loaded.partition_point(|other| *other < wall.node);
     Surface {
         loaded: walls.iter().map(place).collect(),
+        size: size(&case.mesh, &body.walls),
         nodes: walls.into_iter().chain(following.filter(|node| node.weight != 0.0)).collect(),
     }
+}
+
+/// The nodes of the facets of a mesh on `walls`, facet by facet. Cells know them where nodes are one by periodicity.
+fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator<Item = Vec<[f64; D]>> {
+    mesh.boundary_facets().iter().filter(|facet| walls.contains(&facet.boundary)).map(|facet| {
+        let x = mesh.cell_coordinates(facet.side.cell);
+        let nodes = mesh::face_nodes(D, mesh.order(), facet.side.face).into_iter();
+        nodes.map(|node| std::array::from_fn(|d| x[node * D + d])).collect()
+    })
+}
+
+/// The largest extent of `walls` along an axis.
+fn size<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for x in wall_facets(mesh, walls).flatten() {
+        (0..D).for_each(|d| (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d])));
+    }
+    (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max)
 }
 
 /// The position at rest of every C0 node.
@@ -95,7 +114,7 @@ fn data<const D: usize>(
         added_mass: AddedMass {
             density: reference.density(),
             speed_of_sound: flow.law.gas.sound_speed(reference.density(), flow.reference_pressure()),
-            depth: DEPTH * surface.size(),
+            depth: DEPTH * surface.size,
             area,
         },
     }
@@ -122,12 +141,9 @@ fn coordinate<const D: usize>(case: &Case<D>, freedom: &Freedom) -> Coordinate {
 
 /// int (g_k . n)(g_l . n) dS over the walls of a body at rest, by the corners of each facet: it enters a preconditioner alone.
 fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordinates: &[Coordinate]) -> basis::Matrix {
-    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let positions = positions(&case.mesh, &numbering);
     let mut sums = vec![0.0; coordinates.len() * coordinates.len()];
-    for facet in case.mesh.boundary_facets().iter().filter(|facet| body.walls.contains(&facet.boundary)) {
-        let nodes = numbering.face::<D>(facet.side);
-        let (centre, normal) = middle_and_area(&nodes.iter().map(|node| positions[*node]).collect::<Vec<_>>());
+    for nodes in wall_facets(&case.mesh, &body.walls) {
+        let (centre, normal) = middle_and_area(&nodes);
         let area = tensor::norm(&normal);
         let speeds: Vec<f64> = coordinates
             .iter()

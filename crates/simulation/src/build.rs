@@ -19,10 +19,10 @@ use mesh::{BoundaryDistance, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
 
-/// Tolerance of a solve with K: displacements are then good to round-off.
+/// Tolerance of a solve with K: displacements are then accurate to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
 
-/// The same where K only preconditions, because the law is not linear.
+/// The same if K only preconditions, for a nonlinear law.
 const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
 
 /// The mover of the mesh of a case.
@@ -61,10 +61,10 @@ pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Pla
     Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
-/// A C0 node that is moved as prescribed, its position at rest, and what moves it.
+/// A C0 node with a prescribed motion, its position at rest, and its motion.
 pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryField<D>>);
 
-/// The C0 nodes of a case that are moved as prescribed: those of boundaries that move, or all.
+/// The C0 nodes of a case with a prescribed motion: those of boundaries that move, or all.
 pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let motion: BoundaryMotion<D> = match &case.motion {
@@ -84,7 +84,7 @@ pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>
 /// Young's modulus as a function of the position at rest.
 type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
 
-/// Young's modulus, 1 where it is no function of the position.
+/// Young's modulus, 1 if it is no function of the position.
 fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modulus<'a, D> {
     match stiffness {
         Stiffness::Expression(modulus) => Box::new(|x| modulus.evaluate(x, 0.0)),
@@ -97,7 +97,7 @@ fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modu
     }
 }
 
-/// Which nodes are constrained, and how they move.
+/// The constrained nodes, and their motion.
 fn constraints<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -112,7 +112,7 @@ fn constraints<const D: usize>(
     (constrained, BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) })
 }
 
-/// For every C0 node which of the boundaries that move moves it: the first of those on which it lies.
+/// For every C0 node the moving boundary that moves it: the first one that contains it.
 fn moved_by<T, const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -153,7 +153,7 @@ where
     Ok(FlowMarch::new(problem, u, settings(case)))
 }
 
-/// A discretisation of the flow of a case on the mesh that rests with the displacement `d`, and the initial state there.
+/// A discretisation of the flow of a case on the mesh at rest with the displacement `d`, and the initial state there.
 pub fn steady<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
@@ -230,7 +230,7 @@ fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
     }
 }
 
-/// Which components of which nodes are prescribed, and how they move.
+/// The prescribed components of nodes, and their motion.
 fn supports<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -254,7 +254,7 @@ fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
         match support.clone() {
             Support::Traction(q) => Some((index, Box::new(move |point, t| q.evaluate(&point.position, t)))),
             Support::Pressure(p) => {
-                // A pressure pushes against the outward normal.
+                // A pressure acts against the outward normal.
                 Some((index, Box::new(move |point, t| point.normal.map(|n| -p.evaluate(&point.position, t) * n))))
             }
             _ => None,

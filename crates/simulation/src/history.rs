@@ -42,8 +42,8 @@ const OF_STRUCTURE: [&str; 10] = [
     "energy_error",
 ];
 
-/// Columns of history.csv: those of every run, for each wall what it feels at the top of the slab and over the slab, for each inflow and
-/// outflow the mass that leaves per time at the top. A structure has its own.
+/// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab and over the slab. For each
+/// inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let Some(structure) = &case.structure {
         return columns_of_structure(structure);
@@ -118,7 +118,7 @@ pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Ve
     [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
 }
 
-/// A row of mesh and flow, with what the walls felt; `statistics` includes the slab.
+/// A row of mesh and flow, with the loads of the walls; `statistics` includes the slab.
 pub fn row<const D: usize, const M: usize>(
     flow: &Flow<D>,
     report: &SlabReport<M>,

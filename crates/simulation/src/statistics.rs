@@ -4,21 +4,21 @@ use super::body_record::BodyRecord;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
-use coupled::{MeshQuality, SlabReport, Stage, StructureReport};
+use coupled::{MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use std::collections::BTreeMap;
 
-/// What a run has done so far.
+/// The statistics of a run so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunStatistics {
     /// Attempts at slabs that were rejected.
     pub rejected: u64,
     /// Newton steps.
     pub newton: u64,
-    /// Newton steps of the slab with most of them.
+    /// The largest number of Newton steps in a slab.
     pub newton_max: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// Krylov iterations of the Newton step with most of them.
+    /// The largest number of Krylov iterations in a Newton step.
     pub krylov_max: u64,
     /// CG iterations of the mesh.
     pub elasticity: u64,
@@ -26,21 +26,21 @@ pub struct RunStatistics {
     pub residuals: u64,
     /// Jacobian products.
     pub products: u64,
-    /// The worst of the mesh.
+    /// The worst quality of the mesh.
     pub quality: Option<MeshQuality>,
-    /// Where the mesh was invalid first.
+    /// The first place where the mesh was invalid.
     pub first_invalid: Option<FirstInvalid>,
     /// The first time at which a sampled det J was not positive.
     pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
-    /// What has left through all boundaries, per component.
+    /// The amount that has left through all boundaries, per component.
     pub left: Vec<f64>,
     /// Impulses, work and heat of every wall, as numbers.
     pub impulses: Vec<Vec<f64>>,
-    /// What every wall feels at the time reached, as numbers.
+    /// The loads of every wall at the time reached, as numbers.
     pub forces: Vec<Vec<f64>>,
-    /// How the steady flow was found, where the run starts from one.
+    /// The search for the steady flow, if the run starts from one.
     pub steady: Option<Steady>,
     /// The largest of the mass errors, relative to the mass at the start.
     pub mass_error: f64,
@@ -48,9 +48,9 @@ pub struct RunStatistics {
     pub energy_error: f64,
     /// The energy of a structure.
     pub structure: EnergyBalance,
-    /// What leaves through every boundary at the time reached, mass per time.
+    /// The mass flow out through every boundary at the time reached.
     pub mass_flows: Vec<f64>,
-    /// What was seen at inflows and outflows.
+    /// The observations at inflows and outflows.
     pub openings: Vec<Record>,
     /// What bodies have done.
     pub bodies: Vec<BodyRecord>,
@@ -58,7 +58,7 @@ pub struct RunStatistics {
     pub coupled_energy_error: f64,
 }
 
-/// Where the energy of a structure came from and went to, since the start of the run.
+/// The energy balance of a structure since the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// The energy at the start.
@@ -67,12 +67,12 @@ pub struct EnergyBalance {
     pub load_work: f64,
     /// The work of the supports.
     pub support_work: f64,
-    /// What the jumps between slabs have taken.
+    /// The energy dissipated by the jumps between slabs.
     pub dissipation: f64,
 }
 
 impl EnergyBalance {
-    /// By how much `energy` is more than it should be: round-off.
+    /// The excess of `energy` over its balance: round-off.
     pub fn error(&self, energy: f64) -> f64 {
         energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
     }
@@ -85,13 +85,15 @@ pub struct Steady {
     pub newton: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// The residual, relative to that of the initial state.
+    /// The residual, relative to the residual of the initial state.
     pub residual: f64,
-    /// What every wall feels, as numbers.
+    /// The loads of every wall, as numbers.
     pub forces: Vec<Vec<f64>>,
+    /// What speaks for and against it.
+    pub reliability: Reliability,
 }
 
-/// Where a mesh became invalid.
+/// The first invalidity of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstInvalid {
     /// The first time at which a cell is not proved to be valid.
@@ -100,19 +102,35 @@ pub struct FirstInvalid {
     pub cell: usize,
 }
 
+/// As numbers: the residual, or NaN, and the march where there was one.
+fn of_reliability(reliability: &Reliability) -> Vec<f64> {
+    let march = |s: Stability| [s.growth, s.duration, f64::from(u8::from(s.completed))];
+    let residual = reliability.next_order_residual.unwrap_or(f64::NAN);
+    std::iter::once(residual).chain(reliability.stability.into_iter().flat_map(march)).collect()
+}
+
+/// Back from numbers.
+fn to_reliability(numbers: &[f64]) -> Reliability {
+    let stability = match *numbers {
+        [_, growth, duration, completed] => Some(Stability { growth, duration, completed: completed == 1.0 }),
+        _ => None,
+    };
+    Reliability { next_order_residual: numbers.first().copied().filter(|r| !r.is_nan()), stability }
+}
+
 impl Steady {
     fn to_numbers(&self) -> Vec<f64> {
         [vec![self.newton as f64, self.krylov as f64, self.residual], self.forces.concat()].concat()
     }
 }
 
-/// What leaves through every boundary at the top of a slab.
+/// The mass flow out through every boundary at the top of a slab.
 fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
     report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
 }
 
 impl RunStatistics {
-    /// Adds a slab, with what the walls felt.
+    /// Adds a slab, with the loads of the walls.
     pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[WallLoads<D>]) {
         self.rejected += report.rejected as u64;
         let steps = report.newton.steps.len() as u64;
@@ -151,13 +169,9 @@ impl RunStatistics {
         self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
     }
 
-    /// Notes how the steady flow was found from which the run starts: the last solve, and all solves.
-    pub fn start_from_steady<const D: usize, const M: usize>(
-        &mut self,
-        report: &SlabReport<M>,
-        stages: &[Stage],
-        felt: &[WallLoads<D>],
-    ) {
+    /// Notes how the steady flow was found from which the run starts.
+    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, felt: &[WallLoads<D>]) {
+        let SteadyFlow { report, stages, reliability } = found;
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
         self.mass_flows = mass_flows(report);
         self.steady = Some(Steady {
@@ -165,6 +179,7 @@ impl RunStatistics {
             krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
             forces: self.forces.clone(),
+            reliability: *reliability,
         });
     }
 
@@ -181,7 +196,7 @@ impl RunStatistics {
         self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
     }
 
-    /// (what there is now + what has left - what there was at the start) / what there was at the start, of one component.
+    /// (present amount + amount that has left - amount at the start) / amount at the start, of one component.
     pub fn balance(&self, totals: &[f64], component: usize) -> f64 {
         let at = |values: &[f64]| values.get(component).copied();
         let start = at(&self.totals_at_start).unwrap_or(f64::NAN);
@@ -216,6 +231,7 @@ impl RunStatistics {
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
+            ("tally.reliability".into(), self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability))),
             ("tally.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
             ("tally.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
             ("tally.structure".into(), {
@@ -227,7 +243,7 @@ impl RunStatistics {
         ])
     }
 
-    /// Back from named numbers, of a run with a number of `walls`; `None` if some are missing.
+    /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
     pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
         let get = |name: &str| arrays.get(&format!("tally.{name}"));
         let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
@@ -270,6 +286,7 @@ impl RunStatistics {
                     krylov: *krylov as u64,
                     residual: *residual,
                     forces: by_wall(forces),
+                    reliability: to_reliability(get("reliability").map_or(&[][..], Vec::as_slice)),
                 }),
                 _ => None,
             },

@@ -13,11 +13,11 @@ use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
-    StructureSummary, Summary, Unknowns, Wall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
 
-/// Of a run of mesh and flow.
+/// The summary of a run of mesh and flow.
 pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
@@ -46,7 +46,7 @@ where
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
     let conservation = Conservation {
-        // A manufactured source makes mass and energy.
+        // A manufactured source adds mass and energy.
         mass_error: (!flow.manufactured).then_some(statistics.mass_error),
         energy_error: (!flow.manufactured).then_some(statistics.energy_error),
         coupled_energy_error: (!case.bodies.is_empty()).then_some(statistics.coupled_energy_error),
@@ -71,7 +71,7 @@ where
     summary
 }
 
-/// Of a wall, from its impulses over the run and its forces at the end.
+/// The figures of a wall, from its impulses over the run and its forces at the end.
 fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64]) -> Wall {
     let impulses = from_numbers::<D>(impulses);
     let coefficients = wall.scales.coefficients(&from_numbers(forces));
@@ -123,7 +123,7 @@ fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record:
     }
 }
 
-/// Of an inflow or outflow.
+/// The figures of an inflow or outflow.
 fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Opening {
     let seen = |misuse: Misuse| {
         let record = statistics.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
@@ -138,7 +138,7 @@ fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Openin
     }
 }
 
-/// Of the steady flow at the start.
+/// The figures of the steady flow at the start.
 fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Steady {
     let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
         let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
@@ -148,11 +148,18 @@ fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Ste
         newton: steady.newton,
         krylov: steady.krylov,
         residual: steady.residual,
+        next_order_residual: steady.reliability.next_order_residual,
+        stability: steady.reliability.stability.map(|stability| SteadyStability {
+            growth: stability.growth,
+            duration: stability.duration,
+            completed: stability.completed,
+            unstable: stability.is_unstable(),
+        }),
         walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
     }
 }
 
-/// Of a run of the mesh alone.
+/// The summary of a run of the mesh alone.
 pub fn of_mesh<const D: usize>(
     case: &Case<D>,
     mover: &MeshMover<D>,
@@ -176,7 +183,7 @@ pub fn of_mesh<const D: usize>(
     }
 }
 
-/// Of a run of a structure that has the given `energy` now.
+/// The summary of a run of a structure that has the given `energy` now.
 pub fn of_structure<const D: usize>(
     case: &Case<D>,
     march: &StructureMarch<D>,
@@ -202,7 +209,7 @@ pub fn of_structure<const D: usize>(
     summary
 }
 
-/// What the summary of every run has.
+/// The common part of all summaries.
 fn common<const D: usize>(
     case: &Case<D>,
     state: &coupled::State,
@@ -241,7 +248,7 @@ where
     errors.energy_l2 = Some(squares[M - 1].sqrt());
 }
 
-/// The largest difference of a coefficient from a uniform state, relative to the largest of that state.
+/// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
 fn largest_deviation<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>) -> f64
 where
     Exact<State<D>>: StateField<D, M>,
@@ -253,7 +260,7 @@ where
     march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
 }
 
-/// The largest distance of a C0 node from where it belongs, if that is known.
+/// The largest distance of a C0 node from its exact position, if that is known.
 fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Option<f64> {
     let exact = known_displacement(case, state.time)?;
     let distance = |(x, d): (&[f64; D], &[f64])| {
@@ -264,7 +271,7 @@ fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, stat
 }
 
 /// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With
-/// a constant stiffness its stress is constant, so that it is in equilibrium inside too.
+/// a constant stiffness an affine map has constant stress, so that it is in equilibrium inside too.
 fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<DisplacementOf<'_, D>> {
     match case.motion.as_ref()? {
         Motion::Prescribed(displacement) => Some(Box::new(move |x| displacement.evaluate(x, t))),

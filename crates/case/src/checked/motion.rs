@@ -15,14 +15,14 @@ use crate::vector::Vector;
 use elasticity::{Law, Solver};
 use std::collections::BTreeMap;
 
-/// How the mesh moves.
+/// The motion of the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion<const D: usize> {
-    /// Every point as prescribed, a displacement in the position at rest and time.
+    /// A prescribed displacement of every point, as a function of the position at rest and time.
     Prescribed(Vector<D>),
     /// Every point with rigid bodies, by weights.
     Followed,
-    /// The boundary as prescribed, the interior as an elastic body.
+    /// A prescribed motion of the boundary with an elastic interior.
     Elastic {
         /// Poisson's ratio.
         poisson_ratio: f64,
@@ -30,9 +30,9 @@ pub enum Motion<const D: usize> {
         stiffness: Stiffness,
         /// The law.
         law: Law,
-        /// Where Newton's method stops, a root mean square error of position relative to the distance of nodes.
+        /// The tolerance of Newton's method, a root mean square error of position relative to the node spacing.
         tolerance: f64,
-        /// How the equations of the mesh are solved.
+        /// The solver of the mesh equations.
         solver: Solver,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
         boundary: Vec<Option<BoundaryMotion<D>>>,
@@ -40,7 +40,7 @@ pub enum Motion<const D: usize> {
 }
 
 impl<const D: usize> Motion<D> {
-    /// How many operations the longest of its formulas takes, at a node and a time.
+    /// The number of operations of its longest formula, at a node and a time.
     pub fn operations(&self) -> usize {
         match self {
             Motion::Prescribed(displacement) => displacement.operations(),
@@ -52,9 +52,9 @@ impl<const D: usize> Motion<D> {
     }
 }
 
-/// [`Motion::Elastic::tolerance`] unless the case says otherwise. det J is then right to four digits, and so is what the next slab starts
-/// from. The tolerance is a mean over all nodes, and a few nodes at a corner may be a hundred times further off: with 1e-2, det J was
-/// wrong by 40 %. Newton's method converges quadratically, so that the difference costs a fifth of the time.
+/// The default of [`Motion::Elastic::tolerance`]. det J, and the start of the next slab, are then correct to four digits. The tolerance
+/// is a mean over all nodes, and a few nodes at a corner may have a hundred times the error: with 1e-2, det J was wrong by 40 %. Newton's
+/// method converges quadratically, so the tight tolerance costs only a fifth more time.
 const TOLERANCE: f64 = 1e-6;
 
 /// The largest tolerance that a case may ask for.
@@ -63,7 +63,7 @@ const LARGEST_TOLERANCE: f64 = 1e-3;
 /// Young's modulus over the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stiffness {
-    /// The same everywhere.
+    /// Constant.
     Constant,
     /// (det J)^-power.
     InverseJacobian {
@@ -85,7 +85,7 @@ pub enum Stiffness {
     },
 }
 
-/// Powers of det J up to this size: of larger ones the stiffness overflows or leaves the matrix singular.
+/// The largest absolute power of det J. With larger ones the stiffness overflows or the matrix becomes singular.
 const LARGEST_POWER: f64 = 10.0;
 
 /// Checks `[motion]` of a run that covers `time`, in which `bodies` move parts of the mesh. None: the mesh rests.
@@ -202,7 +202,7 @@ fn elastic<const D: usize>(
     })
 }
 
-/// The law, whose keys must be those of the law that is chosen.
+/// The law; keys of other laws are refused.
 fn law(checker: &Checker<'_>, key: &Key, raw: &raw::Elasticity) -> Checked<Law> {
     let without_effect = |name: &str, law: &str, remedy: &str| {
         let problem = format!("`motion.elasticity.{name}` has no effect with the {law} law");
@@ -292,8 +292,8 @@ fn wall_distance<const D: usize>(
     })
 }
 
-/// The mesh starts at rest: the displacement `d` of the point `x` at `start` is zero up to round-off of the `size` of the mesh. `key`
-/// is that of its component along an axis.
+/// Checks that the mesh starts at rest: the displacement `d` of the point `x` at `start` must be zero up to round-off of the `size`
+/// of the mesh. `key` is the key of its component along an axis.
 pub(super) fn check_start<const D: usize>(
     checker: &Checker<'_>,
     key: impl Fn(usize) -> Key,

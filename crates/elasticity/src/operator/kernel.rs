@@ -1,4 +1,4 @@
-//! The kernel of one batch: the forces of its cells, or their derivative along a direction, by the same source.
+//! The kernel of one batch: the forces of its cells, or their derivative along a direction, from the same source.
 
 use super::{Lines, Operator};
 use crate::law::PointLaw;
@@ -7,11 +7,11 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, WIDTH, dot, zeroed};
 
-/// What a run of the kernel differentiates.
+/// The quantity that a run of the kernel computes: forces or their derivative.
 pub(super) trait Mode: Send + Sync {
     /// Numbers of the displacement.
     type Number<S: Simd>: LaneNumber<S> + Over<Lanes<S>>;
-    /// Blocks of its arrays: values, and derivatives behind them.
+    /// Blocks of its arrays: values, then derivatives.
     const BLOCKS: usize;
 }
 
@@ -31,7 +31,7 @@ impl Mode for Tangent {
     const BLOCKS: usize = 2;
 }
 
-/// Work space of one batch; arrays hold as many fields as laws may need, one or two per block.
+/// Work space of one batch; arrays hold as many fields as laws need, one or two per block.
 pub(super) struct Scratch {
     /// `[block][field][component][node]`
     pub(super) nodal: Vec<Pack>,
@@ -39,7 +39,7 @@ pub(super) struct Scratch {
     values: Vec<Pack>,
     /// `[direction][block][field][component][point]`
     gradients: Vec<Pack>,
-    /// Between two axes.
+    /// Intermediate results between two axes.
     between: Vec<Pack>,
 }
 
@@ -58,7 +58,7 @@ impl Scratch {
     }
 }
 
-/// The forces of consecutive batches from `first`, for a displacement and, where it is differentiated, its direction.
+/// The forces of consecutive batches from `first`, for a displacement and, if it is differentiated, a direction.
 pub(super) struct Cells<'a, const D: usize, M, L> {
     pub(super) operator: &'a Operator<D>,
     pub(super) law: L,
@@ -95,7 +95,7 @@ pub(super) struct CellMatrices<'a, const D: usize, M, L> {
     pub(super) law: L,
     pub(super) mode: PhantomData<M>,
     pub(super) batch: usize,
-    /// Where the forces are differentiated.
+    /// The displacement at which the forces are differentiated.
     pub(super) point: &'a [f64],
     /// `[column][row]`, both of them `[component][node]`.
     pub(super) columns: &'a mut [Pack],
@@ -108,7 +108,7 @@ impl<const D: usize, M: Mode, L: PointLaw> WithSimd for CellMatrices<'_, D, M, L
         let CellMatrices { operator, law, batch, point, columns, .. } = self;
         let length = operator.batches.cell_length();
         let mut scratch = Scratch::new::<D>(&operator.lines, M::BLOCKS);
-        // The direction is the last block; before it lies, where there are two, the displacement.
+        // The direction is the last block; if there are two, the displacement lies before it.
         let direction = (M::BLOCKS - 1) * length;
         for (number, column) in columns.chunks_exact_mut(length).enumerate() {
             operator.batches.gather(batch, point, &mut scratch.nodal[..length]);
@@ -130,19 +130,11 @@ impl<const D: usize> Operator<D> {
         scratch: &mut Scratch,
         result: &mut [Pack],
     ) -> Pack {
-        let Scratch { values, gradients, between, .. } = scratch;
         let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
         let (extents, field) = ([interpolate.rows(); D], D * self.lines.points::<D>());
         // 1. values and reference gradients at the points
-        reference_gradients::<S, D>(
-            simd,
-            &self.lines,
-            M::BLOCKS * L::FIELDS,
-            &scratch.nodal,
-            values,
-            gradients,
-            between,
-        );
+        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS * L::FIELDS, scratch);
+        let Scratch { values, gradients, between, .. } = scratch;
         // 2. the law at every point
         let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, field);
         // 3. against the reference gradients of the test functions
@@ -166,23 +158,15 @@ impl<const D: usize> Operator<D> {
         scratch: &'a mut Scratch,
     ) -> &'a [Pack] {
         self.batches.gather(batch, d, &mut scratch.nodal);
-        let Scratch { nodal, values, gradients, between } = scratch;
-        reference_gradients::<S, D>(simd, &self.lines, 1, nodal, values, gradients, between);
-        gradients
+        reference_gradients::<S, D>(simd, &self.lines, 1, scratch);
+        &scratch.gradients
     }
 }
 
 /// Interpolates to the points, and differentiates there.
 #[inline(always)]
-fn reference_gradients<S: Simd, const D: usize>(
-    simd: S,
-    lines: &Lines,
-    fields: usize,
-    nodal: &[Pack],
-    values: &mut [Pack],
-    gradients: &mut [Pack],
-    between: &mut [Pack],
-) {
+fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, fields: usize, scratch: &mut Scratch) {
+    let Scratch { nodal, values, gradients, between } = scratch;
     let (components, extents) = (fields * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
     apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);
@@ -192,8 +176,8 @@ fn reference_gradients<S: Simd, const D: usize>(
     }
 }
 
-/// Replaces H by W P(H G) G^T at every point: what the reference gradients of the test functions are multiplied by. Returns the
-/// smallest J.
+/// Replaces H by W P(H G) G^T at every point, the factor of the reference gradients of the test functions. Returns the smallest
+/// J.
 #[inline(always)]
 fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
     simd: S,

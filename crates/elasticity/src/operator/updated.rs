@@ -1,6 +1,6 @@
 //! The metric of a mesh that has moved.
 //!
-//! With the deformation gradient F = I + grad d of the move, its determinant j, and a stiffness that is partly the (-chi)th power of
+//! With the deformation gradient F = I + grad d of the move, its determinant j, and a stiffness that contains the (-chi)th power of
 //! det J,
 //!
 //! ```text
@@ -61,7 +61,7 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
 }
 
 impl<const D: usize> Operator<D> {
-    /// The metric after the move `displacement` of the mesh, from the one before; chi is the power of `stiffness`.
+    /// The metric after the move `displacement` of the mesh, from the metric `before`; chi is the power of `stiffness`.
     pub(crate) fn moved_metric(&self, before: &[Pack], displacement: &[f64], chi: f64) -> Result<Vec<Pack>, Inversion> {
         let mut metric = before.to_vec();
         let length = self.metric_length();

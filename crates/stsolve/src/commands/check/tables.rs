@@ -1,4 +1,4 @@
-//! What is known of a case without trying.
+//! Figures of a case without trial computations.
 
 use super::super::table::Table;
 use super::Facts;
@@ -8,7 +8,7 @@ use mesh::Mesh;
 use serde_json::Value;
 use simulation::{MemoryEstimate, TYPICAL_ITERATIONS, elasticity_plan};
 
-/// All tables but the defaults.
+/// All tables except the defaults.
 pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
     let case = facts.case;
     let mut tables = vec![about(&case.about), mesh_table(case, facts.smallest_size), time_table(case)];
@@ -145,7 +145,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let (gas, reference) = (&flow.law.gas, &flow.law.reference);
     let reynolds = reference.reynolds(gas, flow.reference_length);
     let orders = facts.orders(flow);
-    // The fastest wave over the distance of nodes.
+    // The fastest wave relative to the node spacing.
     let cfl = facts.cells_crossed(flow) * (flow.order as f64 - 1.0);
     let mut table = Table::new("flow");
     table
@@ -171,7 +171,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     table
 }
 
-/// What the first cell at the walls resolves.
+/// The resolution of the first cell at the walls.
 fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Table> {
     let walls = facts.walls?;
     let mut table = Table::new("walls");
