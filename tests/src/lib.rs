@@ -3,6 +3,7 @@
 
 pub mod orders;
 pub mod rotating_box;
+pub mod strip;
 pub mod viscous;
 pub mod vortex;
 

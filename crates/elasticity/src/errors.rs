@@ -92,6 +92,20 @@ pub enum ElasticityError {
         /// The residual relative to the forces.
         residual: f64,
     },
+    /// A law that is not linear in plane stress.
+    #[error("plane stress is for the linear law only: take plane strain, or the linear law")]
+    PlaneStress,
+    /// Newton's method did not find the motion or the equilibrium of a structure.
+    #[error(
+        "the large displacement of the structure was not found in the slab from t = {time}: take shorter slabs, or apply loads and \
+         displacements in smaller steps"
+    )]
+    LargeDisplacement {
+        /// The bottom of the slab.
+        time: f64,
+        /// Why.
+        source: Box<newton::Error>,
+    },
     /// A load is not a number.
     #[error("the force on the structure at t = {time} near {position:?} is {value}: check the formulas of its loads")]
     Load {

@@ -22,7 +22,10 @@
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
 //! | `solid` | the material of a structure, point by point |
-//! | `dynamics`, `statics` | the motion of a structure in a time slab, with and without inertia |
+//! | `structure_slab` | the equations of a structure in a time slab |
+//! | `modal` | their systems, by temporal modes, with the mass of a fluid |
+//! | `large_displacement` | Newton's method for laws that are not linear |
+//! | `dynamics`, `statics` | the motion of a structure, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
 //! | `modes` | natural frequencies and shapes |
 //!
@@ -35,11 +38,13 @@ mod elastic_mesh;
 mod equilibrium;
 mod errors;
 mod geometry;
+mod large_displacement;
 mod law;
 mod loads;
 mod low_order;
 mod mass;
 mod material;
+mod modal;
 mod modes;
 mod multigrid;
 mod operator;
@@ -51,17 +56,19 @@ mod solver;
 mod statics;
 mod stiffness;
 mod structure;
+mod structure_slab;
 #[cfg(test)]
 mod testing;
 mod wall_distance;
 
-pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
+pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
-pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
+pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
 pub use material::{Lame, Material, Plane};
+pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
@@ -69,5 +76,6 @@ pub use solid::{Field, Quantity, Solid};
 pub use solver::{Plan, Solver};
 pub use statics::Statics;
 pub use stiffness::Stiffness;
-pub use structure::Structure;
+pub use structure::{Damping, Structure};
+pub use structure_slab::{SlabBottom, SlabWork, StructureSlab};
 pub use wall_distance::WallDistance;

@@ -46,13 +46,13 @@ impl<const D: usize> LowOrder<D> {
         multigrid: Option<&[[f64; D]]>,
     ) -> Result<Self, ElasticityError> {
         let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, numbering, samples, &fixed, multigrid)
+        Self::with_mass(lame, Inertia::none(), numbering, samples, &fixed, multigrid)
     }
 
-    /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
+    /// The same for K + m M with the m and M of `inertia`, where only some components of a node may be `fixed`.
     pub(crate) fn with_mass(
         lame: Lame,
-        m: f64,
+        inertia: Inertia<'_, D>,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         fixed: &[[bool; D]],
@@ -62,7 +62,13 @@ impl<const D: usize> LowOrder<D> {
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let matrix = matrix(Terms { lame, m, fixed: &fixed }, numbering, samples, &unknowns)?;
+        let terms = Terms { lame, mass: inertia.m * inertia.density, fixed: &fixed };
+        let mut matrix = matrix(terms, numbering, samples, &unknowns)?;
+        for (unknown, layer) in free.iter().filter_map(|&node| inertia.layer.get(node)).enumerate() {
+            let mut block = layer.map(|row| row.map(|mass| inertia.m * mass));
+            terms.decouple(unknown, unknown, &mut block);
+            matrix.add(unknown, unknown, |i, j| block[i][j]);
+        }
         let inverse = match multigrid {
             None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
@@ -106,12 +112,29 @@ impl<const D: usize> LowOrder<D> {
     }
 }
 
+/// The mass in K + m M.
+#[derive(Clone, Copy)]
+pub(crate) struct Inertia<'a, const D: usize> {
+    /// m
+    pub(crate) m: f64,
+    /// rho
+    pub(crate) density: f64,
+    /// The additional mass of every C0 node; may be empty.
+    pub(crate) layer: &'a [[[f64; D]; D]],
+}
+
+impl<const D: usize> Inertia<'_, D> {
+    fn none() -> Self {
+        Inertia { m: 0.0, density: 0.0, layer: &[] }
+    }
+}
+
 /// The input of a low-order matrix.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
-    /// The factor of the mass matrix.
-    m: f64,
+    /// The factor of the mass matrix of unit density.
+    mass: f64,
     /// The decoupled components, by unknown.
     fixed: &'a [[bool; D]],
 }
@@ -226,7 +249,7 @@ fn add_corner<const D: usize>(
                 let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
                 let mut block = lame.block(grad_row, &weighted);
                 if (k, l) == (own, own) {
-                    (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
+                    (0..D).for_each(|i| block[i][i] += terms.mass * corner.volume);
                 }
                 terms.decouple(row, column, &mut block);
                 matrix.add(row, column, |i, j| block[i][j]);
@@ -293,7 +316,7 @@ mod tests {
         let numbering = NodeNumbering::new(mesh, order);
         let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &vec![[false; D]; numbering.count] };
         let matrix = matrix(terms, &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
@@ -333,7 +356,7 @@ mod tests {
         // The last corner is moved across the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &[] };
         let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
         assert!(
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),

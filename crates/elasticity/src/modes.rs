@@ -56,7 +56,7 @@ pub fn natural_modes<const D: usize>(
     }
     let size = (count + GUARD).min(free);
     let s = structure.typical_shift();
-    let shifted = structure.shifted(s)?;
+    let shifted = structure.shifted(s, Vec::new(), &[])?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
     for _ in 0..MAX_ITERATIONS {
         let old = std::mem::take(&mut block.omega_squared);

@@ -11,6 +11,7 @@
 //! numbers. For a linear law R(d) = K d, and K is constant.
 
 mod diagonal;
+mod energy;
 mod kernel;
 #[cfg(test)]
 mod tests;
@@ -18,7 +19,7 @@ mod updated;
 mod work;
 
 use crate::geometry::{Sample, StiffnessSampler};
-use crate::law::{Law, NeoHookean, PointLaw};
+use crate::law::{Law, NeoHookean, PointLaw, StVenantKirchhoff, Viscous};
 use crate::material::Lame;
 use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
@@ -105,6 +106,7 @@ impl<const D: usize> Operator<D> {
         match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[d], out),
             Law::NeoHookean => self.apply::<Forces, _>(NeoHookean(self.lame), &[d], out),
+            Law::StVenantKirchhoff => self.apply::<Forces, _>(StVenantKirchhoff(self.lame), &[d], out),
         }
     }
 
@@ -113,8 +115,29 @@ impl<const D: usize> Operator<D> {
         let applied = match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[w], out),
             Law::NeoHookean => self.apply::<Tangent, _>(NeoHookean(self.lame), &[d, w], out),
+            Law::StVenantKirchhoff => self.apply::<Tangent, _>(StVenantKirchhoff(self.lame), &[d, w], out),
         };
         debug_assert!(applied.is_ok(), "K is asked for where R is defined");
+    }
+
+    /// out = the forces of (viscous) for the displacement `d` and the velocity `v`; for a law that is not linear.
+    pub(crate) fn viscous_forces(&self, d: &[f64], v: &[f64], out: &mut [f64]) {
+        // This law has no barrier.
+        let _ = self.apply::<Forces, _>(Viscous(self.lame), &[d, v], out);
+    }
+
+    /// out = their derivative at the displacement and velocity `at`, along those of `along`.
+    pub(crate) fn viscous_product(&self, at: (&[f64], &[f64]), along: (&[f64], &[f64]), out: &mut [f64]) {
+        let _ = self.apply::<Tangent, _>(Viscous(self.lame), &[at.0, at.1, along.0, along.1], out);
+    }
+
+    /// The integral of W(grad d), for a `d` where R is defined.
+    pub(crate) fn energy(&self, d: &[f64]) -> f64 {
+        match self.law {
+            Law::Linear | Law::Incremental => self.energy_by(self.lame, d),
+            Law::NeoHookean => self.energy_by(NeoHookean(self.lame), d),
+            Law::StVenantKirchhoff => self.energy_by(StVenantKirchhoff(self.lame), d),
+        }
     }
 
     /// The matrices K(d) of the cells of one batch, `[column][row]`, both `[component][node]`.
@@ -123,6 +146,9 @@ impl<const D: usize> Operator<D> {
         match self.law {
             Law::Linear | Law::Incremental => self.columns::<Forces, _>(self.lame, d, batch, &mut matrices),
             Law::NeoHookean => self.columns::<Tangent, _>(NeoHookean(self.lame), d, batch, &mut matrices),
+            Law::StVenantKirchhoff => {
+                self.columns::<Tangent, _>(StVenantKirchhoff(self.lame), d, batch, &mut matrices);
+            }
         }
         matrices
     }
@@ -177,8 +203,8 @@ impl<const D: usize> Operator<D> {
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
         let batches_per_task = self.batches.count().div_ceil(tasks).max(1);
-        let blocks = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS };
-        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, blocks)).collect();
+        let fields = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS * Viscous::FIELDS };
+        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, fields)).collect();
         let smallest = zeroed(self.batches.count());
         Workspace { results: zeroed(self.batches.field_length()), smallest, scratch, batches_per_task }
     }

@@ -24,12 +24,16 @@ const MAX_ITERATIONS: usize = 500;
 /// A shift m and the factored low-order K + m M.
 pub(crate) struct Shifted<const D: usize> {
     pub(crate) m: f64,
+    /// What M has beyond the mass of the structure, by node; may be empty.
+    pub(crate) layer: Vec<[[f64; D]; D]>,
+    /// Where K is taken; empty for a linear law.
+    pub(crate) position: Vec<f64>,
     pub(crate) low_order: LowOrder<D>,
 }
 
 impl<const D: usize> Shifted<D> {
     /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|. b must vanish at fixed entries; then x
-    /// does too. Returns the iterations.
+    /// does too. Returns the iterations. After an error x still is an approximation.
     pub(crate) fn solve(
         &self,
         structure: &Structure<D>,
@@ -41,7 +45,12 @@ impl<const D: usize> Shifted<D> {
         let mut system = Real { structure, shifted: self, inertia: vec![0.0; b.len()] };
         let settings =
             cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
-        Ok(cg::solve(&mut system, b, x, &settings, &mut cg::Workspace::default())?.iterations)
+        let solved = cg::solve(&mut system, b, x, &settings, &mut cg::Workspace::default());
+        if solved.is_err() && x.iter().all(|x| *x == 0.0) {
+            // K(d) of a compressed body need not be definite. The low-order matrix always is.
+            self.low_order.apply(b, x);
+        }
+        Ok(solved?.iterations)
     }
 
     /// Solves (complex) at free entries from y = 0 by FGMRES on (rotated), `theta` in [0, pi). In `c` and `y` the real parts come
@@ -85,8 +94,8 @@ struct Real<'a, const D: usize> {
 
 impl<const D: usize> LinearSystem for Real<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.structure.apply_stiffness(x, y);
-        self.structure.apply_mass(x, &mut self.inertia);
+        self.structure.apply_stiffness_at(&self.shifted.position, x, y);
+        self.structure.apply_mass_with(&self.shifted.layer, x, &mut self.inertia);
         y.iter_mut().zip(&self.inertia).for_each(|(y, inertia)| *y += self.shifted.m * inertia);
         self.structure.at_fixed(y, |_| 0.0);
     }
@@ -112,8 +121,8 @@ impl<const D: usize> LinearSystem for Rotated<'_, D> {
         let (n, m) = (x.len() / 2, self.shifted.m);
         let (forces, inertia) = self.work.split_at_mut(2 * n);
         for part in [0..n, n..2 * n] {
-            self.structure.apply_stiffness(&x[part.clone()], &mut forces[part.clone()]);
-            self.structure.apply_mass(&x[part.clone()], &mut inertia[part]);
+            self.structure.apply_stiffness_at(&self.shifted.position, &x[part.clone()], &mut forces[part.clone()]);
+            self.structure.apply_mass_with(&self.shifted.layer, &x[part.clone()], &mut inertia[part]);
         }
         let (re, im) = y.split_at_mut(n);
         for i in 0..n {

@@ -64,7 +64,7 @@ fn displace(dt: f64, bottom: &[f64], v: &[f64], integrals: &[f64], out: &mut [f6
 }
 
 /// out = out + dt sum_b integrals[b] v[b].
-fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
+pub(crate) fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
     for (v, integral) in v.chunks_exact(out.len()).zip(integrals) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out += dt * integral * v);
     }

@@ -1,15 +1,14 @@
 //! The material of a structure, point by point.
 //!
-//! K is linear in the constants of Lame. With spatially constant mu_0, lambda_0,
+//! Stresses are linear in the constants of Lame. With spatially constant mu_0, lambda_0,
 //!
 //! ```text
 //! mu(x) = s(x) mu_0,     lambda(x) = s(x) lambda_0 + e(x)                                                      (relative)
 //! ```
 //!
-//! K is s times the operator of (mu_0, lambda_0). Where Poisson's ratio varies, e times the operator of (0, 1) is added; elsewhere
-//! e = 0.
+//! A stress is s times that of (mu_0, lambda_0). Where Poisson's ratio varies, e times that of (0, 1) is added; elsewhere e = 0.
 
-use crate::{ElasticityError, Lame, Material, Plane};
+use crate::{ElasticityError, Lame, Law, Material, Plane};
 use std::sync::Arc;
 
 /// A function of the position at rest.
@@ -38,7 +37,7 @@ impl<const D: usize> Quantity<D> {
     }
 }
 
-/// Young's modulus and Poisson's ratio of a linear elastic body.
+/// Young's modulus and Poisson's ratio of an elastic body, and its law.
 #[derive(Clone)]
 pub struct Solid<const D: usize> {
     /// E
@@ -47,6 +46,8 @@ pub struct Solid<const D: usize> {
     pub poisson: Quantity<D>,
     /// Plane strain or plane stress, in 2-D.
     pub plane: Plane,
+    /// The stress of a strain that is not small.
+    pub law: Law,
 }
 
 /// The constants at a point by (relative).
@@ -67,6 +68,15 @@ impl<const D: usize> Solid<D> {
         let material = Material::new(self.young.at(x), self.poisson.at(x));
         let at_point = |source| ElasticityError::MaterialAt { position: x.to_vec(), source: Box::new(source) };
         Ok(material.map_err(at_point)?.in_plane(self.plane).lame())
+    }
+
+    /// The law, if it exists for what is plane.
+    pub(crate) fn law(&self) -> Result<Law, ElasticityError> {
+        if self.plane == Plane::Stress && !self.law.is_linear() {
+            Err(ElasticityError::PlaneStress)
+        } else {
+            Ok(self.law)
+        }
     }
 
     /// Whether nu varies in space.
@@ -92,7 +102,12 @@ impl<const D: usize> Solid<D> {
 impl<const D: usize> From<Material> for Solid<D> {
     fn from(material: Material) -> Self {
         let (young, poisson) = material.constants();
-        Solid { young: Quantity::Constant(young), poisson: Quantity::Constant(poisson), plane: material.plane() }
+        Solid {
+            young: Quantity::Constant(young),
+            poisson: Quantity::Constant(poisson),
+            plane: material.plane(),
+            law: material.law(),
+        }
     }
 }
 
@@ -104,7 +119,7 @@ mod tests {
     fn varying() -> Solid<2> {
         let young = Quantity::Field(Arc::new(|x: &[f64; 2]| 2.0 + x[0]));
         let poisson = Quantity::Field(Arc::new(|x: &[f64; 2]| 0.4 * x[1]));
-        Solid { young, poisson, plane: Plane::Stress }
+        Solid { young, poisson, plane: Plane::Stress, law: Law::Linear }
     }
 
     #[test]

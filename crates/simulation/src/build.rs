@@ -3,16 +3,16 @@
 use super::bodies::bodies;
 use case::expression::Program;
 use case::{
-    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure, Support,
-    Vector,
+    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure,
+    StructureLaw, Support, Vector,
 };
 use coupled::{
     BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
     StructureMarch, Supports, System,
 };
 use elasticity::{
-    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Quantity, Solid, Statics, Structure as Body,
-    Traction, WallDistance,
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
+    Structure as Body, Traction, WallDistance,
 };
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, NodeNumbering};
@@ -189,7 +189,9 @@ pub fn structure_march<const D: usize>(
     let (fixed, supports) = supports(case, &numbering, &structure.boundary);
     // Equilibria do not depend on a density.
     let density = structure.density.unwrap_or(1.0);
+    let case::Damping { mass, stiffness } = structure.damping;
     let body = Body::new(case.mesh.clone(), numbering, solid(structure), density, fixed)?;
+    let body = body.with_damping(elasticity::Damping { mass, stiffness });
     let start = |field: &Option<Vector<D>>| -> Vec<f64> {
         let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
         body.coordinates().iter().flat_map(value).collect()
@@ -216,7 +218,16 @@ fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
         Plane::Strain => elasticity::Plane::Strain,
         Plane::Stress => elasticity::Plane::Stress,
     };
-    Solid { young: quantity(&structure.young_modulus), poisson: quantity(&structure.poisson_ratio), plane }
+    Solid {
+        young: quantity(&structure.young_modulus),
+        poisson: quantity(&structure.poisson_ratio),
+        plane,
+        law: match structure.law {
+            StructureLaw::Linear => elasticity::Law::Linear,
+            StructureLaw::StVenantKirchhoff => elasticity::Law::StVenantKirchhoff,
+            StructureLaw::NeoHookean => elasticity::Law::NeoHookean,
+        },
+    }
 }
 
 /// The prescribed components of nodes, and their motion.
@@ -249,7 +260,13 @@ fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
             _ => None,
         }
     };
-    Loads { body_force, tractions: structure.boundary.iter().enumerate().filter_map(traction).collect() }
+    let tractions = structure.boundary.iter().enumerate().filter_map(traction).collect();
+    let pressure = |(index, support): (usize, &Support<D>)| -> Option<(usize, Pressure<D>)> {
+        let Support::FollowerPressure(p) = support.clone() else { return None };
+        Some((index, Box::new(move |x, t| p.evaluate(x, t))))
+    };
+    let pressures = structure.boundary.iter().enumerate().filter_map(pressure).collect();
+    Loads { body_force, tractions, pressures }
 }
 
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>

@@ -186,9 +186,9 @@ impl RunStatistics {
     /// Adds a slab of a structure.
     pub fn add_structure(&mut self, report: &StructureReport) {
         self.elasticity += report.dynamics.iterations as u64;
-        self.structure.load_work += report.dynamics.load_work;
-        self.structure.support_work += report.dynamics.support_work;
-        self.structure.dissipation += report.dynamics.dissipation;
+        self.structure.load_work += report.dynamics.work.load;
+        self.structure.support_work += report.dynamics.work.support;
+        self.structure.dissipation += report.dynamics.work.damped + report.dynamics.work.dissipation;
     }
 
     /// Adds the quality of the mesh in a slab.

@@ -19,7 +19,8 @@ mod tables;
 mod time;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+    AllowedChange, Analysis, Damping, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+    StructureLaw,
 };
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};

@@ -7,7 +7,7 @@ use crate::checker::{Checked, Checker};
 use crate::expression::Program;
 use crate::key::Key;
 use crate::magnitude::is_bounded;
-use crate::raw::{self, Analysis, Plane, StructureBoundary};
+use crate::raw::{self, Analysis, Damping, Plane, StructureBoundary, StructureLaw};
 use crate::vector::Vector;
 
 /// An elastic body.
@@ -17,6 +17,10 @@ pub struct Structure<const D: usize> {
     pub young_modulus: Program,
     /// nu, in the position at rest.
     pub poisson_ratio: Program,
+    /// The stress of a strain.
+    pub law: StructureLaw,
+    /// Rayleigh damping.
+    pub damping: Damping,
     /// Mass per volume; None: a static analysis needs none.
     pub density: Option<f64>,
     /// Whether it has inertia.
@@ -66,8 +70,10 @@ pub enum Support<const D: usize> {
     Moved(Vector<D>),
     /// The force per area.
     Traction(Vector<D>),
-    /// The force per area against the outward normal.
+    /// The force per area against the outward normal at rest.
     Pressure(Program),
+    /// The same against that of the body as it moves.
+    FollowerPressure(Program),
 }
 
 impl<const D: usize> Support<D> {
@@ -76,7 +82,7 @@ impl<const D: usize> Support<D> {
         match self {
             Support::Held(components) => *components,
             Support::Moved(_) => [true; D],
-            Support::Free | Support::Traction(_) | Support::Pressure(_) => [false; D],
+            Support::Free | Support::Traction(_) | Support::Pressure(_) | Support::FollowerPressure(_) => [false; D],
         }
     }
 
@@ -118,6 +124,8 @@ pub(super) fn check<const D: usize>(
     Ok(Structure {
         young_modulus,
         poisson_ratio,
+        law: raw.law,
+        damping: damping(checker, &key.child("damping"), raw)?,
         density: density(checker, &key, raw)?,
         analysis: raw.analysis,
         plane: plane::<D>(checker, &key, raw)?,
@@ -171,7 +179,25 @@ fn plane<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Structure)
         let problem = "`structure.plane` has no effect on a three-dimensional body";
         return Err(checker.combination(&key.child("plane"), problem, "remove it"));
     }
-    Ok(raw.plane.unwrap_or_default())
+    let plane = raw.plane.unwrap_or_default();
+    if plane == Plane::Stress && raw.law != StructureLaw::Linear {
+        let problem = "`structure.plane = \"stress\"` is for the linear law only";
+        return Err(checker.combination(&key.child("plane"), problem, "`plane = \"strain\"`, or `law = \"linear\"`"));
+    }
+    Ok(plane)
+}
+
+/// The damping, of a body that moves.
+fn damping(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Damping> {
+    for (name, value) in [("mass", raw.damping.mass), ("stiffness", raw.damping.stiffness)] {
+        let accepted = "a number that is not negative";
+        checker.require(&key.child(name), "the damping", value >= 0.0 && value.is_finite(), accepted)?;
+    }
+    if raw.analysis == Analysis::Static && raw.damping != Damping::default() {
+        let problem = "`structure.damping` has no effect on a static analysis";
+        return Err(checker.combination(key, problem, "remove it"));
+    }
+    Ok(raw.damping)
 }
 
 /// A static analysis has no initial motion.
@@ -211,6 +237,9 @@ fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoun
         StructureBoundary::Traction(formulas) => Support::Traction(checker.formulas(&key.child("traction"), formulas)?),
         StructureBoundary::Pressure(formula) => {
             Support::Pressure(checker.formula::<D>(&key.child("pressure"), formula)?)
+        }
+        StructureBoundary::FollowerPressure(formula) => {
+            Support::FollowerPressure(checker.formula::<D>(&key.child("follower_pressure"), formula)?)
         }
     })
 }

@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A linear elastic body that fills the mesh. Its displacement has the order of the mesh, and is small: loads act at the positions at
-/// rest.
+/// An elastic body that fills the mesh. Its displacement has the order of the mesh. Positions and loads are those of the body at rest:
+/// with the linear law the displacement is small.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
@@ -15,7 +15,13 @@ pub struct Structure {
     pub young_modulus: Formula,
     /// Poisson's ratio nu, -1 < nu < 0.5: a number, or a formula in the position x, y, z at rest.
     pub poisson_ratio: Formula,
-    /// The density: mass per volume. A static analysis without natural modes does not need it.
+    /// The stress of a strain. A law that is not linear needs plane strain, or three dimensions.
+    #[serde(default)]
+    pub law: StructureLaw,
+    /// Rayleigh damping. Without it there is none.
+    #[serde(default)]
+    pub damping: Damping,
+    /// The density at rest: mass per volume. A static analysis without natural modes does not need it.
     pub density: Option<f64>,
     /// Whether the body has inertia.
     #[serde(default)]
@@ -37,6 +43,31 @@ pub struct Structure {
     /// Points at rest whose displacement goes to history.csv, by name.
     #[serde(default)]
     pub points: BTreeMap<String, Vec<f64>>,
+}
+
+/// The stress of a strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StructureLaw {
+    /// Linear elasticity, for small displacements.
+    #[default]
+    Linear,
+    /// The law of St. Venant and Kirchhoff: linear in the strain of Green, for large displacements of small strain.
+    StVenantKirchhoff,
+    /// A compressible neo-Hookean material, for large strain.
+    NeoHookean,
+}
+
+/// The damping C = alpha M + beta K of Rayleigh, a force against the velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// alpha: per mass, in units of one over time.
+    #[serde(default)]
+    pub mass: f64,
+    /// beta: per stiffness, in units of time.
+    #[serde(default)]
+    pub stiffness: f64,
 }
 
 /// Whether a structure has inertia.
@@ -77,6 +108,8 @@ pub enum StructureBoundary {
     Traction(Vec<Formula>),
     /// The force per area against the outward normal at rest, a formula.
     Pressure(Formula),
+    /// The same per area and against the normal of the body as it moves, a formula in the position x, y, z at rest and the time t.
+    FollowerPressure(Formula),
 }
 
 /// The motion of a structure at the start, a formula per axis in the position x, y, z at rest. Supports have their own

@@ -123,7 +123,7 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
         match self.law {
-            Law::Linear | Law::NeoHookean => self.operator.forces(d, out),
+            Law::Linear | Law::NeoHookean | Law::StVenantKirchhoff => self.operator.forces(d, out),
             // The mesh at the bottom is free of stress.
             Law::Incremental => self.with_vector(|increment| {
                 increment.iter_mut().zip(d).zip(&self.position.bottom).for_each(|((i, d), bottom)| *i = d - bottom);

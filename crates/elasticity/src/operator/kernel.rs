@@ -31,28 +31,28 @@ impl Mode for Tangent {
     const BLOCKS: usize = 2;
 }
 
-/// Work space of one batch; arrays hold as many blocks as needed.
+/// Work space of one batch; arrays hold as many fields as laws need, one or two per block.
 pub(super) struct Scratch {
-    /// `[block][component][node]`
+    /// `[block][field][component][node]`
     pub(super) nodal: Vec<Pack>,
-    /// `[block][component][point]`
+    /// `[block][field][component][point]`
     values: Vec<Pack>,
-    /// `[direction][block][component][point]`
+    /// `[direction][block][field][component][point]`
     gradients: Vec<Pack>,
     /// Intermediate results between two axes.
     between: Vec<Pack>,
 }
 
 impl Scratch {
-    pub(super) fn new<const D: usize>(lines: &Lines, blocks: usize) -> Self {
+    pub(super) fn new<const D: usize>(lines: &Lines, fields: usize) -> Self {
         let Lines { interpolate, interpolate_transposed, .. } = lines;
         let (points, nodes) = (lines.points::<D>(), interpolate.cols().pow(D as u32));
         let between =
-            scratch_length(&[interpolate; D], blocks * D).max(scratch_length(&[interpolate_transposed; D], D));
+            scratch_length(&[interpolate; D], fields * D).max(scratch_length(&[interpolate_transposed; D], D));
         Scratch {
-            nodal: zeroed(blocks * D * nodes),
-            values: zeroed(blocks * D * points),
-            gradients: zeroed(blocks * D * D * points),
+            nodal: zeroed(fields * D * nodes),
+            values: zeroed(fields * D * points),
+            gradients: zeroed(fields * D * D * points),
             between: zeroed(between),
         }
     }
@@ -64,7 +64,7 @@ pub(super) struct Cells<'a, const D: usize, M, L> {
     pub(super) law: L,
     pub(super) mode: PhantomData<M>,
     pub(super) first: usize,
-    /// One nodal vector per block.
+    /// One nodal vector per block and field.
     pub(super) fields: &'a [&'a [f64]],
     /// The cell field of results.
     pub(super) results: &'a mut [Pack],
@@ -81,8 +81,8 @@ impl<const D: usize, M: Mode, L: PointLaw> WithSimd for Cells<'_, D, M, L> {
         let length = operator.batches.cell_length();
         for (offset, result) in results.chunks_exact_mut(length).enumerate() {
             let batch = first + offset;
-            for (block, field) in fields.iter().enumerate() {
-                operator.batches.gather(batch, field, &mut scratch.nodal[block * length..][..length]);
+            for (number, field) in fields.iter().enumerate() {
+                operator.batches.gather(batch, field, &mut scratch.nodal[number * length..][..length]);
             }
             smallest[offset] = operator.apply_to_batch::<S, M, L>(simd, law, batch, scratch, result);
         }
@@ -131,16 +131,16 @@ impl<const D: usize> Operator<D> {
         result: &mut [Pack],
     ) -> Pack {
         let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
-        let (extents, block) = ([interpolate.rows(); D], D * self.lines.points::<D>());
+        let (extents, field) = ([interpolate.rows(); D], D * self.lines.points::<D>());
         // 1. values and reference gradients at the points
-        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS, scratch);
+        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS * L::FIELDS, scratch);
         let Scratch { values, gradients, between, .. } = scratch;
         // 2. the law at every point
-        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, block);
+        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, field);
         // 3. against the reference gradients of the test functions
-        let values = &mut values[..block];
+        let values = &mut values[..field];
         for a in 0..D {
-            let gradients = &gradients[a * M::BLOCKS * block..][..block];
+            let gradients = &gradients[a * M::BLOCKS * L::FIELDS * field..][..field];
             apply_axis(simd, differentiate_transposed, a, &extents, D, gradients, values, a > 0);
         }
         // 4. from points to nodes
@@ -165,9 +165,9 @@ impl<const D: usize> Operator<D> {
 
 /// Interpolates to the points, and differentiates there.
 #[inline(always)]
-fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, blocks: usize, scratch: &mut Scratch) {
+fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, fields: usize, scratch: &mut Scratch) {
     let Scratch { nodal, values, gradients, between } = scratch;
-    let (components, extents) = (blocks * D, [lines.interpolate.rows(); D]);
+    let (components, extents) = (fields * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
     apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);
     for a in 0..D {
@@ -184,23 +184,22 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
     law: L,
     metric: &[Pack],
     gradients: &mut [Pack],
-    block: usize,
+    field: usize,
 ) -> Pack {
-    let (points, direction) = (block / D, M::BLOCKS * block);
+    let points = field / D;
+    let layout = GradientLayout { points, block: L::FIELDS * field, direction: M::BLOCKS * L::FIELDS * field };
+    let direction = layout.direction;
     let mut smallest = Pack([f64::INFINITY; WIDTH]);
     for point in 0..points {
         for part in 0..Lanes::<S>::PARTS {
             let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-            let mut physical = [[M::Number::<S>::lift(weight.zero()); D]; D];
-            for a in 0..D {
-                for i in 0..D {
-                    let h = M::Number::<S>::load(simd, &gradients[a * direction..], block, i * points + point, part);
-                    for j in 0..D {
-                        physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
-                    }
-                }
-            }
-            let stress = law.stress(&physical);
+            let physical = layout.physical::<S, M::Number<S>, D>(simd, gradients, 0, (point, part), &g);
+            let rate = if L::FIELDS > 1 {
+                layout.physical::<S, M::Number<S>, D>(simd, gradients, field, (point, part), &g)
+            } else {
+                physical
+            };
+            let stress = law.stress(&physical, &rate);
             if L::HAS_BARRIER {
                 let least = Lanes::read(simd, &smallest, part);
                 least.min(stress.volume_ratio.primal()).write(&mut smallest, part);
@@ -217,6 +216,48 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
         }
     }
     smallest
+}
+
+/// Where reference gradients lie: `[direction][block][field][component][point]`.
+#[derive(Clone, Copy)]
+pub(super) struct GradientLayout {
+    /// Points of a cell.
+    pub(super) points: usize,
+    /// Numbers of a block.
+    pub(super) block: usize,
+    /// Numbers of a direction.
+    pub(super) direction: usize,
+}
+
+impl GradientLayout {
+    /// That of one field of values.
+    pub(super) fn of_one(dimension: usize, points: usize) -> Self {
+        GradientLayout { points, block: dimension * points, direction: dimension * points }
+    }
+
+    /// grad d = H G at the part `at.1` of the lanes of the point `at.0`, for the field that begins at `first` in a block.
+    #[inline(always)]
+    pub(super) fn physical<S: Simd, T: LaneNumber<S> + Over<Lanes<S>>, const D: usize>(
+        self,
+        simd: S,
+        gradients: &[Pack],
+        first: usize,
+        at: (usize, usize),
+        g: &[[Lanes<S>; D]; D],
+    ) -> [[T; D]; D] {
+        let (point, part) = at;
+        let mut physical = [[T::lift(g[0][0].zero()); D]; D];
+        for a in 0..D {
+            for i in 0..D {
+                let index = first + i * self.points + point;
+                let h = T::load(simd, &gradients[a * self.direction..], self.block, index, part);
+                for j in 0..D {
+                    physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
+                }
+            }
+        }
+        physical
+    }
 }
 
 /// W and G at one point.

@@ -2,7 +2,7 @@
 
 use super::super::table::Table;
 use super::Facts;
-use case::{About, Analysis, Case, Flow, Motion, Plane, Structure, Support};
+use case::{About, Analysis, Case, Flow, Motion, Plane, Structure, StructureLaw, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
 use serde_json::Value;
@@ -97,6 +97,12 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
     let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
     let mut table = Table::new("structure");
     table.row("analysis", if structure.analysis == Analysis::Static { "static" } else { "dynamic" }, "");
+    let law = match structure.law {
+        StructureLaw::Linear => "linear",
+        StructureLaw::StVenantKirchhoff => "St. Venant-Kirchhoff",
+        StructureLaw::NeoHookean => "neo-Hookean",
+    };
+    table.row("law", law, "");
     if D == 2 {
         table.row("plane", if structure.plane == Plane::Stress { "stress" } else { "strain" }, "");
     }
@@ -117,7 +123,11 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
     }
     table
         .row("supported boundaries", count(|support| support.fixes() != [false; D]), "")
-        .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
+        .row(
+            "loaded boundaries",
+            count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_) | Support::FollowerPressure(_))),
+            "",
+        )
         .row("natural modes", structure.natural_modes, "");
     table
 }
@@ -127,6 +137,7 @@ fn law_name(law: Law) -> &'static str {
         Law::Linear => "linear elasticity about the initial mesh",
         Law::Incremental => "linear elasticity about the mesh at the start of each slab",
         Law::NeoHookean => "neo-Hookean elasticity about the initial mesh",
+        Law::StVenantKirchhoff => "St. Venant-Kirchhoff elasticity about the initial mesh",
     }
 }
 
