@@ -23,10 +23,11 @@ SCRIPTS = ROOT / "scripts"
 # What is drawn: the mesh where the flow is uniform or there is none, otherwise a field; and in which window (x0, y0, x1, y1), if not all.
 UNIFORM = {"free_stream", "free_stream_3d"}
 FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity", "channel_cylinder": "vorticity",
-         "cylinder_street": "pressure"}
+         "cylinder_street": "pressure",
+         "cylinder_viv": "vorticity", "flapping_free": "vorticity"}
 WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
-    "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4),
+    "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4), "cylinder_viv": (-2, -4, 14, 4), "flapping_free": (-0.75, -1.25, 3.25, 1.25),
 }
 # From where a mesh in three dimensions is seen.
 DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
@@ -35,7 +36,7 @@ WIDTH = 800
 # Sections of summary.json that are figures of the run, and what they are called.
 FIGURES = {
     "unknowns": "unknowns of a slab", "slabs": "slabs", "time": "time reached", "newton": "Newton steps", "krylov": "Krylov iterations",
-    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings",
+    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings", "bodies": "bodies",
     "structure": "structure", "cost": "cost",
 }
 # Below this a number is round-off, of which no digit is to be expected.
