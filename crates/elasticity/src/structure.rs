@@ -148,7 +148,7 @@ impl<const D: usize> Structure<D> {
         let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
         let mass = m * self.mass.density();
         let samples = |cell| at_nodes.cell(cell);
-        let low_order = LowOrder::with_mass(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
+        let low_order = LowOrder::new(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
         Ok(Shifted { m, low_order })
     }
 

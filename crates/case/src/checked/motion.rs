@@ -4,6 +4,7 @@ use super::Time;
 use super::boundary_motion::Boundaries;
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
+use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
 use crate::checker::{Checked, Checker};
 use crate::error::Cause;
@@ -30,8 +31,10 @@ pub enum Motion<const D: usize> {
         tolerance: f64,
         /// How the equations of the mesh are solved.
         solver: Solver,
-        /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
+        /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests or slides.
         boundary: Vec<Option<BoundaryMotion<D>>>,
+        /// In the same order, for boundaries that slide, what they hold.
+        slides: Vec<Option<Held<D>>>,
     },
 }
 
@@ -130,8 +133,11 @@ fn elastic<const D: usize>(
     let boundaries = Boundaries::new(checker, mesh, time);
     let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
     let boundary = named.iter().enumerate().map(motion).collect::<Checked<Vec<_>>>()?;
+    let slide = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.slide(index, key, motion);
+    let slides = named.iter().enumerate().map(slide).collect::<Checked<Vec<_>>>()?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    boundaries.check_shared(&keys, &boundary)?;
+    boundaries.check_shared(&keys, &boundary, &slides)?;
+    check_held(checker, &key.child("boundary"), &slides)?;
     Ok(Motion::Elastic {
         poisson_ratio: nu,
         stiffness,
@@ -139,6 +145,7 @@ fn elastic<const D: usize>(
         solver: solver(elasticity.solver),
         tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
         boundary,
+        slides,
     })
 }
 

@@ -109,7 +109,7 @@ impl<const D: usize> ElasticMesh<D> {
         let build = |d: &[f64]| {
             let samples = |cell| Ok(nodes.moved(cell, d));
             let (lame, cells) = (self.operator.lame(), nodes.samples.len());
-            LowOrder::new(lame, cells, &nodes.numbering, samples, &self.constrained, multigrid)
+            LowOrder::new(lame, 0.0, cells, &nodes.numbering, samples, &self.constrained, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),
