@@ -1,5 +1,6 @@
 //! `[mesh.generate.box]`
 
+use super::box_regions;
 use super::family::Family;
 use crate::any_mesh::AnyMesh;
 use crate::checker::{Checked, Checker};
@@ -36,7 +37,10 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
     // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
     let key = curving_key(key, raw.curving);
-    generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error))
+    if raw.segments.is_empty() && raw.regions.is_empty() {
+        return generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error));
+    }
+    box_regions::build(family, raw, &generator, ratios, &key)
 }
 
 /// Sizes of cells differ at most by this factor: beyond, det J of the thin ones drowns in round-off.
@@ -45,7 +49,7 @@ const LARGEST_RATIO: f64 = 1e10;
 /// Corners further away leave no range for products of coordinates.
 const FARTHEST: f64 = 1e60;
 
-fn corner<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &[f64]) -> Checked<[f64; D]> {
+pub(super) fn corner<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &[f64]) -> Checked<[f64; D]> {
     let corner: [f64; D] = checker.finite_vector(key, "the corner", raw)?;
     for (axis, x) in corner.iter().enumerate() {
         checker.require(&key.entry(axis), "the corner", x.abs() <= FARTHEST, "a number up to 1e60 in size")?;
