@@ -2,6 +2,7 @@
 
 use crate::facet::{corner_node, face_nodes};
 use crate::numbering::unite_nodes;
+use crate::region::NamedSides;
 use crate::{
     BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Region, Side, geometry, region, topology, validity,
 };
@@ -21,7 +22,7 @@ pub struct Mesh<const D: usize> {
     pub(crate) boundary_facets: Vec<BoundaryFacet>,
     pub(crate) boundary_names: Vec<String>,
     pub(crate) regions: Vec<Region>,
-    pub(crate) interfaces: Vec<(String, Vec<Side>)>,
+    pub(crate) interfaces: NamedSides,
 }
 
 impl<const D: usize> Mesh<D> {

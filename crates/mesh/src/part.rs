@@ -1,6 +1,6 @@
 //! The part of a mesh that some of its regions fill, and what two parts share.
 
-use crate::region::interface_of_sides;
+use crate::region::{NamedSides, interface_of_sides};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, NodeNumbering, Side};
 use std::collections::BTreeMap;
 
@@ -90,9 +90,6 @@ struct Extraction<'a, const D: usize> {
     number: &'a [Option<usize>],
 }
 
-/// Sides of cells of the part, in those of the part, by the names of boundaries.
-type Boundaries = Vec<(String, Vec<Side>)>;
-
 impl<const D: usize> Extraction<'_, D> {
     fn mesh(&self, cells: &[usize]) -> Result<Mesh<D>, MeshError> {
         let whole = self.whole;
@@ -127,7 +124,7 @@ impl<const D: usize> Extraction<'_, D> {
     }
 
     /// The boundaries of the whole mesh that the part has a share in.
-    fn outer_boundaries(&self) -> Boundaries {
+    fn outer_boundaries(&self) -> NamedSides {
         let sides = |boundary: usize| -> Vec<Side> {
             let facets = self.whole.boundary_facets.iter().filter(|facet| facet.boundary == boundary);
             facets.filter_map(|facet| self.side(facet.side)).collect()
@@ -138,7 +135,7 @@ impl<const D: usize> Extraction<'_, D> {
 
     /// The facets between a cell of the part and another one, by their own names or those of the regions on the other side, in the order
     /// of the names.
-    fn interfaces_with_others(&self) -> Boundaries {
+    fn interfaces_with_others(&self) -> NamedSides {
         let named = interface_of_sides(&self.whole.interfaces);
         let mut boundaries: BTreeMap<&str, Vec<Side>> = BTreeMap::new();
         for facet in &self.whole.interior_facets {
@@ -164,7 +161,7 @@ impl<const D: usize> Extraction<'_, D> {
     }
 
     /// The named facets between two regions of the part.
-    fn interfaces_inside(&self) -> Boundaries {
+    fn interfaces_inside(&self) -> NamedSides {
         let inside: BTreeMap<Side, &InteriorFacet> =
             self.whole.interior_facets.iter().flat_map(|facet| [(facet.minus, facet), (facet.plus, facet)]).collect();
         let kept = |side: &Side| self.interior_facet(inside[side]).and_then(|_| self.side(*side));

@@ -12,6 +12,9 @@ pub struct Region {
     pub cells: Vec<usize>,
 }
 
+/// Names, and the faces that bear them.
+pub(crate) type NamedSides = Vec<(String, Vec<Side>)>;
+
 /// The name of the region of all cells without one, in a mesh that has regions.
 pub const REST: &str = "rest";
 
@@ -92,10 +95,7 @@ fn add_rest(cells: usize, sets: &mut Vec<(String, BTreeSet<usize>)>) {
 }
 
 /// The boundaries without their facets between regions, and those facets. A boundary that has nothing else is none.
-pub(crate) fn split_interfaces(
-    boundaries: Vec<(String, Vec<Side>)>,
-    between: &BTreeSet<Side>,
-) -> (Vec<(String, Vec<Side>)>, Vec<(String, Vec<Side>)>) {
+pub(crate) fn split_interfaces(boundaries: NamedSides, between: &BTreeSet<Side>) -> (NamedSides, NamedSides) {
     let (mut outer, mut interfaces) = (Vec::new(), Vec::new());
     for (name, sides) in boundaries {
         let (mut inner, outside): (Vec<Side>, Vec<Side>) = sides.into_iter().partition(|side| between.contains(side));

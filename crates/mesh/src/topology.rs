@@ -1,13 +1,13 @@
 //! Which faces meet: facets from vertex numbers, boundaries from names.
 
-use crate::region::{regions_of_cells, split_interfaces};
+use crate::region::{NamedSides, regions_of_cells, split_interfaces};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, PeriodicPair, Side, periodic};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Finds the facets of `mesh`, which has cells and regions only so far.
 pub(crate) fn connect<const D: usize>(
     mesh: &mut Mesh<D>,
-    boundaries: Vec<(String, Vec<Side>)>,
+    boundaries: NamedSides,
     pairs: &[PeriodicPair<D>],
 ) -> Result<(), MeshError> {
     let owner = boundary_of_sides(mesh, &boundaries)?;
@@ -120,7 +120,7 @@ pub(crate) fn not_manifold<const D: usize>(mesh: &Mesh<D>, side: Side, count: us
 /// from the others.
 fn keep_named<const D: usize>(
     mesh: &mut Mesh<D>,
-    boundaries: Vec<(String, Vec<Side>)>,
+    boundaries: NamedSides,
     pairs: &[PeriodicPair<D>],
     between_regions: &BTreeSet<Side>,
 ) {

@@ -27,7 +27,7 @@ pub(super) fn build<const D: usize>(
             |piece: &crate::raw::Segment| Segment { end: piece.end, cells: piece.cells, ratio: piece.size_ratio };
         segments[number] = pieces.iter().map(segment).collect();
     }
-    let regions = raw.regions.iter().map(|(name, _)| region(family, raw, name)).collect::<Checked<Vec<_>>>()?;
+    let regions = raw.regions.keys().map(|name| region(family, raw, name)).collect::<Checked<Vec<_>>>()?;
     generator.build_in_regions(&segments, &regions).map_err(|error| refused(family, raw, curving, error))
 }
 
