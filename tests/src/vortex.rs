@@ -1,4 +1,4 @@
-//! The vortex of the paper (IV.A) on a mesh that stretches and follows it.
+//! The vortex of the paper (IV.A) on a mesh that stretches and travels with it.
 
 use crate::prescribed;
 use coupled::{BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System};
@@ -33,7 +33,7 @@ pub struct VortexRun {
     pub exact: Arc<dyn StateField<2, 4>>,
 }
 
-/// How a vortex is run.
+/// The setting of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
     /// N_s of flow and mesh.
@@ -53,12 +53,12 @@ pub struct Setting {
 }
 
 impl VortexRun {
-    /// Sets a run up whose interior follows by elasticity.
+    /// Sets up a run with an elastic interior.
     pub fn new(setting: Setting) -> Self {
         Self::with_motion(setting, true)
     }
 
-    /// Sets a run up whose motion is prescribed everywhere.
+    /// Sets up a run whose motion is prescribed everywhere.
     pub fn prescribed(setting: Setting) -> Self {
         Self::with_motion(setting, false)
     }
@@ -95,7 +95,7 @@ impl VortexRun {
         VortexRun { march: FlowMarch::new(System::new(flow, mover), u, settings), exact }
     }
 
-    /// The largest distance of a node from where the affine map takes it.
+    /// The largest distance of a node from its position by the affine map.
     pub fn displacement_error(&self) -> f64 {
         let state = &self.march.state;
         let nodes = self.march.solver.system.mesh.mover.positions().iter().zip(state.d.chunks_exact(2));

@@ -1,4 +1,4 @@
-//! A mesh whose dimension is known only when it is read.
+//! A mesh whose dimension is known only after it is read.
 
 use mesh::{GmshError, Mesh};
 
@@ -12,7 +12,7 @@ pub enum AnyMesh {
 }
 
 impl AnyMesh {
-    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: in space if it has hexahedra.
+    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: three-dimensional if it has hexahedra.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
         match Mesh::from_gmsh(bytes, periodic) {
             Err(GmshError::Dimension { hexahedra: 0, .. }) => Mesh::from_gmsh(bytes, periodic).map(AnyMesh::Plane),

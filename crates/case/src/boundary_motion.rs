@@ -1,4 +1,4 @@
-//! How a boundary moves.
+//! The motion of a boundary.
 
 use super::vector::Vector;
 use crate::expression::Program;
@@ -23,7 +23,7 @@ pub enum BoundaryMotion<const D: usize> {
 pub type DisplacementOf<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> [f64; D] + 'a>;
 
 impl<const D: usize> BoundaryMotion<D> {
-    /// How many operations an evaluation of its formulas takes.
+    /// The number of operations of an evaluation of its formulas.
     pub fn operations(&self) -> usize {
         let of_step = |step: &RigidStep<D>| match step {
             RigidStep::Translate(displacement) => displacement.operations(),
@@ -65,7 +65,7 @@ impl<const D: usize> BoundaryField<D> for BoundaryMotion<D> {
     }
 }
 
-/// A rigid motion: steps, each of which moves what those before it have left.
+/// A rigid motion: steps, applied in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidMotion<const D: usize> {
     /// The steps.
@@ -83,13 +83,13 @@ pub enum RigidStep<const D: usize> {
         angle: Program,
         /// c.
         centre: Vector<D>,
-        /// The unit vector around which R turns counter-clockwise; in two dimensions that along z.
+        /// The unit vector around which R turns counter-clockwise; in two dimensions the unit vector along z.
         axis: [f64; 3],
     },
 }
 
 impl<const D: usize> RigidMotion<D> {
-    /// Where the point at `x` is at time `t`, less `x`.
+    /// The displacement at time `t` of the point at `x`.
     pub fn displacement<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
         let image = self.steps.iter().fold(*x, |x, step| step.image(&x, t));
         std::array::from_fn(|i| image[i] - x[i])
@@ -135,7 +135,7 @@ pub struct NormalMotion<const D: usize> {
     pub nodes: Arc<BTreeMap<usize, NormalAndArc<D>>>,
 }
 
-/// The unit normal out of the domain, and the arc length as a fraction, 0 where the boundary is no closed curve.
+/// The unit normal out of the domain, and the arc length as a fraction, 0 if the boundary is no closed curve.
 pub type NormalAndArc<const D: usize> = ([f64; D], f64);
 
 impl<const D: usize> NormalMotion<D> {

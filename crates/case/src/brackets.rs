@@ -1,6 +1,6 @@
-//! Brackets that are open at some place of a TOML text. Where one is not closed, a parser notices lines later.
+//! Unclosed brackets of a TOML text. A parser reports a missing bracket lines later.
 
-/// Where the innermost bracket begins that is open at `end`.
+/// The position of the innermost bracket that is open at `end`.
 pub(super) fn open_at(text: &str, end: usize) -> Option<usize> {
     let (mut open, mut at) = (Vec::new(), 0);
     while let Some(rest) = text.get(at..end).filter(|rest| !rest.is_empty()) {
@@ -20,7 +20,7 @@ pub(super) fn open_at(text: &str, end: usize) -> Option<usize> {
     open.pop()
 }
 
-/// The length of the string that `text` begins with: to its closing quotes, or to the end of the line where they are missing.
+/// The length of the string at the start of `text`: up to its closing quotes, or to the end of the line if they are missing.
 fn string_length(text: &str) -> usize {
     let quote = &text[..1];
     let three = quote.repeat(3);
@@ -30,7 +30,7 @@ fn string_length(text: &str) -> usize {
         match next {
             _ if text[at..].starts_with(quotes) => return at + quotes.len(),
             '\n' if !lines => return at,
-            // In double quotes a backslash takes the next character along.
+            // In double quotes a backslash escapes the next character.
             '\\' if quote == "\"" => at += 1 + text[at + 1..].chars().next().map_or(0, char::len_utf8),
             _ => at += next.len_utf8(),
         }

@@ -1,9 +1,10 @@
-//! Checks that several sections of a case need. Every method names the key that an error points at.
+//! Checks used by several sections of a case. Every method names the key of its error.
 
 use super::choices::choices;
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
+use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program, Table};
@@ -16,20 +17,20 @@ use std::path::{Path, PathBuf};
 /// The result of a check.
 pub(super) type Checked<T> = Result<T, Box<CaseError>>;
 
-/// The document that errors point into, and the constants and tables that formulas may contain.
+/// The document for the places of errors, and the constants and tables for formulas.
 pub(super) struct Checker<'a> {
     document: &'a Document,
     names: Names,
     defaults: RefCell<Vec<(String, String)>>,
 }
 
-/// The name that stands for all boundaries that are not named.
+/// The name for all boundaries that are not named.
 const OTHERS: &str = "others";
 
 const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
 impl<'a> Checker<'a> {
-    /// A checker of `document` that knows its `constants`.
+    /// A checker of `document` with its `constants`.
     pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
         let mut checker = Checker { document, names: Names::constants_only(), defaults: RefCell::default() };
         let table = Key::new("constants");
@@ -38,7 +39,7 @@ impl<'a> Checker<'a> {
         ordered.sort_by_key(|(key, ..)| document.position(key));
         for (key, name, formula) in ordered {
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
-            checker.require(&key, "the constant", value.is_finite(), "a formula with a finite value")?;
+            checker.computable(&key, "the constant", value)?;
             if !checker.names.define(name, value) {
                 return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
             }
@@ -46,7 +47,7 @@ impl<'a> Checker<'a> {
         Ok(checker)
     }
 
-    /// Lets formulas contain the function `name` that `table` gives.
+    /// Defines the function `name` of `table` for formulas.
     pub(super) fn define_table(&mut self, key: &Key, name: &str, table: Table) -> Checked<()> {
         if self.names.define_table(name, table) {
             return Ok(());
@@ -60,13 +61,13 @@ impl<'a> Checker<'a> {
         has("structure") || has("motion.boundary")
     }
 
-    /// The constants that formulas may contain, in words: one of them may be what is wrong with a formula. Empty if there are none.
+    /// The constants of formulas, in words, since the error of a formula may come from one of them. Empty if there are none.
     pub(super) fn constants_in_words(&self) -> String {
         let constants: Vec<_> = self.names.constants().map(|(name, value)| format!("{name} = {value}")).collect();
         if constants.is_empty() { String::new() } else { format!("; the constants are {}", constants.join(", ")) }
     }
 
-    /// The tables that formulas may contain, by name.
+    /// The tables of formulas, by name.
     pub(super) fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
         self.names.tables()
     }
@@ -76,12 +77,12 @@ impl<'a> Checker<'a> {
         self.document.path().parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// Takes note of a default that follows from other keys, with what was taken.
+    /// Records a default that follows from other keys, with its value.
     pub(super) fn note_default(&self, key: &Key, taken: &str) {
         self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
     }
 
-    /// The defaults noted.
+    /// The recorded defaults.
     pub(super) fn noted_defaults(&self) -> Vec<(String, String)> {
         self.defaults.borrow().clone()
     }
@@ -91,7 +92,7 @@ impl<'a> Checker<'a> {
         self.document.error(key, cause)
     }
 
-    /// An error unless `holds`.
+    /// An error unless `holds` is true.
     pub(super) fn require(&self, key: &Key, quantity: &str, holds: bool, accepted: &str) -> Checked<()> {
         if holds {
             return Ok(());
@@ -105,6 +106,11 @@ impl<'a> Checker<'a> {
         Ok(value)
     }
 
+    /// Whether the program can compute with the `value` of a formula.
+    pub(super) fn computable(&self, key: &Key, quantity: &str, value: f64) -> Checked<()> {
+        self.require(key, &format!("{quantity}, {value:e},"), is_computable(value), magnitude::ACCEPTED)
+    }
+
     /// Poisson's ratio, where the elastic energy is definite.
     pub(super) fn poisson_ratio(&self, key: &Key, nu: f64) -> Checked<f64> {
         let accepted = "a number above -1 and below 0.5 (0.5 would be incompressible)";
@@ -112,7 +118,7 @@ impl<'a> Checker<'a> {
         Ok(nu)
     }
 
-    /// Which of the axes of the mesh are listed.
+    /// For each axis of the mesh, whether it is listed.
     pub(super) fn axes<const D: usize>(&self, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
         let mut listed = [false; D];
         for (index, axis) in self.distinct(key, "axis", axes)?.iter().enumerate() {
@@ -123,7 +129,7 @@ impl<'a> Checker<'a> {
         Ok(listed)
     }
 
-    /// `entries` of the list at `key`, if none is there twice.
+    /// `entries` of the list at `key`, if none occurs twice.
     pub(super) fn distinct<'b, T: Serialize + PartialEq>(
         &self,
         key: &Key,
@@ -132,7 +138,7 @@ impl<'a> Checker<'a> {
     ) -> Checked<&'b [T]> {
         let repeated = (0..entries.len()).find(|&index| entries[..index].contains(&entries[index]));
         let Some(index) = repeated else { return Ok(entries) };
-        // A name of the case file, as serde writes it.
+        // A name of the case file, as written by serde.
         let name = serde_json::to_string(&entries[index]).unwrap_or_default().trim_matches('"').to_owned();
         Err(self.error(&key.entry(index), Cause::Twice { kind, name }))
     }
@@ -178,7 +184,7 @@ impl<'a> Checker<'a> {
         entries.map_or(Ok([0.0; D]), |entries| self.finite_vector(key, quantity, entries))
     }
 
-    /// What physics says of the value at `key`.
+    /// The value of a check of the physics, with the error at `key`.
     pub(super) fn physics<T>(&self, key: &Key, result: Result<T, InvalidParameter>) -> Checked<T> {
         result.map_err(|error| self.error(key, Cause::Physics(error)))
     }
@@ -214,6 +220,11 @@ impl<'a> Checker<'a> {
         self.programs(key, formulas, &self.names.with_time())
     }
 
+    /// The value of a formula of constants.
+    pub(super) fn number(&self, key: &Key, formula: &Formula) -> Checked<f64> {
+        Ok(self.program(key, formula, &self.names)?.evaluate(&[], 0.0))
+    }
+
     fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
         let formulas: [Formula; D] = self.vector(key, formulas)?;
         let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);
@@ -225,7 +236,10 @@ impl<'a> Checker<'a> {
         match formula {
             Formula::Number(value) => Ok(Program::constant(*value)),
             Formula::Text(text) => {
-                Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))
+                let program =
+                    Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
+                self.computable(key, "the formula", program.as_constant().unwrap_or(0.0))?;
+                Ok(program)
             }
         }
     }
@@ -242,7 +256,7 @@ impl<'a> Checker<'a> {
         self.distinct(key, "boundary", names)?.iter().enumerate().map(index).collect()
     }
 
-    /// For each of the `boundaries` of the mesh its entry of the table `given` at `key`, with the key of that entry.
+    /// For each of the `boundaries` of the mesh its entry in the table `given` at `key`, with the key of that entry.
     pub(super) fn by_boundary<'b, T>(
         &self,
         key: &Key,
@@ -260,7 +274,7 @@ impl<'a> Checker<'a> {
         Ok(boundaries.iter().filter_map(entry).map(|(name, value)| (key.child(name), value)).collect())
     }
 
-    /// The same where boundaries need no entry.
+    /// The same if boundaries need no entry.
     pub(super) fn by_boundary_or_default<T: Clone + Default>(
         &self,
         key: &Key,
@@ -275,7 +289,7 @@ impl<'a> Checker<'a> {
         Ok(boundaries.iter().map(entry).collect())
     }
 
-    /// The table `given` names boundaries of the mesh only.
+    /// Checks that the table `given` names only boundaries of the mesh.
     fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
         let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) else { return Ok(()) };
         let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
@@ -284,7 +298,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The name under which `boundary` is found in the table `given`: its own, or that of all others.
+/// The name under which `boundary` is found in the table `given`: its own, or the name for all others.
 fn name_of<'b, T>(given: &BTreeMap<String, T>, boundary: &'b str) -> &'b str {
     if given.contains_key(boundary) { boundary } else { OTHERS }
 }

@@ -4,7 +4,7 @@ use super::key::{Key, Step};
 use super::raw;
 use serde_json::Value;
 
-/// The names of the choices at `key`; none where there is nothing to choose.
+/// The names of the choices at `key`; empty if there is no choice.
 pub(super) fn choices(key: &Key) -> Vec<String> {
     let schema = raw::schema().to_value();
     let start = alternatives(&schema, &schema);
@@ -18,7 +18,8 @@ pub(super) fn choices(key: &Key) -> Vec<String> {
     found.into_iter().flat_map(names).collect()
 }
 
-/// `value` itself, or what it refers to, and the alternatives that it lists.
+/// `value` itself, or the value it refers to, and the alternatives that it lists.
+/// The value at the `step` from `value`.
 fn alternatives<'a>(schema: &'a Value, value: &'a Value) -> Vec<&'a Value> {
     if let Some(name) = value["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/")) {
         return alternatives(schema, &schema["$defs"][name]);
@@ -27,7 +28,7 @@ fn alternatives<'a>(schema: &'a Value, value: &'a Value) -> Vec<&'a Value> {
     std::iter::once(value).chain(lists.flatten().flat_map(|inner| alternatives(schema, inner))).collect()
 }
 
-/// What the `step` from `value` leads to.
+/// The value at the `step` from `value`.
 fn inside<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
     let parts = match step {
         Step::Name(name) => [&value["properties"][name.as_str()], &value["additionalProperties"]],
@@ -36,7 +37,7 @@ fn inside<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
     parts.into_iter().find(|part| part.is_object())
 }
 
-/// The names that an alternative stands for: of a choice without settings, or of the one key that it needs.
+/// The names of an alternative: a choice without settings, or the one key that it needs.
 fn names(value: &Value) -> Vec<String> {
     let texts = |list: &Value| -> Vec<String> {
         list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()

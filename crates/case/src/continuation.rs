@@ -1,10 +1,10 @@
-//! Which cases may continue each other's runs.
+//! Conditions for continuing the run of another case.
 
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time};
 use std::fmt;
 
-/// What a run must share with the one that it continues: the part of a case that its states depend on. Left out is how closely the
-/// equations of a slab are solved, how far the run goes, and how often it writes.
+/// The part of a case that a run must share with the run that it continues, because the states depend on it. Tolerances and limits
+/// of the solver, the end of the run and the intervals of output are left out.
 pub(super) fn lasting(case: &Case) -> Case {
     let Time { start, end, .. } = case.time;
     let step = case.time.step.or(case.time.slabs.map(|slabs| (end - start) / slabs as f64));
@@ -12,19 +12,19 @@ pub(super) fn lasting(case: &Case) -> Case {
     Case {
         title: String::new(),
         time: Time { end: 0.0, slabs: None, step, adaptive, ..case.time },
-        // That there was a steady start lasts.
+        // The existence of a steady start is kept.
         solver: Solver { steady: case.solver.steady.map(|_| Steady::default()), ..Solver::default() },
         output: Output { fields: case.output.fields.clone(), ..Output::default() },
         ..case.clone()
     }
 }
 
-/// A key whose value is not the same in two cases.
+/// A key with different values in two cases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// The key.
     pub key: String,
-    /// Its value in the first case; none if it is not there.
+    /// Its value in the first case; None if it is missing.
     pub before: Option<String>,
     /// Its value in the second.
     pub now: Option<String>,
@@ -37,19 +37,19 @@ impl fmt::Display for Difference {
     }
 }
 
-/// The differences of two cases in full: all of them, and those of what lasts.
+/// All differences of two cases, and those of the lasting part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
     /// In any key.
     pub all: Vec<Difference>,
-    /// In what the states depend on.
+    /// In the part that the states depend on.
     pub lasting: Vec<Difference>,
 }
 
-/// In what the case `now` differs from the case `before`, both resolved, as text.
+/// The differences between the resolved cases `before` and `now`, as text.
 ///
 /// # Errors
-/// What is wrong with a text, which another version of the program may have written.
+/// The error of a text, which another version of the program may have written.
 pub fn differences(before: &str, now: &str) -> Result<Differences, String> {
     let parsed = |text: &str| toml::from_str::<Case>(text).map_err(|error| error.message().to_owned());
     let (before, now) = (parsed(before)?, parsed(now)?);

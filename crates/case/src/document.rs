@@ -1,9 +1,10 @@
-//! The TOML document of a case, every key and value with its place.
+//! The TOML document of a case, with the place of every key and value.
 
 use super::brackets;
 use super::choices::choices;
 use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
+use super::magnitude;
 use super::shape;
 use crate::excerpt::shortened;
 use crate::input_file;
@@ -13,13 +14,13 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Bytes of a case file at most: longer tables have files of their own.
+/// The largest size of a case file in bytes: longer tables have files of their own.
 const LARGEST: u64 = 16_000_000;
 
 /// A case file with `--set` options written over it.
 ///
-/// An option is parsed as a line of its own behind the file: it is padded with as many spaces as there is text before it. So
-/// every value has a place, and a place beyond the end of the file belongs to an option.
+/// An option is parsed as a line of its own after the file, padded with as many spaces as there is text before it. So every
+/// value has a place, and a place beyond the end of the file belongs to an option.
 #[derive(Clone, Debug)]
 pub struct Document {
     path: PathBuf,
@@ -30,20 +31,20 @@ pub struct Document {
 type Table<'a> = DeTable<'a>;
 type Value<'a> = Spanned<DeValue<'a>>;
 
-/// What the document holds at a key.
+/// The contents of the document at a key.
 struct Found {
-    /// Where the key was written, or the innermost table around it that was.
+    /// The place of the key, or of the innermost table around it.
     key: Range<usize>,
-    /// Where its value was written; None for a table, which may be scattered, and for a key that does not exist.
+    /// The place of its value; None for a table, which may be scattered, and for a key that does not exist.
     value: Option<Range<usize>>,
     /// Whether the key exists.
     exists: bool,
-    /// The keys in it, of a table.
+    /// The keys in it, if it is a table.
     names: Vec<String>,
 }
 
 impl Found {
-    /// No such key in the table at `place`.
+    /// The key is missing in the table at `place`.
     fn nothing_in(place: Range<usize>) -> Self {
         Found { key: place, value: None, exists: false, names: Vec::new() }
     }
@@ -65,7 +66,7 @@ impl Document {
     /// As [`Document::read`], from the `text` of the file.
     ///
     /// # Errors
-    /// As [`Document::read`], but for reading.
+    /// As [`Document::read`], except for errors of reading.
     pub fn parse(path: &Path, text: String, options: &[String]) -> Result<Self, Box<CaseError>> {
         let mut document = Document { path: path.to_owned(), texts: vec![text] };
         document.tree()?;
@@ -84,34 +85,38 @@ impl Document {
 
     /// Deserialises the document.
     pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
-        // Whole numbers of TOML have 64 bits with a sign. The parser lets longer ones pass, its own tables do not.
+        // Integers of TOML have 64 bits with a sign. The parser accepts longer ones, its own tables do not.
         self.deserialize_as::<toml::Table>()?;
         if let Some((key, cause)) = shape::first_misfit(self.tree()?.get_ref()) {
             return Err(self.error(&key, cause));
         }
-        self.deserialize_as()
+        let case = self.deserialize_as()?;
+        match magnitude::first_extreme(self.tree()?.get_ref()) {
+            Some((key, cause)) => Err(self.error(&key, cause)),
+            None => Ok(case),
+        }
     }
 
     fn deserialize_as<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
         T::deserialize(toml::de::Deserializer::from(self.tree()?)).map_err(|error| self.toml_error(&error))
     }
 
-    /// An error at `key`, or at the innermost table around it that was written.
+    /// An error at `key`, or at the innermost existing table around it.
     pub(super) fn error(&self, key: &Key, cause: Cause) -> Box<CaseError> {
         let found = self.find(key);
         let value = found.value.as_ref().map(|span| self.excerpt(span));
-        // An unknown name is a key, anything else is wrong with the value.
+        // An unknown name concerns the key, any other error the value.
         let at = found.value.filter(|_| !matches!(cause, Cause::Unknown { .. })).unwrap_or(found.key);
         Box::new(CaseError { place: self.place(&at), key: key.to_string(), value, cause })
     }
 
-    /// Where the key was written, later keys having greater numbers; None if it was not.
+    /// The position of the key, which increases along the text; None if it is missing.
     pub(super) fn position(&self, key: &Key) -> Option<usize> {
         let found = self.find(key);
         found.exists.then_some(found.key.start)
     }
 
-    /// The file with the options written over it. Parsed anew whenever it is needed: it borrows from the text.
+    /// The file with the options written over it. It is parsed anew for each use, because it borrows from the text.
     fn tree(&self) -> Result<Spanned<Table<'_>>, Box<CaseError>> {
         let mut root = self.parse_text(&self.texts[0])?;
         for text in &self.texts[1..] {
@@ -149,7 +154,7 @@ impl Document {
         Found { key: place, value, exists: true, names }
     }
 
-    /// An error of deserialisation, with the key that it concerns.
+    /// An error of deserialisation, with its key.
     fn toml_error(&self, error: &toml::de::Error) -> Box<CaseError> {
         let span = error.span().unwrap_or(0..0);
         let mut key = Key::default();
@@ -165,7 +170,7 @@ impl Document {
         Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
     }
 
-    /// The first part of `key` that was written at `offset`, where the header of a table names several.
+    /// The first part of `key` that was written at `offset`, since the header of a table may name several.
     fn outermost(&self, key: Key, offset: usize) -> Key {
         let mut parts = (1..=key.0.len()).map(|steps| Key(key.0[..steps].to_vec()));
         parts.find(|part| self.find(part).key.start == offset).unwrap_or(key)
@@ -176,7 +181,7 @@ impl Document {
         shortened(self.text_at(span.start).1.get(span.clone()).unwrap_or_default(), LONGEST_VALUE)
     }
 
-    /// The text in which `offset` lies, and its number.
+    /// The text that contains `offset`, and its number.
     fn text_at(&self, offset: usize) -> (usize, &str) {
         let index = self.texts.iter().position(|text| offset <= text.len()).unwrap_or(self.texts.len() - 1);
         (index, &self.texts[index])
@@ -239,7 +244,8 @@ fn overwrite<'a>(table: &mut Table<'a>, option: Table<'a>, depth: usize) -> Resu
             _ => Err(format!("`{}` is not a table: it has no keys", key.get_ref())),
         },
         (old, value) => {
-            // A table is known by the place of its key. Otherwise the key stays: constants are defined in its order.
+            // The place of a table is the place of its key. Otherwise the key stays, because constants are defined in
+            // its order.
             if value.is_table() || old.is_none() {
                 table.remove(key.get_ref().as_ref());
             }

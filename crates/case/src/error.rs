@@ -1,36 +1,36 @@
-//! What can be wrong with a case, and where.
+//! Errors of a case, and their places.
 
 use crate::excerpt::{Excerpt, shortened};
 use crate::expression::{ExpressionError, TableError};
 use std::fmt;
 use std::path::PathBuf;
 
-/// How the parser begins to say that a choice is not one.
+/// The beginning of the parser's message about an invalid choice.
 pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
 
-/// How the parser says that a choice is neither a text nor a table.
+/// The parser's message about a choice that is neither a text nor a table.
 const NAME_OR_TABLE: &str = "wanted string or table";
 
-/// Characters of an option that an error repeats at most.
+/// The largest number of characters of an option in an error.
 const LONGEST_OPTION: usize = 300;
 
-/// Characters of a name or a value that the sentence of an error repeats at most.
+/// The largest number of characters of a name or a value in the sentence of an error.
 pub(super) const LONGEST_VALUE: usize = 60;
 
-/// Something wrong with a case: where, the key and its value, what is wrong, what is accepted.
+/// An error of a case: the place, the key and its value, the cause, the accepted values.
 #[derive(Debug)]
 pub struct CaseError {
-    /// Where it was written.
+    /// The place of the key or value.
     pub place: Place,
-    /// The key, for instance `flow.boundary.left`; empty if the text is no TOML.
+    /// The key, for instance `flow.boundary.left`; empty if the text is not TOML.
     pub key: String,
-    /// The value as it was written, where there is one.
+    /// The value as written, if there is one.
     pub value: Option<String>,
-    /// What is wrong with it.
+    /// The cause.
     pub cause: Cause,
 }
 
-/// Where something was written.
+/// A place in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// In the case file.
@@ -43,10 +43,10 @@ pub enum Place {
         column: usize,
         /// The line itself.
         text: String,
-        /// The number of characters concerned.
+        /// The number of marked characters.
         length: usize,
     },
-    /// In a `--set` option, given here as it was understood.
+    /// In a `--set` option, as it was interpreted.
     Option(String),
     /// In no line of the case file.
     Nowhere {
@@ -55,61 +55,61 @@ pub enum Place {
     },
 }
 
-/// What is wrong.
+/// The cause of an error.
 #[derive(Debug, thiserror::Error)]
 pub enum Cause {
     /// The file cannot be read.
     #[error("cannot read the case: {0}")]
     Read(#[source] std::io::Error),
-    /// The text is no TOML, or a key is missing.
+    /// The text is not TOML, or a key is missing.
     #[error("{0}")]
     Toml(String),
     /// A value of the wrong type.
     #[error("wrong type: {found}")]
     Type {
-        /// What the value is.
+        /// The type of the value.
         found: String,
-        /// What is accepted.
+        /// The accepted types.
         accepted: String,
     },
-    /// A name that is not known here.
+    /// An unknown name.
     #[error("unknown {kind} `{name}`")]
     Unknown {
-        /// What it should name: a key, a boundary, ...
+        /// The kind of the name: a key, a boundary, ...
         kind: &'static str,
         /// The name.
         name: String,
-        /// The names that are known.
+        /// The known names.
         accepted: Vec<String>,
     },
     /// A value outside its range.
     #[error("{quantity} is out of range")]
     OutOfRange {
-        /// What the value is.
+        /// The name of the quantity.
         quantity: String,
-        /// What is accepted.
+        /// The accepted values.
         accepted: String,
     },
     /// An array that does not have one entry per axis.
     #[error("wrong number of entries: {found}, in {dimension} dimensions")]
     Length {
-        /// How many there are.
+        /// The number of entries.
         found: usize,
-        /// How many there should be.
+        /// The number of dimensions.
         dimension: usize,
     },
-    /// A list with more or fewer entries than it has a meaning for.
+    /// A list with a wrong number of entries.
     #[error("wrong number of entries: {found}")]
     Entries {
-        /// How many there are.
+        /// The number of entries.
         found: usize,
-        /// How many there must be.
+        /// The required number.
         accepted: usize,
     },
-    /// An entry of a list that is there before.
+    /// An entry that occurs twice in a list.
     #[error("{kind} `{name}` is listed twice")]
     Twice {
-        /// What it names: a field, an axis, ...
+        /// The kind of the entry: a field, an axis, ...
         kind: &'static str,
         /// Its name.
         name: String,
@@ -119,17 +119,17 @@ pub enum Cause {
     NoCondition {
         /// The boundaries.
         names: Vec<String>,
-        /// What they lack: a condition of the flow, a motion.
+        /// The missing item: a condition of the flow, a motion.
         kind: &'static str,
-        /// Some that there are.
+        /// Some of the choices.
         choices: Vec<String>,
     },
     /// A key that is needed because of another one, or keys that exclude each other.
     #[error("{problem}")]
     Combination {
-        /// What does not fit together.
+        /// The conflict.
         problem: String,
-        /// What to write.
+        /// The accepted input.
         accepted: String,
     },
     /// A formula that cannot be compiled.
@@ -140,44 +140,44 @@ pub enum Cause {
     MovedAtStart {
         /// The start.
         time: f64,
-        /// Where.
+        /// The position at rest.
         position: Vec<f64>,
         /// The component of the displacement.
         value: f64,
     },
-    /// A gas, state or boundary condition that cannot be.
+    /// An impossible gas, state or boundary condition.
     #[error("{0}")]
     Physics(#[source] navier_stokes::InvalidParameter),
-    /// A mesh that cannot be.
+    /// An impossible mesh.
     #[error("{0}")]
     Mesh(#[source] mesh::MeshError),
-    /// A file that the case names cannot be read.
+    /// A file named in the case cannot be read.
     #[error("cannot read {}: {error}", path.display())]
     File {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The error of the system.
         error: std::io::Error,
     },
-    /// A file of the case that holds no mesh.
+    /// A mesh file of the case that cannot be read.
     #[error("{}: {error}", path.display())]
     MeshFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, and in which line or byte.
+        /// The error, with its line or byte.
         error: mesh::GmshError,
     },
-    /// A table that is no function.
+    /// A table that does not define a function.
     #[error("{0}")]
     Table(#[source] TableError),
-    /// A line of the file of a table that does not hold its numbers.
+    /// A line in the file of a table without the required numbers.
     #[error("{}:{line}: no numbers in columns 1 and {column} of `{found}`", path.display())]
     Row {
         /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What it holds.
+        /// The text of the line.
         found: String,
         /// The column of the values, from 1.
         column: usize,
@@ -189,22 +189,21 @@ pub enum Cause {
         path: PathBuf,
         /// The line, from 1.
         line: usize,
-        /// What it holds.
+        /// The text of the line.
         found: String,
     },
 }
 
 impl CaseError {
-    /// An error that concerns no key.
+    /// An error without a key.
     pub(super) fn without_key(place: Place, cause: Cause) -> Box<Self> {
         Box::new(CaseError { place, key: String::new(), value: None, cause })
     }
 }
 
 impl Cause {
-    /// The cause of a `message` of serde about `value`, or about a table with these `names`. Of an unknown name, the message
-    /// lists what is known, all between backticks.
-    /// `choices` are those of the schema.
+    /// The cause of a `message` of serde about `value`, or about a table with these `names`. For an unknown name, the
+    /// message lists the known names between backticks. `choices` are the choices of the schema.
     pub(super) fn from_serde(
         message: &str,
         value: Option<&str>,
@@ -247,7 +246,7 @@ impl Cause {
         }
     }
 
-    /// What would be accepted, as a sentence, where the message itself does not say.
+    /// The accepted input as a sentence, if the message itself does not contain it.
     fn accepted(&self) -> Option<String> {
         match self {
             Cause::Unknown { accepted, .. } if accepted.is_empty() => Some("nothing: there are none here".to_owned()),
@@ -287,7 +286,7 @@ impl Cause {
     }
 }
 
-/// A type of Rust, as serde names it, in the words of a case file.
+/// The words of a case file for a type of Rust as serde names it.
 fn plain_type(expected: &str) -> String {
     match expected {
         "usize" | "u64" => "a whole number, 0 or more".to_owned(),
@@ -302,7 +301,7 @@ fn plain_type(expected: &str) -> String {
     }
 }
 
-/// What boundaries lack, as a sentence.
+/// The missing items of boundaries, as a sentence.
 fn without(names: &[String], kind: &str) -> String {
     let (boundaries, have) = if names.len() == 1 { ("boundary", "has") } else { ("boundaries", "have") };
     format!("{boundaries} {} of the mesh {have} no {kind}", quoted(names))
@@ -321,7 +320,7 @@ impl fmt::Display for CaseError {
             Place::Option(option) => write!(f, "--set {}: ", shortened(option, LONGEST_OPTION))?,
             Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
         }
-        // An option that sets just this key says key and value itself.
+        // An option that sets just this key already contains key and value.
         let said =
             matches!(&self.place, Place::Option(option) if option.split('=').next().map(str::trim) == Some(&self.key));
         match (&self.key, &self.value) {
@@ -355,7 +354,7 @@ impl CaseError {
 impl std::error::Error for CaseError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match &self.cause {
-            // The message contains it already, the chain below it does not.
+            // The message contains it already, but not the chain of errors below it.
             Cause::Read(error) => error.source(),
             _ => None,
         }

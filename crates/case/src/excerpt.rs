@@ -1,24 +1,24 @@
-//! A line of text with carets below a part of it; of a long line the piece around that part.
+//! A line of text with carets below a part of it; for a long line the text around that part.
 
 use std::fmt;
 
-/// Characters of a line that are shown at most.
+/// The largest number of characters of a line that are shown.
 const WIDTH: usize = 160;
 
 /// Characters shown before the marked part of a long line.
 const BEFORE: usize = 60;
 
-/// What stands where characters are left out.
+/// The mark of omitted characters.
 const LEFT_OUT: &str = "... ";
 
-/// A line of text of which some characters are marked.
+/// A line of text with some marked characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Excerpt<'a> {
     /// The line.
     pub line: &'a str,
     /// The first marked character, from 0.
     pub position: usize,
-    /// How many characters are marked; one at least is.
+    /// The number of marked characters, at least one.
     pub length: usize,
 }
 
@@ -26,14 +26,14 @@ impl Excerpt<'_> {
     /// Writes the line after `margin`, and the carets on the next line after `below`.
     ///
     /// # Errors
-    /// Those of the formatter.
+    /// Errors of the formatter.
     pub fn write(&self, f: &mut fmt::Formatter<'_>, margin: &str, below: &str) -> fmt::Result {
         let length = self.line.chars().count();
         let first = if length <= WIDTH { 0 } else { self.position.saturating_sub(BEFORE).min(length - WIDTH) };
         let last = length.min(first + WIDTH);
         let (head, tail) = (if first > 0 { LEFT_OUT } else { "" }, if last < length { " ..." } else { "" });
         let shown: String = self.line.chars().skip(first).take(last - first).collect();
-        // Tabs stay tabs, so that the carets stay below what they mark.
+        // Tabs are kept, so that the carets stay below the marked characters.
         let blank = |c: char| if c == '\t' { '\t' } else { ' ' };
         let indent: String = shown.chars().take(self.position - first.min(self.position)).map(blank).collect();
         let carets = "^".repeat(self.length.min(last.saturating_sub(self.position)).max(1));

@@ -1,18 +1,18 @@
-//! Files that the user names, read whole: regular files of a size that fits.
+//! Input files, read as a whole: regular files of limited size.
 //!
-//! A pipe or a device may never end, or never begin: it is refused by its type, before it is opened.
+//! A pipe or a device may never end, or never begin, so it is refused by its type before it is opened.
 
 use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
-/// Bytes of a table or a list of points at most.
+/// The largest size of a table or a list of points, in bytes.
 pub const LARGEST_TABLE: u64 = 1 << 30;
 
-/// Refuses what is there at `path` and is no regular file: a directory, a pipe, a device.
+/// Refuses anything at `path` that is no regular file: a directory, a pipe, a device.
 ///
 /// # Errors
-/// What it is, or what the system says.
+/// The type of the file, or the error of the system.
 pub fn require_regular(path: &Path) -> Result<Metadata> {
     let found = std::fs::metadata(path)?;
     let kind = match () {
@@ -23,14 +23,14 @@ pub fn require_regular(path: &Path) -> Result<Metadata> {
     Err(Error::new(ErrorKind::InvalidInput, format!("it is {kind}, and a regular file is expected")))
 }
 
-/// The bytes of the file at `path`, `most` at most.
+/// The bytes of the file at `path`, at most `most`.
 ///
 /// # Errors
 /// If it is no regular file, is larger, or cannot be read.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     let length = require_regular(path)?.len();
     let mut bytes = Vec::new();
-    // Some files of the system have no length of their own.
+    // Some system files report no length.
     if length <= most {
         File::open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     }
@@ -40,10 +40,10 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     }
 }
 
-/// As [`read`], a text.
+/// As [`read`], for a text.
 ///
 /// # Errors
-/// As [`read`], and if the bytes are no UTF-8.
+/// As [`read`], and if the bytes are not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String> {
     let text = String::from_utf8(read(path, most)?);
     text.map_err(|_| Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))

@@ -1,6 +1,6 @@
 //! Case files: TOML and formulas become a checked [`Case`].
 //!
-//! This crate is the only one that reads TOML. It computes nothing but the mesh at rest, and prints nothing.
+//! This crate is the only one that reads TOML. It computes only the mesh at rest, and prints nothing.
 //!
 //! ```text
 //! text + --set  ->  Document (every key and value with its place)  ->  raw::Case  ->  Case
@@ -8,21 +8,22 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `input_file`, `mesh_file` | files that the user names, read whole; a mesh file, if it fits |
+//! | `input_file`, `mesh_file` | input files, read as a whole; a mesh file, if it fits into memory |
 //! | `document` | the TOML document with places; `--set` |
-//! | `brackets` | brackets of it that are not closed |
+//! | `brackets` | unclosed brackets in it |
 //! | `key` | the path of a key, `flow.boundary.left` |
-//! | `error` | what can be wrong, and where |
+//! | `error` | errors and their places |
+//! | `magnitude` | which numbers the program can compute with |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
-//! | `continuation` | which cases may continue each other's runs |
-//! | `checked` | the case as the program needs it; no other code sees `raw` |
-//! | `shape` | keys that there are not, lists that are too long, lists in the place of tables |
+//! | `continuation` | conditions for continuing the run of another case |
+//! | `checked` | the checked case; no other code uses `raw` |
+//! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
-//! | `boundary_motion` | how a boundary moves |
+//! | `boundary_motion` | the motion of a boundary |
 //! | `expression` | formulas and tables |
-//! | `any_mesh` | a mesh whose dimension is known only when it is read |
-//! | `memory` | the memory that is there |
+//! | `any_mesh` | a mesh whose dimension is known only after it is read |
+//! | `memory` | available memory |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
 
 mod any_mesh;
@@ -38,6 +39,7 @@ mod excerpt;
 pub mod expression;
 pub mod input_file;
 mod key;
+mod magnitude;
 pub mod memory;
 pub mod mesh_file;
 mod nearest;

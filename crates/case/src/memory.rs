@@ -1,9 +1,9 @@
-//! The memory that this process may still take, so that what cannot fit is refused before it is begun.
+//! The memory available to this process, so that work that cannot fit is refused before it begins.
 
 use std::fs::read_to_string;
 
-/// Bytes that the process may still take: the least of what the machine has free, what is left to its control group, and what is left of
-/// its address space. `None` where the system does not tell.
+/// The number of bytes available to the process: the least of the free memory of the machine, of its control group, and of its address
+/// space. `None` if the system does not report it.
 pub fn available() -> Option<u64> {
     let file = |path: &str| read_to_string(path).ok();
     let free = file("/proc/meminfo").and_then(|text| free(&text));
@@ -15,7 +15,7 @@ pub fn available() -> Option<u64> {
         .min()
 }
 
-/// Why `needed` bytes are too many, in words; none if they fit or the system does not tell.
+/// Why `needed` bytes are too many, in words; `None` if they fit or the system does not report its memory.
 pub fn shortage(needed: u64) -> Option<String> {
     let available = available().filter(|available| needed > *available)?;
     Some(format!("about {} are needed, {} are there", in_words(needed), in_words(available)))
@@ -35,25 +35,25 @@ fn free(text: &str) -> Option<u64> {
     Some(kilobytes(text, "MemAvailable:")? + kilobytes(text, "SwapFree:").unwrap_or(0))
 }
 
-/// What the limit of the address space (`ulimit -v`) leaves.
+/// The remainder of the limit of the address space (`ulimit -v`).
 fn left_of_address_space(limits: &str, status: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
     Some(limit.saturating_sub(kilobytes(status, "VmSize:")?))
 }
 
-/// What the limit of the control group leaves, if it has one.
+/// The remainder of the limit of the control group, if it has one.
 fn left_to_group(limit: &str, taken: &str) -> Option<u64> {
     let number = |path: &str| read_to_string(path).ok()?.trim().parse::<u64>().ok();
     Some(number(limit)?.saturating_sub(number(taken)?))
 }
 
-/// The largest memory of this process so far, where the system tells.
+/// The largest memory of this process so far, if the system reports it.
 pub fn peak() -> Option<u64> {
     kilobytes(&read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes of the line that begins with `name`, in kB there.
+/// The number of bytes in the line that begins with `name`, which is in kB.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)

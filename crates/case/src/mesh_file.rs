@@ -1,10 +1,10 @@
-//! A mesh file, read whole if it and its mesh fit into memory.
+//! A mesh file, read as a whole if it and its mesh fit into memory.
 
 use crate::{input_file, memory};
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
-/// Bytes in memory for a byte of the file, at least: the file, its lists and the mesh.
+/// A lower bound of the bytes in memory per byte of the file: the file, its lists and the mesh.
 const PER_BYTE: u64 = 4;
 
 /// The bytes of the file at `path`.

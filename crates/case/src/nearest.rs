@@ -1,6 +1,6 @@
-//! The known name that a misspelt one was probably meant to be.
+//! The known name that a misspelt one probably meant.
 
-/// The candidate with the smallest edit distance to `name`, if it is close enough to be meant.
+/// The candidate with the smallest edit distance to `name`, if it is close enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let accepted = (name.chars().count() / 3).max(1);
     let distance = |candidate: &str| edit_distance(&name.to_lowercase(), &candidate.to_lowercase());

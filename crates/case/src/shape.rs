@@ -1,8 +1,8 @@
-//! Whether a document has the shape of the schema.
+//! The comparison of a document with the schema.
 //!
-//! Three things pass the deserialiser, or pass it too late. It takes the entries of a list that it needs and leaves the others, it fills
-//! tables from lists by position, and it may find that a table lacks a key before it meets the misspelt name of another table. So the
-//! whole document is compared with the schema first. What else may be wrong with a value is left to the deserialiser.
+//! The deserialiser misses three errors, or finds them too late. It takes the entries of a list that it needs and ignores the others. It
+//! fills tables from lists by position. And it may report a missing key in one table before it meets the misspelt name of another. So
+//! the whole document is first compared with the schema. All other errors of values are left to the deserialiser.
 
 use super::error::Cause;
 use super::key::Key;
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The key that fits nowhere and comes first in the text, and what is wrong with it.
+/// The first misfitting key in the text, and its error.
 pub(super) fn first_misfit(document: &DeTable<'_>) -> Option<(Key, Cause)> {
     static SCHEMA: OnceLock<Schema> = OnceLock::new();
     let root = SCHEMA.get_or_init(|| raw::schema().to_value());
@@ -21,15 +21,15 @@ pub(super) fn first_misfit(document: &DeTable<'_>) -> Option<(Key, Cause)> {
     walk.first.map(|misfit| (misfit.key, misfit.cause))
 }
 
-/// Something that does not fit.
+/// A part of the document that does not fit.
 struct Misfit {
-    /// Where in the text.
+    /// The place in the text.
     offset: usize,
     key: Key,
     cause: Cause,
 }
 
-/// A walk through a document along its schema.
+/// A traversal of a document along its schema.
 struct Walk<'a> {
     root: &'a Schema,
     first: Option<Misfit>,
@@ -45,14 +45,14 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The `table` at `key`: with the keys of a section, with names that the user chooses, or with one choice.
+    /// The `table` at `key`: with the keys of a section, with names chosen by the user, or with one choice.
     fn table(&mut self, alternatives: &[&'a Schema], table: &DeTable<'_>, key: &Key) {
         let named: Vec<&'a Schema> = alternatives.iter().copied().filter(|a| a["properties"].is_object()).collect();
         if let Some(any) = alternatives.iter().copied().map(|a| &a["additionalProperties"]).find(|any| any.is_object())
         {
             return table.iter().for_each(|(name, value)| self.value(any, value, &key.child(name.get_ref())));
         }
-        // Of several choices in one table each may be right: the deserialiser tells that there are several.
+        // Each of several choices in one table may be valid; the deserialiser reports that there are several.
         if named.is_empty() || named.len() > 1 && table.len() != 1 {
             return;
         }
@@ -68,7 +68,8 @@ impl<'a> Walk<'a> {
 
     fn list(&mut self, alternatives: &[&'a Schema], offset: usize, entries: &[Spanned<DeValue<'_>>], key: &Key) {
         let Some(list) = alternatives.iter().copied().find(|a| has_type(a, "array")) else {
-            // A single name would do as well as a table, but the deserialiser says that no better.
+            // A single name would be valid instead of the table, but the deserialiser's message does not say that
+            // better.
             if alternatives.iter().any(|a| has_type(a, "object")) {
                 self.add(offset, key.clone(), a_list(alternatives));
             }
@@ -91,7 +92,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// `schema`, or what it refers to, and the alternatives that it lists.
+    /// `schema`, or the schema it refers to, and the alternatives that it lists.
     fn alternatives(&self, schema: &'a Schema) -> Vec<&'a Schema> {
         if let Some(name) = schema["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/")) {
             return self.alternatives(&self.root["$defs"][name]);
@@ -102,7 +103,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// No such key, or no such choice.
+/// An unknown key or choice.
 fn unknown(name: &str, alternatives: &[&Schema]) -> Cause {
     let is_choice = alternatives.iter().any(|a| a["oneOf"].is_array());
     let keys = alternatives.iter().filter_map(|a| a["properties"].as_object()).flat_map(|keys| keys.keys());
@@ -112,7 +113,7 @@ fn unknown(name: &str, alternatives: &[&Schema]) -> Cause {
     Cause::Unknown { kind: if is_choice { "choice" } else { "key" }, name: name.to_owned(), accepted }
 }
 
-/// A list where a table belongs.
+/// A list in the place of a table.
 fn a_list(alternatives: &[&Schema]) -> Cause {
     let keys: Vec<&String> =
         alternatives.iter().filter_map(|a| a["properties"].as_object()).flat_map(|k| k.keys()).collect();

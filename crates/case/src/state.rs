@@ -9,7 +9,7 @@ use tensor::Transcendental;
 /// A state as a function of position and time: initial values, boundary values, the exact solution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State<const D: usize> {
-    /// The same everywhere.
+    /// A uniform state.
     Uniform(FreeStream<D>),
     /// An isentropic vortex.
     Vortex(Vortex<D>),
@@ -19,7 +19,7 @@ pub enum State<const D: usize> {
     Waves(Waves<D>),
     /// Formulas.
     Expression(Box<Formulas<D>>),
-    /// Formulas of what a velocity inflow is given.
+    /// Formulas of the data of a velocity inflow.
     Entering(Box<Entering<D>>),
 }
 

@@ -21,7 +21,7 @@ impl<const D: usize> Vector<D> {
         Vector { components: std::array::from_fn(|_| Program::constant(0.0)) }
     }
 
-    /// How many operations an evaluation takes.
+    /// The number of operations of an evaluation.
     pub fn operations(&self) -> usize {
         self.components.iter().map(Program::operations).sum()
     }

@@ -97,10 +97,61 @@ pub trait Block: Send {
     }
 }
 
+/// What has become of the energy since the start of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Work of the flow on the body.
+    pub flow: f64,
+    /// Work of what drives coordinates.
+    pub drive: f64,
+    /// Work of the outer force.
+    pub force: f64,
+    /// What dampers have taken.
+    pub damped: f64,
+    /// What jumps in time have taken: the error of the time integration.
+    pub numerical: f64,
+    /// What the equations, solved to a tolerance, leave open.
+    pub defect: f64,
+}
+
+impl Ledger {
+    /// The number of its entries.
+    pub const LEN: usize = 6;
+
+    /// Its entries.
+    pub fn numbers(&self) -> [f64; Self::LEN] {
+        [self.flow, self.drive, self.force, self.damped, self.numerical, self.defect]
+    }
+
+    /// The ledger with these entries.
+    pub fn read(numbers: &[f64]) -> Self {
+        let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
+        Ledger { flow: at(0), drive: at(1), force: at(2), damped: at(3), numerical: at(4), defect: at(5) }
+    }
+}
+
+/// A body between two slabs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyState {
+    /// Its coordinates; none for an elastic body.
+    pub position: Vec<f64>,
+    /// Their rates.
+    pub rate: Vec<f64>,
+    /// Kinetic energy.
+    pub kinetic_energy: f64,
+    /// The energy of springs or strain.
+    pub potential_energy: f64,
+    /// Where its energy came from and went to.
+    pub ledger: Ledger,
+}
+
 /// A block ahead of the mesh: what moves walls and feels the loads of the flow.
 pub trait Body: Block {
     /// Its state at the start of a run, as it is stored.
     fn initial(&self) -> Vec<f64>;
+
+    /// What a `stored` state says.
+    fn read(&self, stored: &[f64]) -> BodyState;
 
     /// z := the guess of the slab that began last, from the unknowns and the length of the slab before, if there was one; writes the
     /// displacement of its walls.

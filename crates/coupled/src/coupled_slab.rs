@@ -3,6 +3,7 @@
 mod guess;
 
 use crate::balance::{self, Balance};
+use crate::block::BodyState;
 use crate::blocks::{Counts, inadmissible};
 use crate::march::{March, SlabSolver};
 use crate::mesh_mover::MeshQuality;
@@ -123,6 +124,12 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
     /// Adapts the length of the slabs from now on.
     pub fn adapt(&mut self, control: StepControl) {
         self.schedule.control = Some(control);
+    }
+
+    /// The bodies where the run stands.
+    pub fn bodies(&self) -> Vec<BodyState> {
+        let bodies = self.solver.system.bodies.iter().zip(&self.state.bodies);
+        bodies.map(|(body, stored)| body.read(stored)).collect()
     }
 
     /// The integrals of the components at the top of the slab.

@@ -36,6 +36,8 @@ pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
 pub use slab_error::{MarchError, SlabError, chain};
 pub use state::{Interval, Past, State};
-pub use steady::{Discretisation, Discretised, Search, Settling, Stage, SteadyError, SteadyFlow, solve_steady};
+pub use steady::{
+    Discretisation, Discretised, Reliability, Search, Settling, Stability, Stage, SteadyError, SteadyFlow, solve_steady,
+};
 pub use structure_march::{Equations, StructureAlone, StructureMarch, StructureReport, Supports};
 pub use system::{ResidualBreakdown, System};

@@ -7,9 +7,11 @@
 //! one slab with one node in time (implicit Euler) that is so long that its mass term vanishes. Newton is damped by
 //! pseudo-time, (1/dtau) M, and dtau grows as the residual falls.
 
+mod reliability;
 mod search;
 mod settling;
 
+pub use reliability::{Reliability, Stability};
 pub use search::{Discretisation, Discretised, Search, Stage, SteadyError, SteadyFlow};
 pub use settling::Settling;
 

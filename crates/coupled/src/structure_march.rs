@@ -32,6 +32,23 @@ pub struct Supports<const D: usize> {
     pub field_of_node: Vec<Option<usize>>,
 }
 
+impl<const D: usize> Supports<D> {
+    /// Sets the fixed entries of `structure` to the `value` of their support, zero where it does not move.
+    pub fn set(
+        &self,
+        structure: &Structure<D>,
+        vector: &mut [f64],
+        value: impl Fn(&dyn VectorField<D>, &[f64; D]) -> [f64; D],
+    ) {
+        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D));
+        let entries = entries.zip(vector.chunks_exact_mut(D)).zip(&self.field_of_node);
+        for (((x, fixed), entry), field) in entries {
+            let value = field.map_or([0.0; D], |field| value(&*self.fields[field], x));
+            (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
+        }
+    }
+}
+
 /// The equations of a structure.
 pub enum Equations<const D: usize> {
     /// With inertia.
@@ -187,14 +204,7 @@ impl<const D: usize> StructureAlone<D> {
         v
     }
 
-    /// Sets the fixed entries to the `value` of their support, zero where it does not move.
     fn set_supports(&self, vector: &mut [f64], value: impl Fn(&dyn VectorField<D>, &[f64; D]) -> [f64; D]) {
-        let structure = self.equations.structure();
-        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D));
-        let entries = entries.zip(vector.chunks_exact_mut(D)).zip(&self.supports.field_of_node);
-        for (((x, fixed), entry), field) in entries {
-            let value = field.map_or([0.0; D], |field| value(&*self.supports.fields[field], x));
-            (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
-        }
+        self.supports.set(self.equations.structure(), vector, value);
     }
 }

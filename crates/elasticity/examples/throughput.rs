@@ -1,5 +1,5 @@
-//! Speed of the stiffness operator for every order: million unknowns per second and thread, and the cost per unknown relative to N; and
-//! beside it the time of one application of the low-order preconditioner, and the set-up of both.
+//! Speed of the stiffness operator for every order in million unknowns per second and thread, and the cost per unknown relative to
+//! the order. Also the time of one application of the low-order preconditioner, and the set-up of both.
 //!
 //! `cargo run --release -p elasticity --example throughput`
 #![allow(clippy::print_stdout)]

@@ -5,14 +5,14 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
-use crate::low_order::LowOrder;
+use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
+use crate::low_order::{Inertia, LowOrder};
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Plan, Solver};
 use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use position::Position;
 use solve::SolveWork;
@@ -24,17 +24,17 @@ use tensor::WIDTH;
 /// K_ff d_f + K_fc d_c = f_f          f: free entries, c: constrained entries                                   (equilibrium)
 /// ```
 ///
-/// An entry is one component of one C0 node. With [`Law::Linear`], K depends on the initial mesh, the material and the stiffness alone. It is prepared once, with its
-/// preconditioner, and serves every slab and every temporal mode of a run. With the other laws K is the derivative of the forces at the
-/// displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal modes are
-/// separate vectors. All other methods take `&self`: several vectors may be treated at the same time.
+/// An entry is one component of one C0 node. With [`Law::Linear`], K depends only on the initial mesh, the material and the stiffness. It
+/// is prepared once, with its preconditioner, for all slabs and temporal modes of a run. With the other laws K is the derivative of the
+/// forces at the displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal
+/// modes are separate vectors. All other methods take `&self`, so that several vectors may be treated at the same time.
 pub struct ElasticMesh<const D: usize> {
     law: Law,
     operator: Operator<D>,
-    /// Where K is taken.
+    /// The state of the mesh at which K is evaluated.
     position: Position<D>,
     inverse: Inverse<D>,
-    /// The relative error that one pass of a direct solver leaves.
+    /// The relative error after one pass of a direct solver.
     pass_error: f64,
     constrained: Vec<[bool; D]>,
     coordinates: Vec<[f64; D]>,
@@ -45,9 +45,9 @@ pub struct ElasticMesh<const D: usize> {
 }
 
 impl<const D: usize> ElasticMesh<D> {
-    /// Prepares K of the order of `numbering` on the reference mesh, and the solver that its size suggests.
+    /// Prepares K of the order of `numbering` on the reference mesh, and the solver that suits its size.
     ///
-    /// `constrained[node][component]` says where the displacement is prescribed.
+    /// `constrained[node][component]` tells whether a component of the displacement of a node is prescribed.
     ///
     /// # Errors
     /// As [`Self::with_solver`].
@@ -64,8 +64,8 @@ impl<const D: usize> ElasticMesh<D> {
     /// The same with the given solver.
     ///
     /// # Errors
-    /// A stiffness that is not positive, no or too few constrained entries, a `constrained` of the wrong length, or, where the solver
-    /// needs the low-order refinement, a sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// A stiffness that is not positive, no or too few constrained entries, or a `constrained` of the wrong length. If the solver
+    /// needs the low-order refinement: a sub-cell between Gauss-Lobatto nodes that is inverted.
     pub fn with_solver(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
@@ -76,9 +76,8 @@ impl<const D: usize> ElasticMesh<D> {
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
-        let rule = law.rule(D, order);
-        let at_points = Sampler::new(mesh, stiffness, &rule.points);
-        let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let at_points = StiffnessSampler::new(mesh, stiffness, law.rule(D, order));
+        let operator = Operator::new(law, lame, order, NodalBatches::new(mesh, numbering), &at_points)?;
         let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
         let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
@@ -88,11 +87,11 @@ impl<const D: usize> ElasticMesh<D> {
                 Inverse::Direct(Box::new(factor))
             }
             (plan, None) => {
-                let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
+                let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
                 let samples = |cell| at_nodes.cell(cell);
-                let low_order = LowOrder::new(lame, 0.0, mesh.n_cells(), numbering, samples, constrained, multigrid)?;
-                position.keep_nodes(law, mesh.n_cells(), numbering, &at_nodes)?;
+                let low_order = LowOrder::new(lame, Inertia::none(), numbering, samples, constrained, multigrid)?;
+                position.keep_nodes(law, numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };
@@ -122,7 +121,7 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn length(&self) -> usize {
         self.diagonal.len()
     }
-    /// The reference position of every C0 node; of a node on a periodic boundary, one of its positions.
+    /// The reference position of every C0 node; for a node on a periodic boundary, one of its positions.
     pub fn coordinates(&self) -> &[[f64; D]] {
         &self.coordinates
     }
@@ -130,11 +129,12 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn constrained(&self) -> &[bool] {
         self.constrained.as_flattened()
     }
-    /// Multiplications of one application of K, but for the law at points.
+    /// Multiplications of one application of K, except those of the law at points.
     pub fn multiplications(&self) -> usize {
         self.operator.multiplications()
     }
-    /// Numbers that one application of K reads from memory beside the vectors: geometry and stiffness at the points of all cells.
+    /// The amount of numbers that one application of K reads besides the vectors: geometry and stiffness at the points of all
+    /// cells.
     pub fn metric_length(&self) -> usize {
         self.operator.metric().len() * WIDTH
     }
@@ -153,7 +153,7 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn diagonal(&self) -> &[f64] {
         &self.diagonal
     }
-    /// Weights of the residual in a slab of `time_order` nodes, that make its norm an error of position relative to the node spacing h:
+    /// Weights of the residual in a slab of `time_order` nodes. They make its norm an error of position relative to the node spacing h:
     /// |R|^2 = (1 / n) sum (R_i / (K_ii h_i))^2.
     pub fn position_weights(&self, time_order: usize) -> Vec<f64> {
         let count = (self.length() * time_order) as f64;

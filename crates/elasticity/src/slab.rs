@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The displacement is prescribed, and the equilibrium holds, at every node. The last node is the top of the slab, so the mesh there
-//! is in equilibrium with the exact boundary, whatever happened before: errors of the solver do not accumulate. (Galerkin in time
-//! carries them on for ever: they come back at the next top with the factor (-1)^{N_t}.)
+//! is in equilibrium with the exact boundary for any history: errors of the solver do not accumulate. (With Galerkin in time they
+//! would persist: they return at the next top with the factor (-1)^{N_t}.)
 //!
 //! Fields of a slab have the layout `[time node][C0 node][component]`.
 
@@ -18,10 +18,11 @@ use crate::{ElasticMesh, ElasticityError, Inversion};
 use basis::{Matrix, RadauTime};
 use newton_krylov::cg;
 
-/// The most time nodes of a slab.
+/// The largest number of time nodes of a slab.
 pub const MAX_TIME_ORDER: usize = 16;
 
-/// The relation between velocities and displacements in a slab. It knows no space: vectors are of any length.
+/// The relation between velocities and displacements in a slab. It does not depend on space: vectors may have any
+/// length.
 #[derive(Clone, Debug)]
 pub struct SlabMotion {
     time: RadauTime,
@@ -63,7 +64,7 @@ fn displace(dt: f64, bottom: &[f64], v: &[f64], integrals: &[f64], out: &mut [f6
 }
 
 /// out = out + dt sum_b integrals[b] v[b].
-fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
+pub(crate) fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
     for (v, integral) in v.chunks_exact(out.len()).zip(integrals) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out += dt * integral * v);
     }
@@ -99,11 +100,11 @@ pub struct ElasticSlab<'a, const D: usize> {
 }
 
 impl<const D: usize> ElasticSlab<'_, D> {
-    /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes, of which
-    /// only the constrained entries are read.
+    /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes. Only the
+    /// constrained entries of `g` are read.
     ///
     /// # Errors
-    /// [`Inversion`] where the law has no stress; `r` then has no meaning.
+    /// [`Inversion`] where the law has no stress; `r` is then meaningless.
     pub fn residual(&self, bottom: &[f64], g: &[f64], v: &[f64], r: &mut [f64]) -> Result<(), Inversion> {
         let length = self.mesh.length();
         self.mesh.with_vector(|d| {
@@ -142,9 +143,9 @@ impl<const D: usize> ElasticSlab<'_, D> {
         });
     }
 
-    /// Solves (dR/dV) w = r with K for the derivative of the forces at all time nodes, which for a linear law it is: the temporal modes
-    /// separate into N_t right-hand sides of K for displacement increments, whose constrained entries enter through K_fc, and w follows
-    /// by (velocity).
+    /// Solves (dR/dV) w = r. K stands for the derivative of the forces at all time nodes, which is exact for a linear law. The temporal
+    /// modes decouple into N_t right-hand sides of K for displacement increments. Their constrained entries enter through K_fc, and w
+    /// follows by (velocity).
     ///
     /// # Errors
     /// As [`ElasticMesh::solve`].

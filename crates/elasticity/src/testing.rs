@@ -1,15 +1,14 @@
-//! Meshes, vectors and the assembled K that the tests compare with.
+//! Meshes, vectors and the assembled K for comparison in tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::geometry::{Sampler, quadrature_points};
-use crate::operator::tensor_weights;
+use crate::geometry::{StiffnessSampler, quadrature_points};
 use crate::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use basis::{Lagrange, Matrix, gauss};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
-/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary where `amplitude` is not zero.
+/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary if `amplitude` is not zero.
 pub(crate) fn unit_box<const D: usize>(cells: [usize; D], order: usize, amplitude: f64) -> Mesh<D> {
     let curving = Curving::Wavy { amplitude };
     BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap()
@@ -57,7 +56,7 @@ pub(crate) fn clamped_with<const D: usize>(
     ElasticMesh::with_solver(mesh, &numbering, material(), stiffness, &constrained, solver).unwrap()
 }
 
-/// Numbers in [-1, 1) that look random: the fractional parts of a quadratic sequence.
+/// Pseudo-random numbers in [-1, 1): the fractional parts of a quadratic sequence.
 pub(crate) fn noise(length: usize) -> Vec<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut next = || {
@@ -93,14 +92,14 @@ pub(crate) fn assembled<const D: usize>(
 ) -> Mat<f64> {
     let numbering = NodeNumbering::new(mesh, order);
     let rule = gauss(quadrature_points(D, order));
-    let sampler = Sampler::new(mesh, stiffness, &rule.points);
+    let sampler = StiffnessSampler::new(mesh, stiffness, rule.clone());
     let lagrange = Lagrange::gauss_lobatto(order);
     let (values, derivatives) = (lagrange.value_matrix(&rule.points), lagrange.derivative_matrix(&rule.points));
     let mut k = Mat::zeros(numbering.count * D, numbering.count * D);
     for cell in 0..mesh.n_cells() {
         let nodes = numbering.cell(cell);
         let samples = sampler.cell(cell).unwrap();
-        for (point, (sample, weight)) in samples.iter().zip(tensor_weights::<D>(&rule.weights)).enumerate() {
+        for (point, (sample, weight)) in samples.iter().zip(rule.tensor_weights(D)).enumerate() {
             let gradients = gradients_at::<D>(&values, &derivatives, point, &sample.inverse_jacobian);
             for (row, grad_row) in nodes.iter().zip(&gradients) {
                 for (column, grad_column) in nodes.iter().zip(&gradients) {

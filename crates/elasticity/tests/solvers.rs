@@ -1,4 +1,4 @@
-//! What every solver does on the meshes that it is meant for: iterations, and agreement of all solvers.
+//! Every solver on the meshes it is made for: iterations, and agreement of all solvers.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
@@ -127,8 +127,8 @@ fn cube() {
     }
 }
 
-/// Boundary-layer cells that are 10^5 times longer than high, and stiffer than the far field by ten orders of magnitude: one pass of the
-/// factor is good to 1e-5 there, though its residual is at round-off.
+/// Boundary-layer cells that are 10^5 times longer than high, and stiffer than the far field by ten orders of magnitude. One pass of the
+/// factor is accurate to 1e-5 there, although its residual is at round-off.
 #[test]
 fn extreme_stretching() {
     let airfoil = AirfoilMesh::naca0012(4);

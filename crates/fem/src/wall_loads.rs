@@ -8,7 +8,7 @@
 //! takes sum_q phi_a(s_q) L_q,i. The velocity of the wall is sum_i N_i v_i(s_q). Therefore the sum of L_q,i . v_i(s_q) is the work of the
 //! wall to round-off: the structure gains the energy that the flow loses.
 
-use crate::batches::{FacetBatch, Facets};
+use crate::batches::{FacetBatch, FacetBatches};
 use crate::operator::SlabOperator;
 use mesh::NodeNumbering;
 use tensor::{Pack, WIDTH};
@@ -28,7 +28,7 @@ pub(crate) struct WallLoads {
 
 impl WallLoads {
     /// The loads on the boundaries for which `loaded` holds, at so many time `points`, in `D` dimensions.
-    fn new<const D: usize>(facets: &Facets, numbering: &NodeNumbering, loaded: &[bool], points: usize) -> Self {
+    fn new<const D: usize>(facets: &FacetBatches, numbering: &NodeNumbering, loaded: &[bool], points: usize) -> Self {
         let is_loaded = |batch: &&FacetBatch| batch.boundary.is_some_and(|boundary| loaded[boundary]);
         let faces = |batch: &FacetBatch| -> Vec<usize> {
             batch.minus[..batch.count].iter().flat_map(|side| numbering.face::<D>(*side)).collect()

@@ -1,8 +1,8 @@
 //! Topology and curved geometry of quadrilateral and hexahedral meshes.
 //!
-//! A [`Mesh`] is a list of cells, each with the numbers of its 2^D vertices (who is whose neighbour) and the positions
-//! of its N^D Gauss-Lobatto nodes (where it is). Everything else follows: facets with the [`Orientation`] in which two
-//! lattices meet, the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that it
+//! A [`Mesh`] is a list of cells. Each cell has the numbers of its 2^D vertices, which define its neighbours, and the
+//! positions of its N^D Gauss-Lobatto nodes. Everything else follows: facets with the [`Orientation`] of the two
+//! lattices, the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that the map
 //! is invertible.
 //!
 //! | module | holds |

@@ -26,14 +26,14 @@ pub struct Mesh<const D: usize> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Builds a mesh and checks it: every face is matched once, named or periodic; neighbours share the nodes of their
-    /// facet; det J > 0 is proved in every cell.
+    /// Builds a mesh and checks it. Every face has one partner, a name or a periodic twin. Neighbours share the nodes
+    /// of their facet. det J > 0 is proved in every cell.
     ///
     /// * `order`: N, nodes per direction of the geometry, 2..=16
     /// * `corners`: vertex numbers, `[cell][2^D]`; bit a of the local number is the side along axis a
     /// * `coordinates`: `[cell][Gauss-Lobatto node, axis 0 fastest][D]`
-    /// * `boundaries`: names, and the faces that bear them
-    /// * `periodic`: pairs of boundaries, by index, that become one; they lose their names
+    /// * `boundaries`: names, and the faces that belong to them
+    /// * `periodic`: pairs of boundaries, by index, that are joined; they lose their names
     pub fn new(
         order: usize,
         corners: Vec<usize>,
@@ -102,8 +102,7 @@ impl<const D: usize> Mesh<D> {
         &self.boundary_names
     }
 
-    /// The same cells with the geometry interpolated to `order` nodes per direction: exact where `order` is not
-    /// smaller.
+    /// The same cells with the geometry interpolated to `order` nodes per direction; exact if `order` is not smaller.
     ///
     /// # Panics
     /// If `order` is outside [`ORDERS`].
@@ -132,7 +131,7 @@ impl<const D: usize> Mesh<D> {
         face_nodes(D, 2, side.face).into_iter().map(|k| point(cell, corner_node(D, self.order, k))).collect()
     }
 
-    /// The mean of the corners of a face, to say where it is.
+    /// The mean of the corners of a face, as its location.
     pub(crate) fn face_centre(&self, side: Side) -> Vec<f64> {
         let corners = self.face_corner_positions(side);
         (0..D).map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64).collect()

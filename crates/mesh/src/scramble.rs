@@ -59,8 +59,8 @@ impl<const D: usize> Turn<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// The same mesh with the axes of every reference cell turned by a random rotation. A tool of tests: whatever is
-    /// computed on it must be as on the original, up to round-off.
+    /// The same mesh with the axes of every reference cell turned by a random rotation, for tests: every result must
+    /// agree with the original, up to round-off.
     pub fn scrambled(&self, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let rotations: Vec<Turn<D>> = Turn::all().into_iter().filter(Turn::is_rotation).collect();

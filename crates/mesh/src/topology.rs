@@ -1,10 +1,10 @@
-//! Which faces meet: facets from vertex numbers, boundaries from names.
+//! Connectivity: facets from vertex numbers, boundaries from names.
 
 use crate::region::{NamedSides, regions_of_cells, split_interfaces};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, PeriodicPair, Side, periodic};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Finds the facets of `mesh`, which has cells and regions only so far.
+/// Finds the facets of `mesh`, which so far has only cells and regions.
 pub(crate) fn connect<const D: usize>(
     mesh: &mut Mesh<D>,
     boundaries: NamedSides,
@@ -69,7 +69,7 @@ pub(crate) fn face_key(mut vertices: Vec<usize>) -> Vec<usize> {
     vertices
 }
 
-/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, one with a partner must
+/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, a face with a partner must
 /// not, unless it lies between regions: returns the facets, and the listed sides of such faces.
 fn match_faces<const D: usize>(
     mesh: &Mesh<D>,
@@ -116,8 +116,8 @@ pub(crate) fn not_manifold<const D: usize>(mesh: &Mesh<D>, side: Side, count: us
     MeshError::NonManifold { cell: side.cell, face: side.face, count, position: mesh.face_centre(side) }
 }
 
-/// Keeps the boundaries that no periodic pair has joined, in the order given, their sides in increasing order; those between regions apart
-/// from the others.
+/// Keeps the boundaries that are not joined by a periodic pair, in the given order, their sides in increasing order; those between
+/// regions apart from the others.
 fn keep_named<const D: usize>(
     mesh: &mut Mesh<D>,
     boundaries: NamedSides,
@@ -244,7 +244,7 @@ mod tests {
             p.boundaries[1].1[0].face = 0;
         });
         assert!(matches!(error, MeshError::Inverted { cell: 1, determinant: -0.25, .. }), "{error}");
-        // Cell 1 moved away from the vertices that it claims.
+        // Cell 1 moved away from its vertices.
         let error = two_squares().refused(|p| p.coordinates[9] -= 0.125);
         assert!(matches!(error, MeshError::Gap { minus: 0, plus: 1, distance: 0.125, .. }), "{error}");
         // A third cell on the facet between the two.

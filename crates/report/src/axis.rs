@@ -1,29 +1,29 @@
-//! Axes of a chart: from values to places, and the values named beside them.
+//! Axes of a chart: positions of values, and the labels of ticks.
 
 use super::html::short;
 
-/// An axis. Values between `lower` and `upper` lie on it.
+/// An axis for values between `lower` and `upper`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// The value at the first end.
     pub lower: f64,
     /// The value at the second end.
     pub upper: f64,
-    /// The values that are named.
+    /// The values with labels.
     pub ticks: Vec<f64>,
     first: f64,
     second: f64,
     logarithmic: bool,
 }
 
-/// Names on an axis, about.
+/// The approximate number of ticks on an axis.
 const TICKS: f64 = 5.0;
 
 impl Axis {
-    /// An axis from place `first` to `second` that shows `values` with a margin; none if there are no numbers.
+    /// An axis from position `first` to `second` that shows `values` with a margin; `None` if there are no numbers.
     pub fn linear(values: impl Iterator<Item = f64>, first: f64, second: f64) -> Option<Self> {
         let (lower, upper) = extent(values)?;
-        // A constant is a line in the middle: its last digits are not enlarged.
+        // A constant is drawn as a line in the middle; its last digits are not enlarged.
         let size = lower.abs().max(upper.abs());
         let constant = upper - lower <= 1e-5 * size;
         let margin = match size {
@@ -42,7 +42,7 @@ impl Axis {
         Some(Axis { lower, upper, ticks: linear_ticks(lower, upper), first, second, logarithmic: false })
     }
 
-    /// A logarithmic axis, from one power of ten to another. Values that are not positive do not lie on it.
+    /// A logarithmic axis, from one power of ten to another. Values that are not positive are not shown.
     pub fn logarithmic(values: impl Iterator<Item = f64>, first: f64, second: f64) -> Option<Self> {
         let (lower, upper) = extent(values.filter(|value| *value > 0.0))?;
         let lowest = lower.log10().floor() as i32;
@@ -53,12 +53,12 @@ impl Axis {
         Some(Axis { lower: power(lowest), upper: power(highest), ticks, first, second, logarithmic: true })
     }
 
-    /// What a tick is called.
+    /// The label of a tick.
     pub fn name(&self, tick: f64) -> String {
         if self.logarithmic && tick != 1.0 { format!("{tick:e}").replace('-', "\u{2212}") } else { short(tick) }
     }
 
-    /// Where a value lies.
+    /// The position of a value.
     pub fn place(&self, value: f64) -> f64 {
         let part = if self.logarithmic {
             (value / self.lower).log10() / (self.upper / self.lower).log10()
@@ -69,7 +69,7 @@ impl Axis {
     }
 }
 
-/// The smallest and the largest of those values that are finite.
+/// The smallest and the largest of the finite values.
 fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let extend = |extent: Option<(f64, f64)>, value: f64| {
         let (lower, upper) = extent.unwrap_or((value, value));

@@ -1,4 +1,4 @@
-//! Curves over time, as SVG that a script may mark times in.
+//! Curves over time, as SVG in which a script may mark times.
 
 use super::axis::Axis;
 use super::groups::{Group, Scale};
@@ -14,21 +14,21 @@ const RIGHT: f64 = 508.0;
 const TOP: f64 = 10.0;
 const BOTTOM: f64 = 196.0;
 
-/// Curves of more points are thinned out.
+/// Curves with more points are thinned out.
 pub const MOST_POINTS: usize = 2000;
 
-/// Curves of fewer points show them.
+/// Curves with fewer points show them.
 const FEW_POINTS: usize = 40;
 
-/// The rows that are drawn: every so many, and the last one.
+/// The displayed rows: at equal distances, and the last one.
 pub fn drawn_rows(history: &HistoryTable) -> Vec<usize> {
     let count = history.len();
     let stride = count.div_ceil(MOST_POINTS).max(1);
     (0..count).filter(|row| row % stride == 0 || row + 1 == count).collect()
 }
 
-/// A figure with the curves of a group, its legend, and a place for values that a script puts there. None without a number
-/// to draw.
+/// A figure with the curves of a group, its legend, and space for values that a script inserts. `None` if there is no
+/// number to draw.
 pub fn figure(group: &Group, history: &HistoryTable) -> Option<String> {
     let rows = drawn_rows(history);
     let pick = |name: &str| history.column(name).map(|column| rows.iter().map(|&row| column[row]).collect::<Vec<_>>());
@@ -61,7 +61,7 @@ pub fn figure(group: &Group, history: &HistoryTable) -> Option<String> {
     ))
 }
 
-/// A curve, broken where there is no number.
+/// A curve, interrupted where there is no number.
 fn path(points: &[(f64, f64)], number: usize) -> String {
     let (mut line, mut dots, mut down) = (String::new(), String::new(), false);
     for &(x, y) in points {

@@ -1,11 +1,11 @@
-//! Fields for drawing, at equidistant points of every cell.
+//! Fields for display, at equidistant points of every cell.
 
 use case::Field;
 use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
 use output::FieldSpec;
 
-/// What the points of a cell are drawn from: arrays `[component][point]`.
+/// The data at the points of a cell: arrays `[component][point]`.
 pub struct CellSample<'a> {
     /// The sampler.
     pub points: usize,
@@ -19,7 +19,7 @@ pub struct CellSample<'a> {
     pub gradients: &'a [Vec<f64>],
 }
 
-/// How a field is stored.
+/// The storage of a field.
 pub fn spec(field: Field, dimension: usize) -> FieldSpec {
     match field {
         Field::Density => FieldSpec::scalar("density"),
@@ -34,7 +34,7 @@ pub fn spec(field: Field, dimension: usize) -> FieldSpec {
     }
 }
 
-/// Whether a field can be drawn without a flow.
+/// Whether a field is defined without a flow.
 pub fn of_mesh(field: Field) -> bool {
     matches!(field, Field::MeshVelocity | Field::Jacobian)
 }

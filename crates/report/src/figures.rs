@@ -1,4 +1,4 @@
-//! The figures of a run: every number of summary.json, or of a run that goes on those of its history so far.
+//! The figures of a run: every number of summary.json, or for an unfinished run those of its history.
 
 use super::html::{escaped, short};
 use super::run_files::RunFiles;
@@ -6,8 +6,8 @@ use output::HistoryTable;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What the sections of the summary are called, in their order on the page. Sections not listed come behind these; keys that
-/// are no section are `run`.
+/// The titles of the sections of the summary, in their order on the page. Other sections come after these; keys outside any
+/// section are `run`.
 const SECTIONS: [(&str, &str); 13] = [
     ("run", "Run"),
     ("mesh", "Mesh"),
@@ -42,7 +42,7 @@ pub fn tables(run: &RunFiles) -> String {
     sections.iter().map(|(name, rows)| table(name, rows)).collect()
 }
 
-/// What the history tells of a run without a summary.
+/// The figures in the history of a run without a summary.
 fn so_far(history: &HistoryTable) -> Value {
     let last = |name: &str| history.column(name).and_then(|column| column.last().copied());
     let sum = |name: &str| history.column(name).map(|column| column.iter().sum::<f64>() as u64);
@@ -60,7 +60,7 @@ fn so_far(history: &HistoryTable) -> Value {
     figures
 }
 
-/// Removes what does not apply, and sections that become empty.
+/// Removes absent values, and sections that become empty.
 fn remove_absent(value: &mut Value) {
     if let Value::Object(entries) = value {
         entries.values_mut().for_each(remove_absent);
@@ -98,12 +98,12 @@ fn table(section: &str, rows: &[(String, Value)]) -> String {
     out + "</tbody></table>\n"
 }
 
-/// A key as it is read.
+/// A key in words.
 fn words(key: &str) -> String {
     key.replace('_', " ").replace('.', ": ").replace("det j", "det J").replace("l2", "L2")
 }
 
-/// Whole numbers in full, others with six digits; the cell's title has all.
+/// Integers in full, other numbers with six digits; the cell's title has all digits.
 fn shown(value: &Value) -> String {
     match value {
         Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),

@@ -1,26 +1,26 @@
-//! Which columns of the history are drawn together.
+//! Groups of history columns that share a chart.
 
 /// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal distances are equal differences.
     Linear,
-    /// Equal distances are equal ratios; of negative values the magnitude is drawn.
+    /// Equal distances are equal ratios; of negative values the magnitude is shown.
     Logarithmic,
 }
 
-/// Columns that are drawn in one chart.
+/// Columns that share a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// What they are.
+    /// Their title.
     pub title: String,
-    /// The columns, and what each is called in the chart.
+    /// The columns, and their labels in the chart.
     pub series: Vec<(String, String)>,
     /// The scale of the vertical axis.
     pub scale: Scale,
 }
 
-/// A chart of known columns: title, scale, columns and what they are called.
+/// A chart of known columns: title, scale, columns and their labels.
 type Known = (&'static str, Scale, &'static [(&'static str, &'static str)]);
 
 const KNOWN: [Known; 10] = [
@@ -52,7 +52,7 @@ const KNOWN: [Known; 10] = [
     ),
 ];
 
-/// Words that say of what kind a quantity is, and what several are called: quantities of one kind and wall are drawn together.
+/// Words for the kind of a quantity, singular and plural: quantities of one kind and wall share a chart.
 const KINDS: [(&str, &str); 6] = [
     ("force", "forces"),
     ("coefficient", "coefficients"),
@@ -62,8 +62,8 @@ const KINDS: [(&str, &str); 6] = [
     ("displacement", "displacement"),
 ];
 
-/// All charts of a history: first forces and whatever else this table does not know, then solver and mesh. `boundaries` are the
-/// names with which columns may begin.
+/// All charts of a history: first forces and columns unknown to this table, then solver and mesh. `boundaries` are possible
+/// first parts of column names.
 pub fn groups(columns: &[String], boundaries: &[String]) -> Vec<Group> {
     let known = |column: &str| KNOWN.iter().any(|(_, _, series)| series.iter().any(|(name, _)| *name == column));
     let mut groups: Vec<Group> = Vec::new();
@@ -85,8 +85,7 @@ fn known_group((title, scale, series): &Known, columns: &[String]) -> Option<Gro
     (!series.is_empty()).then(|| Group { title: title.to_string(), series, scale: *scale })
 }
 
-/// The chart to which a column belongs, and what it is called there: `foil_pressure_force_x` is `pressure force x` in
-/// `foil: forces`.
+/// The chart of a column, and its label there: `foil_pressure_force_x` is `pressure force x` in `foil: forces`.
 fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
     let begins = |name: &&String| column.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('_'));
     let wall = boundaries.iter().filter(begins).max_by_key(|name| name.len());
@@ -102,7 +101,7 @@ fn title_and_label(column: &str, boundaries: &[String]) -> (String, String) {
     (title, words(quantity))
 }
 
-/// A name without the axis, or the number, at its end.
+/// A name without the axis or number at its end.
 fn without_axis(name: &str) -> &str {
     match name.rsplit_once('_') {
         Some((stem, end)) if ["x", "y", "z"].contains(&end) || end.parse::<usize>().is_ok() => stem,

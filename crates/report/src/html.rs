@@ -7,12 +7,12 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// JSON for a script element, which ends at the first `</`.
+/// JSON for a script element, which must not contain `</`.
 pub fn script_json(value: &Value) -> String {
     value.to_string().replace("</", "<\\/")
 }
 
-/// A number as a scale names it: six digits, an exponent where that is shorter.
+/// A number for a scale: six digits, with an exponent if that is shorter.
 pub fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

@@ -1,13 +1,13 @@
-//! What people see of a run: fields at points, and one HTML page of a run, finished or not, that needs no network.
+//! The output for people: fields at points, and one HTML page of a run, finished or not, that needs no network.
 //!
 //! This crate reads the files of a run and prints nothing.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `fields` | fields for drawing, as the result file and the pictures show them |
-//! | `run_files` | what the run has left in its directory so far |
+//! | `fields` | fields for display, in the result file and the pictures |
+//! | `run_files` | the files of a run so far |
 //! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
-//! | `groups` | which columns of the history are drawn together |
+//! | `groups` | groups of history columns that share a chart |
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
 //! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
@@ -61,7 +61,7 @@ pub struct Page {
 /// Writes the page of the run in `directory`.
 ///
 /// # Errors
-/// A directory that is none of a run; a page that cannot be written.
+/// A directory without a run; a page that cannot be written.
 pub fn write(directory: &Path) -> Result<Page, ReportError> {
     let run = RunFiles::read(directory)?;
     let pictures = match &run.result {

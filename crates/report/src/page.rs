@@ -1,4 +1,4 @@
-//! The page: what is known of a run, filled into the template.
+//! The page: the data of a run, inserted into the template.
 
 use super::html::{escaped, script_json, short};
 use super::pictures::{ColourMap, Encoded, Pictures, Quantity, Range};
@@ -11,7 +11,7 @@ const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The page of a run; `pictures` or why there are none.
+/// The page of a run; `pictures`, or the reason why there are none.
 pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
     let (title, name) = (run.title(), run.case_name());
     fill(TEMPLATE, |key| match key {
@@ -31,7 +31,7 @@ pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
     })
 }
 
-/// Replaces `{{key}}` by its value. What is filled in is not looked at again.
+/// Replaces `{{key}}` by its value. Inserted values are not scanned again.
 fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
     let mut out = parts.next().unwrap_or_default().to_owned();
@@ -43,7 +43,7 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     out
 }
 
-/// How far the run has come.
+/// The progress of the run.
 fn status(run: &RunFiles) -> String {
     let (class, word, text) = match &run.status {
         Status::Done => ("good", "completed", String::new()),
@@ -79,7 +79,7 @@ fn figures_note(run: &RunFiles) -> &'static str {
     }
 }
 
-/// Choices above the pictures, the pictures, the legend, and what they show.
+/// The choices above the pictures, the pictures, the legend, and their description.
 fn picture_panel(pictures: &Pictures) -> String {
     let quantities = pictures.quantities.iter().enumerate();
     let quantity =
@@ -106,12 +106,12 @@ fn radio(group: &str, index: usize, label: &str) -> String {
     )
 }
 
-/// What the script of the page needs.
+/// The data for the script of the page.
 fn data(run: &RunFiles, pictures: Option<&Pictures>) -> Value {
     json!({ "history": history(&run.history), "pictures": pictures.map(picture_data) })
 }
 
-/// The rows that are drawn, column by column.
+/// The displayed rows, column by column.
 fn history(history: &HistoryTable) -> Value {
     let rows = chart::drawn_rows(history);
     let column = |name: &String| {
@@ -121,7 +121,7 @@ fn history(history: &HistoryTable) -> Value {
     Value::Object(history.columns.iter().map(column).collect::<Map<_, _>>())
 }
 
-/// A number; whole ones without a fraction, as in the file.
+/// A number; integers without a fraction, as in the file.
 fn number(value: f64) -> Value {
     if value.fract() == 0.0 && value.abs() < 1e15 { json!(value as i64) } else { json!(value) }
 }

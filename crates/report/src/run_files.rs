@@ -1,34 +1,34 @@
-//! What a run has left in its directory so far.
+//! The files of a run so far.
 
 use super::ReportError;
 use output::{HISTORY_FILE, HistoryTable, OutputError, RESULT_FILE, ResultReader, RunDirectory, SUMMARY_FILE};
 use serde_json::Value;
 use std::path::Path;
 
-/// How far a run has come.
+/// The progress of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
-    /// A program works on it.
+    /// A program is working on it.
     Running,
-    /// The end time is reached.
+    /// The end time has been reached.
     Done,
-    /// It has ended before, and says why.
+    /// It ended early, for the given reason.
     Stopped(String),
-    /// It was ended from outside.
+    /// It was killed.
     Interrupted,
 }
 
-/// The files of a run, as far as they are there and belong to it.
+/// The files of a run, as far as they exist and belong to it.
 pub struct RunFiles {
     /// The name of the directory.
     pub directory: String,
-    /// How far the run has come.
+    /// The progress of the run.
     pub status: Status,
     /// history.csv
     pub history: HistoryTable,
     /// summary.json
     pub summary: Option<Value>,
-    /// result.vtkhdf, or why it is not there.
+    /// result.vtkhdf, or the reason why it is missing.
     pub result: Result<ResultReader, String>,
 }
 
@@ -36,7 +36,7 @@ impl RunFiles {
     /// Reads the files in `directory`, to which a run may be writing.
     ///
     /// # Errors
-    /// A directory that is none of a run, a history that cannot be read.
+    /// A directory without a run, a history that cannot be read.
     pub fn read(directory: &Path) -> Result<Self, ReportError> {
         if !directory.join(HISTORY_FILE).is_file() {
             return Err(ReportError::NoRun { directory: directory.to_owned() });
@@ -84,7 +84,7 @@ fn name(directory: &Path) -> String {
     name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// summary.json, unless it is that of an earlier run: its time is that of the last row of the history.
+/// summary.json, unless it belongs to an earlier run: its time must be the time of the last row of the history.
 fn summary(directory: &Path, reached: Option<f64>) -> Option<Value> {
     let text = std::fs::read_to_string(directory.join(SUMMARY_FILE)).ok()?;
     let summary: Value = serde_json::from_str(&text).ok()?;
@@ -92,7 +92,7 @@ fn summary(directory: &Path, reached: Option<f64>) -> Option<Value> {
     same.then_some(summary)
 }
 
-/// The result, unless it is that of an earlier run: no step is later than the last slab of the history.
+/// The result, unless it belongs to an earlier run: no step may be later than the last slab of the history.
 fn result(directory: &Path, history: &HistoryTable) -> Result<ResultReader, String> {
     let reader = ResultReader::open(&directory.join(RESULT_FILE)).map_err(|error| match error {
         OutputError::NoCheckpoint { .. } => format!("{RESULT_FILE} is not there: it appears with the first checkpoint"),

@@ -1,27 +1,28 @@
 //! From a checked case to the problem of the numerics.
 
+use super::bodies::bodies;
 use case::expression::Program;
 use case::{
-    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure, Support,
-    Vector, constrained,
+    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure,
+    StructureLaw, Support, Vector, constrained,
 };
 use coupled::{
     BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
     StructureMarch, Supports, System,
 };
 use elasticity::{
-    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Quantity, Solid, Statics, Structure as Body,
-    Traction, WallDistance,
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
+    Structure as Body, Traction, WallDistance,
 };
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
 
-/// Tolerance of a solve with K: displacements are then good to round-off.
+/// Tolerance of a solve with K: displacements are then accurate to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
 
-/// The same where K only preconditions, because the law is not linear.
+/// The same if K only preconditions, for a nonlinear law.
 const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
 
 /// The mover of the mesh of a case.
@@ -33,6 +34,7 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
     let motion = match &case.motion {
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
+        Some(Motion::Followed) => MeshMotion::Followed,
         Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary, slides }) => {
             let constrained = constrained(&case.mesh, &numbering, slides);
             let boundary = boundary_motion(case, &numbering, boundary);
@@ -60,14 +62,14 @@ pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Pla
     Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
-/// A C0 node that is moved as prescribed, its position at rest, and what moves it.
+/// A C0 node with a prescribed motion, its position at rest, and its motion.
 pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryField<D>>);
 
-/// The C0 nodes of a case that are moved as prescribed: those of boundaries that move, or all.
+/// The C0 nodes of a case with a prescribed motion: those of boundaries that move, or all.
 pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let motion: BoundaryMotion<D> = match &case.motion {
-        None => return Vec::new(),
+        None | Some(Motion::Followed) => return Vec::new(),
         Some(Motion::Elastic { boundary, .. }) => boundary_motion(case, &numbering, boundary),
         Some(Motion::Prescribed(displacement)) => {
             let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
@@ -83,7 +85,7 @@ pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>
 /// Young's modulus as a function of the position at rest.
 type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
 
-/// Young's modulus, 1 where it is no function of the position.
+/// Young's modulus, 1 if it is no function of the position.
 fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modulus<'a, D> {
     match stiffness {
         Stiffness::Expression(modulus) => Box::new(|x| modulus.evaluate(x, 0.0)),
@@ -96,7 +98,7 @@ fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modu
     }
 }
 
-/// How the nodes on boundaries move.
+/// The motion of the nodes on boundaries.
 fn boundary_motion<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -107,7 +109,7 @@ fn boundary_motion<const D: usize>(
     BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) }
 }
 
-/// For every C0 node which of the boundaries that move moves it: the first of those on which it lies.
+/// For every C0 node the moving boundary that moves it: the first one that contains it.
 fn moved_by<T, const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -139,7 +141,8 @@ where
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    let mut problem = System::new(operator, mover);
+    let bodies = bodies(case, flow, &mut operator);
+    let mut problem = System::with_bodies(operator, mover, bodies);
     problem.flow.preconditioner.method = match case.solver.preconditioner {
         Preconditioner::Blocks => Method::BlockIlu,
         Preconditioner::Lines => Method::LineAdi,
@@ -147,7 +150,7 @@ where
     Ok(FlowMarch::new(problem, u, settings(case)))
 }
 
-/// A discretisation of the flow of a case on the mesh that rests with the displacement `d`, and the initial state there.
+/// A discretisation of the flow of a case on the mesh at rest with the displacement `d`, and the initial state there.
 pub fn steady<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
@@ -183,7 +186,9 @@ pub fn structure_march<const D: usize>(
     let (fixed, supports) = supports(case, &numbering, &structure.boundary);
     // Equilibria do not depend on a density.
     let density = structure.density.unwrap_or(1.0);
+    let case::Damping { mass, stiffness } = structure.damping;
     let body = Body::new(case.mesh.clone(), numbering, solid(structure), density, fixed)?;
+    let body = body.with_damping(elasticity::Damping { mass, stiffness });
     let start = |field: &Option<Vector<D>>| -> Vec<f64> {
         let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
         body.coordinates().iter().flat_map(value).collect()
@@ -210,10 +215,19 @@ fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
         Plane::Strain => elasticity::Plane::Strain,
         Plane::Stress => elasticity::Plane::Stress,
     };
-    Solid { young: quantity(&structure.young_modulus), poisson: quantity(&structure.poisson_ratio), plane }
+    Solid {
+        young: quantity(&structure.young_modulus),
+        poisson: quantity(&structure.poisson_ratio),
+        plane,
+        law: match structure.law {
+            StructureLaw::Linear => elasticity::Law::Linear,
+            StructureLaw::StVenantKirchhoff => elasticity::Law::StVenantKirchhoff,
+            StructureLaw::NeoHookean => elasticity::Law::NeoHookean,
+        },
+    }
 }
 
-/// Which components of which nodes are prescribed, and how they move.
+/// The prescribed components of nodes, and their motion.
 fn supports<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -237,13 +251,19 @@ fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
         match support.clone() {
             Support::Traction(q) => Some((index, Box::new(move |point, t| q.evaluate(&point.position, t)))),
             Support::Pressure(p) => {
-                // A pressure pushes against the outward normal.
+                // A pressure acts against the outward normal.
                 Some((index, Box::new(move |point, t| point.normal.map(|n| -p.evaluate(&point.position, t) * n))))
             }
             _ => None,
         }
     };
-    Loads { body_force, tractions: structure.boundary.iter().enumerate().filter_map(traction).collect() }
+    let tractions = structure.boundary.iter().enumerate().filter_map(traction).collect();
+    let pressure = |(index, support): (usize, &Support<D>)| -> Option<(usize, Pressure<D>)> {
+        let Support::FollowerPressure(p) = support.clone() else { return None };
+        Some((index, Box::new(move |x, t| p.evaluate(x, t))))
+    };
+    let pressures = structure.boundary.iter().enumerate().filter_map(pressure).collect();
+    Loads { body_force, tractions, pressures }
 }
 
 fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>

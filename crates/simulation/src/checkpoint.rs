@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
-/// `state`, and what the preconditioner is made of, as named arrays.
+/// `state`, and the linearisation of the preconditioner, as named arrays.
 pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> SolverState {
     let mut out = SolverState::default();
     let counters = [
@@ -49,8 +49,8 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     out
 }
 
-/// Reads back what [`store`] has written: the state, what the preconditioner is made of, whether it is stale. `None` if
-/// something is missing or parts do not fit each other. `time` is what the resumed run covers.
+/// Reads back the data of [`store`]: the state, the linearisation of the preconditioner, and whether it is stale.
+/// `None` if something is missing or parts do not fit together. The resumed run covers `time`.
 pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearisation>, bool)> {
     let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
     let array = |name: &str| stored.arrays.get(name).cloned();
@@ -81,15 +81,15 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
     fits.then_some((state, frozen, integer("stale")? != 0))
 }
 
-/// The checkpoint lacks something.
+/// The checkpoint is incomplete.
 pub fn incomplete() -> Failure {
     Failure::bad_input(anyhow::anyhow!(
         "the checkpoint lacks a part of the state; start the run anew, without --resume"
     ))
 }
 
-/// The last slab of a run ends with it, be it shorter than the others. In a run that goes on, its rest is still to be done,
-/// unless slabs are adapted: these are not counted.
+/// The last slab of a run ends with the run and may be shorter than the others. If the run is continued, the rest of that
+/// slab is done first. Adapted slabs are not counted, so this does not apply to them.
 fn reopen_short_slab(state: &mut State, time: &Time) {
     if time.control.is_some() {
         return;
@@ -135,7 +135,7 @@ fn frozen(arrays: &Arrays) -> Option<Linearisation> {
     })
 }
 
-/// `None` unless every cell has one position, and the levels end one after the other, the last one with the cells.
+/// `None` unless every cell has one position, and the levels end in increasing order, the last one with the cells.
 fn ordering(cells: Vec<usize>, level_ends: Vec<usize>) -> Option<Ordering> {
     let mut positions = vec![usize::MAX; cells.len()];
     for (position, &cell) in cells.iter().enumerate() {
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(frozen.unwrap().ordering.positions, [1, 0, 2]);
     }
 
-    /// Whatever is stored under a name, there is a state that fits together, or none.
+    /// Any stored data give either a consistent state or none.
     #[test]
     fn parts_that_do_not_fit_are_refused() {
         for name in stored().arrays.keys() {

@@ -1,8 +1,8 @@
-//! Where the time of a run goes.
+//! The wall time of the parts of a run.
 //!
-//! The numerics open a span of `tracing` with the target "cost" around each part of their work. Here the time from entering to leaving
-//! it is added up by the name of the span, less the time of the spans within it; what no span covers is the rest. So the parts add up to
-//! the wall time of the run. The spans are those of one thread, the one that drives the run; nothing here enters a result.
+//! The numerics open a span of `tracing` with the target "cost" around each part of their work. The time between entering and leaving a
+//! span is added up by the name of the span, without the time of the spans within it. Time outside of all spans is the rest, so the
+//! parts add up to the wall time of the run. Only spans of the thread that drives the run count. No measured time enters a result.
 
 use output::Part;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
 
-/// The parts of a run in the order in which they are told: the name of the span, and what it stands for.
+/// The parts of a run in the order of the table: the name of the span, and its description.
 const PARTS: [(&str, &str); 10] = [
     ("setup", "set-up"),
     ("residual", "residual"),
@@ -28,11 +28,11 @@ const PARTS: [(&str, &str); 10] = [
     ("rest", "rest"),
 ];
 
-// The parts that no span covers: before the clock starts, and afterwards.
+// The parts outside all spans: before the clock starts, and afterwards.
 const SETUP: &str = PARTS[0].0;
 const REST: &str = PARTS[9].0;
 
-/// A clock that spans start and stop, by all its clones.
+/// A clock that spans start and stop, shared by all its clones.
 #[derive(Clone, Debug)]
 pub struct Clock(Arc<Mutex<Times>>);
 
@@ -40,7 +40,7 @@ pub struct Clock(Arc<Mutex<Times>>);
 struct Times {
     /// The spans that are open, the innermost last.
     open: Vec<&'static str>,
-    /// Until when all time is assigned.
+    /// All time up to this moment is assigned.
     last: Instant,
     spent: BTreeMap<&'static str, (Duration, u64)>,
 }
@@ -68,7 +68,7 @@ impl Clock {
         metadata.is_span() && metadata.target() == "cost"
     }
 
-    /// The parts of the run until now, by name.
+    /// The parts of the run so far, by name.
     pub fn parts(&self) -> BTreeMap<String, Part> {
         self.with(|times| {
             times.assign();
@@ -79,7 +79,7 @@ impl Clock {
         })
     }
 
-    /// A sum is as good after a panic as before it.
+    /// The sums remain valid after a panic.
     fn with<R>(&self, work: impl FnOnce(&mut Times) -> R) -> R {
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }

@@ -1,4 +1,4 @@
-//! What a run keeps beside its march: sums, clock, progress; and how it ends.
+//! Data of a run besides its march: sums, clock, progress; and its end.
 
 use super::statistics::RunStatistics;
 use crate::clock::{self, Clock};
@@ -10,7 +10,7 @@ use case::memory;
 use output::{Cost, Machine};
 use std::time::Instant;
 
-/// What a run keeps beside its march.
+/// Data of a run besides its march.
 pub struct RunContext<'a> {
     /// Sums over the run.
     pub statistics: RunStatistics,
@@ -21,9 +21,9 @@ pub struct RunContext<'a> {
     clock: Clock,
 }
 
-/// Why a run ended before its end.
+/// Why a run stopped before its end.
 pub enum Stop {
-    /// By a signal.
+    /// A signal.
     Asked,
     /// A slab could not be solved.
     Failed(anyhow::Error),
@@ -40,7 +40,7 @@ impl Stop {
 }
 
 impl<'a> RunContext<'a> {
-    /// Those of a run of `time` that begun at `begun` and stands at `reached`.
+    /// The context of a run over `time` that began at `begun` and has reached `reached`.
     pub fn new(time: &Time, reached: f64, session: &Session<'a>, begun: Instant, statistics: RunStatistics) -> Self {
         session.observer.begin(reached, time.end);
         RunContext {
@@ -52,12 +52,12 @@ impl<'a> RunContext<'a> {
         }
     }
 
-    /// Seconds since the run begun.
+    /// Seconds since the run began.
     pub fn seconds(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
 
-    /// What the run has cost so far.
+    /// The cost of the run so far.
     pub fn cost(&self) -> Cost {
         let parts = self.clock.parts();
         Cost {
@@ -71,25 +71,25 @@ impl<'a> RunContext<'a> {
         }
     }
 
-    /// Tells where the time of the run went.
+    /// Prints the wall time of the parts of the run.
     pub fn say_cost(&self) {
         self.observer.say(&clock::table(&self.clock.parts()));
     }
 
-    /// Says that the run has reached its end at `time`.
+    /// Reports that the run has reached its end at `time`.
     pub fn say_done(&self, time: f64, session: &Session<'_>) {
         let (time, seconds, directory) = (rounded(time), self.seconds(), session.directory.path());
         let next = self.observer.advice(NextStep::Report, directory);
         self.observer.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
     }
 
-    /// Says that the run was stopped at `time`; `again` is the command that continues it.
+    /// Reports that the run was stopped at `time`; `again` is the command that continues it.
     pub fn say_stopped(&self, time: f64, again: &str) {
         self.observer.say(&format!("stopped at t = {}; continue with: {again}", rounded(time)));
     }
 }
 
-/// The machine, as far as the system tells.
+/// The machine, as far as the system reports it.
 pub fn machine() -> Machine {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

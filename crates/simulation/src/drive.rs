@@ -28,7 +28,7 @@ use std::time::Instant;
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
 pub fn run(case: &AnyCase, destination: &Destination, observer: &dyn Observer) -> Result<Summary, Failure> {
     occupied::check_unless_held(destination, observer, case.restart())?;
-    // Inside the pool: every parallel loop then starts without waking it up.
+    // Inside the pool, so that every parallel loop starts without waking the pool.
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => run_in::<2, 4>(case, destination, observer),
         AnyCase::Space(case) => run_in::<3, 5>(case, destination, observer),
@@ -65,46 +65,46 @@ where
     }
 }
 
-/// A march from slab to slab, and what a run writes of it.
+/// A march from slab to slab, and its output.
 pub(super) trait Run {
-    /// What a slab has done.
+    /// The report of a slab.
     type Report;
-    /// Where the march stands.
+    /// The state of the march.
     fn state(&self) -> &coupled::State;
-    /// Whether the end is reached.
+    /// Whether the end has been reached.
     fn is_done(&self) -> bool;
     /// Advances one slab.
     fn advance(&mut self) -> anyhow::Result<Self::Report>;
-    /// Velocities and flow at the start, at every time node, laid out as those of a slab.
+    /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
-    /// Prepares and enters the start of the run; returns its row of history.csv, if it has one.
+    /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
     fn open(&mut self, _books: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
     }
-    /// Enters a slab and tells of it; returns its row of history.csv.
+    /// Records a slab and reports it; returns its row of history.csv.
     fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
-    /// All that the next slab depends on.
+    /// The state from which the next slab can start.
     fn store(&self) -> SolverState;
-    /// Puts the march where a checkpoint left it; `None` if something is missing there.
+    /// Restores the march from a checkpoint; `None` if something is missing there.
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
-    /// Looks into the `error` with which a slab failed.
+    /// Examines the `error` of a failed slab.
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
-    /// Says how a run that has reached its end has ended.
+    /// The final verdict on a run that has reached its end.
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
 }
 
-/// How a run was called.
+/// The call of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Call<'a> {
     /// Where it writes.
     pub destination: &'a Destination,
     /// By whom.
     pub observer: &'a dyn Observer,
-    /// When.
+    /// The time of the call.
     pub begun: Instant,
-    /// The state of another run from which this one starts, if it does.
+    /// The state of another run from which this one starts, if any.
     pub origin: Option<&'a restart::Start>,
 }
 
@@ -118,7 +118,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let Call { destination, observer, begun, origin } = call;
     let origin_state = origin.map(|start| &start.state);
     let session = Session::start(destination, observer, begun)?;
-    // Once more, now that no other run can write there.
+    // Checked once more, now that no other run can write there.
     occupied::check(destination, observer, case.restart.as_deref())?;
     let (mut recorder, resumed) =
         Recorder::<D, M>::start(&session, case, mesh, destination.is_resumed(), origin_state)?;
@@ -152,7 +152,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     }
 }
 
-/// The failure of `run`, with the likeliest cause, after all that is known of it is written.
+/// The failure of `run`, with the likeliest cause, after the failure report is written.
 fn explained(
     run: &impl Run,
     error: anyhow::Error,
@@ -168,7 +168,7 @@ fn explained(
     Failure::solve(error.context(message + &hint))
 }
 
-/// Begins a new run, be it one that starts where another one stands. Returns why that could not be done, if it could not.
+/// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
 fn begin<const D: usize, const M: usize>(
     run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
@@ -191,7 +191,7 @@ fn begin<const D: usize, const M: usize>(
     Ok(None)
 }
 
-/// Puts the run where a checkpoint left it, its own or that of the run that it continues.
+/// Restores the run from a checkpoint, its own or that of the run that it continues.
 fn restore<const D: usize>(
     run: &mut impl Run,
     stored: Option<&SolverState>,
@@ -203,7 +203,7 @@ fn restore<const D: usize>(
         .ok_or_else(checkpoint::incomplete)
 }
 
-/// Runs what is left; returns why it stopped before its end, if it did.
+/// Runs the remaining slabs; returns why it stopped before its end, if it did.
 fn run_slabs<const D: usize, const M: usize>(
     case: &Case<D>,
     run: &mut impl Run,

@@ -44,7 +44,7 @@ impl From<output::OutputError> for Failure {
             | Damaged { .. }
             | OtherCase { .. }
             | Version { .. } => Failure::bad_input(error),
-            // The rest happens while results are written.
+            // All other errors occur while results are written.
             _ => Failure::solve(error),
         }
     }

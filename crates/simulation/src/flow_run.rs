@@ -1,5 +1,6 @@
 //! Mesh and flow.
 
+use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
@@ -14,7 +15,8 @@ use crate::memory_estimate::require_memory;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
 use case::{Case, Flow, State, Steady};
-use coupled::{Discretisation, FlowMarch, Search, SlabReport, Stage, SteadyFlow};
+use coupled::block::BodyState;
+use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{SolverState, Summary};
@@ -61,7 +63,14 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    /// Looks at inflows and outflows, and says what is seen there for the first time.
+    /// The walls of all bodies, by their number in the list of walls.
+    fn walls_of_bodies(&self) -> Vec<usize> {
+        let moves = |boundary: usize| self.case.bodies.iter().any(|body| body.walls.contains(&boundary));
+        let walls = self.flow.walls.iter().enumerate();
+        walls.filter(|(_, wall)| moves(wall.boundary)).map(|(number, _)| number).collect()
+    }
+
+    /// Measures inflows and outflows, and reports each observation once.
     fn observe(&self, context: &mut RunContext) {
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
@@ -98,22 +107,49 @@ where
             time_unit: flow.reference_length / flow.reference_speed,
             settings: steady.newton(),
             sequence: steady.sequence,
+            stability_time: steady.stability_time,
         };
         let found = search.find(&mut state.u);
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
         stages.iter().for_each(|stage| context.observer.say(&told(stage)));
-        let SteadyFlow { report, stages } = found?;
-        let felt = felt(self.flow, &report);
-        context.statistics.start_from_steady(&report, &stages, &felt);
+        let found = found?;
+        let felt = felt(self.flow, &found.report);
+        context.statistics.start_from_steady(&found, &felt);
+        let SteadyFlow { report, reliability, .. } = found;
+        if let Some(warning) = doubt(&reliability) {
+            context.observer.say(&format!("warning: {warning}"));
+        }
         context.statistics.totals_at_start = report.totals.clone();
         self.observe(context);
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
-        Ok(history::row(self.flow, &report, &felt, &context.statistics))
+        Ok(history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics))
     }
 }
 
-/// A solve for the steady flow, in a line.
+/// What is wrong with a steady flow, and the remedy.
+fn doubt(reliability: &Reliability) -> Option<String> {
+    let stability = reliability.stability.filter(Stability::is_unstable)?;
+    let seen = match stability.completed {
+        true => {
+            format!("within {:.3} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
+        }
+        false => format!("it failed after {:.3}, where a slab could not be solved", stability.duration),
+    };
+    let resolution = match reliability.next_order_residual {
+        Some(residual) => format!("its residual at the next higher order is {residual:.1e} of the inertial terms"),
+        None => "its residual at the next higher order cannot be evaluated".to_owned(),
+    };
+    let meaning = match reliability.is_resolved() {
+        true => "The flow itself is unsteady: `[time]` for some periods of it",
+        false => {
+            "It may be a solution of the discrete equations only: a higher `flow.order` or smaller cells, until the forces agree"
+        }
+    };
+    Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
+}
+
+/// A solve for the steady flow, in one line.
 fn told(stage: &Stage) -> String {
     let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
     let flux = if *dissipative { ", dissipative flux" } else { "" };
@@ -148,7 +184,7 @@ where
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
-        // A run that continues another one has its start behind it, but for a steady flow of other orders.
+        // A run that continues another one does not search the steady flow again, unless its orders differ.
         let row = match &self.case.solver.steady {
             Some(steady) if self.march.state.slab == 0 && context.statistics.steady.is_none() => {
                 Some(self.start_from_steady_flow(steady, context)?)
@@ -160,6 +196,8 @@ where
         }
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
             context.statistics.totals_at_start = self.march.totals();
+            let start = |state: &BodyState| BodyRecord::start(state, self.march.state.time);
+            context.statistics.bodies = self.march.bodies().iter().map(start).collect();
         }
         Ok(row)
     }
@@ -175,7 +213,9 @@ where
             krylov: report.newton.krylov_iterations,
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
         });
-        history::row(self.flow, report, &felt, &context.statistics)
+        let bodies = self.march.bodies();
+        context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
+        history::row(self.flow, report, &felt, &bodies, &context.statistics)
     }
 
     fn store(&self) -> SolverState {

@@ -1,9 +1,11 @@
 //! The columns of history.csv, and its rows.
 
+use super::bodies;
 use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
 use super::walls::WallLoads;
 use case::{Case, Flow, Structure, Wall};
+use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::Coefficients;
 
@@ -40,8 +42,8 @@ const OF_STRUCTURE: [&str; 10] = [
     "energy_error",
 ];
 
-/// Columns of history.csv: those of every run, for each wall what it feels at the top of the slab and over the slab, for each inflow and
-/// outflow the mass that leaves per time at the top. A structure has its own.
+/// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab and over the slab. For each
+/// inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let Some(structure) = &case.structure {
         return columns_of_structure(structure);
@@ -53,6 +55,7 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
         columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
     columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
+    columns.extend(case.bodies.iter().flat_map(bodies::columns));
     columns
 }
 
@@ -115,11 +118,12 @@ pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Ve
     [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
 }
 
-/// A row of mesh and flow, with what the walls felt; `statistics` includes the slab.
+/// A row of mesh and flow, with the loads of the walls; `statistics` includes the slab.
 pub fn row<const D: usize, const M: usize>(
     flow: &Flow<D>,
     report: &SlabReport<M>,
     felt: &[WallLoads<D>],
+    bodies: &[BodyState],
     statistics: &RunStatistics,
 ) -> Vec<f64> {
     let SlabReport { interval, newton, counts, totals, .. } = report;
@@ -130,5 +134,6 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
     row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
     row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
+    row.extend(bodies.iter().flat_map(bodies::row));
     row
 }

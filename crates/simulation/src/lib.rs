@@ -1,32 +1,32 @@
 //! Runs: a checked case becomes a march, and its slabs become files.
 //!
-//! This crate knows no command line, prints nothing and handles no signals: a run talks to its [`Observer`].
+//! This crate has no command line, prints nothing and handles no signals: a run reports to its [`Observer`].
 //!
 //! | module | holds |
 //! |---|---|
 //! | `build` | from a case to the problem of the numerics |
-//! | `drive` | a run, slab by slab, whatever it solves |
+//! | `drive` | a run, slab by slab, for any equations |
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
-//! | `observer` | what a run tells its caller, and what it asks him |
-//! | `destination`, `occupied` | where a run writes, and whether it may |
-//! | `session` | what a run sets up before its first slab |
-//! | `context` | what a run keeps beside its march, and how it ends |
-//! | `clock` | where the time of a run goes |
-//! | `record` | what every slab leaves on disk |
-//! | `motion_jump` | how a motion differs from that of the run that it continues |
+//! | `observer` | reports of a run to its caller, and requests of the caller |
+//! | `destination`, `occupied` | the output directory of a run, and whether it may write there |
+//! | `session` | the set-up of a run before its first slab |
+//! | `context` | data of a run besides its march, and its end |
+//! | `clock` | the wall time of the parts of a run |
+//! | `record` | the output of every slab |
+//! | `motion_jump` | differences between a motion and the motion of the run that it continues |
 //! | `history` | columns and rows of history.csv |
-//! | `failure` | what a run that has failed leaves behind |
-//! | `error` | how a run fails |
+//! | `failure` | the report of a failed run |
+//! | `error` | failures of a run |
 //! | `summary` | summary.json |
 //! | `checkpoint` | the state of a run as named arrays, and back |
-//! | `openings` | what passes inflows and outflows, and whether their conditions are made for it |
-//! | `probe` | what a run will cost, and whether its mesh will hold, found out beforehand |
+//! | `openings` | the flow through inflows and outflows, and whether their conditions are made for it |
+//! | `probe` | the cost of a run and the validity of its mesh, estimated beforehand |
 //! | `memory_estimate` | the memory of a run, estimated beforehand |
-//! | `resume` | whether a run may continue the one that left a checkpoint |
-//! | `restart` | a run that starts where another one stands |
+//! | `resume` | the decision whether a run may continue from a checkpoint |
+//! | `restart` | a run that starts from the result of another one |
 //! | `statistics` | sums over the run |
-//! | `time` | times for reading |
-//! | `walls` | what walls feel |
+//! | `time` | times without round-off, for messages |
+//! | `walls` | loads of walls |
 //!
 //! A case in memory, run slab by slab:
 //!
@@ -49,6 +49,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bodies;
+mod body_record;
 mod build;
 mod checkpoint;
 pub mod clock;

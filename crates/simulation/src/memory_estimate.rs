@@ -12,41 +12,42 @@ use navier_stokes::Viscosity;
 /// Krylov iterations of a Newton step of a run without surprises.
 pub const TYPICAL_ITERATIONS: usize = 8;
 
-/// What the program takes before a case is large: its code, libraries, and the buffers of the result file.
+/// The memory of the program for a small case: its code, libraries, and the buffers of the result file.
 const PROGRAM: usize = 27_000_000;
 
-/// Vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and increments of Newton's
-/// method, traces of the operator.
+/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and
+/// increments of Newton's method, traces of the operator.
 const VECTORS: usize = 26;
 
-/// The same for the unknowns of an elastic mesh, beside what every mesh takes.
+/// The same for the unknowns of an elastic mesh, in addition to every mesh.
 const VECTORS_OF_MESH: usize = 6;
 
-/// Numbers in single precision per entry of a block while it is inverted, for a thread: its parts, panels of their rows, and what they hand on
-/// to neighbours.
+/// The count of numbers in single precision per entry of a block while a thread inverts it: its parts, panels of their rows, and the data for
+/// neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
 
-/// Numbers in factors and working space of the coarse level of a steady flow, over b^2 n log2 n for n cells of b coarse unknowns: 6 to 11 on
-/// airfoils and cylinders of 250 to 3600 cells.
+/// The count of numbers in factors and work space of the coarse level of a steady flow, relative to b^2 n log2 n for n cells of b coarse
+/// unknowns. It is 6 to 11 on airfoils and cylinders of 250 to 3600 cells.
 const COARSE_FILL: f64 = 9.5;
 
-/// The estimate is right to a fifth; a run is refused if it needs so many times what is there.
+/// The estimate is accurate to a fifth. A run is refused if it needs this many times the available memory.
 const MARGIN: f64 = 1.25;
 
 /// Bytes of the parts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MemoryEstimate {
-    /// The Jacobian of the operator of space, from which the preconditioner is made.
+    /// The Jacobian of the operator of space, for the preconditioner.
     pub jacobian: usize,
     /// The factors of the preconditioner.
     pub factors: usize,
     /// The vectors of Newton's method, and those of the linear solver in a typical step.
     pub vectors: usize,
-    /// The vectors of the linear solver, if it takes all iterations that it is allowed.
+    /// The vectors of the linear solver, if it uses all permitted iterations.
     pub most_krylov: usize,
     /// The mesh, by its order, and its solver.
     pub mesh: usize,
-    /// What the search for the steady flow takes, where the run begins with it; its preconditioner goes before that of the slabs comes.
+    /// The memory of the search for the steady flow, if the run begins with it. Its preconditioner is freed before that of the slabs is
+    /// allocated.
     pub steady: Option<usize>,
 }
 
@@ -58,7 +59,7 @@ impl MemoryEstimate {
         MemoryEstimate { mesh: memory.mesh + solver, ..memory }
     }
 
-    /// The same without the solver of the mesh, which takes long to plan.
+    /// The same without the solver of the mesh, whose plan takes long.
     fn of_flow<const D: usize>(case: &Case<D>) -> Self {
         let flow = case.flow_unknowns();
         let mesh = case.mesh_unknowns().unwrap_or(0);
@@ -81,17 +82,17 @@ impl MemoryEstimate {
         }
     }
 
-    /// The largest memory of a run that goes as most do.
+    /// The largest memory of a typical run.
     pub fn peak(&self) -> usize {
         let slab = self.jacobian + self.factors + self.vectors;
         PROGRAM + self.mesh + slab.max(self.steady.unwrap_or(0))
     }
 }
 
-/// Refuses a run whose flow needs more memory than there is, by a margin wider than the error of the estimate.
+/// Refuses a run whose flow needs more memory than is available, by a margin wider than the error of the estimate.
 ///
 /// # Errors
-/// The memory needed, and that which is there.
+/// The memory needed, and the memory available.
 pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     let needed = MemoryEstimate::of_flow(case).peak();
     let Some(_) = memory::shortage((needed as f64 / MARGIN) as u64) else { return Ok(()) };
@@ -125,8 +126,8 @@ impl Blocks {
     }
 }
 
-/// In double precision the square of a cell's unknowns and of its nodes; while they are made, that of the traces of a facet, for rows and
-/// columns of either side.
+/// In double precision: the square of a cell's unknowns and of its nodes. During assembly also the square of the traces of a facet, for
+/// rows and columns of either side.
 fn jacobian<const D: usize>(case: &Case<D>) -> usize {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
     let Blocks { cell, nodes, traces } = Blocks::new(flow);
@@ -134,8 +135,8 @@ fn jacobian<const D: usize>(case: &Case<D>) -> usize {
     8 * (mesh.n_cells() * (cell * cell + nodes * nodes) + pairs * traces * traces)
 }
 
-/// In half of single precision the square of a cell's unknowns for each time node, and that of the traces for either side of a facet; in
-/// single precision what inverts a block, for a thread.
+/// In bfloat16: the square of a cell's unknowns for each time node, and of the traces for either side of a facet. In single precision:
+/// the data to invert a block, per thread.
 fn factors<const D: usize>(case: &Case<D>, time_order: usize) -> usize {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
     let Blocks { cell, traces, .. } = Blocks::new(flow);
@@ -144,8 +145,8 @@ fn factors<const D: usize>(case: &Case<D>, time_order: usize) -> usize {
     2 * stored + 4 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
 }
 
-/// Of the preconditioner by directions: in double precision, for every axis of a cell, the squares of the unknowns and of the nodes of a line;
-/// in single precision the former, padded, once for a real mode and four times for a complex pair.
+/// For the preconditioner by directions, in double precision: for every axis of a cell the squares of the unknowns and of the nodes of a line.
+/// In single precision: the former, padded, once for a real mode and four times for a complex pair.
 fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
     let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);

@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Moves the mesh over the whole run, even where cells are inverted.
 ///
 /// # Errors
-/// Bad input before anything is written; an invalid mesh after all is written.
+/// Bad input before anything is written; an invalid mesh after everything is written.
 pub fn move_mesh<const D: usize, const M: usize>(
     case: &Case<D>,
     destination: &Destination,
@@ -49,7 +49,7 @@ struct Inverted {
     finding: Finding,
     /// Time at its bottom.
     start: f64,
-    /// Slabs done before.
+    /// Slabs done before it.
     slabs: usize,
 }
 
@@ -120,7 +120,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
 }
 
 impl<const D: usize> MeshRun<'_, D> {
-    /// The failure of a mesh that is invalid from `first` on, after all that is known of it is written.
+    /// The failure of a mesh that is invalid from `first` on, after the failure report is written.
     fn invalid(&self, first: FirstInvalid, quality: &MeshQuality, context: &RunContext, session: &Session) -> Failure {
         let (MeshQuality { sampled_min, cell, time, .. }, directory) = (quality, session.directory.path());
         let sampled = match context.statistics.first_invalid_sampled {
@@ -143,7 +143,7 @@ impl<const D: usize> MeshRun<'_, D> {
     }
 }
 
-/// Says what was proved until `time`.
+/// Reports the proof up to `time`.
 fn say_valid(quality: &MeshQuality, time: f64, context: &RunContext, session: &Session) {
     let directory = session.directory.path();
     context.observer.say(&format!(

@@ -15,7 +15,7 @@ pub struct SlabDone {
     pub newton: usize,
     /// Krylov iterations that it took.
     pub krylov: usize,
-    /// Its residual in the end, relative to the first one.
+    /// Its final residual, relative to the first one.
     pub residual: f64,
 }
 

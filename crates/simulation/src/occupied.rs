@@ -1,4 +1,5 @@
-//! Whether a run may write into its output directory: it replaces no other run unasked, and never the run that it starts from.
+//! Decides whether a run may write into its output directory: it replaces no other run unasked, and never the run that it
+//! starts from.
 
 use crate::destination::{Destination, Existing};
 use crate::error::Failure;
@@ -7,13 +8,13 @@ use crate::time::rounded;
 use output::{EarlierRun, RESULT_FILE, RunDirectory};
 use std::path::{Path, PathBuf};
 
-/// Characters of the reason why a run stopped, in a message.
+/// The largest number of characters in a message of the reason why a run stopped.
 const LONGEST_REASON: usize = 160;
 
 /// Why a run may not write into its output directory.
 #[derive(Debug, thiserror::Error)]
 pub enum OccupiedError {
-    /// The run that it would replace is the one that it starts from.
+    /// The run to be replaced is the source of the restart.
     #[error(
         "the output directory `{directory}` holds the run from which this one starts, `restart.from`: it would destroy its own \
          source\n  write elsewhere: {elsewhere}"
@@ -31,10 +32,10 @@ pub enum OccupiedError {
         directory: PathBuf,
         /// The run found.
         found: String,
-        /// What to do, a line for each remedy.
+        /// The remedies, one per line.
         remedies: String,
     },
-    /// A file of another program has the name of one that a run writes.
+    /// A file of another program has the name of a run's file.
     #[error("`{file}` was not written by stsolve, and a run would replace it; {elsewhere}")]
     Foreign {
         /// The file.
@@ -44,7 +45,8 @@ pub enum OccupiedError {
     },
 }
 
-/// Checks the output directory before anything is computed. While another run holds it there is nothing to check: the lock tells.
+/// Checks the output directory before anything is computed. If another run holds it, nothing is checked here, because the lock
+/// reports it.
 ///
 /// # Errors
 /// As [`check`].
@@ -82,7 +84,7 @@ pub fn check(destination: &Destination, observer: &dyn Observer, source: Option<
     }
 }
 
-/// Whether the result in `directory` is the one that `source` names, by itself or by its directory, through whatever links.
+/// Whether the result in `directory` is named by `source`, directly or by its directory, through any links.
 fn is_result_of(directory: &Path, source: &Path) -> bool {
     let source = if source.is_dir() { source.join(RESULT_FILE) } else { source.to_owned() };
     let real = |path: &Path| path.canonicalize().ok();
@@ -103,7 +105,7 @@ fn described(run: &EarlierRun) -> String {
     }
 }
 
-/// A line for each thing that the user may want.
+/// A line for each possible intention of the user.
 fn remedies(run: &EarlierRun, observer: &dyn Observer, directory: &Path) -> String {
     let advice = |step| observer.advice(step, directory);
     let go_on = if run.completed { "go on to a later `time.end`" } else { "go on from its last checkpoint" };

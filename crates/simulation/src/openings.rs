@@ -1,4 +1,4 @@
-//! What passes the openings of a flow, and whether their conditions are made for it.
+//! The flow through inflows and outflows, and whether their conditions are made for it.
 //!
 //! Measured at the start and at the end of every slab, at points of the facets of inflows and outflows.
 
@@ -10,13 +10,15 @@ use serde::Serialize;
 use std::fmt;
 use tensor::{dot, norm};
 
-/// Slower than this part of the reference speed, gas counts as resting: at the edge of a wall its direction is round-off.
+/// Gas slower than this fraction of the reference speed counts as resting: at the edge of a wall its direction is
+/// round-off.
 const RESTING: f64 = 0.01;
 
-/// Less than this part of a boundary is a point or two, for a moment: entered, but not told while the run goes on.
+/// Less than this fraction of a boundary is a point or two, for a moment: it is recorded, but not reported during the
+/// run.
 const TOLD: f64 = 0.05;
 
-/// What a condition is not made for.
+/// Flow that a condition is not made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Misuse {
@@ -32,31 +34,31 @@ pub enum Misuse {
 
 const ALL: [Misuse; 4] = [Misuse::Supersonic, Misuse::Leaving, Misuse::Backflow, Misuse::Subsonic];
 
-/// A misuse at one time.
+/// An observation at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Seen {
     /// The boundary.
     pub boundary: usize,
-    /// What is seen there.
+    /// The kind of misuse.
     pub misuse: Misuse,
-    /// On which part of its area.
+    /// The fraction of the area.
     pub share: f64,
-    /// The largest normal Mach number there relative to the facet; of [`Misuse::Subsonic`] the smallest.
+    /// The largest normal Mach number there relative to the facet; for [`Misuse::Subsonic`] the smallest.
     pub mach: f64,
 }
 
 /// A misuse over a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Record {
-    /// When it was seen first.
+    /// The time of the first observation.
     pub since: f64,
-    /// How it stands, with a share of 0 where it is over.
+    /// The present observation, with a share of 0 if it is over.
     pub now: Seen,
     /// The largest share so far.
     pub largest_share: f64,
 }
 
-/// Whether gas may cross a boundary in one direction only, by intention.
+/// Whether gas is meant to cross a boundary in one direction only.
 pub fn is_opening<const D: usize>(condition: &Boundary<D>) -> bool {
     matches!(
         condition,
@@ -64,7 +66,7 @@ pub fn is_opening<const D: usize>(condition: &Boundary<D>) -> bool {
     )
 }
 
-/// What gas that leaves with `w_n` relative to the facet, of sound speed `c`, does that `condition` is not made for.
+/// The misuse of `condition` by gas that leaves with `w_n` relative to the facet, of sound speed `c`, if any.
 fn misuse<const D: usize>(condition: &Boundary<D>, w_n: f64, c: f64, resting: f64) -> Option<Misuse> {
     let found = match condition {
         Boundary::Inflow(_) | Boundary::VelocityInflow(_) if -w_n >= c => Misuse::Supersonic,
@@ -76,7 +78,7 @@ fn misuse<const D: usize>(condition: &Boundary<D>, w_n: f64, c: f64, resting: f6
     Some(found)
 }
 
-/// All that is seen at the openings of `flow` at one time.
+/// All observations at the openings of `flow` at one time.
 pub fn measure<const D: usize, const M: usize>(
     flow: &Flow<D>,
     mesh: &Mesh<D>,
@@ -104,8 +106,8 @@ where
     sums.into_iter().enumerate().flat_map(seen).collect()
 }
 
-/// What the initial state of `flow` does at its openings, on the mesh at rest. Where the run starts from a steady flow that state is a
-/// guess, of which only the side of the speed of sound counts.
+/// The observations for the initial state of `flow`, on the mesh at rest. If the run starts from a steady flow, that state is a guess,
+/// and only whether it is supersonic counts.
 pub fn at_start<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Vec<Record>
 where
     State<D>: ExactState<D, M>,
@@ -173,13 +175,13 @@ fn add<const D: usize, const M: usize>(
     }
 }
 
-/// The weight of a point of an equidistant grid on a face: a half for every end of a line that it is.
+/// The weight of a point of an equidistant grid on a face: a factor of one half for every line of which it is an end.
 fn trapezoid<const D: usize>(points: usize, index: usize) -> f64 {
     let digit = |axis: usize| index / points.pow(axis as u32) % points;
     (0..D - 1).map(|axis| if digit(axis) == 0 || digit(axis) == points - 1 { 0.5 } else { 1.0 }).product()
 }
 
-/// Enters what is seen at a `time` into the `records` of a run; returns those that now reach [`TOLD`] for the first time.
+/// Adds the observations at a `time` to the `records` of a run; returns those that reach [`TOLD`] now for the first time.
 pub fn enter(records: &mut Vec<Record>, seen: &[Seen], time: f64) -> Vec<Record> {
     records.iter_mut().for_each(|record| record.now.share = 0.0);
     let mut reached = Vec::new();
@@ -210,7 +212,7 @@ impl Record {
         [boundary as f64, misuse as usize as f64, share, mach, self.since, self.largest_share]
     }
 
-    /// Back from numbers; `None` if they are none of a record.
+    /// Back from numbers; `None` if they are invalid.
     pub fn from_numbers(numbers: &[f64; 6]) -> Option<Self> {
         let &[boundary, misuse, share, mach, since, largest_share] = numbers;
         let misuse = *ALL.get(misuse as usize)?;
@@ -223,7 +225,7 @@ impl Record {
     }
 }
 
-/// A record in words: what happens, where, on how much of it, since when.
+/// A record in words: the kind, the boundary, the share, the start.
 pub struct Told<'a> {
     record: &'a Record,
     boundary: &'a str,
@@ -246,7 +248,7 @@ impl fmt::Display for Told<'_> {
 }
 
 impl Misuse {
-    /// What to do, for the boundary of that name.
+    /// The remedy, for the boundary of that name.
     pub fn remedy(self, boundary: &str) -> String {
         match self {
             Misuse::Supersonic => {

@@ -1,4 +1,4 @@
-//! What a run will cost and whether its mesh will hold, found out beforehand on the mesh of the case.
+//! Cost of a run and validity of its mesh, measured beforehand on the mesh of the case.
 
 use super::build;
 use case::memory;
@@ -10,10 +10,10 @@ use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use std::time::Instant;
 
-/// Evaluations of which the fastest counts.
+/// The number of evaluations, of which the fastest counts.
 const REPEATS: usize = 3;
 
-/// Seconds that the parts of a run take on this machine.
+/// Seconds of the parts of a run on this machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// To set up the run.
@@ -24,7 +24,7 @@ pub struct Timing {
     pub iteration: f64,
     /// To make the preconditioner.
     pub preconditioner: f64,
-    /// The memory of the process after all that, in bytes, where the system tells.
+    /// The memory of the process afterwards, in bytes, if the system reports it.
     pub memory: Option<u64>,
 }
 
@@ -34,7 +34,7 @@ pub enum ProbeError {
     /// The mesh cannot be moved.
     #[error("the mesh could not be moved: {0}")]
     Mesh(#[from] ElasticityError),
-    /// The state at the start is none, on the mesh of the first slab.
+    /// The initial state is inadmissible on the mesh of the first slab.
     #[error("the first slab starts from an {0}")]
     State(#[from] Inadmissible),
     /// The first slab cannot begin.
@@ -55,7 +55,7 @@ impl From<SlabError> for ProbeError {
 /// Times the parts of the first slab of `case`.
 ///
 /// # Errors
-/// A mesh or a state that the first slab cannot start with.
+/// A mesh or a state from which the first slab cannot start.
 pub fn time_flow<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<Timing, ProbeError>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -74,7 +74,7 @@ where
     let begun = Instant::now();
     problem.linearise(&z, &still)?;
     let preconditioner = begun.elapsed().as_secs_f64();
-    // The mesh is in equilibrium already: directions leave it alone, as in most iterations of a run.
+    // The mesh is in equilibrium already, so directions vanish there, as in most iterations of a run.
     r[..problem.mesh_len()].fill(0.0);
     problem.guess_increment(&r, &mut increment);
     let iteration = fastest(|| {
@@ -85,7 +85,7 @@ where
     Ok(Timing { setup, residual, iteration, preconditioner, memory: memory::peak() })
 }
 
-/// Mesh and flow that Newton's method starts from in the first slab: the mesh moved, the flow as at the start.
+/// The start of Newton's method in the first slab: the mesh moved, the flow as at the start.
 fn start_of_slab<const D: usize, const M: usize>(
     march: &mut FlowMarch<D, M>,
     case: &Case<D>,
@@ -109,7 +109,7 @@ fn fastest(mut call: impl FnMut() -> Result<(), Inadmissible>) -> Result<f64, In
 /// The mesh over a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOverRun {
-    /// The worst of its quality.
+    /// Its worst quality.
     pub quality: MeshQuality,
     /// The first time at which a cell is not proved to be valid.
     pub first_invalid: Option<f64>,

@@ -1,4 +1,4 @@
-//! What every slab leaves on disk.
+//! The output of every slab.
 
 use super::history::columns;
 use super::resume;
@@ -13,13 +13,13 @@ use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, RestMesh, Res
 use report::REPORT_FILE;
 use report::fields::{self, CellSample};
 
-/// What a run has at the end of a slab, and in it.
+/// The state of a run at the end of a slab, and within it.
 pub struct Snapshot<'a> {
     /// The time.
     pub time: f64,
-    /// The displacement then, `[C0 node][component]`.
+    /// The displacement at that time, `[C0 node][component]`.
     pub displacement: &'a [f64],
-    /// The velocities of the slab that ends then, `[time node][C0 node][component]`.
+    /// The velocities of the slab that ends at that time, `[time node][C0 node][component]`.
     pub velocities: &'a [f64],
     /// The flow of that slab; empty without one.
     pub flow: &'a [f64],
@@ -37,7 +37,7 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
     slabs_since_checkpoint: usize,
 }
 
-/// What the recorder knows of the mesh: C0 nodes per cell and reference positions `[cell][component][node]`.
+/// The mesh as the recorder needs it: C0 nodes per cell and reference positions `[cell][component][node]`.
 pub struct MeshView<const D: usize> {
     cells: Vec<Vec<usize>>,
     positions: Vec<Vec<f64>>,
@@ -70,8 +70,8 @@ impl<const D: usize> MeshView<D> {
 }
 
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
-    /// Starts the files of a new run, with the history of its `origin` if it continues another one, or goes on with those of its own
-    /// checkpoint.
+    /// Starts the files of a new run, or continues those of its own checkpoint. A run that continues another one begins with the
+    /// history of its `origin`.
     ///
     /// # Errors
     /// Files that cannot be written; for a resumed run a checkpoint that is missing, torn or of another case.
@@ -90,7 +90,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         } else {
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
         };
-        // Now nothing can forbid the run any more.
+        // From here on nothing can refuse the run any more.
         session.directory.clear(resume, &[REPORT_FILE])?;
         let before = stored.as_ref().or(origin);
         let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
@@ -120,7 +120,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         Ok(self.result.append(&Step { time: snapshot.time, points: &points, fields: &fields, exact: &exact })?)
     }
 
-    /// Counts a slab; whether it is time for a checkpoint.
+    /// Counts a slab; returns whether a checkpoint is due.
     pub fn is_checkpoint_due(&mut self) -> bool {
         self.slabs_since_checkpoint += 1;
         self.slabs_since_checkpoint >= self.case.output.checkpoint_every
@@ -206,7 +206,7 @@ fn drawn_fields<const D: usize>(case: &Case<D>) -> impl Iterator<Item = case::Fi
     listed.chain(added)
 }
 
-/// The order of the flow, or of the mesh where there is none.
+/// The order of the flow, or of the mesh without a flow.
 fn flow_order<const D: usize>(case: &Case<D>) -> usize {
     case.flow.as_ref().map_or(case.mesh.order(), |flow| flow.order)
 }
@@ -232,14 +232,15 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
     Layout { grid: Grid { dimension: D, points_per_direction, cells }, fields, exact }
 }
 
-/// Of what a run must have in common with the one that it continues: what lasts of the case, and what is solved.
+/// A checksum of the parts that a run must share with the run that it continues: the lasting part of the case, and the
+/// equations solved.
 fn fingerprint<const D: usize>(case: &Case<D>) -> String {
     let solved = match (&case.flow, &case.structure) {
         (Some(_), _) => "mesh and flow",
         (None, Some(_)) => "structure",
         (None, None) => "mesh",
     };
-    // The mesh too: it may come from a file that has changed.
+    // The mesh is included, because it may come from a file that has changed.
     Checksum::default().text(&case.about.lasting).text(solved).numbers(case.mesh.coordinates()).to_string()
 }
 

@@ -1,4 +1,4 @@
-//! A run that starts where another one stands.
+//! A run that starts from the result of another one.
 
 use super::history::columns;
 use super::statistics::RunStatistics;
@@ -15,16 +15,16 @@ use std::path::PathBuf;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
-/// What to do where the gas differs.
+/// The remedy if the gas differs.
 const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
 
 /// Why a case cannot start from a result.
 #[derive(Debug, thiserror::Error)]
 pub enum RestartError {
-    /// There is no file.
+    /// The file does not exist.
     #[error("`restart.from` names `{path}`, which does not exist; it is looked for beside the case file")]
     Missing {
-        /// The file looked for.
+        /// The path of the file.
         path: PathBuf,
     },
     /// The case in the file cannot be read.
@@ -32,19 +32,19 @@ pub enum RestartError {
     Unreadable {
         /// The result file.
         path: PathBuf,
-        /// What does not fit.
+        /// The mismatch.
         reason: String,
     },
-    /// Something that must be the same is not.
+    /// A quantity that must be equal is not.
     #[error("this case cannot start from `{path}`: {quantity} there: {there}; here: {here}")]
     Differs {
         /// The result file.
         path: PathBuf,
-        /// What differs.
+        /// The quantity.
         quantity: &'static str,
-        /// In the file.
+        /// Its value in the file.
         there: String,
-        /// In this case.
+        /// Its value in this case.
         here: String,
     },
     /// The boundary would jump.
@@ -64,10 +64,10 @@ pub enum RestartError {
         there: Vec<f64>,
         /// Its displacement in this case.
         here: Vec<f64>,
-        /// How far they are apart.
+        /// Their distance.
         distance: f64,
     },
-    /// The run stands at a time that this case does not cover.
+    /// The time reached by the run is outside this case.
     #[error(
         "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
     )]
@@ -83,22 +83,22 @@ pub enum RestartError {
     },
 }
 
-/// Where a run starts that continues another one.
+/// The start of a run that continues another one.
 #[derive(Debug)]
 pub struct Start {
-    /// The state, in the orders of the run that starts.
+    /// The state, in the orders of the new run.
     pub state: SolverState,
-    /// What is likely wrong with it.
+    /// Warnings about it.
     pub warnings: Vec<String>,
 }
 
-/// Whether `case` can start from the result that it names, if it names one.
+/// Checks whether `case` can start from the result that it names, if it names one.
 ///
 /// # Errors
 /// As `read`.
 pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<(), Failure> {
     if case.restart.is_some() {
-        // What is prescribed follows from the case: nothing needs to be factored.
+        // Prescribed motions follow from the case, so nothing needs to be factored.
         let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
         let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, case.time.order);
         read::<D, M>(case, flow, &mover)?;
@@ -107,7 +107,7 @@ pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> 
 }
 
 /// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
-/// history of the run there.
+/// history of the earlier run.
 ///
 /// # Errors
 /// [`RestartError`], or a result file that cannot be read.
@@ -134,7 +134,7 @@ struct Origin {
 }
 
 impl Origin {
-    /// Its state as one of `case`.
+    /// Its state, as a state of `case`.
     fn continued<const D: usize, const M: usize>(
         &self,
         case: &Case<D>,
@@ -155,7 +155,7 @@ impl Origin {
             self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
         }
         if state.slab == 0 && (gas_changed || from != to) {
-            // Nothing has happened but the search for the steady flow, which goes on with the new orders and the new gas.
+            // Only the steady flow has been searched so far; the search continues with the new orders and the new gas.
             sums = RunStatistics::default().to_arrays();
         }
         let mut continued = match from == to {
@@ -166,7 +166,7 @@ impl Origin {
         Ok(Start { state: continued, warnings })
     }
 
-    /// The state in the orders of the run, what its preconditioner is made of, and whether that is stale.
+    /// The state in the orders of the run, the linearisation of its preconditioner, and whether that is stale.
     fn loaded<const D: usize, const M: usize>(
         &self,
         case: &Case<D>,
@@ -201,7 +201,7 @@ impl Origin {
         Ok(())
     }
 
-    /// The gas there and here, as text and without what is `allowed` to change.
+    /// The gas in both cases, as text and without what is `allowed` to change.
     fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
         let gas =
             |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
@@ -243,7 +243,8 @@ impl Origin {
         Ok(())
     }
 
-    /// The motion of `case` must go on where the run stands: a jump of the position is refused, one of the velocity is a warning.
+    /// Checks that the motion of `case` continues the motion of the run: a jump of the position is refused, a jump of the
+    /// velocity is a warning.
     fn check_motion<const D: usize>(
         &self,
         case: &Case<D>,
@@ -282,10 +283,10 @@ impl Origin {
         RestartError::Unreadable { path: self.path.clone(), reason }
     }
 
-    /// The sums and the history of the run, which are those of `case` if it has the same walls.
+    /// The sums and the history of the run, if `case` has the same walls.
     fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
         let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
-        // Nothing where nothing has been solved yet.
+        // Empty if nothing has been solved yet.
         let walls = len("tally.forces") / numbers_per_wall(D);
         let has_begun = len("tally.forces") + len("tally.left") > 0;
         if has_begun && walls != flow.walls.len() {
@@ -300,7 +301,7 @@ impl Origin {
         Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
     }
 
-    /// The run goes on in the slabs of `time`, the next one of which may have begun before.
+    /// The run continues in the slabs of `time`; the next slab may have begun before.
     fn join_schedule(&self, state: &mut State, time: &Time) -> Result<(), RestartError> {
         let round_off = 1e-9 * time.step;
         // A case without slabs asks for the steady flow alone.
@@ -311,7 +312,7 @@ impl Origin {
         }
         state.nominal = ((state.time - time.start + round_off) / time.step) as usize;
         let end = time.start + time.step * (state.nominal + 1) as f64;
-        // Parts of a slab that was halved are done first, if that slab is one of these.
+        // Parts of a halved slab are done first, if that slab is one of these.
         if state.pending.first().is_some_and(|last| (last.end - end).abs() > round_off) {
             state.pending.clear();
         }
@@ -327,7 +328,7 @@ impl Origin {
 fn largest_distance<const D: usize>(there: &RestMesh, here: &Mesh<D>) -> f64 {
     let nodes = here.nodes_per_cell();
     let cells = there.position.chunks_exact(D * nodes).zip(here.coordinates().chunks_exact(D * nodes));
-    // `[component][node]` there, `[node][component]` here.
+    // `[component][node]` in the file, `[node][component]` in the case.
     let in_cell = |(there, here): (&[f64], &[f64])| -> f64 {
         (0..D * nodes).map(|i| (there[i % D * nodes + i / D] - here[i]).abs()).fold(0.0, f64::max)
     };

@@ -1,16 +1,16 @@
-//! Whether a run may continue the one that left a checkpoint.
+//! Decides whether a run may continue from a checkpoint.
 
 use case::{Difference, Differences, differences};
 use output::Metadata;
 
-/// What may change, for the end of a message.
+/// The settings that may change, for the end of a message.
 const MAY_CHANGE: &str =
     "only the end of the run, `time.adaptive`, `[solver]` and `[output]` but for its fields may change";
 
-/// Whether a run goes on from a checkpoint of the run `before`; says in the log which settings change.
+/// Decides whether a run continues from a checkpoint of the run `before`, and logs the settings that change.
 ///
 /// # Errors
-/// What forbids it.
+/// The reason of the refusal.
 pub fn accept(before: &Metadata, now: &Metadata) -> Result<(), String> {
     let differences = differences(&before.case_text, &now.case_text);
     if before.case_fingerprint == now.case_fingerprint {
@@ -29,7 +29,7 @@ pub fn accept(before: &Metadata, now: &Metadata) -> Result<(), String> {
     })
 }
 
-/// The first difference in what lasts, with the values that the cases have, of which less may last.
+/// The first difference in the lasting part, with the values of the cases.
 fn first_lasting(Differences { all, lasting }: &Differences) -> Option<&Difference> {
     let first = lasting.first()?;
     Some(all.iter().find(|difference| difference.key == first.key).unwrap_or(first))

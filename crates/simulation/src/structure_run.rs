@@ -40,7 +40,7 @@ struct StructureRun<'a, const D: usize> {
     observed: Observed,
 }
 
-/// What history.csv shows of the displacement.
+/// The quantities of the displacement in history.csv.
 struct Observed {
     points: Vec<Observation>,
     modes: Vec<NaturalMode>,
@@ -59,7 +59,7 @@ impl Observed {
             momentum
         };
         let momenta = modes.iter().map(momentum).collect();
-        // The case has been checked: every point is in the mesh.
+        // The case has been checked, so every point is in the mesh.
         let observation = |(_, x): &(String, [f64; D])| Observation::new(body.mesh(), body.numbering(), x);
         Ok(Observed { points: structure.points.iter().filter_map(observation).collect(), modes, momenta })
     }

@@ -1,21 +1,23 @@
 //! summary.json
 
+use super::body_record::{BodyRecord, Oscillation};
 use super::context::{self, RunContext, Stop};
 use super::history::openings;
 use super::openings::Misuse;
 use super::statistics;
 use super::walls::from_numbers;
 use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
+use coupled::block::BodyState;
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyWall,
-    StructureSummary, Summary, Unknowns, Wall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
 
-/// Of a run of mesh and flow.
+/// The summary of a run of mesh and flow.
 pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
@@ -44,9 +46,10 @@ where
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
     let conservation = Conservation {
-        // A manufactured source makes mass and energy.
+        // A manufactured source adds mass and energy.
         mass_error: (!flow.manufactured).then_some(statistics.mass_error),
         energy_error: (!flow.manufactured).then_some(statistics.energy_error),
+        coupled_energy_error: (!case.bodies.is_empty()).then_some(statistics.coupled_energy_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,
@@ -61,11 +64,14 @@ where
     for boundary in openings(flow) {
         summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
     }
+    for ((body, state), record) in case.bodies.iter().zip(march.bodies()).zip(&statistics.bodies) {
+        summary.bodies.insert(body.name.clone(), of_body(body, &state, record));
+    }
     summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
 }
 
-/// Of a wall, from its impulses over the run and its forces at the end.
+/// The figures of a wall, from its impulses over the run and its forces at the end.
 fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64]) -> Wall {
     let impulses = from_numbers::<D>(impulses);
     let coefficients = wall.scales.coefficients(&from_numbers(forces));
@@ -82,7 +88,42 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
     }
 }
 
-/// Of an inflow or outflow.
+/// Of a rigid body.
+fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record: &BodyRecord) -> Body {
+    let (mut displacement, mut velocity) = (vec![0.0; D], vec![0.0; D]);
+    let (mut rotation, mut angular_velocity) = (None, None);
+    for (freedom, (q, w)) in body.freedoms.iter().zip(state.position.iter().zip(&state.rate)) {
+        match freedom.axis {
+            Some(axis) => (displacement[axis], velocity[axis]) = (*q, *w),
+            None => (rotation, angular_velocity) = (Some(*q), Some(*w)),
+        }
+    }
+    let oscillation = |freedom: (&case::Freedom, &Oscillation)| {
+        let name = freedom.0.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
+        (name.to_owned(), output::Oscillation { amplitude: freedom.1.amplitude(), frequency: freedom.1.frequency() })
+    };
+    // The coordinate that moves most stands for the body.
+    let largest =
+        record.coordinates.iter().max_by(|a, b| a.amplitude().unwrap_or(0.0).total_cmp(&b.amplitude().unwrap_or(0.0)));
+    Body {
+        displacement,
+        rotation,
+        velocity,
+        angular_velocity,
+        amplitude: largest.and_then(Oscillation::amplitude),
+        frequency: largest.and_then(Oscillation::frequency),
+        coordinates: body.freedoms.iter().zip(&record.coordinates).map(oscillation).collect(),
+        work: state.ledger.flow,
+        kinetic_energy: state.kinetic_energy,
+        spring_energy: state.potential_energy,
+        drive_work: state.ledger.drive,
+        force_work: state.ledger.force,
+        damped: state.ledger.damped,
+        numerical_dissipation: state.ledger.numerical,
+    }
+}
+
+/// The figures of an inflow or outflow.
 fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Opening {
     let seen = |misuse: Misuse| {
         let record = statistics.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
@@ -97,7 +138,7 @@ fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Openin
     }
 }
 
-/// Of the steady flow at the start.
+/// The figures of the steady flow at the start.
 fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Steady {
     let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
         let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
@@ -107,11 +148,18 @@ fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Ste
         newton: steady.newton,
         krylov: steady.krylov,
         residual: steady.residual,
+        next_order_residual: steady.reliability.next_order_residual,
+        stability: steady.reliability.stability.map(|stability| SteadyStability {
+            growth: stability.growth,
+            duration: stability.duration,
+            completed: stability.completed,
+            unstable: stability.is_unstable(),
+        }),
         walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
     }
 }
 
-/// Of a run of the mesh alone.
+/// The summary of a run of the mesh alone.
 pub fn of_mesh<const D: usize>(
     case: &Case<D>,
     mover: &MeshMover<D>,
@@ -135,7 +183,7 @@ pub fn of_mesh<const D: usize>(
     }
 }
 
-/// Of a run of a structure that has the given `energy` now.
+/// The summary of a run of a structure that has the given `energy` now.
 pub fn of_structure<const D: usize>(
     case: &Case<D>,
     march: &StructureMarch<D>,
@@ -161,7 +209,7 @@ pub fn of_structure<const D: usize>(
     summary
 }
 
-/// What the summary of every run has.
+/// The common part of all summaries.
 fn common<const D: usize>(
     case: &Case<D>,
     state: &coupled::State,
@@ -200,7 +248,7 @@ where
     errors.energy_l2 = Some(squares[M - 1].sqrt());
 }
 
-/// The largest difference of a coefficient from a uniform state, relative to the largest of that state.
+/// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
 fn largest_deviation<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>) -> f64
 where
     Exact<State<D>>: StateField<D, M>,
@@ -212,7 +260,7 @@ where
     march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
 }
 
-/// The largest distance of a C0 node from where it belongs, if that is known.
+/// The largest distance of a C0 node from its exact position, if that is known.
 fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Option<f64> {
     let exact = known_displacement(case, state.time)?;
     let distance = |(x, d): (&[f64; D], &[f64])| {
@@ -223,7 +271,7 @@ fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, stat
 }
 
 /// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With
-/// a constant stiffness its stress is constant, so that it is in equilibrium inside too.
+/// a constant stiffness an affine map has constant stress, so that it is in equilibrium inside too.
 fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<DisplacementOf<'_, D>> {
     match case.motion.as_ref()? {
         Motion::Prescribed(displacement) => Some(Box::new(move |x| displacement.evaluate(x, t))),
@@ -234,7 +282,7 @@ fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<Displace
             let periodic = case.mesh.interior_facets().iter().any(|facet| facet.periodic);
             (whole && !periodic && is_affine(case, &displacement)).then_some(displacement)
         }
-        Motion::Elastic { .. } => None,
+        Motion::Elastic { .. } | Motion::Followed => None,
     }
 }
 

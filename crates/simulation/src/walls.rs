@@ -1,10 +1,10 @@
-//! What the walls of a case feel.
+//! The loads of the walls of a case.
 
 use case::Flow;
 use coupled::SlabReport;
 use navier_stokes::WallForce;
 
-/// What a wall feels at the top of a slab and during the slab, see [`navier_stokes::WallForce`] for signs.
+/// The loads of a wall at the top of a slab and during the slab, see [`navier_stokes::WallForce`] for signs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallLoads<const D: usize> {
     /// Forces, power and heat flow at the top.
@@ -13,7 +13,7 @@ pub struct WallLoads<const D: usize> {
     pub during: WallForce<D>,
 }
 
-/// For every wall of `flow` what it felt in a slab.
+/// The loads of every wall of `flow` in a slab.
 pub fn felt<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<M>) -> Vec<WallLoads<D>> {
     let felt = |wall: &case::Wall<D>| {
         let top = report.fluxes.last().map(|top| WallForce::new(&top.boundaries[wall.boundary], &wall.point(top.time)));
@@ -23,17 +23,17 @@ pub fn felt<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<
     flow.walls.iter().map(felt).collect()
 }
 
-/// How many numbers [`to_numbers`] makes in `dimension` dimensions: two forces, a moment, a power and a heat flow.
+/// The count of numbers of [`to_numbers`] in `dimension` dimensions: two forces, a moment, a power and a heat flow.
 pub const fn numbers_per_wall(dimension: usize) -> usize {
     2 * dimension + 5
 }
 
-/// Numbers of a force, to be kept in a checkpoint.
+/// The numbers of a force, for a checkpoint.
 pub fn to_numbers<const D: usize>(force: &WallForce<D>) -> Vec<f64> {
     [&force.pressure[..], &force.friction, &force.moment, &[force.power, force.heat]].concat()
 }
 
-/// Back from numbers; zero if they are none.
+/// Back from numbers; zero if they are invalid.
 pub fn from_numbers<const D: usize>(numbers: &[f64]) -> WallForce<D> {
     let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
     WallForce {

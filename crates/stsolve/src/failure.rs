@@ -1,4 +1,4 @@
-//! How a command fails: what is printed, and the exit code.
+//! Failures of a command: message and exit code.
 
 use simulation::Failure;
 use std::error::Error;
@@ -12,12 +12,12 @@ pub fn report(failure: &Failure) -> ExitCode {
         Failure::Solve(error) => (error, 1),
         Failure::Stopped => return ExitCode::from(3),
     };
-    // If stderr is closed there is nobody to tell.
+    // If stderr is closed, the message cannot be shown.
     let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));
     ExitCode::from(code)
 }
 
-/// The message of `error` and of its causes, but for those that the message above them contains already.
+/// The message of `error` and of its causes, without those that the message above them already contains.
 fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut next = error.source();

@@ -1,13 +1,13 @@
 //! The stsolve command: check, info, bench, progress, logging, signals.
 //!
-//! This crate is the only one that prints, exits, handles signals or knows the command line; it holds no numerics.
+//! This crate is the only one that prints, exits, handles signals or has a command line; it holds no numerics.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `cli` | the command line |
-//! | `commands` | what each command does |
-//! | `bench` | the kernels against what the machine can do |
-//! | `observer` | a run as the user sees it and stops it |
+//! | `commands` | the commands |
+//! | `bench` | the kernels relative to the peak of the machine |
+//! | `observer` | progress and interruption of a run for the user |
 //! | `progress`, `terminal`, `logging`, `signals` | its parts |
 //! | `failure` | error messages and exit codes |
 
@@ -29,7 +29,7 @@ use simulation::Failure;
 const OTHER_MACHINE: &str = "this program was compiled for the instruction set of another machine alone (feature `this-machine`): compile it \
                              here, `cargo build --release`";
 
-/// Does what the command line asks for.
+/// Executes the command line.
 ///
 /// # Errors
 /// Bad input, or a solve that failed.

@@ -1,4 +1,4 @@
-//! How far a run is: a bar where somebody watches, lines otherwise, nothing if asked.
+//! Progress of a run: a bar on a terminal, otherwise lines, nothing with `--quiet`.
 
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
@@ -16,7 +16,7 @@ pub struct Progress {
     start: f64,
     end: f64,
     begun: Instant,
-    /// What has passed before the first slab.
+    /// The time that passed before the first slab.
     before_slabs: OnceLock<Duration>,
 }
 
@@ -27,7 +27,7 @@ enum Display {
     Nothing,
 }
 
-/// The bar counts time in these parts: slabs may be halved, so their number is not known.
+/// The number of parts in which the bar counts time. Slabs may be halved, so their number is not known.
 const PARTS: u64 = 10_000;
 
 impl Progress {
@@ -50,7 +50,7 @@ impl Progress {
         }
     }
 
-    /// The slabs begin now: what came before them says nothing of how long they take.
+    /// Marks the begin of the slabs: the time before them does not enter the estimate.
     pub fn begin_slabs(&self) {
         self.before_slabs.get_or_init(|| self.begun.elapsed());
         if let Display::Bar(bar) = &self.display {
@@ -93,7 +93,7 @@ impl Progress {
         self.show(time, text);
     }
 
-    /// Says something above the bar, unless asked to be quiet.
+    /// Prints a line above the bar, unless `--quiet` is set.
     pub fn say(&self, line: &str) {
         if !matches!(self.display, Display::Nothing) {
             self.terminal.print(line);

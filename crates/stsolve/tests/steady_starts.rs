@@ -1,4 +1,4 @@
-//! Steady starts: whose data they take, how they are found, and what they say where there is no steady flow.
+//! Steady starts: their boundary data, their search, and their message if there is no steady flow.
 //!
 //! `scripts/steady_starts.py` runs the twelve starts of its table on finer meshes, each at two orders.
 
@@ -17,7 +17,8 @@ fn run(directory: &Path, name: &str, case: &str) -> Outcome {
     stsolve(directory, &["run", file.to_str().unwrap(), "--output", name, "--quiet"])
 }
 
-/// The state on the boundary varies in time: at t = 0 its density is 1. The mean over the slab of the solver was 1.0969.
+/// The state on the boundary varies in time: at t = 0 its density is 1. Its mean over the slab of the solver, 1.0969,
+/// was once taken.
 #[test]
 fn a_steady_start_takes_boundary_states_of_its_own_time() {
     let case = |start: f64| {
@@ -47,7 +48,7 @@ fn a_steady_start_takes_boundary_states_of_its_own_time() {
 const COARSE: &str = "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, \
                       normal_cells = 10, far_field = 20 }";
 
-/// A gust that begins at t = 0 exerts no lift then; C_L was 0.02.
+/// A gust that begins at t = 0 exerts no lift at that time; C_L was once 0.02.
 #[test]
 fn a_gust_is_not_felt_before_it_has_begun() {
     let gust = "flow.boundary.far={prescribed_state={expression={density=1,velocity=[1,\"0.1*sin(2*pi*t/5.3)\"],pressure=\"1/(1.4*0.2^2)\"}}}";
@@ -105,8 +106,8 @@ fn an_inviscid_airfoil_is_found_by_lower_orders() {
     }
 }
 
-/// At Re = 4000 the wake of a cylinder does not rest on this mesh. The search must say so, by what it has measured, and advise nothing
-/// that it has tried.
+/// At Re = 4000 the wake of a cylinder is unsteady on this mesh. The search must report this with its measurements, and must not
+/// advise anything that it has tried.
 #[test]
 fn a_flow_without_a_steady_state_is_called_unsteady_and_its_rate_of_change_is_shown() {
     let directory = TempDir::new().unwrap();
@@ -122,5 +123,129 @@ fn a_flow_without_a_steady_state_is_called_unsteady_and_its_rate_of_change_is_sh
     outcome.expect(1, &["the flow is unsteady", "its rate of change went from", "remove `[solver.steady]`"]);
     for tried in ["solver.steady.steps", "krylov_iterations", "lax_friedrichs"] {
         assert!(!outcome.stderr.contains(tried), "{tried} was tried: {}", outcome.stderr);
+    }
+}
+
+/// An airfoil at 6 degrees and Re = 20000 on 328 cells of order 2 with two quadrature points per direction: hopelessly coarse, so that the
+/// discrete equations have several steady solutions.
+const UNRESOLVED: &str = r#"
+[constants]
+alpha = "6*pi/180"
+[mesh]
+order = 4
+[mesh.generate.airfoil]
+first_cell = 0.01
+trailing_edge_cell = 0.03
+surface_cells = 10
+wake_cells = 6
+near_wake = { extent = 2, cells = 3 }
+normal_cells = 9
+near_wall = { extent = 0.6, cells = 6 }
+[flow]
+order = 2
+quadrature = { points = 2 }
+gas = { gamma = 1.4, prandtl = 0.72, mach = 0.2, viscosity = { constant = 5e-5 } }
+reference = { density = 1, speed = 1, pressure = 17.857142857142858 }
+initial = { uniform = { velocity = [1, 0], mach = 0.2 } }
+[flow.boundary]
+airfoil = { adiabatic_wall = {} }
+far = { far_field = { velocity = [0.9945218953682733, 0.10452846326765347], mach = 0.2 } }
+[flow.forces]
+airfoil = { drag_direction = [0.9945218953682733, 0.10452846326765347] }
+[time]
+order = 1
+end = 0
+step = 1
+[solver.steady]
+first_step = 100
+sequence = false
+[output]
+fields = []
+"#;
+
+/// The steady section of the summary of UNRESOLVED with changes, and whether the run has warned; None where no steady flow was found.
+fn unresolved(directory: &Path, changes: &[&str]) -> Option<(serde_json::Value, bool)> {
+    let file = directory.join("case.toml");
+    std::fs::write(&file, UNRESOLVED).unwrap();
+    let mut arguments = vec!["run", file.to_str().unwrap(), "--output", "run", "--force"];
+    changes.iter().for_each(|change| arguments.extend(["--set", change]));
+    let outcome = stsolve(directory, &arguments);
+    let told = outcome.stdout + &outcome.stderr;
+    let warned = told.contains("warning: the steady flow is unstable") && told.contains("a higher `flow.order`");
+    println!("{changes:?}: {}", outcome.code);
+    (outcome.code == 0).then(|| (summary(&directory.join("run"))["steady"].clone(), warned))
+}
+
+/// Newton's method finds a lift of 0.448 from a uniform stream and of 0.113 from gas at rest, both with residuals of 4e-10. No flow in time
+/// stays at the first: a march fails within a time unit. Before, nothing was said.
+#[test]
+fn a_spurious_steady_flow_is_told_by_a_march_in_time() {
+    let directory = TempDir::new().unwrap();
+    let lift = |steady: &serde_json::Value| number(&steady["walls"]["airfoil"], "lift_coefficient");
+    let judged = |(steady, warned): &(serde_json::Value, bool), unstable: bool| {
+        println!("{steady}");
+        assert!(number(steady, "next_order_residual") > 0.1, "{steady}");
+        assert_eq!(steady["stability"]["unstable"], unstable, "{steady}");
+        assert_eq!(*warned, unstable, "{steady}");
+    };
+    // The way of Newton's method from there is long: on another machine one of these may get lost.
+    let first_steps = ["solver.steady.first_step=100", "solver.steady.first_step=1e4"];
+    let from_stream = first_steps.iter().filter_map(|step| unresolved(directory.path(), &[step]));
+    let spurious: Vec<_> = from_stream.filter(|(steady, _)| (lift(steady) - 0.448).abs() < 1e-3).collect();
+    assert!(!spurious.is_empty(), "the spurious flow was not found");
+    spurious.iter().for_each(|flow| judged(flow, true));
+    let rest =
+        unresolved(directory.path(), &["flow.initial={ uniform = { velocity = [0, 0.01], mach = 0.002 } }"]).unwrap();
+    assert!((lift(&rest.0) - 0.113).abs() < 1e-3, "{}", rest.0);
+    judged(&rest, false);
+}
+
+/// A flow that is resolved costs no march, and is stable where the case asks for one.
+#[test]
+fn a_resolved_steady_flow_is_not_doubted() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.order=4", COARSE, "flow.order=4", "time.end=0"];
+    for (name, more) in [("usual", "flow.order=4"), ("asked", "solver.steady.stability_time=8")] {
+        on_case(directory.path(), "run", "naca0012_heave", &[&set[..], &[more]].concat(), name, &[]).expect(0, &[]);
+        let steady = &summary(&directory.path().join(name))["steady"];
+        println!("{name}: {steady}");
+        assert!(number(steady, "next_order_residual") < 0.1, "{steady}");
+        assert_eq!(steady.get("stability").is_some(), name == "asked", "{steady}");
+    }
+}
+
+/// The steady flow around a cylinder at Re = 100 exists, but vortices are shed: the disturbance grows by exp(0.13 t).
+#[test]
+fn the_steady_flow_around_a_cylinder_at_re_100_is_unstable() {
+    let directory = TempDir::new().unwrap();
+    let set = ["mesh.order=3", "flow.order=4", "flow.gas.viscosity.constant=0.01", "solver.steady.stability_time=60"];
+    on_case(directory.path(), "run", "cylinder_steady", &set, "run", &[]).expect(0, &[]);
+    let steady = &summary(&directory.path().join("run"))["steady"];
+    println!("{steady}");
+    assert_eq!(steady["stability"]["unstable"], true, "{steady}");
+}
+
+/// The most dissipative flux at M = 0.05: iterations, but no failure. Table: cargo test ... -- --nocapture
+#[test]
+fn the_lax_friedrichs_flux_works_at_a_low_mach_number_and_costs_iterations() {
+    let directory = TempDir::new().unwrap();
+    let airfoil = ["mesh.order=3", COARSE, "flow.order=3", "time.end=0.2"];
+    let cylinder = ["mesh.order=4", "flow.order=4"];
+    for (case, coarse, wall) in [("naca0012_heave", &airfoil[..], "airfoil"), ("cylinder_steady", &cylinder, "wall")] {
+        let [roe, dissipative] = ["roe", "lax_friedrichs"].map(|flux| {
+            let mach = ["gas", "initial.uniform", "boundary.far.far_field"].map(|key| format!("flow.{key}.mach=0.05"));
+            let flux = format!("flow.riemann={flux}");
+            let set: Vec<&str> =
+                coarse.iter().copied().chain(mach.iter().map(String::as_str)).chain([&flux[..]]).collect();
+            on_case(directory.path(), "run", case, &set, "run", &["--force"]).expect(0, &[]);
+            let summary = summary(&directory.path().join("run"));
+            assert_eq!(number(&summary, "rejected_slabs"), 0.0, "{summary}");
+            let (steady, slabs) = (&summary["steady"], number(&summary, "krylov.total"));
+            let drag = number(&steady["walls"][wall], "drag_coefficient");
+            println!("{case}, {flux}: steady {} Krylov iterations, slabs {slabs}, C_D {drag:.5}", steady["krylov"]);
+            [number(steady, "krylov"), drag]
+        });
+        assert!((dissipative[1] / roe[1] - 1.0).abs() < 0.02, "{case}: {roe:?} {dissipative:?}");
+        assert!(dissipative[0] > 1.5 * roe[0], "{case}: {roe:?} {dissipative:?}");
     }
 }

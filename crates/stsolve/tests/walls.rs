@@ -4,14 +4,15 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, summary};
+use common::{SLOW, assert_same_bits, column, finished, number, on_case, power_of_rates, summary};
 use tempfile::TempDir;
 
 fn at_end(run: &std::path::Path, name: &str) -> f64 {
     *column(run, name).last().unwrap()
 }
 
-/// Case M1 of the 2024 workshop. The wall works on the gas, all of it stays inside, and the mesh follows the affine map.
+/// Case M1 of the 2024 workshop. The wall does work on the gas, all gas stays inside, and the mesh follows the affine
+/// map.
 #[test]
 fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
     let directory = TempDir::new().unwrap();
@@ -27,7 +28,7 @@ fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
     let impulse = wall["impulse"][1].as_f64().unwrap();
     assert!((impulse / -0.591_592_1 - 1.0).abs() < 1.5e-4, "{impulse}");
     assert!((number(wall, "work") / -0.306_314_8 - 1.0).abs() < 1e-4, "{wall}");
-    // At an instant it converges more slowly.
+    // At a given time it converges more slowly.
     let power = at_end(&run, "wall_power");
     assert!((power / -0.719_161_8 - 1.0).abs() < 0.04, "{power}");
 }
@@ -46,7 +47,7 @@ fn the_steady_flow_around_an_airfoil_has_the_published_drag() {
     let summary = finished(directory.path(), "naca0012_heave", &set);
     let drag = number(&summary, "steady.walls.airfoil.drag_coefficient");
     assert!((drag / 0.120_01 - 1.0).abs() < 0.01, "{drag}");
-    // The flow is symmetric, and steady: so is the first row, which is before any slab.
+    // The flow is symmetric, and steady: so is the first row, which comes before any slab.
     assert!(number(&summary, "steady.walls.airfoil.lift_coefficient").abs() < 1e-6, "{summary}");
     let run = directory.path().join("naca0012_heave");
     assert_eq!((column(&run, "t")[0], column(&run, "airfoil_work")[0]), (0.0, 0.0));
@@ -80,41 +81,29 @@ fn a_resumed_run_does_not_look_for_the_steady_flow_again() {
     assert_eq!(summary(&at("through"))["steady"], summary(&at("resumed"))["steady"]);
 }
 
-/// Case C2 at a Mach number of 0.01 on the coarse mesh, on which the pressure at rest is 7,143 times the dynamic one.
-const SLOW: [&str; 3] =
-    ["flow.gas.mach=0.01", "flow.initial.uniform.mach=0.01", "flow.boundary.far.far_field.mach=0.01"];
-
-/// Between the time nodes a wall that turns is a polynomial and breathes: pressure at rest worked on that, 9 % of the peak, and -0.019 at
-/// the end, where the airfoil rests.
+/// Between the time nodes a wall that turns is a polynomial, and its volume oscillates. Pressure at rest once did work on that, 9 % of
+/// the peak, and -0.019 at the end, where the airfoil rests.
 #[test]
 fn power_of_a_rotating_wall_is_force_times_velocity_and_moment_times_angular_velocity() {
     let directory = TempDir::new().unwrap();
     let set = [&COARSE[..], &SLOW].concat();
     finished(directory.path(), "naca0012_heave_pitch", &set);
     let run = directory.path().join("naca0012_heave_pitch");
-    let [t, power, force, moment] =
-        ["t", "airfoil_power", "airfoil_force_y", "airfoil_moment"].map(|name| column(&run, name));
-    let of_rates = |i: usize| {
-        let (t, amplitude) = (t[i], 80.0 * std::f64::consts::PI / 180.0);
-        let heave = (24.0 * t.powi(2) - 12.0 * t.powi(3)) / 16.0;
-        let pitch = -amplitude * (3.0 * t.powi(2) * (2.0 - t).powi(3) - 3.0 * t.powi(3) * (2.0 - t).powi(2));
-        force[i] * heave + moment[i] * pitch
-    };
-    let rates: Vec<f64> = (0..t.len()).map(of_rates).collect();
+    let (power, rates) = (column(&run, "airfoil_power"), power_of_rates(&run));
     let peak = rates.iter().fold(0.0, |peak: f64, power| peak.max(power.abs()));
     let apart = power.iter().zip(&rates).fold(0.0, |apart: f64, (a, b)| apart.max((a - b).abs()));
-    assert!(peak > 5.0 && t.len() == 41, "{peak} {}", t.len());
+    assert!(peak > 5.0 && power.len() == 41, "{peak} {}", power.len());
     assert!(apart < 1e-8 * peak, "{apart:e} of {peak}");
     assert!(power[40].abs() < 1e-9, "{:e} at rest", power[40]);
 }
 
-/// On meshes that do not depend on their past: those of the shipped case do, and with them the work does.
+/// The meshes of the case do not depend on their past. With `reference = "updated"` they did, and the work was 3.7e-3 off. The long tests do
+/// the same with the whole case.
 #[test]
 fn work_of_a_rotating_wall_depends_little_on_the_step() {
     let directory = TempDir::new().unwrap();
     let work = |step: &str| {
-        let mesh = "motion.elasticity={ law = \"neo_hookean\", stiffness = { wall_distance = { distance = 0.03, amplitude = 1e4, inner = [\"airfoil\"] } } }";
-        let set = [&COARSE[..], &SLOW, &[mesh, "time.end=0.6", step]].concat();
+        let set = [&COARSE[..], &SLOW, &["time.end=0.6", step]].concat();
         number(&finished(directory.path(), "naca0012_heave_pitch", &set)["walls"]["airfoil"], "work")
     };
     let (long, short) = (work("time.step=0.05"), work("time.step=0.0125"));

@@ -4,9 +4,12 @@
 mod architecture;
 mod boundary_flux;
 mod coarse_level;
+mod elastic_body;
 mod large_rotation;
 mod lines;
+mod rigid_body;
 mod slab_operator;
+mod spring_mass;
 mod sweeps;
 mod top_of_slab;
 mod valid_steps;

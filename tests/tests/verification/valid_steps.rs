@@ -1,4 +1,4 @@
-//! Newton's steps never turn a cell inside out.
+//! Newton's steps never invert a cell.
 
 use coupled::{MeshMotion, Predictor};
 use fem::VectorField;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use verification::vortex::{Setting, VortexRun};
 
 /// x - 5 shrinks to a fifth, by the factor c = 0.2 + 0.8 exp(-10 t). The parabola through c(0), c(1/3) and c(1) is negative in
-/// between: a slab of length 1 turns the mesh inside out, shorter ones do not.
+/// between, so a slab of length 1 inverts the mesh; shorter ones do not.
 struct Squeezing;
 
 impl VectorField<2> for Squeezing {
@@ -58,7 +58,7 @@ fn a_step_that_would_invert_cells_is_shortened() {
     assert!(residual_at(step).is_ok());
     let inverted = residual_at(1.0).unwrap_err();
     assert!(inverted.quantity == "det J / det J_0" && inverted.value < 0.0, "{inverted:?}");
-    // An increment of the flow alone is not held back.
+    // An increment of the flow alone is not limited.
     dz[..run.march.solver.system.mesh_len()].fill(0.0);
     assert_eq!(run.march.solver.system.largest_step(&z, &dz), 1.0);
 }

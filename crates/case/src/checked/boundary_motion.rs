@@ -1,4 +1,4 @@
-//! How the boundaries move.
+//! The motions of the boundaries.
 
 use super::Time;
 use super::mesh_crate::{Mesh, NodeNumbering};
@@ -16,17 +16,17 @@ use coupled::BoundaryField;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// What the checks of all boundaries share.
+/// Data shared by the checks of all boundaries.
 pub(super) struct Boundaries<'a, const D: usize> {
     checker: &'a Checker<'a>,
     mesh: &'a Mesh<D>,
-    /// The C0 nodes, once they are needed.
+    /// The C0 nodes, computed at first use.
     numbering: OnceCell<NodeNumbering>,
     time: Time,
 }
 
 impl<'a, const D: usize> Boundaries<'a, D> {
-    /// Those of `mesh`, in a run that covers `time`.
+    /// For the boundaries of `mesh`, in a run that covers `time`.
     pub(super) fn new(checker: &'a Checker<'a>, mesh: &'a Mesh<D>, time: &Time) -> Self {
         Boundaries { checker, mesh, numbering: OnceCell::new(), time: *time }
     }
@@ -74,8 +74,8 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         axes.map(Some).map_err(|error| self.checker.error(key, Cause::Mesh(error)))
     }
 
-    /// Each node moves once: the `motions` of all boundaries, with their keys, agree where boundaries meet. Boundaries that slide hold the
-    /// components in `slides` only.
+    /// Checks that the `motions` of all boundaries, with their keys, agree at shared nodes. Boundaries that slide hold only the components
+    /// in `slides`.
     pub(super) fn check_shared(
         &self,
         keys: &[Key],
@@ -100,7 +100,7 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         let normals = self.mesh.boundary_normals(numbering, boundary);
         let normals = normals.map_err(|error| self.checker.error(key, Cause::Mesh(error)))?;
         let arc = self.mesh.arc_fractions(numbering, boundary);
-        // In three dimensions the formula does not know s.
+        // In three dimensions formulas have no s.
         if D == 2 && arc.is_none() && amount.contains(Variable::Coordinate(D)) {
             let problem = "`s` is the place along a closed curve, which this boundary is not";
             return Err(self.checker.combination(key, problem, "a formula in x, y and t"));
@@ -110,7 +110,8 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         Ok(NormalMotion { amount, nodes: Arc::new(normals.into_iter().map(with_arc).collect()) })
     }
 
-    /// The boundary starts at rest: its displacement is zero at the start, up to round-off of the size of the mesh.
+    /// Checks that the boundary starts at rest: its displacement at the start is zero up to round-off of the size of
+    /// the mesh.
     fn check_start(&self, boundary: usize, key: &Key, motion: &BoundaryMotion<D>) -> Checked<()> {
         // Only formulas have an entry for each axis.
         let key_of = |axis| match motion {

@@ -1,13 +1,15 @@
-//! A displacement has a value, and one that coordinates can hold.
+//! Checks that a displacement has a value of reasonable size.
 
 use crate::checker::{Checked, Checker};
 use crate::error::CaseError;
 use crate::key::Key;
 
-/// Sizes of the mesh by which it may be moved at most. Coordinates have 16 digits; beyond, too few are left for the cells.
+/// The largest displacement in units of the size of the mesh. Coordinates have 16 digits; beyond this, too few are left
+/// for the cells.
 const FARTHEST: f64 = 1e6;
 
-/// The displacement `d` of the point `x` at `t`, given at `key`, is a finite number and not too large beside the `size` of the mesh.
+/// Checks that the displacement `d` of the point `x` at `t`, given at `key`, is finite and not too large relative to the `size` of
+/// the mesh.
 pub(super) fn check_displacement<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,

@@ -31,7 +31,7 @@ pub struct Flow<const D: usize> {
     pub quadrature: fem::Quadrature,
     /// The state at the start.
     pub initial: State<D>,
-    /// The velocity at the start, if that is the same everywhere.
+    /// The velocity at the start, if it is uniform.
     pub uniform_velocity: Option<[f64; D]>,
     /// The solution, if it is known.
     pub exact: Option<State<D>>,
@@ -50,12 +50,12 @@ impl<const D: usize> Flow<D> {
     }
 }
 
-/// The condition on a boundary, and the state that it takes.
+/// The condition on a boundary, and its prescribed state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryData<const D: usize> {
     /// The condition.
     pub condition: Boundary<D>,
-    /// The prescribed state, for those conditions that take one.
+    /// The prescribed state, if the condition takes one.
     pub state: Option<State<D>>,
 }
 
@@ -156,7 +156,7 @@ fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<
     }
 }
 
-/// The reference state that is given, or the `stream`; with its speed and a length.
+/// The given reference state, or the `stream`; with its speed and a length.
 fn reference<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -233,7 +233,7 @@ fn boundary<const D: usize>(
     named.iter().enumerate().map(check).collect()
 }
 
-/// What conditions refer to.
+/// The data to which conditions refer.
 struct Given<'a, const D: usize> {
     exact: Option<&'a State<D>>,
     gas: Gas,

@@ -1,10 +1,11 @@
-//! What forces on walls refer to.
+//! The reference values of forces on walls.
 
 use super::flow::BoundaryData;
 use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::is_bounded;
 use crate::raw;
 use crate::vector::Vector;
 use navier_stokes::{ForceScales, Reference, WallForce};
@@ -19,7 +20,7 @@ pub struct Wall<const D: usize> {
     pub name: String,
     /// The point about which moments are taken.
     point: Vector<D>,
-    /// What makes forces dimensionless.
+    /// The reference values that make forces dimensionless.
     pub scales: ForceScales<D>,
 }
 
@@ -29,14 +30,14 @@ impl<const D: usize> Wall<D> {
         self.point.evaluate(&[0.0; D], t)
     }
 
-    /// The moments that are reported of `force`: in the plane the one about the axis of positive moments, in space those about x, y and
-    /// z, whatever that axis is.
+    /// The reported moments of `force`: in two dimensions the one about the axis of positive moments, in three those about x, y and z
+    /// for any such axis.
     pub fn moments(&self, force: &WallForce<D>) -> Vec<f64> {
         if D == 2 { vec![self.scales.moment(force)] } else { force.moment.to_vec() }
     }
 }
 
-/// What `[flow.forces]` says, and what its defaults follow from.
+/// The contents of `[flow.forces]`, and the values from which its defaults follow.
 pub(super) struct Given<'a> {
     /// The section.
     pub(super) forces: &'a BTreeMap<String, raw::Forces>,
@@ -48,7 +49,7 @@ pub(super) struct Given<'a> {
     pub(super) time: &'a Time,
 }
 
-/// Checks `[flow.forces]`: the walls among the boundaries, with what is given or by default.
+/// Checks `[flow.forces]`: the walls among the boundaries, with given or default values.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -76,7 +77,7 @@ pub(super) fn check<const D: usize>(
     walls.map(wall).collect()
 }
 
-/// The point of moments, which has a place over the whole run.
+/// The point of moments, which must be defined over the whole run.
 fn point<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -90,7 +91,7 @@ fn point<const D: usize>(
             checker.require(
                 &key.entry(axis),
                 &quantity,
-                value.is_finite(),
+                is_bounded(value),
                 "a formula that is finite over the whole run",
             )?;
         }

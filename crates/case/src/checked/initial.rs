@@ -1,20 +1,21 @@
-//! Formulas may give anything: a state at the start or on a boundary must be one of a gas.
+//! Checks that formulas give admissible states at the start and on boundaries.
 
 use super::mesh_crate::{CellMap, Mesh, face_nodes};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::{is_bounded, is_computable};
 use crate::state::{Formulas, State};
 use basis::gauss_lobatto;
 
-/// Where and when a state is looked at.
+/// Where and when a state is checked.
 struct Place<const D: usize> {
     cell: usize,
     x: [f64; D],
     t: f64,
 }
 
-/// The state `initial` at time `start`, given at `key`, is admissible at all nodes of a flow of `order`, which take its values.
+/// Checks that the state `initial` at time `start`, given at `key`, is admissible at all nodes of a flow of `order`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -33,7 +34,7 @@ pub(super) fn check<const D: usize>(
     places.try_for_each(|place| check_at(checker, &key, formulas, &place))
 }
 
-/// The state that a `boundary` is given at `key` is admissible at its nodes, at some instants of the run.
+/// Checks that the state of a `boundary`, given at `key`, is admissible at its nodes, at some times of the run.
 pub(super) fn check_on_boundary<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -60,12 +61,17 @@ fn check_at<const D: usize>(checker: &Checker<'_>, key: &Key, state: &Formulas<D
     let at = format!("in cell {cell} at {x:?}, t = {t},");
     for (name, value) in [("density", state.density), ("pressure", state.pressure)] {
         let quantity = format!("the {name} {at} {value},");
-        let positive = value > 0.0 && value.is_finite();
-        checker.require(&key.child(name), &quantity, positive, "a formula that is positive everywhere")?;
+        let positive = value > 0.0 && is_computable(value);
+        checker.require(
+            &key.child(name),
+            &quantity,
+            positive,
+            "a formula that is positive everywhere, and at most 1e60",
+        )?;
     }
     for (axis, value) in state.velocity.into_iter().enumerate() {
         let (key, quantity) = (key.child("velocity").entry(axis), format!("the velocity {at} {value},"));
-        checker.require(&key, &quantity, value.is_finite(), "a formula that is finite everywhere")?;
+        checker.require(&key, &quantity, is_bounded(value), "a formula that is finite everywhere, and at most 1e60")?;
     }
     Ok(())
 }

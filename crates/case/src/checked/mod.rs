@@ -1,5 +1,6 @@
-//! The case as the program needs it: plain enums and numbers, formulas compiled, the mesh built.
+//! The checked case: plain enums and numbers, compiled formulas, the mesh.
 
+mod bodies;
 mod boundary_motion;
 mod displacement;
 mod flow;
@@ -19,8 +20,10 @@ mod tables;
 mod time;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+    AllowedChange, Analysis, Damping, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+    StructureLaw,
 };
+pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
@@ -36,7 +39,7 @@ use super::error::CaseError;
 use super::key::Key;
 use super::raw;
 use crate::any_mesh::AnyMesh;
-// The crate, beside a module of the same name.
+// The crate, besides a module of the same name.
 use ::mesh as mesh_crate;
 use std::path::{Path, PathBuf};
 
@@ -56,32 +59,34 @@ pub struct Case<const D: usize> {
     pub about: About,
     /// The mesh at rest.
     pub mesh: mesh_crate::Mesh<D>,
-    /// How the mesh moves; None: it rests.
+    /// The motion of the mesh; None: it rests.
     pub motion: Option<Motion<D>>,
     /// The flow; None: only the mesh moves.
     pub flow: Option<Flow<D>>,
+    /// The rigid bodies that the flow moves.
+    pub bodies: Vec<RigidBody<D>>,
     /// The structure that fills the mesh; then there is neither motion nor flow.
     pub structure: Option<Structure<D>>,
     /// The time to cover.
     pub time: Time,
-    /// The result, or its directory, from which the run starts, if it is not the initial state.
+    /// The result, or its directory, from which the run starts instead of the initial state.
     pub restart: Option<PathBuf>,
-    /// What may differ from the run there.
+    /// Differences that are allowed between this case and the case of that run.
     pub allowed_changes: Vec<AllowedChange>,
-    /// How the equations of a slab are solved.
+    /// The solver settings.
     pub solver: Solver,
-    /// What is written, and where.
+    /// Directory and contents of the output.
     pub output: Output,
 }
 
-/// What is known of a case apart from its numbers.
+/// The description of a case, without its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct About {
     /// The name of the file without its extension.
     pub name: String,
-    /// One line that says what the case is.
+    /// A title in one line.
     pub title: String,
-    /// The case in full, with all defaults and what its tables hold, as it could be run again.
+    /// The resolved case with all defaults and the contents of its tables, which can be run again.
     pub resolved: String,
     /// The part of `resolved` that the states of a run depend on: equal for cases that may continue each other.
     pub lasting: String,
@@ -93,7 +98,7 @@ impl AnyCase {
     /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
     ///
     /// # Errors
-    /// Whatever is wrong with the case, the first thing only.
+    /// The first error of the case.
     pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
         Self::check(&Document::read(path, options)?)
     }
@@ -111,7 +116,7 @@ impl AnyCase {
         }
     }
 
-    /// The output directory that the case names, if it names one.
+    /// The output directory given in the case, if any.
     pub fn output_directory(&self) -> Option<&Path> {
         match self {
             AnyCase::Plane(case) => case.output.directory.as_deref(),
@@ -119,7 +124,7 @@ impl AnyCase {
         }
     }
 
-    /// The result, or its directory, from which the run starts, if it is not the initial state.
+    /// The result, or its directory, from which the run starts instead of the initial state.
     pub fn restart(&self) -> Option<&Path> {
         match self {
             AnyCase::Plane(case) => case.restart.as_deref(),
@@ -127,7 +132,7 @@ impl AnyCase {
         }
     }
 
-    /// What is known of the case apart from its numbers.
+    /// The description of the case, without its numbers.
     pub fn about(&self) -> &About {
         match self {
             AnyCase::Plane(case) => &case.about,
@@ -139,8 +144,9 @@ impl AnyCase {
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-        let motion = raw.motion.as_ref().map(|motion| motion::check(checker, motion, &mesh, &time)).transpose()?;
         let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, &time)).transpose()?;
+        let bodies = bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time)?;
+        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &bodies, &time)?;
         let structure =
             raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
         sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
@@ -156,6 +162,7 @@ impl<const D: usize> Case<D> {
             mesh,
             motion,
             flow,
+            bodies,
             structure,
             time,
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
@@ -167,12 +174,12 @@ impl<const D: usize> Case<D> {
 }
 
 impl<const D: usize> Case<D> {
-    /// Whether the run from which this one starts may differ in that.
+    /// Whether this difference to the case of the earlier run is allowed.
     pub fn allows(&self, change: AllowedChange) -> bool {
         self.allowed_changes.contains(&change)
     }
 
-    /// Displacements in a slab that are solved for: those of the nodes of an elastic mesh that no boundary prescribes.
+    /// The unknown displacements of a slab: the components at the nodes of an elastic mesh that no boundary prescribes.
     pub fn mesh_unknowns(&self) -> Option<usize> {
         let Some(Motion::Elastic { slides, .. }) = &self.motion else { return None };
         let numbering = mesh_crate::NodeNumbering::new(&self.mesh, self.mesh.order());
@@ -187,7 +194,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// Whether the sections that are there, [motion], [flow] and [structure], go together.
+/// Whether the present sections among [motion], [flow] and [structure] fit together.
 fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
     match sections {
         [false, false, false] => {
@@ -218,7 +225,7 @@ impl About {
     }
 }
 
-/// What checks `raw`, with its constants and tables.
+/// A checker of `raw`, with its constants and tables.
 fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
     let mut checker = Checker::new(document, &raw.constants)?;
     for (name, table) in &raw.tables {
@@ -233,7 +240,7 @@ fn as_toml(raw: &raw::Case) -> String {
     toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
 }
 
-/// The keys of the case in full that the document does not have.
+/// The keys of the resolved case that are not in the document.
 fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
     let full =
         toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
@@ -257,7 +264,7 @@ fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, default
     }
 }
 
-/// The unit vector along the axis of `what`, which there is in space only.
+/// The unit vector along the axis of `what`, which exists only in three dimensions.
 fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], what: &str) -> Checked<[f64; 3]> {
     if D == 2 {
         let problem = format!("in two dimensions {what} has no axis but that along z");
@@ -268,7 +275,7 @@ fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], w
     Ok(axis.map(|x| x / length))
 }
 
-/// The orders that mesh and flow may have, as the sentence of an error.
+/// The accepted orders of mesh and flow, as the sentence of an error.
 fn order(checker: &Checker<'_>, key: &Key, quantity: &str, order: usize) -> Checked<usize> {
     let accepted = format!("{} to {} nodes per direction", mesh_crate::ORDERS.start(), mesh_crate::ORDERS.end());
     checker.require(key, quantity, mesh_crate::ORDERS.contains(&order), &accepted)?;

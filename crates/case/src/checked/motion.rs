@@ -1,6 +1,7 @@
 //! The motion of the mesh.
 
 use super::Time;
+use super::bodies::RigidBody;
 use super::boundary_motion::Boundaries;
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
@@ -13,13 +14,16 @@ use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
 use elasticity::{Law, Solver};
+use std::collections::BTreeMap;
 
-/// How the mesh moves.
+/// The motion of the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion<const D: usize> {
-    /// Every point as prescribed, a displacement in the position at rest and time.
+    /// A prescribed displacement of every point, as a function of the position at rest and time.
     Prescribed(Vector<D>),
-    /// The boundary as prescribed, the interior as an elastic body.
+    /// Every point with rigid bodies, by weights.
+    Followed,
+    /// A prescribed motion of the boundary with an elastic interior.
     Elastic {
         /// Poisson's ratio.
         poisson_ratio: f64,
@@ -27,9 +31,9 @@ pub enum Motion<const D: usize> {
         stiffness: Stiffness,
         /// The law.
         law: Law,
-        /// Where Newton's method stops, a root mean square error of position relative to the distance of nodes.
+        /// The tolerance of Newton's method, a root mean square error of position relative to the node spacing.
         tolerance: f64,
-        /// How the equations of the mesh are solved.
+        /// The solver of the mesh equations.
         solver: Solver,
         /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests or slides.
         boundary: Vec<Option<BoundaryMotion<D>>>,
@@ -39,10 +43,11 @@ pub enum Motion<const D: usize> {
 }
 
 impl<const D: usize> Motion<D> {
-    /// How many operations the longest of its formulas takes, at a node and a time.
+    /// The number of operations of its longest formula, at a node and a time.
     pub fn operations(&self) -> usize {
         match self {
             Motion::Prescribed(displacement) => displacement.operations(),
+            Motion::Followed => 0,
             Motion::Elastic { boundary, .. } => {
                 boundary.iter().flatten().map(BoundaryMotion::operations).max().unwrap_or(0)
             }
@@ -50,9 +55,9 @@ impl<const D: usize> Motion<D> {
     }
 }
 
-/// [`Motion::Elastic::tolerance`] unless the case says otherwise. det J is then right to four digits, and so is what the next slab starts
-/// from. The tolerance is a mean over all nodes, and a few nodes at a corner may be a hundred times further off: with 1e-2, det J was
-/// wrong by 40 %. Newton's method converges quadratically, so that the difference costs a fifth of the time.
+/// The default of [`Motion::Elastic::tolerance`]. det J, and the start of the next slab, are then correct to four digits. The tolerance
+/// is a mean over all nodes, and a few nodes at a corner may have a hundred times the error: with 1e-2, det J was wrong by 40 %. Newton's
+/// method converges quadratically, so the tight tolerance costs only a fifth more time.
 const TOLERANCE: f64 = 1e-6;
 
 /// The largest tolerance that a case may ask for.
@@ -61,7 +66,7 @@ const LARGEST_TOLERANCE: f64 = 1e-3;
 /// Young's modulus over the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stiffness {
-    /// The same everywhere.
+    /// Constant.
     Constant,
     /// (det J)^-power.
     InverseJacobian {
@@ -83,20 +88,57 @@ pub enum Stiffness {
     },
 }
 
-/// Powers of det J up to this size: of larger ones the stiffness overflows or leaves the matrix singular.
+/// The largest absolute power of det J. With larger ones the stiffness overflows or the matrix becomes singular.
 const LARGEST_POWER: f64 = 10.0;
 
-/// Checks `[motion]` of a run that covers `time`.
+/// Checks `[motion]` of a run that covers `time`, in which `bodies` move parts of the mesh. None: the mesh rests.
 pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: Option<&raw::Motion>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+    time: &Time,
+) -> Checked<Option<Motion<D>>> {
+    let by_weights = bodies.iter().any(|body| body.mesh.is_some());
+    match raw {
+        Some(_) if by_weights => {
+            let problem = "`bodies` move the whole mesh by weights";
+            Err(checker.combination(
+                &Key::new("motion"),
+                problem,
+                "this section, or the key `mesh` of the bodies: remove one",
+            ))
+        }
+        None if by_weights => Ok(Some(Motion::Followed)),
+        Some(raw) => Ok(Some(check_given(checker, raw, mesh, bodies, time)?)),
+        None if !bodies.is_empty() => {
+            let still = raw::Motion { displacement: None, elasticity: None, boundary: others_fixed() };
+            Ok(Some(check_given(checker, &still, mesh, bodies, time)?))
+        }
+        None => Ok(None),
+    }
+}
+
+fn others_fixed() -> BTreeMap<String, raw::BoundaryMotion> {
+    BTreeMap::from([("others".to_owned(), raw::BoundaryMotion::Fixed)])
+}
+
+fn check_given<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
     time: &Time,
 ) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
-        return elastic(checker, &key, raw, mesh, time);
+        let motion = elastic(checker, &key, raw, mesh, time)?;
+        return check_walls(checker, &key, motion, mesh, bodies);
     };
+    if !bodies.is_empty() {
+        let problem = "`motion.displacement` prescribes the motion everywhere, and a body moves its walls";
+        return Err(checker.combination(&key.child("displacement"), problem, "one of the two: remove the other"));
+    }
     for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
         if given {
             let problem =
@@ -115,6 +157,24 @@ pub(super) fn check<const D: usize>(
         all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
     }
     Ok(Motion::Prescribed(displacement))
+}
+
+/// The walls of bodies have no other motion, and do not slide.
+fn check_walls<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    motion: Motion<D>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+) -> Checked<Motion<D>> {
+    let Motion::Elastic { boundary, slides, .. } = &motion else { return Ok(motion) };
+    let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
+    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some()) {
+        let name = &mesh.boundary_names()[wall];
+        let problem = format!("boundary `{name}` is moved by the body `{body}`");
+        return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
+    }
+    Ok(motion)
 }
 
 fn elastic<const D: usize>(
@@ -149,7 +209,7 @@ fn elastic<const D: usize>(
     })
 }
 
-/// The law, whose keys must be those of the law that is chosen.
+/// The law; keys of other laws are refused.
 fn law(checker: &Checker<'_>, key: &Key, raw: &raw::Elasticity) -> Checked<Law> {
     let without_effect = |name: &str, law: &str, remedy: &str| {
         let problem = format!("`motion.elasticity.{name}` has no effect with the {law} law");
@@ -239,8 +299,8 @@ fn wall_distance<const D: usize>(
     })
 }
 
-/// The mesh starts at rest: the displacement `d` of the point `x` at `start` is zero up to round-off of the `size` of the mesh. `key`
-/// is that of its component along an axis.
+/// Checks that the mesh starts at rest: the displacement `d` of the point `x` at `start` must be zero up to round-off of the `size`
+/// of the mesh. `key` is the key of its component along an axis.
 pub(super) fn check_start<const D: usize>(
     checker: &Checker<'_>,
     key: impl Fn(usize) -> Key,

@@ -5,6 +5,7 @@ use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::{is_bounded, is_computable};
 use crate::raw;
 use crate::state::{Entering, State};
 use basis::gauss_lobatto;
@@ -20,7 +21,7 @@ pub(super) fn inflow<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw
     Ok(Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?))
 }
 
-/// Checks an outflow; gas that comes back is as warm as the reference state, unless it is told.
+/// Checks an outflow. Gas that comes back has by default the temperature of the reference state.
 pub(super) fn outflow<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -61,7 +62,7 @@ pub(super) fn velocity_inflow<const D: usize>(
     Ok(BoundaryData { condition: Boundary::VelocityInflow(condition), state: Some(state) })
 }
 
-/// Checks an inflow faster than sound.
+/// Checks a supersonic inflow.
 pub(super) fn supersonic_inflow<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -90,7 +91,7 @@ pub(super) fn nodes_with_normals<const D: usize>(mesh: &Mesh<D>, boundary: usize
     facets.flat_map(of_facet).collect()
 }
 
-/// Checks what is given at `key` on the nodes of a boundary, at the start.
+/// Checks the data at `key` on the nodes of a boundary, at the start.
 pub(super) fn check_on_boundary<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -110,14 +111,14 @@ pub(super) fn check_on_boundary<const D: usize>(
                 let state = entering.primitive(x, start);
                 let t = state.pressure / gas.gas_constant();
                 let quantity = format!("the temperature at {x:?}, {t},");
-                let positive = t > 0.0 && t.is_finite();
+                let positive = t > 0.0 && is_computable(t);
                 checker.require(
                     &key.child("temperature"),
                     &quantity,
                     positive,
                     "a formula that is positive everywhere",
                 )?;
-                let finite = state.velocity.iter().all(|w| w.is_finite());
+                let finite = state.velocity.iter().all(|w| is_bounded(*w));
                 checker.require(
                     &key.child(vector),
                     &format!("the vector at {x:?}"),
@@ -133,14 +134,14 @@ pub(super) fn check_on_boundary<const D: usize>(
     }
 }
 
-/// An inflow that points out of the domain everywhere is a slip.
+/// An inflow must not point out of the domain everywhere.
 fn points_into_domain<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     inflow: &Inflow<D>,
     nodes: &[([f64; D], [f64; D])],
 ) -> Checked<()> {
-    /// So much of the direction points into the domain, at least.
+    /// The least component of the direction that points into the domain.
     const LEAST: f64 = 1e-6;
     let into = |(_, normal): &([f64; D], [f64; D])| dot(&inflow.direction(), normal) < -LEAST;
     let normal = nodes.first().map_or([0.0; D], |(_, normal)| *normal);
@@ -148,7 +149,7 @@ fn points_into_domain<const D: usize>(
     checker.require(&key.child("direction"), "the direction", nodes.iter().any(into), &accepted)
 }
 
-/// A state that is nowhere faster than sound belongs to another condition.
+/// A state that is nowhere supersonic belongs to another condition.
 fn enters_faster_than_sound<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -162,12 +163,12 @@ fn enters_faster_than_sound<const D: usize>(
         let given: Primitive<f64, D> = match state {
             State::Uniform(stream) => stream.primitive(),
             State::Expression(formulas) => formulas.primitive(x, start),
-            // Where these enter is left to the run.
+            // For the others the run checks where gas enters.
             _ => return Ok(()),
         };
         for (name, value) in [("density", given.density), ("pressure", given.pressure)] {
             let quantity = format!("the {name} at {x:?}, {value},");
-            checker.require(key, &quantity, value > 0.0 && value.is_finite(), "a positive number everywhere")?;
+            checker.require(key, &quantity, value > 0.0 && is_computable(value), "a positive number everywhere")?;
         }
         fastest = fastest.max(-dot(&given.velocity, normal) / gas.sound_speed(given.density, given.pressure));
     }

@@ -23,10 +23,10 @@ pub fn ratio_of_specific_heats_of(resolved: &str) -> Result<Option<f64>, String>
     gamma.map(Some).ok_or_else(|| "it has no number `flow.gas.gamma`".to_owned())
 }
 
-/// The gas of a case that was resolved, as text and without what is `allowed` to change; `None` without a flow.
+/// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
 ///
 /// # Errors
-/// What is wrong with `resolved`, which another version of the program may have written.
+/// The error of `resolved`, which another version of the program may have written.
 pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String>, String> {
     let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
     let text = |flow: &raw::Flow| {
@@ -42,10 +42,10 @@ pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String
     raw.flow.as_ref().map(text).transpose()
 }
 
-/// The motion that a case which was resolved, as text, gives to `mesh`.
+/// The motion that a resolved case, as text, gives to `mesh`.
 ///
 /// # Errors
-/// What is wrong with `resolved`, which another version of the program may have written.
+/// The error of `resolved`, which another version of the program may have written.
 pub fn motion_of<const D: usize>(
     resolved: &str,
     mesh: &mesh_crate::Mesh<D>,
@@ -54,10 +54,10 @@ pub fn motion_of<const D: usize>(
     let raw: raw::Case = document.deserialize()?;
     let checker = checker_of(&document, &raw)?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-    raw.motion.as_ref().map(|motion| motion::check(&checker, motion, mesh, &time)).transpose()
+    motion::check(&checker, raw.motion.as_ref(), mesh, &[], &time)
 }
 
-/// The pressure of the reference state of a case with a flow that was resolved.
+/// The reference pressure of a resolved case with a flow.
 ///
 /// # Errors
 /// As [`gas_of`].

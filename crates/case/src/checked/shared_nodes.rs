@@ -1,4 +1,4 @@
-//! A node moves once: boundaries that share it must agree where it goes.
+//! Boundaries that share a node must give it the same displacement.
 
 use super::Time;
 use super::displacement::check_displacement;
@@ -12,7 +12,7 @@ pub(super) type Displacement<'a, const D: usize> = dyn Fn(usize, usize, &[f64; D
 
 /// The boundaries of a mesh whose nodes are moved.
 pub(super) struct SharedNodes<'a, const D: usize> {
-    /// What errors point with.
+    /// The source of errors.
     pub(super) checker: &'a Checker<'a>,
     /// The mesh.
     pub(super) mesh: &'a Mesh<D>,
@@ -22,7 +22,7 @@ pub(super) struct SharedNodes<'a, const D: usize> {
     pub(super) time: Time,
 }
 
-/// Who has moved a node first, from where, and where to.
+/// The first boundary that moves a node, the position at rest and the displacement.
 #[derive(Clone, Copy)]
 struct First<const D: usize> {
     boundary: usize,
@@ -31,8 +31,8 @@ struct First<const D: usize> {
 }
 
 impl<const D: usize> SharedNodes<'_, D> {
-    /// The displacements of all boundaries, given at `keys`, have values over the whole run and agree at the nodes that two of them share, or
-    /// that periodicity makes of two places.
+    /// Checks the displacements of all boundaries, given at `keys`. They must have values over the whole run, and agree at nodes that two
+    /// boundaries share or that periodicity identifies.
     pub(super) fn check(&self, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
         self.time.instants().into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
     }
@@ -50,7 +50,7 @@ impl<const D: usize> SharedNodes<'_, D> {
                 if (0..D).any(apart) {
                     return Err(self.conflict(key, first, First { boundary, x, d }, t));
                 }
-                // What the first leaves free, another one may prescribe.
+                // Components that the first boundary leaves free may be prescribed by another one.
                 moved.insert(node, First { d: std::array::from_fn(|i| first.d[i].or(d[i])), ..first });
             }
         }
@@ -78,7 +78,7 @@ impl<const D: usize> SharedNodes<'_, D> {
     }
 }
 
-/// A displacement, `free` where a component is not prescribed.
+/// A displacement as text, with `free` for components that are not prescribed.
 fn plain<const D: usize>(d: &[Option<f64>; D]) -> String {
     let components = d.iter().map(|d| d.map_or_else(|| "free".to_owned(), |d| format!("{d:.6}")));
     format!("[{}]", components.collect::<Vec<_>>().join(", "))

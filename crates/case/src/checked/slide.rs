@@ -1,4 +1,4 @@
-//! A wall slides in its plane.
+//! The sliding of a wall in its own plane.
 
 use super::mesh_crate::Mesh;
 use super::openings::nodes_with_normals;
@@ -6,11 +6,11 @@ use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw;
 
-/// The part of its velocity with which a wall may leave its plane: accuracy of the geometry of a file.
+/// The fraction of its velocity with which a wall may leave its plane, for the accuracy of the geometry of a file.
 const OUT_OF_PLANE: f64 = 1e-6;
 
-/// A `boundary` of `mesh` whose condition `raw`, given at `key`, lets it slide moves along itself. The kernels take the tangential part of
-/// the velocity: another part would be lost without a word.
+/// Checks that a `boundary` of `mesh` slides along itself if its condition `raw`, given at `key`, lets it slide. The kernels take only the
+/// tangential part of the velocity, so another part would be ignored silently.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,

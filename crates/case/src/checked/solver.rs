@@ -1,16 +1,19 @@
-//! How the equations of a slab are solved.
+//! The solver settings of a case.
 
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
 
-/// Krylov iterations between restarts at most.
+/// The largest number of Krylov iterations between restarts.
 const MOST_VECTORS: usize = 10_000;
 
-/// Halvings of a slab at most: after more of them it drowns in the round-off of the time.
+/// The longest march that tells whether a steady flow is stable, in time units.
+const LONGEST_MARCH: f64 = 1e4;
+
+/// The largest number of halvings of a slab: after more of them its length is below the round-off of the time.
 const MOST_HALVINGS: usize = 40;
-/// The loosest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
+/// The largest tolerance of Newton's method: a residual reduced by less than ten times is no solution.
 const LOOSEST: f64 = 0.1;
 
 /// The same in words.
@@ -73,6 +76,8 @@ fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {
     }
     checker.positive(&key.child("first_step"), "the first step", raw.first_step)?;
     checker.require(&key.child("power"), "the power", raw.power >= 0.0 && raw.power.is_finite(), "0 or more")?;
+    let time = raw.stability_time.is_none_or(|time| (0.0..=LONGEST_MARCH).contains(&time));
+    checker.require(&key.child("stability_time"), "the time", time, "0 to 10000, in time units of six slabs each")?;
     let grows = raw.growth > 1.0 && raw.growth.is_finite();
     checker.require(&key.child("growth"), "the factor", grows, "a number above 1")?;
     for (name, value) in [("steps", raw.steps), ("krylov_iterations", raw.krylov_iterations)] {
@@ -109,7 +114,7 @@ impl Steady {
 }
 
 impl Solver {
-    /// The settings of the Newton driver; what the case does not name is left to its defaults.
+    /// The settings of the Newton driver; the case leaves other settings at their defaults.
     pub fn newton(&self) -> newton::Settings {
         let defaults = newton::Settings::default();
         let maximum = self.krylov_tolerance;

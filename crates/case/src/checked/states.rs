@@ -7,7 +7,7 @@ use crate::state::{Formulas, State};
 use navier_stokes::exact::{Couette, FreeStream, Vortex, Waves};
 use navier_stokes::{Gas, Primitive};
 
-/// A state, and what is typical of it: the free stream, or the mean. Formulas have none.
+/// A state with its typical values: those of the free stream, or the mean. Formulas have none.
 pub(super) struct Typical<const D: usize> {
     pub(super) state: State<D>,
     pub(super) stream: Option<Primitive<f64, D>>,
@@ -74,7 +74,7 @@ fn couette<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Couette,
     let temperatures = [raw.lower_temperature, raw.upper_temperature];
     let couette = Couette::new(gas, raw.height, raw.speed, temperatures, raw.pressure, frame);
     let state = State::Couette(checker.physics(&key.child("speed"), couette)?);
-    // The speed of the plate, relative to the other one, beside the state of the lower one.
+    // The speed of the upper plate relative to the lower one, combined with the state at the lower one.
     let mut velocity = [0.0; D];
     velocity[0] = raw.speed;
     let density = gas.density(raw.pressure, raw.lower_temperature);
@@ -112,8 +112,8 @@ pub(super) fn free_stream<const D: usize>(
     Ok(stream)
 }
 
-/// The highest Mach number: the pressure is the difference of energies, of which the kinetic one is M^2 gamma (gamma - 1) / 2 times as large,
-/// and the fluxes capture no shocks.
+/// The highest Mach number. The pressure is a difference of energies, of which the kinetic one is M^2 gamma (gamma - 1) / 2 times as large.
+/// And the fluxes capture no shocks.
 const HIGHEST_MACH: f64 = 100.0;
 
 fn check_mach<const D: usize>(checker: &Checker<'_>, key: &Key, stream: &Primitive<f64, D>, gas: Gas) -> Checked<()> {

@@ -6,7 +6,8 @@ use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
 use crate::key::Key;
-use crate::raw::{self, Analysis, Plane, StructureBoundary};
+use crate::magnitude::is_bounded;
+use crate::raw::{self, Analysis, Damping, Plane, StructureBoundary, StructureLaw};
 use crate::vector::Vector;
 
 /// An elastic body.
@@ -16,11 +17,15 @@ pub struct Structure<const D: usize> {
     pub young_modulus: Program,
     /// nu, in the position at rest.
     pub poisson_ratio: Program,
-    /// Mass per volume; None: a static analysis does without.
+    /// The stress of a strain.
+    pub law: StructureLaw,
+    /// Rayleigh damping.
+    pub damping: Damping,
+    /// Mass per volume; None: a static analysis needs none.
     pub density: Option<f64>,
     /// Whether it has inertia.
     pub analysis: Analysis,
-    /// What is plane in two dimensions.
+    /// Plane strain or plane stress in two dimensions.
     pub plane: Plane,
     /// The largest shear modulus mu = E / (2 (1 + nu)), and the largest nu, at the nodes.
     pub largest: Largest,
@@ -32,14 +37,14 @@ pub struct Structure<const D: usize> {
     pub displacement: Option<Vector<D>>,
     /// The velocity at the start; None: zero.
     pub velocity: Option<Vector<D>>,
-    /// How many natural modes are wanted.
+    /// The number of natural modes.
     pub natural_modes: usize,
-    /// Points that are observed, with their names.
+    /// Observed points, with their names.
     pub points: Vec<(String, [f64; D])>,
 }
 
 impl<const D: usize> Structure<D> {
-    /// The largest speed of shear waves, (mu / rho)^1/2; zero where there is no density.
+    /// The largest speed of shear waves, (mu / rho)^1/2; zero without a density.
     pub fn shear_speed(&self) -> f64 {
         self.density.map_or(0.0, |density| (self.largest.shear_modulus / density).sqrt())
     }
@@ -54,10 +59,10 @@ pub struct Largest {
     pub poisson_ratio: f64,
 }
 
-/// How a boundary is supported or loaded.
+/// The support or load of a boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Support<const D: usize> {
-    /// Nothing acts on it.
+    /// No load or support.
     Free,
     /// These components of the displacement are zero.
     Held([bool; D]),
@@ -65,17 +70,19 @@ pub enum Support<const D: usize> {
     Moved(Vector<D>),
     /// The force per area.
     Traction(Vector<D>),
-    /// The force per area against the outward normal.
+    /// The force per area against the outward normal at rest.
     Pressure(Program),
+    /// The same against that of the body as it moves.
+    FollowerPressure(Program),
 }
 
 impl<const D: usize> Support<D> {
-    /// Which components of the displacement it prescribes.
+    /// The components of the displacement that it prescribes.
     pub fn fixes(&self) -> [bool; D] {
         match self {
             Support::Held(components) => *components,
             Support::Moved(_) => [true; D],
-            Support::Free | Support::Traction(_) | Support::Pressure(_) => [false; D],
+            Support::Free | Support::Traction(_) | Support::Pressure(_) | Support::FollowerPressure(_) => [false; D],
         }
     }
 
@@ -117,6 +124,8 @@ pub(super) fn check<const D: usize>(
     Ok(Structure {
         young_modulus,
         poisson_ratio,
+        law: raw.law,
+        damping: damping(checker, &key.child("damping"), raw)?,
         density: density(checker, &key, raw)?,
         analysis: raw.analysis,
         plane: plane::<D>(checker, &key, raw)?,
@@ -130,7 +139,7 @@ pub(super) fn check<const D: usize>(
     })
 }
 
-/// E and nu, which must be possible at all nodes of the mesh, and their extremes there.
+/// E and nu, which must be in range at all nodes of the mesh, and their extremes there.
 fn material<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -164,16 +173,34 @@ fn density(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Op
     Err(checker.combination(&key, "missing key `density`: inertia needs one", accepted))
 }
 
-/// What is plane; in three dimensions nothing is.
+/// Plane strain or plane stress; neither in three dimensions.
 fn plane<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Plane> {
     if raw.plane.is_some() && D == 3 {
         let problem = "`structure.plane` has no effect on a three-dimensional body";
         return Err(checker.combination(&key.child("plane"), problem, "remove it"));
     }
-    Ok(raw.plane.unwrap_or_default())
+    let plane = raw.plane.unwrap_or_default();
+    if plane == Plane::Stress && raw.law != StructureLaw::Linear {
+        let problem = "`structure.plane = \"stress\"` is for the linear law only";
+        return Err(checker.combination(&key.child("plane"), problem, "`plane = \"strain\"`, or `law = \"linear\"`"));
+    }
+    Ok(plane)
 }
 
-/// A static analysis has no motion at the start.
+/// The damping, of a body that moves.
+fn damping(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<Damping> {
+    for (name, value) in [("mass", raw.damping.mass), ("stiffness", raw.damping.stiffness)] {
+        let accepted = "a number that is not negative";
+        checker.require(&key.child(name), "the damping", value >= 0.0 && value.is_finite(), accepted)?;
+    }
+    if raw.analysis == Analysis::Static && raw.damping != Damping::default() {
+        let problem = "`structure.damping` has no effect on a static analysis";
+        return Err(checker.combination(key, problem, "remove it"));
+    }
+    Ok(raw.damping)
+}
+
+/// A static analysis has no initial motion.
 fn check_static(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<()> {
     for (name, given) in [("displacement", &raw.initial.displacement), ("velocity", &raw.initial.velocity)] {
         if given.is_some() {
@@ -211,10 +238,13 @@ fn support<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &StructureBoun
         StructureBoundary::Pressure(formula) => {
             Support::Pressure(checker.formula::<D>(&key.child("pressure"), formula)?)
         }
+        StructureBoundary::FollowerPressure(formula) => {
+            Support::FollowerPressure(checker.formula::<D>(&key.child("follower_pressure"), formula)?)
+        }
     })
 }
 
-/// The motion at the `start` has a value at every node.
+/// The motion at the `start` must have a value at every node.
 fn check_finite<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -228,13 +258,18 @@ fn check_finite<const D: usize>(
         let x: [f64; D] = std::array::from_fn(|axis| x[axis]);
         for (axis, value) in vector.evaluate(&x, start).into_iter().enumerate() {
             let quantity = format!("the {name} in cell {} at {x:?}, {value},", k / mesh.nodes_per_cell());
-            checker.require(&key.entry(axis), &quantity, value.is_finite(), "a formula that is finite everywhere")?;
+            checker.require(
+                &key.entry(axis),
+                &quantity,
+                is_bounded(value),
+                "a formula that is finite everywhere, and at most 1e60",
+            )?;
         }
     }
     Ok(())
 }
 
-/// At the start the body is where its supports are, up to round-off of the size of the mesh.
+/// At the start the body must be at its supports, up to round-off of the size of the mesh.
 fn check_start<const D: usize>(
     checker: &Checker<'_>,
     boundary: &[Support<D>],

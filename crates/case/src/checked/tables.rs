@@ -45,7 +45,7 @@ pub(crate) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table) -> Check
     })
 }
 
-/// The tables, with what was read from files in its place.
+/// The tables, with the data of their files in place of the files.
 pub(crate) fn written_out(checker: &Checker<'_>, raw: &BTreeMap<String, raw::Table>) -> BTreeMap<String, raw::Table> {
     let written = |(name, table): (&str, &Table)| {
         let (t, values) = table.points();
@@ -86,7 +86,7 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> 
     Ok((t, values))
 }
 
-/// The entries of a line, without its comment: between commas where there are some, otherwise between blanks.
+/// The entries of a line without its comment, separated by commas if there are any, otherwise by blanks.
 fn entries(line: &str) -> Vec<&str> {
     let line = line.split('#').next().unwrap_or_default().trim();
     match line.contains(',') {

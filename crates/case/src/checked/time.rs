@@ -17,18 +17,18 @@ pub struct Time {
     pub end: f64,
     /// The length of a slab; the last one may be shorter.
     pub step: f64,
-    /// How many slabs that makes.
+    /// The number of slabs.
     pub slabs: usize,
-    /// What adapts the length of the slabs.
+    /// The control of the length of the slabs.
     pub control: Option<StepControl>,
 }
 
-/// Instants of a run at which formulas are looked at, as fractions of its length. But for the ends they have no simple ratio, so that
-/// a formula that vanishes at one of them is not zero at all.
+/// Times at which formulas are checked, as fractions of the length of the run. Apart from the ends they have no simple ratio, so a
+/// formula that vanishes at all of them is likely to be zero.
 const INSTANTS: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
 
 impl Time {
-    /// Instants of the run at which formulas are looked at, its ends among them.
+    /// Times of the run at which formulas are checked, including its ends.
     pub(super) fn instants(&self) -> [f64; 5] {
         INSTANTS.map(|part| (1.0 - part) * self.start + part * self.end)
     }
@@ -40,20 +40,20 @@ impl Time {
     }
 }
 
-/// What is written, and where.
+/// Directory and contents of the output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// The directory that the case names; None: the default.
+    /// The directory given in the case; None: the default.
     pub directory: Option<PathBuf>,
     /// Slabs between checkpoints.
     pub checkpoint_every: usize,
     /// Slabs between fields.
     pub every: usize,
-    /// Fields for drawing.
+    /// Fields for display.
     pub fields: Vec<Field>,
 }
 
-/// Checks `[time]`. A run that `begins_steady` may end where it starts: with the steady flow.
+/// Checks `[time]`. A run that `begins_steady` may end at its start, with the steady flow.
 pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool) -> Checked<Time> {
     let key = Key::new("time");
     let orders = 1..=16;
@@ -87,10 +87,11 @@ pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool)
     Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
 }
 
-/// Round-off of a time moves the ends of a slab by this part of its length at most.
+/// The largest shift of the ends of a slab by round-off of the time, as a fraction of its length.
 const ROUND_OFF: f64 = 1e-3;
 
-/// Slabs of `length`, which follows from the value at `key`, are longer than the round-off of time: a run of shorter ones never gets on.
+/// Checks that slabs of `length`, which follows from the value at `key`, are longer than the round-off of time. A run with shorter ones
+/// makes no progress.
 fn check_resolved(checker: &Checker<'_>, key: &Key, raw: &raw::Time, length: f64) -> Checked<()> {
     let latest = raw.start.abs().max(raw.end.abs());
     let shortest = f64::EPSILON * latest / ROUND_OFF;
@@ -130,13 +131,13 @@ fn control(
     Ok(StepControl { tolerance, smallest, largest })
 }
 
-/// An end that is a multiple of the step up to round-off is that multiple, the very number that a longer run passes.
+/// If the end is a multiple of the step up to round-off, this exact multiple is taken, which a longer run passes too.
 fn end(raw: &raw::Time, step: f64, slabs: usize) -> f64 {
     let multiple = raw.start + step * slabs as f64;
     if (multiple - raw.end).abs() <= 1e-12 * (raw.end - raw.start) { multiple } else { raw.end }
 }
 
-/// A step that fits up to round-off makes no sliver of a slab at the end.
+/// A step that fits up to round-off leaves no short slab at the end.
 fn slabs_to_cover(duration: f64, step: f64) -> usize {
     ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with a formula, and where.
+//! Errors of a formula, and their places.
 
 use crate::excerpt::Excerpt;
 use std::fmt;
@@ -8,39 +8,39 @@ use std::fmt;
 pub struct ExpressionError {
     /// The formula.
     pub text: String,
-    /// Where in the formula, in characters from 0.
+    /// The place in the formula, in characters from 0.
     pub position: usize,
-    /// How many characters are concerned, at least 1.
+    /// The number of characters concerned, at least 1.
     pub length: usize,
-    /// What is wrong there.
+    /// The problem at this place.
     pub problem: Problem,
 }
 
-/// What is wrong at one place of a formula.
+/// A problem at one place of a formula.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// A character that no formula contains.
     #[error("unexpected character `{0}`")]
     Character(char),
-    /// Something that looks like a number and is none.
+    /// An invalid number.
     #[error("`{0}` is not a number")]
     Number(String),
-    /// A token at a place where the grammar wants another.
+    /// An unexpected token.
     #[error("expected {expected}, found {found}")]
     Unexpected {
-        /// What the grammar wants.
+        /// The expected input.
         expected: &'static str,
-        /// What is there.
+        /// The token found.
         found: String,
     },
-    /// A name that means nothing here.
+    /// An unknown name.
     #[error("unknown name `{name}`{}; known here: {}", did_you_mean(.nearest), .known.join(", "))]
     UnknownName {
         /// The name.
         name: String,
-        /// The known name that is spelt most like it.
+        /// The known name with the most similar spelling.
         nearest: Option<String>,
-        /// All that is known.
+        /// All known names.
         known: Vec<String>,
     },
     /// A function without its parentheses, or a variable with some.
@@ -48,9 +48,9 @@ pub enum Problem {
     Misused {
         /// The name.
         name: String,
-        /// What it is.
+        /// Its kind.
         is: &'static str,
-        /// How it is used.
+        /// Its correct use.
         write: String,
     },
     /// A function called with too few or too many arguments.
@@ -58,15 +58,15 @@ pub enum Problem {
     Arguments {
         /// The function.
         name: String,
-        /// How many it takes.
+        /// The number of arguments that it takes.
         takes: usize,
-        /// How many there are.
+        /// The number of arguments found.
         found: usize,
     },
     /// More operations than a formula may have.
     #[error("too long: at most {0} operations; `[tables]` give a function by points")]
     TooLong(usize),
-    /// More nesting than the evaluation has room for.
+    /// More nesting than the evaluation supports.
     #[error("too deeply nested: at most {0} levels")]
     TooDeep(usize),
 }

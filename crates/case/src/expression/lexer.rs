@@ -2,7 +2,7 @@
 
 use super::error::{ExpressionError, Problem};
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
     Number(f64),
@@ -57,7 +57,7 @@ fn next(characters: &[char], position: usize) -> Result<Token, (usize, Problem)>
     } else {
         let symbol = SYMBOLS.iter().find(|symbol| symbol.chars().eq(rest.iter().take(symbol.len()).copied()));
         let symbol = symbol.ok_or((1, Problem::Character(rest[0])))?;
-        // The power of other languages.
+        // The power operator of other languages.
         (Kind::Symbol(if *symbol == "**" { "^" } else { symbol }), symbol.len())
     };
     Ok(Token { kind, position, length })
@@ -80,7 +80,7 @@ fn number(rest: &[char]) -> Result<(Kind, usize), (usize, Problem)> {
     if matches!(rest.get(length), Some('e' | 'E')) {
         let sign = usize::from(matches!(rest.get(length + 1), Some('+' | '-')));
         let exponent = digits(length + 1 + sign);
-        // Without digits it is not an exponent: `2exp(x)` is reported as a missing operator, not as a bad number.
+        // Without digits it is no exponent: `2exp(x)` is reported as a missing operator, not as a bad number.
         length += if exponent > 0 { 1 + sign + exponent } else { 0 };
     }
     let text: String = rest[..length].iter().collect();

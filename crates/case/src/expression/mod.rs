@@ -12,11 +12,11 @@
 //! | module | holds |
 //! |---|---|
 //! | `lexer` | text to tokens |
-//! | `names` | what a name may mean: variables, constants, functions |
+//! | `names` | the meaning of names: variables, constants, functions |
 //! | `parser` | tokens to a program, by the grammar above |
 //! | `program` | the program and its evaluation |
 //! | `table` | functions given by tables: cubic splines |
-//! | `error` | what can be wrong with a formula, and where |
+//! | `error` | errors of a formula, and their places |
 
 mod error;
 mod lexer;
@@ -36,7 +36,7 @@ impl Program {
     /// Compiles `text`, in which the variables and constants of `names` may occur.
     ///
     /// # Errors
-    /// What does not follow the grammar, and unknown names, with their place in the text.
+    /// Violations of the grammar, and unknown names, with their place in the text.
     pub fn compile(text: &str, names: &Names) -> Result<Program, ExpressionError> {
         parser::parse(text, names)
     }

@@ -1,20 +1,20 @@
-//! What a name in a formula may mean.
+//! The meaning of names in formulas.
 
 use super::lexer;
 use super::table::Table;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A quantity that a formula depends on.
+/// A variable of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
-    /// An entry of the position: the coordinates x, y, z, and after them the arc length s where there is one.
+    /// An entry of the position: the coordinates x, y, z, and after them the arc length s, if there is one.
     Coordinate(usize),
     /// The time t.
     Time,
 }
 
-/// Variables, constants and tables that a formula may contain.
+/// Variables, constants and tables of a formula.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names {
     /// The names of the entries of the position.
@@ -40,7 +40,7 @@ pub(super) enum Function {
     Cosh,
 }
 
-/// What is called like a function.
+/// Names that are called like functions.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Callable {
     Unary(Function),
@@ -80,7 +80,7 @@ static CALLABLES: [(&str, Callable); 14] = [
 ];
 
 impl Callable {
-    /// How many arguments it takes.
+    /// The number of arguments.
     pub(super) fn arguments(&self) -> usize {
         match self {
             Callable::Unary(_) | Callable::Table(_) => 1,
@@ -101,7 +101,7 @@ impl Names {
         }
     }
 
-    /// These constants, and the coordinates of a space of the given dimension.
+    /// These constants, and the coordinates for the given dimension.
     pub fn with_coordinates(&self, dimension: usize) -> Self {
         Names { position: COORDINATES[..dimension].to_vec(), ..self.clone() }
     }
@@ -117,7 +117,7 @@ impl Names {
         Names { time: true, ..self.clone() }
     }
 
-    /// Defines a constant; false if `name` cannot be read as a name, or means something already in this or another formula.
+    /// Defines a constant; false if `name` is not a valid name, or already has a meaning in this or another formula.
     pub fn define(&mut self, name: &str, value: f64) -> bool {
         let free = self.is_free(name);
         if free {
@@ -132,7 +132,7 @@ impl Names {
         defined.map(|(name, value)| (name.as_str(), *value))
     }
 
-    /// Defines a function of one argument by its `table`; false as [`Names::define`].
+    /// Defines a function of one argument by its `table`; false as for [`Names::define`].
     pub fn define_table(&mut self, name: &str, table: Table) -> bool {
         let free = self.is_free(name);
         if free {

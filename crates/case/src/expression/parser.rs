@@ -6,13 +6,14 @@ use super::names::{Callable, Meaning, Names};
 use super::program::{Comparison, Instruction, Program, STACK};
 use crate::nearest::nearest;
 
-/// Levels of recursion at most.
+/// The largest number of levels of recursion.
 const DEPTH: usize = 64;
 
-/// Operations of a formula at most. It is evaluated at every node and time: a longer one would take the time of the run.
+/// The largest number of operations of a formula. It is evaluated at every node and time, so a longer one would dominate
+/// the run.
 pub(super) const LONGEST: usize = 50_000;
 
-/// Exponents up to this size are taken by multiplication.
+/// Exponents up to this size are computed by multiplication.
 const LARGEST_INTEGER_POWER: f64 = 1024.0;
 
 struct Parser<'a> {
@@ -21,7 +22,7 @@ struct Parser<'a> {
     tokens: Vec<Token>,
     next: usize,
     depth: usize,
-    /// Values on the stack after the instructions so far.
+    /// The number of values on the stack after the instructions so far.
     height: usize,
     instructions: Vec<Instruction>,
 }
@@ -179,7 +180,7 @@ impl Parser<'_> {
         })
     }
 
-    /// Appends an instruction. One whose arguments are all constants is carried out at once.
+    /// Appends an instruction. If all its arguments are constants, it is evaluated at once.
     fn emit(&mut self, instruction: Instruction) -> Parsed {
         let arguments = instruction.arguments();
         self.height = self.height + 1 - arguments;
@@ -200,7 +201,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Appends the power that suits the exponent, which has just been emitted.
+    /// Appends the power instruction that suits the exponent, which has just been emitted.
     fn emit_power(&mut self) -> Parsed {
         let Some(Instruction::Constant(exponent)) = self.instructions.last().cloned() else {
             return self.emit(Instruction::Power);

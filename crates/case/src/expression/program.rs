@@ -5,10 +5,10 @@ use super::table::Table;
 use std::sync::Arc;
 use tensor::Transcendental;
 
-/// Values on the stack at most; a formula that needs more is refused when it is compiled.
+/// The largest number of values on the stack; a formula that needs more is refused when it is compiled.
 pub(super) const STACK: usize = 32;
 
-/// How two numbers are compared.
+/// A comparison of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Comparison {
     Less,
@@ -19,34 +19,34 @@ pub(super) enum Comparison {
     NotEqual,
 }
 
-/// One step of the machine: takes its arguments from the stack, puts its result there.
+/// One instruction: it takes its arguments from the stack and puts its result there.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Instruction {
     Constant(f64),
     Variable(Variable),
     Negate,
     Apply(Function),
-    /// The function that a table gives.
+    /// The function of a table.
     Interpolate(Arc<Table>),
-    /// To an integer power, by multiplication: any base.
+    /// An integer power, by multiplication, for any base.
     IntegerPower(i32),
-    /// To a constant real power: base not negative.
+    /// A constant real power, for a base that is not negative.
     RealPower(f64),
     Add,
     Subtract,
     Multiply,
     Divide,
-    /// To a power that varies, exp(b log a): base positive.
+    /// A variable power, exp(b log a), for a positive base.
     Power,
     Min,
     Max,
     Compare(Comparison),
-    /// (condition, a, b): a where the condition is not zero, otherwise b.
+    /// (condition, a, b): a if the condition is not zero, otherwise b.
     Select,
 }
 
 impl Instruction {
-    /// How many values it takes from the stack; it puts one there.
+    /// The number of values that it takes from the stack; it puts one there.
     pub(super) fn arguments(&self) -> usize {
         use Instruction::*;
         match self {
@@ -72,7 +72,7 @@ impl Program {
         Program { instructions: vec![Instruction::Constant(value)] }
     }
 
-    /// How many operations an evaluation takes.
+    /// The number of operations of an evaluation.
     pub fn operations(&self) -> usize {
         self.instructions.len()
     }
@@ -175,7 +175,8 @@ fn integer_power<T: Transcendental>(a: T, n: i32) -> T {
     if n < 0 { result.recip() } else { result }
 }
 
-/// a^exponent. At a = 0 with exponent > 1 the slope is 0, which the general rule (a^exponent / a) exponent misses.
+/// a^exponent. At a = 0 with exponent > 1 the slope is 0, which the general formula (a^exponent / a) exponent does not
+/// give.
 fn real_power<T: Transcendental>(a: T, exponent: f64) -> T {
     if a.value() == 0.0 && exponent > 1.0 { a * 0.0 } else { a.powf(exponent) }
 }

@@ -17,18 +17,18 @@
 
 use tensor::Transcendental;
 
-/// What the function does at the ends of its table, and beyond them.
+/// The ends of the table, and the values beyond them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// The first two cubics are one, and so are the last two ("not a knot"). Beyond the ends there is no value.
+    /// The first two cubics are identical, and so are the last two ("not a knot"). There is no value beyond the ends.
     Free,
-    /// The slope is zero at the ends, and beyond them the value is that of the end.
+    /// The slope is zero at the ends, and beyond them the value is constant.
     AtRest,
-    /// It repeats itself: what it does beyond the last point is what it did after the first.
+    /// The table is repeated periodically.
     Periodic,
 }
 
-/// A table, and the spline through it: two derivatives are continuous, and the error falls with the fourth power of the distance
+/// A table and its cubic spline: two derivatives are continuous, and the error decreases with the fourth power of the distance
 /// of the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -41,23 +41,23 @@ pub struct Table {
     ends: Ends,
 }
 
-/// What a table may not be.
+/// Errors of a table.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
-    /// Not as many values as times.
+    /// Different numbers of values and times.
     #[error("{times} times, but {values} values")]
     Lengths {
-        /// How many times.
+        /// The number of times.
         times: usize,
-        /// How many values.
+        /// The number of values.
         values: usize,
     },
     /// Too few points for the conditions at the ends.
     #[error("{found} points, where a spline with these ends needs {needed}")]
     TooFew {
-        /// How many there are.
+        /// The number of points.
         found: usize,
-        /// How many there must be.
+        /// The required number.
         needed: usize,
     },
     /// A number that is not finite.
@@ -71,7 +71,7 @@ pub enum TableError {
         /// The next one.
         later: f64,
     },
-    /// A periodic table that does not end as it began.
+    /// A periodic table whose last value differs from the first.
     #[error("the first value is {first} and the last one {last}: a periodic table ends as it begins")]
     NotPeriodic {
         /// The first value.
@@ -85,7 +85,7 @@ impl Table {
     /// The spline through the points (t_k, y_k).
     ///
     /// # Errors
-    /// Points that are no such function: see [`TableError`].
+    /// Points that do not define such a function: see [`TableError`].
     pub fn new(t: Vec<f64>, y: Vec<f64>, ends: Ends) -> Result<Self, TableError> {
         check(&t, &y, ends)?;
         let slopes = match ends {
@@ -105,12 +105,12 @@ impl Table {
         (self.t[0], self.t[self.t.len() - 1])
     }
 
-    /// S(t), by (spline). NaN beyond ends that are free.
+    /// S(t), by (spline). NaN beyond free ends.
     pub fn evaluate<T: Transcendental>(&self, t: T) -> T {
         let (first, last) = self.range();
         let periods = if self.ends == Ends::Periodic { ((t.value() - first) / (last - first)).floor() } else { 0.0 };
         let t = t - T::from(periods * (last - first));
-        // A run meets its last instant up to round-off only.
+        // A run meets its last time only up to round-off.
         let margin = 1e-9 * (last - first);
         match self.ends {
             Ends::AtRest if t.value() <= first => return T::from(self.y[0]),
@@ -157,7 +157,7 @@ fn check(t: &[f64], y: &[f64], ends: Ends) -> Result<(), TableError> {
 /// A row of a tridiagonal system: below, on and above the diagonal, right-hand side.
 type Row = [f64; 4];
 
-/// The slopes where the ends have conditions of their own.
+/// The slopes if the ends have conditions of their own.
 fn slopes(t: &[f64], y: &[f64], ends: Ends) -> Vec<f64> {
     let last = t.len() - 1;
     let intervals = intervals(t, y);
@@ -165,7 +165,7 @@ fn slopes(t: &[f64], y: &[f64], ends: Ends) -> Vec<f64> {
         Ends::AtRest => [[0.0, 1.0, 0.0, 0.0]; 2],
         _ => [
             not_a_knot(intervals[0], intervals[1]),
-            // The mirror image: what was above the diagonal is below.
+            // The mirror image: entries above the diagonal become entries below it.
             mirrored(not_a_knot(intervals[last - 1], intervals[last - 2])),
         ],
     };
@@ -194,9 +194,9 @@ fn mirrored([below, diagonal, above, right]: Row) -> Row {
     [above, diagonal, below, right]
 }
 
-/// The slopes of a periodic table: (smooth) at every point, the last of which is the first again. The corner entries c = a_0 (below the
-/// first row) and b (above the last) make A = T + u w^T with u = (g, 0, ..., b), w = (1, 0, ..., c / g), g = -d_0; then
-/// A^-1 r = T^-1 r - T^-1 u (w . T^-1 r) / (1 + w . T^-1 u) (Sherman and Morrison).
+/// The slopes of a periodic table: (smooth) at every point; the last point is the first one again. The corner entries are c = a_0
+/// (below the first row) and b (above the last). They give A = T + u w^T with u = (g, 0, ..., b), w = (1, 0, ..., c / g), g = -d_0.
+/// Then A^-1 r = T^-1 r - T^-1 u (w . T^-1 r) / (1 + w . T^-1 u) (Sherman and Morrison).
 fn periodic_slopes(t: &[f64], y: &[f64]) -> Vec<f64> {
     let intervals = intervals(t, y);
     let n = intervals.len();
@@ -212,7 +212,7 @@ fn periodic_slopes(t: &[f64], y: &[f64]) -> Vec<f64> {
     (0..=n).map(|k| particular[k % n] - factor * correction[k % n]).collect()
 }
 
-/// Elimination without pivoting, which these rows allow: the pivots stay positive.
+/// Elimination without pivoting, which is stable here because the pivots stay positive.
 fn tridiagonal(rows: &[Row]) -> Vec<f64> {
     let mut above_and_right: Vec<[f64; 2]> = Vec::with_capacity(rows.len());
     for [below, diagonal, above, right] in rows {

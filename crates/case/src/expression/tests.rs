@@ -23,7 +23,7 @@ fn problem(text: &str) -> (usize, usize, Problem) {
     (error.position, error.length, error.problem)
 }
 
-/// A formula and the same as native Rust, of (x, y, z) and t.
+/// A formula and the same in Rust, as functions of (x, y, z) and t.
 type Sample = (&'static str, fn([f64; 3], f64) -> f64);
 
 const SAMPLES: &[Sample] = &[
@@ -195,7 +195,7 @@ proptest! {
         if let Ok(program) = Program::compile(&tokens.concat(), &names()) {
             let dual = program.evaluate(&[Dual::new(0.4, 1.0), Dual::from(-0.2), Dual::from(0.0)], Dual::from(0.7));
             let plain = program.evaluate(&[0.4, -0.2, 0.0], 0.7);
-            // Duals are divided by multiplying with 1 / b: equal up to round-off, and that may be amplified.
+            // Duals are divided by multiplication with 1 / b, so they agree up to round-off, which may be amplified.
             prop_assert!(dual.value() == plain || dual.value().is_nan() || plain.abs() > 1e6 || (dual.value() - plain).abs() < 1e-6);
         }
     }

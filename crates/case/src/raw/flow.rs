@@ -21,8 +21,8 @@ pub struct Flow {
     /// The quadrature points.
     #[serde(default)]
     pub quadrature: Quadrature,
-    /// A solution that is known. Errors are measured against it, boundaries with the condition "exact" take it, and it is the
-    /// initial state if no other is given.
+    /// An exact solution, if known. Errors are measured against it, boundaries with the condition "exact" take it, and it is
+    /// the default initial state.
     pub exact: Option<State>,
     /// The state at the start. Default: the exact one.
     pub initial: Option<State>,
@@ -31,11 +31,12 @@ pub struct Flow {
     /// The condition on each boundary, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, Condition>,
-    /// What the forces on walls refer to, by the name of the wall; `others` stands for all that are not named.
+    /// The reference values of the forces on walls, by the name of the wall; `others` stands for all that are not
+    /// named.
     #[serde(default)]
     pub forces: BTreeMap<String, Forces>,
-    /// Typical sizes, by which residuals are weighted and dimensionless numbers are formed. Default: the free stream (or mean
-    /// state) of the exact or the initial state.
+    /// Typical values, which scale residuals and define dimensionless numbers. Default: the free stream (or mean state) of
+    /// the exact or the initial state.
     pub reference: Option<Reference>,
 }
 
@@ -48,7 +49,7 @@ pub struct Gas {
     pub gamma: f64,
     /// The specific gas constant R of p = rho R T. Default: 1, so that T = p / rho.
     pub gas_constant: Option<f64>,
-    /// Instead of gas_constant: R = 1 / (gamma mach^2), so that T = 1 where density and speed are 1 at this Mach number.
+    /// Instead of gas_constant: R = 1 / (gamma mach^2), so that T = 1 at density 1, speed 1 and this Mach number.
     pub mach: Option<f64>,
     /// The Prandtl number.
     #[serde(default = "prandtl")]
@@ -79,7 +80,7 @@ pub enum Viscosity {
     /// None: the Euler equations.
     #[default]
     Inviscid,
-    /// The same everywhere.
+    /// A constant viscosity.
     Constant(f64),
     /// Sutherland's law, viscosity (T / temperature)^1.5 (temperature + constant) / (T + constant).
     Sutherland {
@@ -99,9 +100,9 @@ pub enum Riemann {
     /// Roe's average, wave speeds smoothed near zero.
     #[default]
     Roe,
-    /// Three waves; keeps contacts and shear layers.
+    /// Three waves; preserves contacts and shear layers.
     Hllc,
-    /// The fastest wave damps all: simple, robust, dissipative.
+    /// The fastest wave damps all components: simple, robust, dissipative.
     LaxFriedrichs,
 }
 
@@ -109,7 +110,7 @@ pub enum Riemann {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum Quadrature {
-    /// The fewest with which a free stream is kept exactly on any moving mesh.
+    /// The least number that preserves a free stream exactly on any moving mesh.
     #[default]
     Conserving,
     /// Twice the order, in space and time.
@@ -143,9 +144,9 @@ fn density() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum State {
-    /// The same everywhere.
+    /// A uniform state.
     Uniform(FreeStream),
-    /// An isentropic vortex that a free stream carries (Diosady & Murman, AIAA 2018-0919): strength is their beta.
+    /// An isentropic vortex carried by a free stream (Diosady & Murman, AIAA 2018-0919): strength is their beta.
     Vortex(Vortex),
     /// The same vortex with the strength as in Persson, Bonet & Peraire (2009): strength is their epsilon.
     VortexPersson(Vortex),
@@ -161,7 +162,7 @@ pub enum State {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Vortex {
-    /// The state far away, which carries the vortex along.
+    /// The free stream, which carries the vortex.
     pub free_stream: FreeStream,
     /// The centre at t = 0, one entry per axis.
     pub centre: Vec<f64>,
@@ -170,7 +171,7 @@ pub struct Vortex {
     pub radius: f64,
     /// The strength; positive turns counter-clockwise.
     pub strength: f64,
-    /// The period of the domain in x and y, where it is periodic: the nearest image of the vortex is taken.
+    /// The period of the domain in x and y, if it is periodic: the nearest image of the vortex is taken.
     pub period: Option<[f64; 2]>,
 }
 
@@ -192,7 +193,7 @@ pub struct Couette {
     pub upper_temperature: f64,
     /// The pressure.
     pub pressure: f64,
-    /// The velocity of the lower plate, if everything moves along with it. Default: zero.
+    /// The velocity of the lower plate, if the whole flow moves with it. Default: zero.
     pub frame: Option<Vec<f64>>,
 }
 
@@ -224,7 +225,7 @@ pub struct Primitive {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// The source with which the exact state is a solution, by exact differentiation.
+    /// The source that makes the exact state a solution, by exact differentiation.
     Manufactured,
 }
 
@@ -238,11 +239,11 @@ pub enum Condition {
     Exact,
     /// A state as a function of position and time.
     PrescribedState(State),
-    /// A no-slip wall that moves with the mesh and passes no heat.
+    /// An adiabatic no-slip wall that moves with the mesh.
     AdiabaticWall(AdiabaticWall),
-    /// A no-slip wall that moves with the mesh and has a temperature.
+    /// An isothermal no-slip wall that moves with the mesh.
     IsothermalWall(IsothermalWall),
-    /// A wall without friction.
+    /// A frictionless wall.
     SlipWall,
     /// A plane of symmetry.
     Symmetry,
@@ -250,13 +251,13 @@ pub enum Condition {
     Inflow(Inflow),
     /// Subsonic inflow of given velocity or mass flux.
     VelocityInflow(VelocityInflow),
-    /// Supersonic inflow of a state as a function of position and time: all of it enters, whatever the gas inside does.
+    /// Supersonic inflow of a state as a function of position and time: the whole state enters for any gas inside.
     SupersonicInflow(State),
     /// Outflow.
     Outflow(Outflow),
 }
 
-/// A no-slip wall that passes no heat.
+/// An adiabatic no-slip wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdiabaticWall {
@@ -264,7 +265,7 @@ pub struct AdiabaticWall {
     pub slide: Option<Vec<f64>>,
 }
 
-/// A no-slip wall with a temperature.
+/// An isothermal no-slip wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IsothermalWall {
@@ -274,7 +275,7 @@ pub struct IsothermalWall {
     pub slide: Option<Vec<f64>>,
 }
 
-/// Typical sizes.
+/// Typical values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
@@ -294,34 +295,34 @@ fn length() -> f64 {
     1.0
 }
 
-/// What the force on a wall refers to.
+/// The reference values of the force on a wall.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Forces {
-    /// The point about which moments are taken: a formula per axis in the time t, which gives it the motion of the body.
+    /// The point about which moments are taken: a formula per axis in the time t, so that it may move with the body.
     /// Default: the origin.
     pub point: Option<Vec<Formula>>,
-    /// The area of the coefficients; in two dimensions per unit span, such as a chord. Default: the reference length, in three
-    /// dimensions its square.
+    /// The reference area of the coefficients; in two dimensions per unit span, such as a chord. Default: the reference
+    /// length, in three dimensions its square.
     pub area: Option<f64>,
-    /// The length of the moment coefficient. Default: the reference length.
+    /// The reference length of the moment coefficient. Default: the reference length.
     pub length: Option<f64>,
     /// The direction of drag, of any length; lift is to its left in the x-y plane. Default: along x.
     pub drag_direction: Option<Vec<f64>>,
-    /// Which moments are positive.
+    /// The sign of moments.
     #[serde(default)]
     pub moment_positive: MomentPositive,
 }
 
-/// Which moments are positive. In two dimensions this is the sign of `<wall>_moment`, `<wall>_moment_impulse` and of the moment coefficient.
-/// In three the moments about x, y and z follow the right-hand rule always, and this says about which axis the coefficient is.
+/// The sign of moments. In two dimensions it applies to `<wall>_moment`, `<wall>_moment_impulse` and the moment coefficient. In three the
+/// moments about x, y and z always follow the right-hand rule, and this chooses the axis of the coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum MomentPositive {
     /// Counter-clockwise in the x-y plane: about the axis z.
     #[default]
     CounterClockwise,
-    /// Those that raise a nose which is upstream, towards the lift: clockwise, about the axis -z.
+    /// Positive if the moment raises a nose that points upstream, towards the lift: clockwise, about the axis -z.
     NoseUp,
     /// In three dimensions: about this axis, of any length, by the right-hand rule.
     Axis([f64; 3]),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::fmt;
 
-/// A formula as it was written.
+/// A formula as written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Formula {
@@ -16,7 +16,7 @@ pub enum Formula {
     Text(String),
 }
 
-/// By hand, because the errors of untagged enums do not say where they are.
+/// By hand, because the errors of untagged enums contain no place.
 impl<'de> Deserialize<'de> for Formula {
     fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
         deserializer.deserialize_any(FormulaVisitor)

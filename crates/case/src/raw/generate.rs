@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub enum Generate {
     /// A box of quadrilaterals or hexahedra. Its boundaries are left, right (x), bottom, top (y), front, back (z).
     Box(BoxGenerator),
-    /// A square around the origin with a square hole in its middle, in square cells. Its boundaries are inner and outer.
+    /// A square around the origin with a centred square hole, in square cells. Its boundaries are inner and outer.
     RotatingBox(RotatingBoxGenerator),
     /// A box between two walls. Its boundaries are bottom and top, and inflow and outflow if it is not periodic.
     Channel(ChannelGenerator),
@@ -41,13 +41,13 @@ pub struct BoxGenerator {
     pub upper: Vec<f64>,
     /// The number of cells along each axis.
     pub cells: Vec<usize>,
-    /// Along each axis, the size of the last cell over that of the first; sizes in between form a geometric sequence. Without
-    /// it all cells have the same size.
+    /// Along each axis, the size of the last cell over the size of the first; sizes in between form a geometric sequence.
+    /// Default: all cells have the same size.
     pub size_ratio: Option<Vec<f64>>,
-    /// How the cells are curved.
+    /// The deformation of the box.
     #[serde(default)]
     pub curving: Curving,
-    /// Axes along which the box is periodic; their boundaries vanish.
+    /// Axes along which the box is periodic; their boundaries are joined.
     #[serde(default)]
     pub periodic: Vec<Axis>,
     /// Pieces of an axis with their own sizes of cells, such that lines between cells lie at given places. They fill the axis from `lower` to
@@ -102,7 +102,8 @@ pub enum Curving {
     /// Straight cells.
     #[default]
     None,
-    /// Each axis displaced by amplitude * product of sin(2 pi r) over the axes, r in [0, 1]: the boundary stays.
+    /// Each axis displaced by amplitude * product of sin(2 pi r) over the axes, r in [0, 1]: the boundary is not
+    /// displaced.
     Smooth {
         /// The largest displacement.
         amplitude: f64,
@@ -112,11 +113,11 @@ pub enum Curving {
         /// The largest displacement.
         amplitude: f64,
     },
-    /// A few random waves; the boundary stays, unless it is periodic.
+    /// A few random waves; the boundary is displaced only if it is periodic.
     Random {
         /// A bound of the displacement.
         amplitude: f64,
-        /// Chooses the waves.
+        /// The seed of the waves.
         seed: u64,
     },
 }
@@ -135,16 +136,17 @@ pub struct RotatingBoxGenerator {
     pub cells_per_side: usize,
 }
 
-/// The channel [0, L_x] x [0, L_y], in three dimensions x [0, L_z] and periodic along z. Walls are at both ends of y, the flow
-/// goes along x.
+/// The channel [0, L_x] x [0, L_y], in three dimensions x [0, L_z] and periodic along z. Walls are at both ends of y; the flow
+/// is along x.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelGenerator {
-    /// Length, height and perhaps width: two or three, which makes the case two- or three-dimensional.
+    /// Length, height and, in three dimensions, width. The number of entries makes the case two- or three-dimensional.
     pub extent: Vec<f64>,
     /// The number of cells along each axis.
     pub cells: Vec<usize>,
-    /// Height of the cells in the middle over that of the cells at either wall; those between grow by a constant factor.
+    /// Height of the cells in the middle over the height of the cells at either wall; cells grow by a constant factor in
+    /// between.
     #[serde(default = "one")]
     pub wall_ratio: f64,
     /// Whether the channel is periodic along x.
@@ -152,8 +154,8 @@ pub struct ChannelGenerator {
     pub periodic: bool,
 }
 
-/// The channel [0, L] x [0, H] without a circle. Cells between the circle and the rectangle that ends at twice the x of its centre grow
-/// outwards; those after it lie in rows along the channel.
+/// The channel [0, L] x [0, H] without a circle. The rectangle around the circle ends at twice the x of its centre. Cells between the
+/// circle and the rectangle grow outwards; cells after the rectangle lie in rows along the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelCylinderGenerator {
@@ -165,7 +167,8 @@ pub struct ChannelCylinderGenerator {
     pub diameter: f64,
     /// The height of the cells at the cylinder, where it is nearest to a wall or the inflow.
     pub first_cell: f64,
-    /// Cells along a quarter of the cylinder, as many as across the channel; outwards from the cylinder; from the rectangle to the end.
+    /// Cells along a quarter of the cylinder, which is also the number across the channel; outwards from the cylinder; from the
+    /// rectangle to the end.
     pub cells: [usize; 3],
 }
 
@@ -248,7 +251,7 @@ pub struct DiscGenerator {
     /// The radius of the circle.
     #[serde(default = "one")]
     pub radius: f64,
-    /// Cells along a side of the middle block: a quarter of those around.
+    /// Cells along a side of the middle block, a quarter of the number around.
     pub core_cells: usize,
     /// Cells from the middle block to the circle.
     pub radial_cells: usize,
@@ -270,23 +273,23 @@ pub struct AirfoilGenerator {
     pub surface_cells: usize,
     /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
-    /// The part of the wake that is to be resolved, behind the trailing edge. Without it cells grow by one factor up to the far field.
+    /// The near wake behind the trailing edge, with finer cells. Default: cells grow by one factor up to the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_wake: Option<NearPart>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
-    /// The part of them that is to be resolved, from the wall on. Without it cells grow by one factor up to the far field.
+    /// The near part at the wall, with finer cells. Default: cells grow by one factor up to the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_wall: Option<NearPart>,
 }
 
-/// A part of a mesh that is to be resolved: in it cells grow by one factor, beyond it by another.
+/// A part of a mesh with finer cells: in it cells grow by one factor, beyond it by another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NearPart {
-    /// How far it reaches, in chords.
+    /// Its extent, in chords.
     pub extent: f64,
-    /// Its cells: fewer than those up to the far field.
+    /// Its number of cells, less than the number up to the far field.
     pub cells: usize,
 }
 
@@ -308,7 +311,7 @@ impl Default for AirfoilGenerator {
     }
 }
 
-/// One blade of a row along y, in a layer of cells normal to it and a frame around that.
+/// One blade of a row along y, in a layer of cells normal to it and a frame around the layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TurbineBladeGenerator {
@@ -316,19 +319,20 @@ pub struct TurbineBladeGenerator {
     pub profile: Profile,
     /// The distance of the blades, along y.
     pub pitch: f64,
-    /// The direction of the flow that enters, in degrees from the x-axis. It lays out the mesh.
+    /// The direction of the incoming flow, in degrees from the x-axis. It determines the layout of the mesh.
     pub inflow_angle: f64,
-    /// The direction of the flow that leaves, in degrees from the x-axis.
+    /// The direction of the outgoing flow, in degrees from the x-axis.
     pub outflow_angle: f64,
     /// The distance of the inflow from the layer, along x.
     pub inflow_distance: f64,
     /// The distance of the outflow from the layer, along x.
     pub outflow_distance: f64,
-    /// The thickness of the layer of cells around the blade: less than the radius of every hollow of the blade.
+    /// The thickness of the layer of cells around the blade, less than the radius of curvature of every concave part of
+    /// the blade.
     pub layer: f64,
     /// The height of the cells at the blade.
     pub first_cell: f64,
-    /// How cells are laid out.
+    /// The numbers of cells.
     pub cells: BladeCells,
 }
 
@@ -338,8 +342,8 @@ pub struct TurbineBladeGenerator {
 pub enum Profile {
     /// A low-pressure turbine blade of chord 1, close to the T106.
     LowPressureTurbine,
-    /// A smooth closed curve through the points of a text file, relative to the case file: a line for each point with its x and
-    /// y, in either sense around; # begins a comment.
+    /// A smooth closed curve through the points of a text file, relative to the case file. The file has a line for each point
+    /// with its x and y, clockwise or counter-clockwise; # begins a comment.
     File(PathBuf),
 }
 

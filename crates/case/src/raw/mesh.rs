@@ -10,24 +10,24 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub struct Mesh {
     /// N, the nodes per direction of the geometry and of the displacement of the mesh, 2 to 16: degree N - 1. A generated mesh
-    /// needs it. A file has an order of its own, which is the default and the least: a higher one keeps the shape of the cells
-    /// and gives their displacement more freedom.
+    /// requires it. A file has its own order, which is the default and the minimum. A higher order keeps the shape of the
+    /// cells and refines their displacement.
     pub order: Option<usize>,
-    /// How the mesh is made.
+    /// The generator of the mesh.
     pub generate: Option<Generate>,
     /// A Gmsh file, relative to the case file: MSH 4.1 or 2.2, quadrilaterals or hexahedra. Its physical groups of curves (in
     /// three dimensions surfaces) are the boundaries, those of surfaces (volumes) the regions.
     pub file: Option<PathBuf>,
-    /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and have no name any more.
+    /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and lose their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub periodic: Vec<[String; 2]>,
-    /// Makes a plane mesh the cross-section of one in space.
+    /// Extrudes a two-dimensional mesh.
     pub extrude: Option<Extrude>,
-    /// Turns the axes of every cell at random, by this seed. A test of the program: results must not change.
+    /// Turns the axes of every cell at random, by this seed. This is a test of the program: results must not change.
     pub scramble: Option<u64>,
 }
 
-/// The mesh in space whose cross-section is a plane mesh. Its ends are the boundaries front (z low) and back.
+/// The extrusion of a two-dimensional mesh along z. Its ends are the boundaries front (z low) and back.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Extrude {

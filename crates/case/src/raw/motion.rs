@@ -5,40 +5,40 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How the mesh moves: either `displacement` everywhere, or `boundary` with an elastic interior.
+/// The motion of the mesh: either `displacement` everywhere, or `boundary` with an elastic interior.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
     /// The displacement of every point of the mesh, a formula per axis in the position x, y, z at rest and the time t. It must be
-    /// zero at the start. Bypasses elasticity.
+    /// zero at the start. Elasticity is not used.
     pub displacement: Option<Vec<Formula>>,
-    /// The elastic body that carries the motion of the boundary inside.
+    /// The elastic body that extends the motion of the boundary to the interior.
     pub elasticity: Option<Elasticity>,
-    /// How each boundary moves, by name; `others` stands for all that are not named.
+    /// The motion of each boundary, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, BoundaryMotion>,
 }
 
-/// The mesh as an elastic body; in two dimensions its strain is plane.
+/// The mesh as an elastic body, in two dimensions in plane strain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Elasticity {
     /// Poisson's ratio nu, -1 < nu < 0.5. The nearer to 0.5, the better cells keep their volume.
     #[serde(default = "poisson_ratio")]
     pub poisson_ratio: f64,
-    /// Young's modulus over the mesh. Only its variation matters, not its size.
+    /// Young's modulus over the mesh. Only its variation matters, not its magnitude.
     #[serde(default)]
     pub stiffness: Stiffness,
-    /// How the equations of the mesh are solved.
+    /// The solver of the mesh equations.
     #[serde(default)]
     pub solver: ElasticitySolver,
     /// The energy that the mesh minimises.
     #[serde(default)]
     pub law: Law,
-    /// The mesh from which strain is counted; of the linear law.
+    /// The mesh to which strain refers, for the linear law.
     pub reference: Option<ReferenceMesh>,
-    /// Where Newton's method stops, a root mean square error of position relative to the distance of nodes; of the neo-Hookean law. At
-    /// most 1e-3; 1e-6 unless it is given. With a flow the mesh is found to round-off.
+    /// The tolerance of Newton's method for the neo-Hookean law, a root mean square error of position relative to the node spacing. At
+    /// most 1e-3; default 1e-6. With a flow the mesh is solved to round-off.
     pub tolerance: Option<f64>,
 }
 
@@ -46,20 +46,20 @@ pub struct Elasticity {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
-    /// Linear elasticity: one linear solve per time node, for rotations up to 60 degrees at best.
+    /// Linear elasticity: one linear solve per time node. It suits rotations up to 60 degrees at best.
     #[default]
     Linear,
     /// mu/2 (|F|^2 - D - 2 ln J) + lambda/2 (ln J)^2 with F = I + grad d and J = det F: some Newton steps per slab, for large rotations.
     NeoHookean,
 }
 
-/// The mesh from which strain is counted.
+/// The mesh to which strain refers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ReferenceMesh {
-    /// The one at the start: the mesh depends on the position of its boundary alone, and returns with it.
+    /// The mesh at the start: the mesh depends only on the position of its boundary, and returns with it.
     Initial,
-    /// The one at the start of each slab: larger motions, but the mesh depends on its past.
+    /// The mesh at the start of each slab: larger motions, but the mesh depends on its past.
     Updated,
 }
 
@@ -80,18 +80,18 @@ impl Default for Elasticity {
     }
 }
 
-/// How the equations of the mesh are solved.
+/// The solver of the mesh equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ElasticitySolver {
-    /// Direct where that is cheap, multigrid for large meshes in space. `stsolve check` names the choice.
+    /// Direct if that is cheap, multigrid for large three-dimensional meshes. `stsolve check` names the choice.
     #[default]
     Automatic,
-    /// Elimination, factored once per run; no iterations.
+    /// Elimination, factored once per run, without iterations.
     Direct,
     /// Conjugate gradients with a factored low-order preconditioner.
     Cg,
-    /// Conjugate gradients with algebraic multigrid: the least memory.
+    /// Conjugate gradients with algebraic multigrid, which needs the least memory.
     Multigrid,
 }
 
@@ -99,7 +99,7 @@ pub enum ElasticitySolver {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum Stiffness {
-    /// The same everywhere.
+    /// Constant.
     Constant,
     /// (det J)^-power, with the Jacobian J of each cell: small cells are stiff, large ones take the deformation.
     InverseJacobian {
@@ -118,10 +118,10 @@ pub enum Stiffness {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallDistance {
-    /// How much stiffer the mesh is at the inner boundaries than far from them.
+    /// The additional stiffness at the inner boundaries relative to the stiffness far from them.
     #[serde(default = "hundred")]
     pub amplitude: f64,
-    /// The distance up to which it is as stiff as at the inner boundaries.
+    /// The distance up to which the mesh is as stiff as at the inner boundaries.
     pub distance: f64,
     /// The boundaries that move, by name.
     pub inner: Vec<String>,
@@ -144,24 +144,24 @@ impl Default for Stiffness {
     }
 }
 
-/// How a boundary moves.
+/// The motion of a boundary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum BoundaryMotion {
-    /// It rests.
+    /// At rest.
     Fixed,
     /// Its nodes slide in its plane, which must be normal to an axis: displacements along the normal are zero, along the plane they follow
     /// the elastic interior. A node that it shares with another boundary moves with that one. Not for walls without slip.
     Slide,
-    /// Its displacement, a formula per axis in the position x, y, z at rest and the time t; zero at the start.
+    /// A displacement, a formula per axis in the position x, y, z at rest and the time t; zero at the start.
     Displacement(Vec<Formula>),
-    /// It moves like a rigid body: a list of steps, each of which moves what the steps before it have left. At the start they leave
-    /// every point where it is.
+    /// A rigid motion: a list of steps, applied in order. At the start the result must be no motion.
     Rigid(Vec<RigidStep>),
-    /// Its displacement along its unit normal at rest, which points out of the mesh: positive into the wall. A formula in the position
-    /// x, y, z at rest, the time t, and in two dimensions on a closed curve s, the length along it as a fraction of the whole: from 0
-    /// at the point with the largest x, with the mesh on the right, which is counter-clockwise around a body. Where facets meet in
-    /// an edge or a corner the normal is the mean of theirs. Zero at the start.
+    /// A displacement along the unit normal at rest, which points out of the mesh: positive into the wall. It is a formula in the
+    /// position x, y, z at rest and the time t. In two dimensions on a closed curve it may contain s, the length along the curve as a
+    /// fraction of the whole. The length starts from 0 at the point with the largest x and increases with the mesh on the right,
+    /// which is counter-clockwise around a body. At an edge or a corner the normal is the mean of the facets' normals. Zero at the
+    /// start.
     Normal(Formula),
 }
 
@@ -169,7 +169,7 @@ pub enum BoundaryMotion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum RigidStep {
-    /// A displacement, the same for all points: a formula per axis in the time t.
+    /// A uniform displacement: a formula per axis in the time t.
     Translate(Vec<Formula>),
     /// A rotation about a point.
     Rotate(Rotation),
@@ -179,10 +179,10 @@ pub enum RigidStep {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
-    /// The angle in radians, counter-clockwise: a formula in the time t. Degrees are "pi/180*(...)".
+    /// The angle in radians, counter-clockwise: a formula in the time t. For degrees write "pi/180*(...)".
     pub angle: Formula,
     /// The point, a formula per axis in the time t. Default: the origin.
     pub centre: Option<Vec<Formula>>,
-    /// In three dimensions, the direction of the axis; its length does not matter. Default: along z.
+    /// In three dimensions, the direction of the axis, of any length. Default: along z.
     pub axis: Option<[f64; 3]>,
 }

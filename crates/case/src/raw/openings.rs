@@ -4,7 +4,7 @@ use super::Formula;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Subsonic inflow of given total state, as seen by an observer at rest. Gas that is pushed back leaves at the total pressure.
+/// Subsonic inflow of given total state, for an observer at rest. Gas that is pushed back leaves at the total pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Inflow {
@@ -16,13 +16,13 @@ pub struct Inflow {
     pub direction: Vec<f64>,
 }
 
-/// Subsonic inflow of given temperature and velocity or mass flux, one of the two. The pressure comes from inside.
+/// Subsonic inflow of given temperature and either velocity or mass flux. The pressure comes from inside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityInflow {
     /// The velocity: a formula in x, y, z and t per axis.
     pub velocity: Option<Vec<Formula>>,
-    /// Instead of the velocity: the mass flux, density times velocity. It flows in exactly, whatever the pressure.
+    /// Instead of the velocity: the mass flux, density times velocity. It is met exactly at any pressure.
     pub mass_flux: Option<Vec<Formula>>,
     /// The temperature: a formula in x, y, z and t.
     pub temperature: Formula,
@@ -35,6 +35,7 @@ pub struct VelocityInflow {
 pub struct Outflow {
     /// The static pressure; the total pressure of gas that comes back.
     pub pressure: f64,
-    /// The total temperature of gas that comes back. Default: that of the reference state, p / (rho R) + U^2 / (2 c_p).
+    /// The total temperature of gas that comes back. Default: the one of the reference state, p / (rho R) + U^2 / (2
+    /// c_p).
     pub total_temperature: Option<f64>,
 }

@@ -13,45 +13,45 @@ pub struct Time {
     /// The start.
     #[serde(default)]
     pub start: f64,
-    /// The end. The start itself, if the steady flow is all that is wanted.
+    /// The end. It may equal the start, if only the steady flow is wanted.
     pub end: f64,
-    /// The length of a slab. The last one may be shorter. With `adaptive`, the length of the first.
+    /// The length of a slab. The last slab may be shorter. With `adaptive`, the length of the first.
     pub step: Option<f64>,
     /// Instead of the step: the number of slabs, all of the same length.
     pub slabs: Option<usize>,
-    /// Adapts the length of the slabs of a flow to what happens in it. Default: all are of the same length.
+    /// Adapts the length of the slabs to the changes of the flow. Default: all slabs have the same length.
     pub adaptive: Option<Adaptive>,
 }
 
-/// Slabs as long as the jump of the flow from slab to slab allows. The jump is of order N_t, an error inside of the slab; at its end
-/// the error is much smaller.
+/// Slabs as long as the jump of the flow from slab to slab allows. The jump is of order N_t, like the error inside the slab; the
+/// error at its end is much smaller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Adaptive {
-    /// The jump to aim at: its L2 norm over the domain, every component in units of `flow.reference`.
+    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`.
     pub tolerance: f64,
-    /// The shortest slab, which is taken whatever its jump. Default: a thousandth of the step.
+    /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
     pub smallest: Option<f64>,
     /// The longest slab. Default: as long as the run.
     pub largest: Option<f64>,
 }
 
-/// A run that starts where another one stands, with the same mesh at rest and the same gas. The orders of the flow and in time, slabs
-/// and solver may differ: flow, mesh and its motion, time, sums and history are carried over, mass, momentum and energy kept. Other
-/// differences are errors unless `allow` names them.
+/// A run that starts from the result of another one, with the same mesh at rest and the same gas. The orders of the flow and in time,
+/// slabs and solver may differ. Flow, mesh and its motion, time, sums and history are carried over; mass, momentum and energy are
+/// kept. Other differences are errors unless `allow` names them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Restart {
     /// The result file of the other run, or its directory, relative to the case file. It is continued after its last checkpoint.
-    /// If that is its steady start, the steady flow is found anew from there.
+    /// If that is its steady start, the steady flow is solved again from there.
     pub from: PathBuf,
-    /// What may differ from the other run, on purpose: `["viscosity"]` leads from the steady flow of one Reynolds number to that of the
-    /// next.
+    /// Intended differences to the other run: `["viscosity"]` leads from the steady flow of one Reynolds number to the steady flow of
+    /// the next.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub allow: Vec<AllowedChange>,
 }
 
-/// What a restart may change.
+/// A difference that a restart may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AllowedChange {
@@ -64,17 +64,18 @@ pub enum AllowedChange {
     Motion,
 }
 
-/// What is written, and where.
+/// The output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// The directory, relative to the case file. Default: `runs/<case name>` where the program is started.
+    /// The directory, relative to the case file. Default: `runs/<case name>` in the working directory.
     pub directory: Option<PathBuf>,
-    /// A checkpoint, from which a run can be resumed, is written after every so many slabs, and at the end.
+    /// The number of slabs between checkpoints, from which a run can be resumed. A checkpoint is also written at the
+    /// end.
     pub checkpoint_every: usize,
-    /// The fields are written after every so many slabs, and at the start and the end.
+    /// The number of slabs between outputs of the fields. They are also written at the start and the end.
     pub every: usize,
-    /// The fields for drawing. The exact coefficients are always written.
+    /// The fields for display. The exact coefficients are always written.
     pub fields: Vec<Field>,
 }
 
@@ -85,7 +86,7 @@ impl Default for Output {
     }
 }
 
-/// A field for drawing.
+/// A field for display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Field {

@@ -4,36 +4,36 @@ use newton_krylov::{newton, pseudo_time};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the equations of a slab are solved.
+/// The solver of a slab.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// A slab is done when the residual has fallen by this factor below that of its first guess. At most 0.1. Mass, momentum and energy
-    /// are balanced to round-off whatever the tolerance.
+    /// A slab has converged when the residual has fallen by this factor below the residual of its first guess. At most 0.1. Mass,
+    /// momentum and energy balance to round-off for any tolerance.
     pub newton_tolerance: f64,
-    /// A slab is also done when the residual is below this size, in units of the reference state, or where only round-off is left of
-    /// it. At most 0.1.
+    /// A slab has also converged when the residual is below this size, in units of the reference state, or at round-off. At most
+    /// 0.1.
     pub newton_absolute_tolerance: f64,
-    /// Newton steps per slab at most.
+    /// The largest number of Newton steps per slab.
     pub newton_steps: usize,
-    /// The loosest tolerance of a linear solve; it is tightened as Newton converges.
+    /// The largest tolerance of a linear solve; it is tightened as Newton's method converges.
     pub krylov_tolerance: f64,
-    /// Krylov iterations per Newton step at most.
+    /// The largest number of Krylov iterations per Newton step.
     pub krylov_iterations: usize,
-    /// Krylov iterations between restarts; each keeps two vectors.
+    /// Krylov iterations between restarts; each stores two vectors.
     pub krylov_restart: usize,
-    /// How the Jacobian acts on a vector.
+    /// The method for products with the Jacobian.
     pub jacobian: Jacobian,
-    /// What keeps the number of Krylov iterations low.
+    /// The preconditioner of the flow.
     pub preconditioner: Preconditioner,
     /// The first guess of a slab.
     pub predictor: Predictor,
-    /// Pseudo-time that damps the first Newton steps of a slab.
+    /// Pseudo-time damping of the first Newton steps of a slab.
     pub pseudo_time: PseudoTime,
-    /// How often the length of a slab may be halved before the run gives up.
+    /// The largest number of times that a slab is halved before the run gives up.
     pub slab_halvings: usize,
-    /// Start from the steady flow, found from the initial state by pseudo-time on the mesh at rest. Without this section the run
-    /// starts from the initial state itself.
+    /// Start from the steady flow, found from the initial state by pseudo-time on the mesh at rest. Default: the run starts from
+    /// the initial state itself.
     pub steady: Option<Steady>,
 }
 
@@ -57,7 +57,7 @@ impl Default for Solver {
     }
 }
 
-/// How the Jacobian acts on a vector.
+/// The method for products with the Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Jacobian {
@@ -67,14 +67,14 @@ pub enum Jacobian {
     FiniteDifference,
 }
 
-/// What keeps the number of Krylov iterations low.
+/// The preconditioner of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preconditioner {
-    /// Block ILU(0), cells with all their unknowns as blocks: for slabs, flows and meshes of any kind.
+    /// Block ILU(0) with one block per cell: for any slabs, flows and meshes.
     Blocks,
-    /// Every cell alone, one direction after the other: costs next to nothing at any order, in memory either, and serves slabs so short that
-    /// sound crosses no more than about a cell. Not for steady flows, which keep to blocks.
+    /// Each cell alone, one direction after the other. It costs little time and memory at any order, and suits slabs so short that sound
+    /// crosses at most about one cell. Steady flows always use blocks.
     Lines,
 }
 
@@ -82,11 +82,11 @@ pub enum Preconditioner {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Predictor {
-    /// The flow extended by the polynomial of the slab before, on the mesh in equilibrium with its boundary.
+    /// The flow extrapolated by the polynomial of the previous slab, on the mesh in equilibrium with its boundary.
     Elastic,
-    /// Flow and mesh extended by the polynomials of the slab before.
+    /// Flow and mesh extrapolated by the polynomials of the previous slab.
     Extrapolate,
-    /// Flow and mesh as at the end of the slab before.
+    /// Flow and mesh as at the end of the previous slab.
     Constant,
 }
 
@@ -94,9 +94,9 @@ pub enum Predictor {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PseudoTime {
-    /// One over the first pseudo-time step, in units of the slab; 0 starts with plain Newton.
+    /// The inverse of the first pseudo-time step, in units of the slab; 0 starts with plain Newton.
     pub initial_inverse: f64,
-    /// The same after a step that had to be rejected; 0 never damps.
+    /// The same after a rejected step; 0 never damps.
     pub restart_inverse: f64,
     /// The power of the ratio of residuals by which the step grows.
     pub power: f64,
@@ -109,27 +109,31 @@ impl Default for PseudoTime {
     }
 }
 
-/// How the steady flow is found: by implicit steps in pseudo-time, which grow as the residual falls.
+/// The search for the steady flow: implicit steps in pseudo-time, which grow as the residual falls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Steady {
-    /// The flow is steady when the residual has fallen by this factor below that of the initial state. At most 0.1.
+    /// The flow is steady when the residual has fallen by this factor below the residual of the initial state. At most
+    /// 0.1.
     pub tolerance: f64,
     /// The first step in pseudo-time.
     pub first_step: f64,
     /// The power of the ratio of residuals by which the step grows.
     pub power: f64,
-    /// A step is at most this factor longer than the one before.
+    /// The largest ratio of a step to the previous one.
     pub growth: f64,
-    /// Steps at most.
+    /// The largest number of steps.
     pub steps: usize,
-    /// How far a linear solve reduces its residual.
+    /// The factor by which a linear solve reduces its residual.
     pub krylov_tolerance: f64,
-    /// Krylov iterations per step at most; each keeps two vectors.
+    /// The largest number of Krylov iterations per step; each stores two vectors.
     pub krylov_iterations: usize,
-    /// Whether to go by lower orders, the lowest with a dissipative flux, where the order asked for does not converge at once; and to
-    /// march in time for some slabs where that fails.
+    /// Whether to try lower orders, the lowest with a dissipative flux, if the order of the case does not converge at once, and to
+    /// march in time for some slabs if that fails.
     pub sequence: bool,
+    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether it
+    /// is stable. 0: never. Default: 8 where the residual at the next higher order tells that the flow is not resolved, otherwise 0.
+    pub stability_time: Option<f64>,
 }
 
 impl Default for Steady {
@@ -143,6 +147,7 @@ impl Default for Steady {
             krylov_tolerance: 0.1,
             krylov_iterations: 200,
             sequence: true,
+            stability_time: None,
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Which cases may continue each other's runs.
+//! Conditions for continuing the run of another case.
 
 use super::*;
 
-/// What `options` change of BASE: the keys of all differences, and of those in what lasts.
+/// The keys of all differences that `options` make to BASE, and of those in the lasting part.
 fn changed(options: &[&str]) -> (Vec<String>, Vec<String>) {
     let resolved = |options: &[&str]| plane(BASE, options).about;
     let (before, now) = (resolved(&[]), resolved(options));
@@ -71,7 +71,7 @@ fn a_difference_tells_both_values() {
     assert!(differences("order = 4", &about(&[])).is_err(), "a text of another version");
 }
 
-/// A table from a file is written out, so that a run knows when the file has changed.
+/// A table from a file is written out, so that a run detects a change of the file.
 #[test]
 fn what_a_table_holds_counts() {
     let directory = tempfile::tempdir().unwrap();

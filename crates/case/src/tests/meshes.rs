@@ -1,4 +1,4 @@
-//! Every way to make a mesh, and what can be wrong with it.
+//! All mesh generators, and their errors.
 
 use super::*;
 use tempfile::TempDir;
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 /// A case that moves a mesh; its boundaries rest.
 const MOVED: &str = "[motion]\nboundary.others = \"fixed\"\n[time]\norder = 1\nend = 1\nslabs = 1\n[mesh]\n";
 
-/// A file with a square of two cells, left and right of x = 1, that Gmsh could have written.
+/// A file as Gmsh would write it, with two square cells, left and right of x = 1.
 const TWO_CELLS: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat
 $PhysicalNames\n4\n1 1 \"left\"\n1 2 \"right\"\n1 3 \"bottom\"\n1 4 \"top\"\n$EndPhysicalNames
 $Nodes\n6\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n$EndNodes
@@ -153,7 +153,7 @@ fn a_blade_may_come_from_a_file_of_points() {
     assert!(check().unwrap_err().to_string().contains("cannot read"));
 }
 
-/// Keys below `[mesh]` after the order, and what the message must contain.
+/// Keys below `[mesh]` after the order, and parts of the message.
 const BAD: &[(&str, &[&str])] = &[
     ("", &["`mesh`", "there is no mesh", "`file`"]),
     ("periodic = [[\"a\", \"b\"]]\ngenerate.airfoil = {}", &["`mesh.periodic", "joined by name"]),
@@ -233,7 +233,7 @@ const BAD: &[(&str, &[&str])] = &[
     ),
     (
         "generate.disc = { core_cells = 2, radial_cells = 1 }\nextrude = { depth = 1, layers = 2, lower = nan }",
-        &["`mesh.extrude.lower = nan`", "a number"],
+        &["`mesh.extrude.lower = nan`", "number"],
     ),
     (
         "generate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] }\nextrude = { depth = 1, layers = 2 }",

@@ -13,7 +13,7 @@ mod meshes;
 mod motions;
 mod tables;
 
-/// The smallest case with everything that errors are about.
+/// The smallest case with all parts that errors refer to.
 const BASE: &str = r#"
 [constants]
 a = 0.1
@@ -124,7 +124,8 @@ fn options_write_over_the_file() {
     assert!(replaced.boundary.iter().all(|data| matches!(data.condition, Boundary::Symmetry(_))));
 }
 
-/// In the plane the sign of the moment is chosen; in space the moment is a vector, and the axis of its coefficient is chosen.
+/// In two dimensions the sign of the moment is chosen. In three the moment is a vector, and the axis of its coefficient is
+/// chosen.
 #[test]
 fn moments_are_positive_about_the_axis_that_is_asked_for() {
     let force = navier_stokes::WallForce::<2> { moment: [0.0, 0.0, 3.0], ..Default::default() };
@@ -287,7 +288,7 @@ fn undescribed(schema: &serde_json::Value, path: &str, keys: &mut usize) {
     }
 }
 
-/// A comparison with what is no number is false: it passed for zero.
+/// A comparison with NaN is false, so NaN once passed for zero.
 #[test]
 fn the_start_of_a_structure_is_finite() {
     let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0,0], upper = [1,1], cells = [1,1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n\
@@ -299,4 +300,13 @@ fn the_start_of_a_structure_is_finite() {
         let parts = [format!("structure.initial.{name}[1]"), format!("the {name} in cell 0 at [0.0, 0.0], NaN")];
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
+}
+
+/// The tail of a smooth bump was refused as too small a number.
+#[test]
+fn the_tail_of_a_bump_is_no_extreme_number() {
+    let bump = "flow.initial.expression={density=1,velocity=[\"1e-20*exp(-100*(x^2+1))\",0],pressure=1}";
+    let without = "flow.exact={uniform={density=1,velocity=[0,0],pressure=1}}";
+    let checked = check_text(BASE, &[bump, without]);
+    assert!(checked.is_ok(), "{}", checked.unwrap_err());
 }

@@ -1,11 +1,11 @@
-//! Ways in which boundaries move and meshes are stiff, and what can be wrong with them.
+//! Motions of boundaries and stiffness models, and their errors.
 
 use super::*;
 use coupled::{MeshMotion, MeshMover};
 use mesh::NodeNumbering;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// A square in a square; `inner` moves as the last line says.
+/// A square in a square; the last line defines the motion of `inner`.
 const TURNING: &str = "[mesh]\norder = 3\ngenerate.rotating_box = { cells_per_side = 5 }\n[time]\norder = 2\nend = 1\nslabs = 2\n\
                        [motion]\nelasticity = {}\nboundary.outer = \"fixed\"\n";
 
@@ -68,7 +68,7 @@ fn a_mesh_is_stiff_by_the_distance_to_its_walls() {
     assert_eq!(stiffness, expected);
 }
 
-/// The last line of TURNING, and what the message must contain.
+/// The last line of TURNING, and parts of the message.
 const BAD: &[(&str, &[&str])] = &[
     ("boundary.inner.rigid = [{ turn = {} }]", &["unknown choice `turn`", "`rotate`"]),
     ("boundary.inner.rigid = [{ rotate = { centre = [0, 0] } }]", &["rigid[0].rotate", "missing key `angle`"]),

@@ -1,8 +1,8 @@
-//! Tables: what formulas make of them, and what can be wrong with them.
+//! Tables: their use in formulas, and their errors.
 
 use super::*;
 
-/// A square whose boundary moves along x as a table tells.
+/// A square whose boundary moves along x by a table.
 const TABLE: &str = "[mesh]\norder = 2\ngenerate.box = { lower = [0, 0], upper = [1, 1], cells = [1, 1] }\n\
                      [time]\norder = 2\nend = 4\nslabs = 4\n[motion]\nboundary.others.displacement = [\"2*way(t)\", 0]\n[tables.way]\n";
 
@@ -20,7 +20,7 @@ fn moved(case: Result<AnyCase, Box<CaseError>>, t: f64) -> [f64; 2] {
 
 #[test]
 fn a_table_is_a_function_in_formulas() {
-    // The cubic t (t - 4)^2 / 4 is met exactly, and so is its rate.
+    // The cubic t (t - 4)^2 / 4 and its rate are reproduced exactly.
     let exact = |t: f64| [t * (t - 4.0).powi(2) / 2.0, (t - 4.0) * (3.0 * t - 4.0) / 2.0];
     for t in [0.0, 0.4, 1.7, 3.2, 4.0] {
         let found = moved(with("t = [0, 1, 2, 3, 4]\nvalues = [0, 2.25, 2, 0.75, 0]"), t);

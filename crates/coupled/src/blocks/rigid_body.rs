@@ -4,8 +4,8 @@
 //! x(X) = p + h + R(w theta) (X - p) + (w - 1) h,      v_c = h' + theta' n x R(theta) c                             (rigid motion)
 //! ```
 //!
-//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, c the centre of mass relative to the pivot, and w
-//! a weight: one on the body, less where the mesh around it follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
+//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, and c the centre of mass relative to the pivot.
+//! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
 //! time nodes. With g_k = dv_c/dq_k',
 //!
 //! ```text
@@ -24,7 +24,7 @@ mod loads;
 pub use coordinate::{Coordinate, Drive, Stops};
 pub use geometry::{Surface, SurfaceNode};
 
-use crate::block::{Block, Body, Couplings, Exchange, Quantity};
+use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use basis::{Matrix, RadauTime};
@@ -106,7 +106,6 @@ pub struct RigidBody<const D: usize> {
     inverse_pseudo_time: f64,
     /// The length of most slabs, to which its norm refers.
     step: f64,
-    work: loads::Work,
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -130,7 +129,6 @@ impl<const D: usize> RigidBody<D> {
             flow_loads: Vec::new(),
             inverse: None,
             inverse_pseudo_time: 0.0,
-            work: loads::Work::default(),
             data,
             surface,
             number,
@@ -220,7 +218,6 @@ impl<const D: usize> Block for RigidBody<D> {
     fn receive(&mut self, exchange: &Exchange, r: &mut [f64]) {
         self.flow_loads.clone_from(&exchange.wall_loads);
         let loads = self.load(&self.flow_loads);
-        self.work = self.work_of(&loads);
         self.subtract_loads(&loads.total(&self.w, self.count()), r);
     }
 
@@ -239,8 +236,10 @@ impl<const D: usize> Block for RigidBody<D> {
     }
 
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
-        let loads = self.load(&tangent.wall_loads);
-        self.subtract_loads(&loads.moments, out);
+        let along = self.load(&tangent.wall_loads);
+        let still = vec![0.0; out.len()];
+        let loads = self.load(&self.flow_loads).derivative(&along, &self.w, &still, self.count());
+        self.subtract_loads(&loads, out);
     }
 
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
@@ -268,11 +267,20 @@ impl<const D: usize> Block for RigidBody<D> {
 
 impl<const D: usize> Body for RigidBody<D> {
     fn initial(&self) -> Vec<f64> {
-        let start = |coordinate: &Coordinate| coordinate.start;
-        let rate = |coordinate: &Coordinate| coordinate.rate_at_start;
-        let ledger = vec![0.0; loads::Ledger::LEN];
-        let coordinates = &self.data.coordinates;
-        coordinates.iter().map(start).chain(coordinates.iter().map(rate)).chain(ledger).collect()
+        let rates = self.data.coordinates.iter().map(|coordinate| coordinate.rate_at_start);
+        vec![0.0; self.count()].into_iter().chain(rates).chain(Ledger::default().numbers()).collect()
+    }
+
+    fn read(&self, stored: &[f64]) -> BodyState {
+        let (position, rest) = stored.split_at(self.count());
+        let (rate, ledger) = rest.split_at(self.count());
+        BodyState {
+            kinetic_energy: self.kinetic_energy(position, rate),
+            potential_energy: self.spring_energy(position),
+            position: position.to_vec(),
+            rate: rate.to_vec(),
+            ledger: Ledger::read(ledger),
+        }
     }
 
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {
@@ -295,7 +303,7 @@ impl<const D: usize> Body for RigidBody<D> {
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
         let (count, n) = (self.count(), self.time.order());
-        let ledger = self.closed(z, loads::Ledger::read(&stored[2 * count..]));
+        let ledger = self.closed(z, Ledger::read(&stored[2 * count..]));
         let top = self.positions(z)[(n - 1) * count..].to_vec();
         stored.clear();
         stored.extend(top);

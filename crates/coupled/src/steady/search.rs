@@ -5,6 +5,7 @@
 //! 3. If that has failed: some slabs of the march in time from the best state, on data of one time. Where their residual falls,
 //!    pseudo-time is tried again from there. Where it does not, the flow is unsteady.
 
+use super::reliability::Reliability;
 use super::settling::{Settling, settle};
 use super::solve_steady;
 use crate::coupled_slab::SlabReport;
@@ -69,6 +70,8 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub settings: newton::Settings,
     /// Whether other discretisations may be tried.
     pub sequence: bool,
+    /// For so many time units the steady flow is marched in time, to see whether it is stable; None where that depends on the flow.
+    pub stability_time: Option<f64>,
 }
 
 /// A steady flow.
@@ -78,6 +81,8 @@ pub struct SteadyFlow<const M: usize> {
     pub report: SlabReport<M>,
     /// All solves, the last one last.
     pub stages: Vec<Stage>,
+    /// What speaks for and against it.
+    pub reliability: Reliability,
 }
 
 /// Why there is no steady flow.
@@ -118,7 +123,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             solved = self.climb(u, &mut stages);
         }
         let source = match solved {
-            Ok(report) => return Ok(SteadyFlow { report, stages }),
+            Ok(report) => return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) }),
             Err(source) => source,
         };
         let mut marched = u.clone();
@@ -127,7 +132,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             && let Ok(report) = self.solve(own, &mut marched, self.with(PATIENT), &mut stages)
         {
             *u = marched;
-            return Ok(SteadyFlow { report, stages });
+            return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) });
         }
         Err(SteadyError { settling, stages, source })
     }

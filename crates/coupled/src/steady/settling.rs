@@ -4,11 +4,13 @@ use super::residual_norms;
 use super::search::{Discretisation, Search};
 use crate::coupled_slab::{FlowMarch, Jacobian, Predictor, Settings};
 use crate::schedule::Schedule;
+use crate::slab_error::SlabError;
+use crate::system::System;
 use newton_krylov::newton;
 
 /// Slabs of two nodes each, and how many of them make a time unit: of order 3, they hardly damp what has a period of a time unit.
 const SLABS: usize = 48;
-const PER_TIME_UNIT: f64 = 6.0;
+pub(super) const PER_TIME_UNIT: f64 = 6.0;
 
 /// A flow settles if its rate of change falls below this part of what it was.
 const CALM: f64 = 0.5;
@@ -45,28 +47,54 @@ impl Settling {
 
 /// Marches `u` in time on data of the time of `search`; None if that fails. `u` is then where the march has ended.
 pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &mut Vec<f64>) -> Option<Settling> {
-    let _timed = tracing::info_span!("marching in time").entered();
-    let (mut steady, _) = (search.discretise)(search.own());
-    let step = search.time_unit / PER_TIME_UNIT;
-    let mut march = march(search, u, step);
-    let mut rates = Vec::with_capacity(SLABS);
-    while !march.is_done() {
-        march.advance().ok()?;
-        steady.at_rest(search.time, &march.state.u, search.displacement).ok()?;
-        rates.push(residual_norms(&mut steady, &march.state.u).ok()?[0] / super::LONG);
-    }
-    u.clone_from(&march.state.u);
-    let mean = |rates: &[f64]| (rates.iter().map(|rate| rate.ln()).sum::<f64>() / rates.len() as f64).exp();
-    let quarter = rates.len() / 4;
-    let (early, late) = (mean(&rates[..quarter]), mean(&rates[rates.len() - quarter..]));
-    Some(Settling { early, late, duration: step * SLABS as f64 })
+    let rates = rates_of_change(search, u, SLABS);
+    let quarter = SLABS / 4;
+    let late = rates.get(SLABS - quarter..).filter(|late| late.len() == quarter)?;
+    Some(Settling { early: mean(&rates[..quarter]), late: mean(late), duration: duration(search, SLABS) })
 }
 
-fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], step: f64) -> FlowMarch<D, M> {
+/// |du/dt| after each of so many `slabs` of a march in time from `u`: fewer where the march fails. `u` is then where it has ended.
+pub(super) fn rates_of_change<const D: usize, const M: usize>(
+    search: &Search<'_, D, M>,
+    u: &mut Vec<f64>,
+    slabs: usize,
+) -> Vec<f64> {
+    let _timed = tracing::info_span!("marching in time").entered();
+    let (mut steady, _) = (search.discretise)(search.own());
+    let mut march = march(search, u, slabs);
+    let mut rates = Vec::with_capacity(slabs);
+    while !march.is_done() && march.advance().is_ok() {
+        let Ok(rate) = rate_of_change(search, &mut steady, &march.state.u) else { break };
+        rates.push(rate);
+    }
+    u.clone_from(&march.state.u);
+    rates
+}
+
+fn rate_of_change<const D: usize, const M: usize>(
+    search: &Search<'_, D, M>,
+    steady: &mut System<D, M>,
+    u: &[f64],
+) -> Result<f64, SlabError> {
+    steady.at_rest(search.time, u, search.displacement)?;
+    Ok(residual_norms(steady, u)?[0] / super::LONG)
+}
+
+/// The mean of the logarithm, as a rate.
+pub(super) fn mean(rates: &[f64]) -> f64 {
+    (rates.iter().map(|rate| rate.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / rates.len() as f64).exp()
+}
+
+/// The time that so many `slabs` take.
+pub(super) fn duration<const D: usize, const M: usize>(search: &Search<'_, D, M>, slabs: usize) -> f64 {
+    search.time_unit / PER_TIME_UNIT * slabs as f64
+}
+
+fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], slabs: usize) -> FlowMarch<D, M> {
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
     problem.flow.operator.hold_time(search.time);
-    let schedule =
-        Schedule { start: search.time, end: search.time + step * SLABS as f64, step, slabs: SLABS, control: None };
+    let end = search.time + duration(search, slabs);
+    let schedule = Schedule { start: search.time, end, step: duration(search, 1), slabs, control: None };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
     let settings =
         Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };

@@ -9,7 +9,7 @@ use tensor::dot;
 
 const SOLVERS: [Solver; 3] = [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid];
 
-/// An affine displacement of the boundary must come back as the same affine displacement inside, if E is constant.
+/// An affine displacement of the boundary must give the same affine displacement inside, if E is constant.
 fn patch_test<const D: usize>(cells: [usize; D], order: usize) {
     let elastic = clamped(&unit_box(cells, order, 0.05), order, Stiffness::Constant);
     let gradient: [[f64; D]; D] =
@@ -35,7 +35,7 @@ fn patch_test_on_curved_meshes_in_3d() {
     }
 }
 
-/// Every solver against a dense factorisation of the matrix that is assembled point by point.
+/// Every solver against a dense factorisation of the matrix assembled point by point.
 fn agrees_with_dense<const D: usize>(mesh: &Mesh<D>, order: usize) {
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
     let k = assembled(mesh, order, material().lame(), stiffness);
@@ -61,7 +61,7 @@ fn every_solver_agrees_with_a_dense_factorisation() {
     }
 }
 
-/// All free nodes of a single cell are inside of it: nothing is left of the skeleton.
+/// All free nodes of a single cell are inside it: the skeleton is empty.
 #[test]
 fn every_solver_agrees_with_a_dense_factorisation_on_a_single_cell() {
     agrees_with_dense(&unit_box([1, 1], 4, 0.0), 4);
@@ -189,7 +189,8 @@ fn periodic_meshes_move_periodically() {
         .build()
         .unwrap();
     let elastic = clamped(&mesh, 4, Stiffness::Constant);
-    // A shear along the periodic axis, of the strip between bottom and top: linear in y alone where the strip is straight.
+    // A shear along the periodic axis, of the strip between bottom and top. It is linear in y alone where the strip is
+    // straight.
     let mut d = vec![0.0; elastic.length()];
     let exact = nodal(&elastic, |x| [x[1], 0.0]);
     elastic.at_constrained(&mut d, |i| exact[i]);

@@ -1,4 +1,4 @@
-//! Plane meshes joined from structured blocks.
+//! Two-dimensional meshes joined from structured blocks.
 
 use super::smoothing::Harmonic;
 use crate::facet::face_nodes;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Corners of blocks closer than this times the largest coordinate are one vertex.
 const TOLERANCE: f64 = 1e-12;
 
-/// Blocks of cells. Blocks touch where their corners do: no list of neighbours is needed.
+/// Blocks of cells. Blocks are joined where their corners coincide; no list of neighbours is needed.
 pub(super) struct Assembly {
     order: usize,
     nodes: Vec<f64>,
@@ -76,7 +76,7 @@ impl Assembly {
     }
 
     fn add_nodes(&mut self, cell: [usize; 2], position: &impl Fn([f64; 2]) -> [f64; 2]) {
-        // Exact at both ends, so that neighbours have the same nodes to the bit.
+        // Exact at both ends, so that neighbours have identical nodes.
         let index = |i: usize, xi: f64| i as f64 * (0.5 - 0.5 * xi) + (i + 1) as f64 * (0.5 + 0.5 * xi);
         for &eta in &self.nodes {
             for &xi in &self.nodes {
@@ -85,7 +85,7 @@ impl Assembly {
         }
     }
 
-    /// Moves the nodes of cells `first`.. that lie neither on a named face nor in a cell before `first`: see
+    /// Moves the nodes of the cells from `first` on, except those on a named face or in a cell before `first`: see
     /// [`Harmonic`].
     pub(super) fn smooth_from(&mut self, first: usize) {
         let n = self.order;
@@ -111,7 +111,7 @@ impl Assembly {
         self.coordinates.as_chunks_mut::<2>().0.iter_mut().for_each(|x| *x = f(*x));
     }
 
-    /// The mesh. `periodic` names two boundaries and how the first is translated onto the second.
+    /// The mesh. `periodic` names two boundaries and the translation of the first onto the second.
     pub(super) fn build(self, periodic: &[(&str, &str, [f64; 2])]) -> Result<Mesh<2>, MeshError> {
         let number = |name: &str| {
             self.boundaries
@@ -136,7 +136,7 @@ impl Assembly {
     }
 }
 
-/// A number for each point, the same where points coincide, in the order of first appearance.
+/// A number for each point, equal for points that coincide, in the order of first appearance.
 fn merge(points: &[[f64; 2]]) -> Vec<usize> {
     let size = points.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max);
     let tolerance = TOLERANCE * size;

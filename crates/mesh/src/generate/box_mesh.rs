@@ -22,7 +22,7 @@ pub struct BoxMesh<const D: usize> {
     pub cells: [usize; D],
     /// N, nodes per direction of the geometry.
     pub order: usize,
-    /// How the box is deformed.
+    /// The deformation of the box.
     pub curving: Curving,
     /// Along which axes the box is periodic.
     pub periodic: [bool; D],
@@ -93,7 +93,7 @@ impl<const D: usize> BoxMesh<D> {
         self.cells.iter().product()
     }
 
-    /// Where `cell` lies in the box, along each axis.
+    /// The position of `cell` in the box, along each axis.
     pub(super) fn place(&self, cell: usize) -> [usize; D] {
         let mut rest = cell;
         self.cells.map(|n| {
@@ -109,7 +109,7 @@ impl<const D: usize> BoxMesh<D> {
         (0..1 << D).map(move |k| (0..D).rev().fold(0, |index, a| index * (cells[a] + 1) + place[a] + (k >> a & 1)))
     }
 
-    /// The faces on the boundary of the box that face number `face` of the whole box would be.
+    /// The boundary faces of the cells that lie on face number `face` of the box.
     fn boundary(&self, face: usize) -> Vec<Side> {
         let (axis, side) = axis_and_side(face);
         let layer = side * (self.cells[axis] - 1);
@@ -132,7 +132,7 @@ impl<const D: usize> BoxMesh<D> {
             for k in 0..nodes.len().pow(D as u32) {
                 let r = from_fn(|a| {
                     let xi = nodes[digit(k, nodes.len(), a)];
-                    // Exact at both ends, so that neighbours have the same nodes to the bit.
+                    // Exact at both ends, so that neighbours have identical nodes.
                     breakpoints[a][place[a]] * (0.5 - 0.5 * xi) + breakpoints[a][place[a] + 1] * (0.5 + 0.5 * xi)
                 });
                 let d = deformation.displacement(&r);

@@ -11,8 +11,8 @@
 //! | `annulus`, `disc` | between two circles; within one |
 //! | `airfoil` | a C-mesh around a symmetric NACA airfoil |
 //! | `profile`, `closed_curve`, `blade` | a row of turbine blades |
-//! | `extrude` | a plane mesh as the cross-section of a mesh in space |
-//! | `assembly`, `growth`, `smoothing` | what they share: blocks that are joined, cells that grow, lines without kinks |
+//! | `extrude` | extrusion of a two-dimensional mesh |
+//! | `assembly`, `growth`, `smoothing` | shared parts: joined blocks, growing cells, smooth lines |
 
 mod airfoil;
 mod annulus;

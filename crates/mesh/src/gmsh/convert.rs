@@ -59,13 +59,13 @@ fn common_degree(cells: &[&Element]) -> Result<usize, GmshError> {
     }
 }
 
-/// Brings the nodes of a cell into our order and onto our nodes.
+/// Converts the nodes of a cell to the order and the Gauss-Lobatto nodes of this program.
 struct CellReader<const D: usize> {
     /// N of the lattice.
     order: usize,
     /// For each node of the file its index in the lattice.
     indices: Vec<usize>,
-    /// Equidistant nodes to Gauss-Lobatto nodes, exact for polynomials of the file's degree.
+    /// Interpolation from equidistant to Gauss-Lobatto nodes, exact for polynomials of the file's degree.
     to_gauss_lobatto: Matrix,
     /// The Jacobian at the Gauss-Lobatto nodes.
     map: CellMap<D>,

@@ -133,7 +133,7 @@ fn meshes_that_are_none_are_refused() {
     assert!(missing.to_string().starts_with("no/such.msh: "), "{missing}");
 }
 
-/// The second definition took the place of the first one, without a word.
+/// The second definition used to replace the first one silently.
 #[test]
 fn what_is_defined_twice_is_refused() {
     let error = spoiled(SQUARE_2, "4 0 1 1\n9 5", "3 0 1 1\n9 5");
@@ -151,7 +151,7 @@ fn what_is_defined_twice_is_refused() {
 
 #[test]
 fn an_inverted_cell_is_named_by_its_element() {
-    // Node 3 moved across the diagonal: the cell folds over.
+    // Node 3 is moved across the diagonal, so the cell folds.
     let error = spoiled(SQUARE_2, "3 2 1 1\n", "3 -1 -1 1\n");
     let GmshError::Cell { element: 6, source: MeshError::Inverted { cell: 0, determinant, .. } } = error else {
         unreachable!("{error}")

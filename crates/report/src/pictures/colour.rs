@@ -6,9 +6,9 @@ pub type Colour = [u8; 3];
 /// A colour map: colours at equal distances, linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColourMap {
-    /// Viridis, of even perceptual steps (S. van der Walt and N. Smith, matplotlib): for values from low to high.
+    /// Viridis, perceptually uniform (S. van der Walt and N. Smith, matplotlib): for values from low to high.
     Sequential,
-    /// Blue to red through white (C. Brewer's RdBu): for values that differ from a middle one.
+    /// Blue to red through white (C. Brewer's RdBu): for deviations from a middle value.
     Diverging,
 }
 
@@ -49,7 +49,7 @@ impl ColourMap {
         }
     }
 
-    /// The colour at `part` of the way from the low to the high end.
+    /// The colour at the fraction `part` of the way from the low to the high end.
     pub fn at(self, part: f64) -> Colour {
         let stops = self.stops();
         let place = part.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
@@ -61,7 +61,7 @@ impl ColourMap {
         })
     }
 
-    /// As CSS writes a gradient from left to right.
+    /// As a CSS gradient from left to right.
     pub fn css(self) -> String {
         let stops: Vec<String> = self.stops().iter().map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")).collect();
         format!("linear-gradient(to right,{})", stops.join(","))
@@ -72,7 +72,7 @@ impl ColourMap {
 mod tests {
     use super::*;
 
-    /// Relative luminance of a colour, without its gamma: enough to see which is lighter.
+    /// Relative luminance of a colour without gamma correction, enough to compare lightness.
     fn lightness([r, g, b]: Colour) -> f64 {
         0.21 * f64::from(r) + 0.72 * f64::from(g) + 0.07 * f64::from(b)
     }

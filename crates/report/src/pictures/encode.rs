@@ -6,11 +6,11 @@ use super::quantity::Range;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-/// Number of colours: a step is below what the eye tells apart, and the files are small.
+/// Number of colours. A step is below what the eye can distinguish, and the files are small.
 pub const COLOURS: usize = 240;
 
-/// Colour numbers of values, `[row][column]`: 0 is transparent, 1 ..= [`COLOURS`] go from the low to the high end of the
-/// range, into which values beyond it are moved.
+/// Colour numbers of values, `[row][column]`. 0 is transparent; 1 ..= [`COLOURS`] go from the low to the high end of the
+/// range. Values beyond the range are clamped.
 pub fn colour_numbers(values: impl Iterator<Item = f32>, range: Range) -> Vec<u8> {
     let number = |value: f32| {
         if value.is_nan() {
@@ -25,20 +25,20 @@ pub fn colour_numbers(values: impl Iterator<Item = f32>, range: Range) -> Vec<u8
 /// A picture of colour numbers.
 ///
 /// # Errors
-/// Those of the encoder; none is known to happen in memory.
+/// Errors of the encoder; none is known to occur in memory.
 pub fn picture(width: usize, height: usize, numbers: &[u8], map: ColourMap) -> Result<String, png::EncodingError> {
     let colour = |number: usize| map.at((number as f64 + 0.5) / COLOURS as f64);
     let palette = [[0; 3]].into_iter().chain((0..COLOURS).map(colour)).flatten().collect();
     uri(width, height, png::BitDepth::Eight, palette, vec![0], numbers)
 }
 
-/// Lines of one colour, as transparent as they are thin.
+/// Lines of one colour; thin lines are more transparent.
 ///
 /// # Errors
 /// As [`picture`].
 pub fn line_layer(lines: &Lines, colour: [u8; 3]) -> Result<String, png::EncodingError> {
     let level = |coverage: &f32| (coverage * 15.0).round() as u8;
-    // Two pixels a byte, the left one in the upper half; a row begins with a new byte.
+    // Two pixels per byte, the left one in the upper half; a row begins with a new byte.
     let row =
         |row: &[f32]| row.chunks(2).map(|two| level(&two[0]) << 4 | two.get(1).map_or(0, level)).collect::<Vec<_>>();
     let packed: Vec<u8> = lines.coverage.chunks_exact(lines.width).flat_map(row).collect();
@@ -61,7 +61,7 @@ fn uri(
     encoder.set_palette(palette);
     encoder.set_trns(transparency);
     encoder.set_compression(png::Compression::High);
-    // Colour numbers are in the order of the values, so that the differences of neighbours are small.
+    // Colour numbers are in the order of the values, so the differences of neighbours are small.
     encoder.set_filter(if depth == png::BitDepth::Eight { png::Filter::Adaptive } else { png::Filter::NoFilter });
     let mut writer = encoder.write_header()?;
     writer.write_image_data(data)?;

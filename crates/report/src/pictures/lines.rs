@@ -3,7 +3,7 @@
 use super::raster::centres;
 use super::window::Window;
 
-/// How much of each pixel is covered by lines, 0 to 1, `[row][column]`.
+/// The fraction of each pixel covered by lines, 0 to 1, `[row][column]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lines {
     /// Pixels per row.
@@ -21,7 +21,8 @@ impl Lines {
         Lines { width, height, coverage: vec![0.0; width * height] }
     }
 
-    /// Draws the line from `a` to `b`, `thickness` pixels wide, of a strength from 0 to 1. Drawn twice it looks the same.
+    /// Draws the line from `a` to `b`, `thickness` pixels wide, with a strength from 0 to 1. Drawing it twice has no
+    /// further effect.
     pub fn draw(&mut self, window: &Window, [a, b]: [[f64; 2]; 2], thickness: f64, strength: f64) {
         let (a, b) = (window.pixel(a), window.pixel(b));
         let reach = 0.5 * thickness + 0.5;

@@ -23,10 +23,10 @@ use view::View;
 /// Why there are no pictures.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// A file written before the mesh at rest was part of it.
+    /// A file of an earlier version, which does not hold the mesh at rest.
     #[error("the result file does not hold the mesh at rest; a new run writes it")]
     NoMesh,
-    /// No step was written yet.
+    /// No step has been written yet.
     #[error("no step has been written yet")]
     NoStep,
     /// The case in the file does not tell the ratio of specific heats.
@@ -40,10 +40,10 @@ pub enum PictureError {
     Png(#[from] png::EncodingError),
 }
 
-/// Pictures are drawn at so many steps at most.
+/// The largest number of steps with pictures.
 const MOST_STEPS: usize = 40;
 
-/// All pictures together take at most so many bytes in the page.
+/// The largest size of all pictures in the page, in bytes.
 const MOST_BYTES: usize = 9_000_000;
 
 /// Pixels of the pictures from which the ranges of colours are taken.
@@ -55,11 +55,11 @@ pub struct Pictures {
     pub dimension: usize,
     /// In three dimensions the height z of the plane that is shown.
     pub height: Option<f64>,
-    /// What is shown, and between which values its colours lie.
+    /// The quantities, and the ranges of their colours.
     pub quantities: Vec<(Quantity, Range)>,
-    /// The parts of the plane that are shown.
+    /// The displayed parts of the plane.
     pub windows: Vec<Window>,
-    /// The steps that are shown, in the order of time.
+    /// The displayed steps, in the order of time.
     pub frames: Vec<Frame>,
 }
 
@@ -100,7 +100,7 @@ impl Encoded {
 /// Draws the pictures of a result file.
 ///
 /// # Errors
-/// A file from which they cannot be drawn.
+/// A file without the data for pictures.
 pub fn draw(reader: &ResultReader) -> Result<Pictures, PictureError> {
     if reader.times.is_empty() {
         return Err(PictureError::NoStep);
@@ -152,7 +152,7 @@ fn ranges<const D: usize, const M: usize>(
     quantities.iter().enumerate().map(|(q, quantity)| (*quantity, quantity.range(values(q)))).collect()
 }
 
-/// The gas of the case in the file. Of its numbers the pictures need gamma alone; any gas will do where there is no flow.
+/// The gas of the case in the file. The pictures need only gamma; without a flow any gas will do.
 fn gas(reader: &ResultReader) -> Result<Gas, PictureError> {
     let gamma = case::ratio_of_specific_heats_of(&reader.metadata.case_text).map_err(|_| PictureError::Gas)?;
     Gas::new(gamma.unwrap_or(1.4), 1.0, 1.0, Viscosity::Inviscid).map_err(|_| PictureError::Gas)

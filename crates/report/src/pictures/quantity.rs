@@ -1,9 +1,9 @@
-//! What the pictures show, and in which colours.
+//! The quantities of the pictures, and their colours.
 
 use super::colour::ColourMap;
 use case::Field;
 
-/// A quantity that is drawn.
+/// A displayed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A field of the flow.
@@ -14,7 +14,7 @@ pub enum Quantity {
     ScaledJacobian,
 }
 
-/// What is drawn with a flow; without one only what concerns the mesh.
+/// The quantities displayed with a flow; without a flow only those of the mesh.
 const ALL: [Quantity; 6] = [
     Quantity::Flow(Field::Mach),
     Quantity::Flow(Field::Vorticity),
@@ -24,7 +24,7 @@ const ALL: [Quantity; 6] = [
     Quantity::ScaledJacobian,
 ];
 
-/// The values that the ends of a colour map stand for.
+/// The values at the ends of a colour map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// At the low end.
@@ -34,7 +34,7 @@ pub struct Range {
 }
 
 impl Quantity {
-    /// What is drawn of a run.
+    /// The quantities displayed for a run.
     pub fn of(has_flow: bool) -> Vec<Quantity> {
         ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, Quantity::Flow(_))).collect()
     }
@@ -63,8 +63,8 @@ impl Quantity {
         }
     }
 
-    /// The range of colours for values found in the pictures. A few values at the ends are left out, so that one corner does
-    /// not take all the colours; and the range is wide enough not to show round-off as if it were a field.
+    /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does
+    /// not take all the colours. The range is wide enough not to show round-off as a field.
     pub fn range(self, mut values: Vec<f32>) -> Range {
         values.retain(|value| value.is_finite());
         values.sort_unstable_by(f32::total_cmp);
@@ -83,7 +83,7 @@ impl Quantity {
     }
 }
 
-/// The range with `middle` in the middle that contains both ends, and `least` on both sides.
+/// The range centred at `middle` that contains both ends, and extends at least `least` to both sides.
 fn around(middle: f64, lower: f64, upper: f64, least: f64) -> Range {
     let half = (middle - lower).max(upper - middle).max(least);
     Range { lower: middle - half, upper: middle + half }

@@ -13,7 +13,7 @@ pub struct Triangles {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Values at the centres of the pixels of a window; NaN outside of the domain.
+/// Values at the centres of the pixels of a window; NaN outside the domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     /// Pixels per row.
@@ -60,9 +60,9 @@ impl Raster {
         for row in rows {
             for column in columns.clone() {
                 let p = [column as f64 + 0.5, row as f64 + 0.5];
-                // Barycentric coordinates: parts of the area opposite to the corners.
+                // Barycentric coordinates: area fractions opposite to the corners.
                 let b = [cross(p, x[1], x[2]) / area, cross(x[0], p, x[2]) / area, cross(x[0], x[1], p) / area];
-                // An edge belongs to both of its triangles, so that rounding leaves no gap.
+                // An edge belongs to both of its triangles, so rounding leaves no gap.
                 if b.iter().all(|b| *b >= -1e-9) {
                     self.set(row * self.width + column, b, at, &surface.values);
                 }
@@ -85,7 +85,7 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 /// The pixels of `count` in a line whose centres lie between the coordinates `x`.
 pub fn centres(x: [f64; 3], count: usize) -> std::ops::Range<usize> {
     let (lower, upper) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
-    // Negative numbers become 0 as they are cast.
+    // The cast turns negative numbers into 0.
     let first = (lower - 0.5 - 1e-6).ceil() as usize;
     first..((upper - 0.5 + 1e-6).floor() + 1.0).min(count as f64) as usize
 }

@@ -1,4 +1,4 @@
-//! The exact solution at the end of a slab, evaluated as finely as a picture needs it.
+//! The exact solution at the end of a slab, evaluated as finely as a picture needs.
 
 use super::quantity::Quantity;
 use crate::fields::{self, CellSample};
@@ -10,10 +10,10 @@ use output::{OutputError, ResultReader};
 /// Numbers of parts into which the reference cell may be cut along each axis.
 pub const PARTS: [usize; 6] = [2, 4, 8, 16, 32, 64];
 
-/// A part is about so many pixels long: the curve between its ends is not seen.
+/// The approximate length of a part in pixels; the curvature between its ends is invisible.
 const PIXELS_PER_PART: f64 = 4.0;
 
-/// What does not change from step to step.
+/// Data that do not change from step to step.
 pub struct Scheme<const D: usize> {
     mesh_nodes: usize,
     /// Nodes per cell of the flow, and coefficients of a cell in a slab; absent without a flow.
@@ -34,7 +34,7 @@ pub struct Snapshot<'a, const D: usize> {
     flow: Vec<f64>,
 }
 
-/// A cell on the lattice of points that cuts it into `parts` parts along each axis, axis 0 fastest.
+/// A cell on a lattice of points with `parts` parts along each axis, axis 0 fastest.
 pub struct Patch<const D: usize> {
     /// Parts along each axis.
     pub parts: usize,
@@ -45,7 +45,7 @@ pub struct Patch<const D: usize> {
 }
 
 impl<const D: usize> Scheme<D> {
-    /// That of a result file; none if the file does not hold the mesh at rest.
+    /// The scheme of a result file; `None` if the file does not hold the mesh at rest.
     pub fn new(reader: &ResultReader, gas: Gas) -> Option<Self> {
         let axes = |name: &str| reader.layout.exact.iter().find(|array| array.name == name).map(|array| &array.axes);
         let last = |name: &str| axes(name).and_then(|axes| axes.last()).map(|axis| axis.length);
@@ -69,7 +69,7 @@ impl<const D: usize> Scheme<D> {
         Ok(Snapshot { scheme: self, position, flow: reader.exact("flow", step)?.unwrap_or_default() })
     }
 
-    /// What is drawn.
+    /// The displayed quantities.
     pub fn quantities(&self) -> Vec<Quantity> {
         Quantity::of(self.flow.is_some())
     }
@@ -92,7 +92,7 @@ impl<const D: usize> Snapshot<'_, D> {
         [of(f64::min), of(f64::max)]
     }
 
-    /// Which of [`PARTS`] a cell needs that is `pixels` long.
+    /// The entry of [`PARTS`] for a cell of length `pixels`.
     pub fn fineness(pixels: f64) -> usize {
         PARTS.iter().position(|&parts| parts as f64 * PIXELS_PER_PART >= pixels).unwrap_or(PARTS.len() - 1)
     }
@@ -140,7 +140,7 @@ fn of_flow<const D: usize, const M: usize>(quantity: Quantity, gas: &Gas, sample
     let mut values = Vec::new();
     fields::values::<D, M>(field, Some(gas), sample, &mut values);
     match (field, D) {
-        // Of the vector its third component.
+        // The third component of the vector.
         (Field::Vorticity, 3) => values.into_iter().skip(2).step_by(3).collect(),
         _ => values,
     }

@@ -1,4 +1,4 @@
-//! From a cell to what is drawn of it: in two dimensions the cell itself, in three its cut with a plane z = constant.
+//! The drawn part of a cell: in two dimensions the cell itself, in three its cut with a plane z = constant.
 
 use super::raster::Triangles;
 use super::snapshot::Patch;
@@ -6,7 +6,7 @@ use super::snapshot::Patch;
 /// A straight piece of a line.
 pub type Segment = [[f64; 2]; 2];
 
-/// What is drawn of a cell: in the plane itself, in space the cut with the plane z = `height`.
+/// The drawn part of a cell: in two dimensions the cell itself, in three the cut with the plane z = `height`.
 pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
     let quantities = patch.values.len() / patch.points.len();
     let mut out = Triangles::default();
@@ -25,13 +25,13 @@ pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
             let value = |point: usize, q: usize| patch.values[point * quantities + q];
             out.values.extend((0..quantities).map(|q| value(a, q) + part * (value(b, q) - value(a, q))));
         }
-        // Three corners, or four in such an order that two triangles make the cut.
+        // Three corners, or four in an order in which two triangles make the cut.
         out.triangles.extend((2..crossings.len()).map(|k| [first + k - 2, first + k - 1, first + k]));
     }
     out
 }
 
-/// The lines in which face `face` of a cell is seen.
+/// The visible lines of face `face` of a cell.
 pub fn face_lines<const D: usize>(points: &[[f64; D]], parts: usize, face: usize, height: f64) -> Vec<Segment> {
     let nodes = mesh::face_nodes(D, parts + 1, face);
     if D == 2 {
@@ -47,21 +47,22 @@ pub fn face_lines<const D: usize>(points: &[[f64; D]], parts: usize, face: usize
     simplices::<2>(parts).into_iter().filter_map(cut).collect()
 }
 
-/// x and y of the point at `part` of the way from `a` to `b`.
+/// x and y of the point at the fraction `part` of the way from `a` to `b`.
 fn between<const D: usize>(a: &[f64; D], b: &[f64; D], part: f64) -> [f64; 2] {
     std::array::from_fn(|i| a[i] + part * (b[i] - a[i]))
 }
 
-/// The edges of a simplex on which `height` changes its sign, each from the corner below 0 to the one above, and the part of
-/// the way to it: for each corner below all corners above, so that of four crossings 0, 1, 2 and 1, 2, 3 are triangles.
+/// The edges of a simplex on which `height` changes its sign, each from the corner below 0 to the one above, and the
+/// position of the zero as a fraction. For each corner below come all corners above. So of four crossings, 0, 1, 2 and 1, 2,
+/// 3 are triangles.
 fn crossings(corners: &[usize], height: impl Fn(usize) -> f64) -> Vec<(usize, usize, f64)> {
     let (below, above): (Vec<usize>, Vec<usize>) = corners.iter().partition(|&&corner| height(corner) < 0.0);
     let edge = |a: usize, b: usize| (a, b, height(a) / (height(a) - height(b)));
     below.iter().flat_map(|&a| above.iter().map(move |&b| (a, b))).map(|(a, b)| edge(a, b)).collect()
 }
 
-/// The lattice with `parts` parts along each axis cut into simplices, given by their D + 1 corners (Kuhn): for every order of
-/// the axes the path along them from the lowest to the highest corner of each part.
+/// The lattice with `parts` parts along each axis, cut into simplices (Kuhn), given by their D + 1 corners. For every order
+/// of the axes there is the path along them from the lowest to the highest corner of each part.
 fn simplices<const D: usize>(parts: usize) -> Vec<Vec<usize>> {
     let orders: &[&[usize]] = match D {
         2 => &[&[0, 1], &[1, 0]],

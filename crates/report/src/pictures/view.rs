@@ -1,4 +1,4 @@
-//! What is seen of a run: the windows on it, and the pictures in them.
+//! The view of a run: its windows, and the pictures in them.
 
 use super::encode::{colour_numbers, line_layer, picture};
 use super::lines::Lines;
@@ -12,29 +12,29 @@ use output::ResultReader;
 
 /// Edges of cells.
 const MESH_COLOUR: [u8; 3] = [0, 0, 0];
-/// Boundaries: seen on light and on dark ground.
+/// Boundaries: visible on light and on dark backgrounds.
 const OUTLINE_COLOUR: [u8; 3] = [110, 110, 110];
 
 /// Widths of lines, in pixels.
 const MESH_LINE: f64 = 0.9;
 const OUTLINE: f64 = 1.8;
 
-/// Edges of cells at this distance, in pixels, and more are drawn in full strength: where cells are smaller the picture would
-/// be black.
+/// Edges of cells at this distance, in pixels, and more are drawn in full strength. With smaller cells the picture would be
+/// black.
 const WIDE_CELL: f64 = 14.0;
 
-/// What is seen of a run.
+/// The view of a run.
 pub struct View<const D: usize> {
     /// The windows.
     pub windows: Vec<Window>,
-    /// In space: the plane z = height that is seen.
+    /// In three dimensions: the plane z = height that is shown.
     pub height: Option<f64>,
     /// The faces of each cell that lie on a boundary.
     boundary_faces: Vec<Vec<usize>>,
 }
 
 impl<const D: usize> View<D> {
-    /// Chooses the windows such that all snapshots are seen in them.
+    /// Chooses the windows such that they show all snapshots.
     pub fn new(reader: &ResultReader, snapshots: &[Snapshot<D>]) -> Self {
         let mesh = &reader.metadata.mesh;
         let cells = reader.layout.grid.cells;
@@ -89,7 +89,7 @@ impl<const D: usize> View<D> {
         })
     }
 
-    /// The edges of the cells, and those of them on a boundary.
+    /// The edges of the cells, and the edges on a boundary.
     fn lines(&self, snapshot: &Snapshot<D>, window: &Window) -> (Lines, Lines) {
         let (mut mesh, mut outline) = (Lines::new(window), Lines::new(window));
         for (cell, fineness) in self.visible(snapshot, window) {
@@ -107,12 +107,12 @@ impl<const D: usize> View<D> {
         (mesh, outline)
     }
 
-    /// The cells that are seen in a window, and how finely they are to be evaluated.
+    /// The cells visible in a window, and how finely they are evaluated.
     fn visible(&self, snapshot: &Snapshot<D>, window: &Window) -> Vec<(usize, usize)> {
         let seen = |cell: usize| {
             let [lower, upper] = snapshot.cell_box(cell);
             let cell_box = Extent { lower: [lower[0], lower[1]], upper: [upper[0], upper[1]] };
-            // A curved cell may bulge beyond the box of its nodes.
+            // A curved cell may extend beyond the box of its nodes.
             let bulge = 0.1 * (0..D).map(|d| upper[d] - lower[d]).fold(0.0, f64::max);
             let in_plane = |z: f64| lower[D - 1] - bulge <= z && z <= upper[D - 1] + bulge;
             let inside = !cell_box.grown([bulge; 2]).intersection(window.extent).is_empty();
@@ -123,8 +123,8 @@ impl<const D: usize> View<D> {
     }
 }
 
-/// In space the middle of the z of `corners`, a little to the side: on the faces of cells it would be chance on which of them
-/// the plane lies.
+/// In three dimensions the middle of the z of `corners`, slightly shifted. On the faces of cells it would be arbitrary which
+/// cell the plane belongs to.
 fn middle<const D: usize>(corners: &[[f64; D]]) -> Option<f64> {
     let z = || corners.iter().map(|x| x[D - 1]);
     let (lower, upper) = (z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max));
@@ -137,7 +137,7 @@ fn face_box<const D: usize>(snapshot: &Snapshot<D>, cell: usize, face: usize) ->
     Extent::of(mesh::face_nodes(D, PARTS[0] + 1, face).into_iter().map(|node| [points[node][0], points[node][1]]))
 }
 
-/// The smallest distance between the middles of opposite faces, seen in the plane.
+/// The smallest distance between the centres of opposite faces, projected to the plane.
 fn thickness<const D: usize>(points: &[[f64; D]]) -> f64 {
     let n = (points.len() as f64).powf(1.0 / D as f64).round() as usize;
     let middle = |axis: usize, side: usize| -> [f64; D] {
@@ -148,7 +148,7 @@ fn thickness<const D: usize>(points: &[[f64; D]]) -> f64 {
         let (a, b) = (middle(axis, 0), middle(axis, 1));
         (b[0] - a[0]).hypot(b[1] - a[1])
     };
-    // An axis that leads out of the plane is not seen.
+    // An axis out of the plane is not visible.
     let distances = (0..D).map(distance);
     let longest = distances.clone().fold(0.0, f64::max);
     distances.filter(|distance| *distance > 1e-6 * longest).fold(longest, f64::min)

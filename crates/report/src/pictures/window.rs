@@ -1,4 +1,4 @@
-//! Windows: which part of the plane a picture shows, and how many pixels it has.
+//! Windows: the displayed part of the plane, and its number of pixels.
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The box of nothing; every point extends it.
+    /// The empty box; every point extends it.
     pub const EMPTY: Extent = Extent { lower: [f64::INFINITY; 2], upper: [f64::NEG_INFINITY; 2] };
 
     /// The smallest box that contains also `point`.
@@ -53,7 +53,7 @@ impl Extent {
         Extent { lower: [lower[0] - x, lower[1] - y], upper: [upper[0] + x, upper[1] + y] }
     }
 
-    /// What both have in common.
+    /// The intersection of both.
     pub fn intersection(self, other: Self) -> Self {
         let pick = |f: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [f(a[0], b[0]), f(a[1], b[1])];
         Extent { lower: pick(f64::max, self.lower, other.lower), upper: pick(f64::min, self.upper, other.upper) }
@@ -65,7 +65,7 @@ impl Extent {
 pub struct Window {
     /// Its name in the page.
     pub label: &'static str,
-    /// What it shows.
+    /// The part of the plane.
     pub extent: Extent,
     /// Pixels per row.
     pub width: usize,
@@ -73,11 +73,11 @@ pub struct Window {
     pub height: usize,
 }
 
-/// A picture may be at most so many times as wide as high, or the other way round.
+/// The largest ratio of width and height of a picture, either way.
 const MOST_ELONGATED: f64 = 3.0;
 
 impl Window {
-    /// A window on `extent` of about `pixels` pixels, widened where it would be a strip.
+    /// A window on `extent` of about `pixels` pixels, widened if it would be too elongated.
     pub fn new(label: &'static str, extent: Extent, pixels: f64) -> Self {
         let centre = [0, 1].map(|i| 0.5 * (extent.lower[i] + extent.upper[i]));
         let least = extent.length().max(f64::MIN_POSITIVE) / MOST_ELONGATED;
@@ -109,17 +109,17 @@ impl Window {
     }
 }
 
-/// Pixels of a picture of the bodies, of the whole domain beside it, and of the domain where there are no bodies.
+/// Pixels of a picture of the bodies, of the whole domain beside it, and of the domain if there are no bodies.
 const PIXELS: [f64; 3] = [420e3, 160e3, 420e3];
 
-/// A boundary shorter than this part of the domain is a body in it.
+/// A boundary shorter than this fraction of the domain is a body in it.
 const BODY: f64 = 0.5;
 
-/// Around the bodies these parts of their length are shown: more to the sides, as screens are wide.
+/// The margins around the bodies as fractions of their length; larger at the sides, because screens are wide.
 const MARGIN: [f64; 2] = [0.9, 0.45];
 
-/// The windows on a domain of which `boundaries` are the boxes of its boundaries: close to the bodies, if there are some,
-/// and the whole.
+/// The windows on a domain with the given boxes of its `boundaries`: close to the bodies, if there are some, and the
+/// whole.
 pub fn windows(domain: Extent, boundaries: &[Extent]) -> Vec<Window> {
     let is_body = |boundary: &&Extent| !boundary.is_empty() && boundary.length() < BODY * domain.length();
     let bodies = boundaries.iter().filter(is_body).fold(Extent::EMPTY, |bodies, body| bodies.union(*body));

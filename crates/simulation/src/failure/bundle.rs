@@ -1,4 +1,4 @@
-//! The files of a failure: what happened in words, the same as numbers, and a picture.
+//! The files of a failure: a report in words, the same as numbers, and a picture.
 
 use super::diagnosis::{Cause, causes};
 use super::finding::Finding;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// The folder, in the output directory.
 pub const FOLDER: &str = "failure";
 
-/// What happened in words.
+/// The report in words.
 pub const TEXT_FILE: &str = "failure.md";
 
 /// The same as numbers.
@@ -20,7 +20,7 @@ pub const NUMBERS_FILE: &str = "failure.json";
 /// The worst cell and its neighbours.
 pub const PICTURE_FILE: &str = "cell.svg";
 
-/// What the text says beside the finding.
+/// The context of the report.
 pub struct FailureReport<'a> {
     /// The case.
     pub case: &'a str,
@@ -28,13 +28,13 @@ pub struct FailureReport<'a> {
     pub error: &'a anyhow::Error,
     /// The time of the last good state.
     pub time: f64,
-    /// The slabs done until then.
+    /// The slabs done before it.
     pub slabs: usize,
-    /// The command that continues from there; none if the run has gone on to its end.
+    /// The command that continues from there; None if the run has reached its end.
     pub again: Option<&'a str>,
 }
 
-/// Removes what an earlier run has left in `directory`. Files of others in the folder stay.
+/// Removes the files that an earlier run has left in `directory`. Other files in the folder stay.
 ///
 /// # Errors
 /// A file that cannot be removed.
@@ -48,16 +48,17 @@ pub fn clear(directory: &Path) -> Result<(), OutputError> {
             _ => {}
         }
     }
-    // With files of others in it the folder stays.
+    // If the folder holds other files, it stays.
     let _ = std::fs::remove_dir(folder);
     Ok(())
 }
 
-/// Writes the files into a folder of `directory`; returns the likeliest cause and where more is told, for the end of a message.
+/// Writes the files into a folder of `directory`. Returns the likeliest cause and the path of the report, for the end of a
+/// message.
 pub fn tell(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> String {
     match write(directory, finding, story) {
         Ok((path, causes)) => hint(&path, &causes),
-        // What has failed before matters more.
+        // The earlier failure is more important.
         Err(unwritten) => format!("\n  {unwritten}"),
     }
 }
@@ -143,7 +144,7 @@ fn worst_cell(finding: &Finding) -> String {
     )
 }
 
-/// Of a flow; mesh and structure alone have no equations that Newton's method solves.
+/// The residuals of a flow. For a mesh or structure alone Newton's method solves no such equations.
 fn residuals(finding: &Finding) -> String {
     if finding.data.gas.is_none() {
         return String::new();
@@ -162,7 +163,7 @@ fn residuals(finding: &Finding) -> String {
     text
 }
 
-/// With a capital letter at its beginning.
+/// The sentence with a capital first letter.
 pub fn capitalised(sentence: &str) -> String {
     let mut letters = sentence.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())

@@ -1,16 +1,16 @@
-//! What was measured where a run has failed: plain numbers, relative where there is something to relate them to.
+//! Measurements of a failed run: plain numbers, relative if there is a reference.
 
 use super::super::openings::Record;
 use serde::Serialize;
 
-/// All that the diagnosis reads, and nothing that it does not.
+/// Exactly the data that the diagnosis reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailureData {
-    /// What gave up.
+    /// The part that failed.
     pub gave_up: GaveUp,
     /// The last attempt.
     pub attempt: Attempt,
-    /// The solve of the last attempt, where there was one.
+    /// The solve of the last attempt, if there was one.
     pub newton: Option<Newton>,
     /// The mesh.
     pub mesh: Mesh,
@@ -20,7 +20,7 @@ pub struct FailureData {
     pub structure: Option<Structure>,
 }
 
-/// What gave up.
+/// The part that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GaveUp {
@@ -28,11 +28,11 @@ pub enum GaveUp {
     InvertedCell,
     /// The equilibrium of the mesh was not found.
     Equilibrium,
-    /// A load on the structure is no number.
+    /// A load on the structure is NaN.
     Load,
     /// The equations of the structure.
     Structure,
-    /// There is no residual: the state is none of a gas.
+    /// There is no residual, because the state is inadmissible.
     Inadmissible,
     /// Newton's method.
     Newton,
@@ -47,13 +47,13 @@ pub enum GaveUp {
 pub struct Attempt {
     /// Whether it was for the steady flow at the start.
     pub steady: bool,
-    /// Slabs done before.
+    /// Slabs done before it.
     pub slabs_done: usize,
     /// Time at the bottom of the slab.
     pub start: f64,
     /// Its length.
     pub length: f64,
-    /// How often it was halved to get there.
+    /// The number of halvings that led to it.
     pub halvings: u32,
 }
 
@@ -62,17 +62,17 @@ pub struct Attempt {
 pub struct Newton {
     /// |R| at the first guess and after every step.
     pub residuals: Vec<f64>,
-    /// What rounding leaves of the residual, where it was estimated.
+    /// The round-off of the residual, if it was estimated.
     pub round_off: Option<f64>,
-    /// Steps allowed.
+    /// The largest number of steps.
     pub steps_allowed: usize,
     /// Whether they were used up.
     pub steps_used_up: bool,
-    /// The part of the linear solves that ran into their limit of iterations.
+    /// The fraction of the linear solves that reached their limit of iterations.
     pub unfinished_linear_solves: f64,
     /// That limit.
     pub krylov_allowed: usize,
-    /// What a march in time from the best state has shown, where a steady flow was not found.
+    /// The result of a march in time from the best state, if a steady flow was not found.
     pub settling: Option<Settling>,
 }
 
@@ -92,13 +92,13 @@ pub struct Settling {
 /// The mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Mesh {
-    /// How it moves.
+    /// The kind of its motion.
     pub motion: Motion,
-    /// The smallest det J / det J_0 seen, in the last attempt if cells were inverted there, otherwise before.
+    /// The smallest sampled det J / det J_0, in the last attempt if cells were inverted there, otherwise before.
     pub smallest_det_j: f64,
-    /// How far a node with a prescribed displacement goes in the slab, in thicknesses of its cell.
+    /// The path of a node with a prescribed displacement in the slab, in thicknesses of its cell.
     pub travel: f64,
-    /// Where the prescribed displacement is no number in the slab, if anywhere.
+    /// The place where the prescribed displacement is NaN in the slab, if any.
     pub undefined: Option<Undefined>,
     /// The largest prescribed displacement in the slab, over the size of the mesh.
     pub reach: f64,
@@ -114,7 +114,7 @@ pub struct Mesh {
     pub alone: bool,
 }
 
-/// A prescribed displacement that is no number.
+/// A prescribed displacement that is NaN.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Undefined {
     /// The time.
@@ -123,18 +123,18 @@ pub struct Undefined {
     pub position: Vec<f64>,
 }
 
-/// How a mesh moves.
+/// The motion of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Motion {
-    /// Not at all.
+    /// At rest.
     #[default]
     Still,
     /// By formulas everywhere.
     Prescribed,
-    /// Like an elastic body that is equally stiff everywhere.
+    /// As an elastic body with constant stiffness.
     Elastic,
-    /// Like an elastic body whose small cells, or those at walls, are stiffer.
+    /// As an elastic body whose small cells, or those at walls, are stiffer.
     Graded,
 }
 
@@ -143,13 +143,13 @@ pub enum Motion {
 pub struct Structure {
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// Distances of nodes that a shear wave passes in the slab.
+    /// Node spacings that a shear wave travels in the slab.
     pub waves_per_slab: f64,
-    /// Where a load is no number, if one is.
+    /// The place where a load is NaN, if any.
     pub bad_load: Option<BadLoad>,
 }
 
-/// A load that is no number.
+/// A load that is NaN.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BadLoad {
     /// The time.
@@ -161,28 +161,28 @@ pub struct BadLoad {
 /// The gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gas {
-    /// As the case says it starts.
+    /// At the start, by the case.
     pub at_start: Moment,
     /// The last good state.
     pub last: Moment,
-    /// Distances of nodes that the fastest wave passes in the slab.
+    /// Node spacings that the fastest wave travels in the slab.
     pub waves_per_slab: f64,
-    /// The largest Reynolds number of a distance of nodes; none without viscosity.
+    /// The largest Reynolds number of a node spacing; none without viscosity.
     pub cell_reynolds: Option<f64>,
-    /// Quadrature points per direction, and how many conserve on any moving mesh.
+    /// Quadrature points per direction, and the number that conserves on any moving mesh.
     pub quadrature: [usize; 2],
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
-    /// What was seen at inflows and outflows that their conditions are not made for.
+    /// Flow at inflows and outflows that their conditions are not made for.
     pub openings: Vec<OpeningEvidence>,
 }
 
-/// What was seen at an inflow or outflow.
+/// An observation at an inflow or outflow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OpeningEvidence {
     /// The boundary.
     pub boundary: String,
-    /// What, on how much of it, since when.
+    /// The kind, the share and the start.
     pub record: Record,
     /// The same in words.
     pub told: String,
@@ -195,7 +195,7 @@ pub struct Moment {
     pub lowest: Extreme,
     /// The largest change within a cell: of the logarithm of density or pressure, or of the velocity over the speed of sound.
     pub steepest: Extreme,
-    /// Where a boundary condition and the gas beside it differ most, if there is a boundary.
+    /// The place where a boundary condition and the gas beside it differ most, if there is a boundary.
     pub mismatch: Option<Mismatch>,
 }
 
@@ -217,9 +217,9 @@ pub struct Mismatch {
     pub boundary: String,
     /// The quantity that differs most.
     pub quantity: &'static str,
-    /// The gas has this ...
+    /// Its value in the gas ...
     pub inside: f64,
-    /// ... and the condition asks for that.
+    /// ... and its value by the condition.
     pub target_state: f64,
     /// The difference of velocities over the speed of sound, or of the logarithms of pressure or temperature.
     pub size: f64,

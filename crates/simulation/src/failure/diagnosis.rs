@@ -1,7 +1,7 @@
-//! From evidence to causes in words, the likeliest first.
+//! From failure data to causes in words, the likeliest first.
 //!
-//! Every rule looks at a few facts and answers with a likelihood between 0 and 1: a judgement, not a probability. What is seen at the
-//! start of a run counts more than what is seen in the state that failed, which may be a consequence.
+//! Every rule reads a few data and returns a likelihood between 0 and 1: a judgement, not a probability. Observations at the start of
+//! a run count more than those in the failed state, which may be a consequence.
 
 mod gas_rules;
 mod mesh_rules;
@@ -18,15 +18,15 @@ use serde::Serialize;
 pub struct Cause {
     /// A short name.
     pub name: &'static str,
-    /// How likely it is, between 0 and 1.
+    /// Its likelihood, between 0 and 1.
     pub likelihood: f64,
-    /// What is wrong, with what was measured.
+    /// The cause, with the measurements.
     pub what: String,
-    /// What to do.
+    /// The remedy.
     pub remedy: String,
 }
 
-/// So many causes are named.
+/// The number of causes that are named.
 const NAMED: usize = 3;
 
 type Rule = fn(&FailureData) -> Option<Cause>;
@@ -61,7 +61,7 @@ const OF_FLOW: [Rule; 13] = [
     mesh_rules::nearly_inverted,
 ];
 
-/// The likeliest causes, the likeliest first.
+/// The likeliest causes, in decreasing order.
 pub fn causes(data: &FailureData) -> Vec<Cause> {
     let rules: &[Rule] = match data.gave_up {
         GaveUp::InvertedCell | GaveUp::Equilibrium => &OF_MESH,
@@ -71,13 +71,13 @@ pub fn causes(data: &FailureData) -> Vec<Cause> {
         GaveUp::Other => &[],
     };
     let mut causes: Vec<Cause> = rules.iter().filter_map(|rule| rule(data)).collect();
-    // Stable: of equal likelihood the first rule is first.
+    // The sort is stable: of equal likelihoods the first rule comes first.
     causes.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     causes.truncate(NAMED);
     causes
 }
 
-/// From 0 to 1 as `fact` grows, 1/2 where it is `half`.
+/// Increases from 0 to 1 with `fact`, 1/2 at `half`.
 fn rises(fact: f64, half: f64) -> f64 {
     let ratio = (fact / half).powi(2);
     if ratio.is_finite() { ratio / (1.0 + ratio) } else { 1.0 }

@@ -1,4 +1,4 @@
-//! What was found out about a failure.
+//! The findings about a failure.
 
 use super::data::FailureData;
 use super::grid::Grid;
@@ -6,12 +6,12 @@ use super::picture::Painting;
 use mesh::Mesh;
 use serde::Serialize;
 
-/// What was found out.
+/// The findings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What the diagnosis reads.
+    /// The input of the diagnosis.
     pub data: FailureData,
-    /// The residual of every equation at last, where there was a residual.
+    /// The final residual of every equation, if there was a residual.
     pub residuals: Vec<(&'static str, f64)>,
     /// The worst cell, if one stands out.
     pub cell: Option<WorstCell>,
@@ -26,18 +26,18 @@ pub struct WorstCell {
     pub centre: Vec<f64>,
     /// The boundaries that it touches.
     pub boundaries: Vec<String>,
-    /// What is worst there.
+    /// The reason why it is the worst.
     pub because: String,
     /// The cell and its neighbours.
     #[serde(skip)]
     pub svg: String,
 }
 
-/// What makes a cell the worst one, and what its picture shows.
+/// The reason why a cell is the worst one, and the quantity of its picture.
 pub struct WorstCellCause<'a> {
     /// The cell.
     pub cell: usize,
-    /// What is worst there.
+    /// The reason.
     pub because: String,
     /// The quantity of the picture ...
     pub quantity: &'a str,
@@ -46,7 +46,7 @@ pub struct WorstCellCause<'a> {
 }
 
 impl WorstCell {
-    /// The cell of a verdict, on the mesh displaced by `d`.
+    /// The worst cell by `verdict`, on the mesh displaced by `d`.
     pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], verdict: WorstCellCause<'_>) -> Self {
         let WorstCellCause { cell, because, quantity, values } = verdict;
         let mesh = grid.mesh;
@@ -62,20 +62,20 @@ impl WorstCell {
     }
 }
 
-/// The `cell` whose volume has changed most, by `because`, on the mesh displaced by `d`.
+/// The `cell` with the largest change of volume, by `because`, on the mesh displaced by `d`.
 pub fn squeezed<const D: usize>(grid: &Grid<D>, d: &[f64], cell: usize, because: String) -> WorstCell {
     let values = |cell: usize| grid.volume_ratios(cell, d);
     WorstCell::new(grid, d, WorstCellCause { cell, because, quantity: "det J / det J_0", values: &values })
 }
 
-/// The cell where det J / det J_0 is smallest, and its value.
+/// The cell with the smallest det J / det J_0, and this value.
 pub fn most_squeezed<const D: usize>(grid: &Grid<D>, d: &[f64]) -> (usize, f64) {
     let smallest = |cell: usize| grid.volume_ratios(cell, d).into_iter().fold(f64::INFINITY, f64::min);
     let cells = (0..grid.cells()).map(|cell| (cell, smallest(cell)));
     cells.fold((0, f64::INFINITY), |worst, found| if found.1 < worst.1 { found } else { worst })
 }
 
-/// A cell, then those across its faces; not those that are a period away.
+/// A cell, then its neighbours across faces, except periodic ones.
 fn with_neighbours<const D: usize>(mesh: &Mesh<D>, cell: usize) -> Vec<usize> {
     let across = mesh.interior_facets().iter().filter(|facet| !facet.periodic).filter_map(|facet| {
         match [facet.minus.cell, facet.plus.cell] {

@@ -1,8 +1,9 @@
-//! How the gas stands at one time: where it is thin, where it is steep, where it disagrees with its boundaries.
+//! Measurements of the gas at one time: low density, steep gradients, disagreement with the boundaries.
 
 use super::data::{Extreme, Mismatch, Moment};
 use super::grid::{Grid, difference};
 use case::{Flow, State};
+use fem::BoundaryPoint;
 use mesh::{BoundaryFacet, face_nodes, outward_area};
 use navier_stokes::{ExactState, Gas, Primitive};
 use tensor::norm;
@@ -10,7 +11,7 @@ use tensor::norm;
 /// States `[point][component]` of a cell with its points at given positions.
 type StateAt<'a, const D: usize, const M: usize> = dyn Fn(usize, &[[f64; D]]) -> Vec<[f64; M]> + 'a;
 
-/// The gas at one time, on the mesh then.
+/// The gas at one time, on the mesh at that time.
 pub struct Then<'a, const D: usize, const M: usize> {
     /// The time.
     pub time: f64,
@@ -30,13 +31,13 @@ impl<const D: usize, const M: usize> Then<'_, D, M> {
     }
 }
 
-/// What is measured of it.
+/// The measurements.
 pub struct Measured {
     /// For the diagnosis.
     pub moment: Moment,
-    /// Of each cell.
+    /// The gas in each cell.
     pub cells: Vec<CellGas>,
-    /// What of a velocity that a wall asks for comes from its motion, over the speed of sound, at most.
+    /// The largest velocity at a wall that is caused by its motion, relative to the speed of sound.
     pub kick: f64,
 }
 
@@ -46,7 +47,7 @@ pub struct CellGas {
     lowest: [f64; 2],
     /// Means over the points.
     means: [f64; 2],
-    /// How much density, pressure and velocity change.
+    /// The change of density, pressure and velocity within the cell.
     steepness: [Extreme; 3],
     /// The largest |w| + c.
     pub fastest: f64,
@@ -104,9 +105,9 @@ fn lowest(cells: &[CellGas]) -> Extreme {
     both.reduce(|a, b| if b.value < a.value { b } else { a }).expect("a mesh has cells")
 }
 
-/// How much density, pressure and velocity change within a cell.
+/// The change of density, pressure and velocity within a cell.
 fn steepness<const D: usize>(gas: &Gas, cell: usize, states: &[Primitive<f64, D>]) -> [Extreme; 3] {
-    /// Less than this part of the largest value counts as this part.
+    /// Values below this fraction of the largest value count as this fraction.
     const LEAST: f64 = 1e-3;
     let logarithm = |value: fn(&Primitive<f64, D>) -> f64| {
         let (low, high) = states.iter().map(value).fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
@@ -123,7 +124,7 @@ fn steepness<const D: usize>(gas: &Gas, cell: usize, states: &[Primitive<f64, D>
     ]
 }
 
-/// c, 0 where the state has none.
+/// c, or 0 for an inadmissible state.
 fn sound_speed<const D: usize>(gas: &Gas, state: &Primitive<f64, D>) -> f64 {
     let c = gas.sound_speed(state.density, state.pressure);
     if c.is_finite() { c } else { 0.0 }
@@ -141,7 +142,7 @@ impl<const D: usize, const M: usize> Beside<'_, D, M>
 where
     State<D>: ExactState<D, M>,
 {
-    /// At every point of a facet: what differs most, and what of it comes from the motion of a wall.
+    /// At every point of a facet: the largest difference, and the part of it that is caused by the motion of a wall.
     fn facet(&self, facet: &BoundaryFacet) -> Vec<(Mismatch, f64)> {
         let (cell, face, then) = (facet.side.cell, facet.side.face, self.then);
         let states = then.gas(&self.flow.law.gas, self.grid, cell);
@@ -154,8 +155,9 @@ where
             let n = area.map(|a| a / norm(&area));
             let inside: [f64; M] = states[p].pack(&self.flow.law.gas);
             let data = boundary.state.as_ref().map_or(inside, |state| state.state(&x[p], then.time));
-            let target_state = |v: &[f64; D]| {
-                let target_state = boundary.condition.target_state(&self.flow.law, &inside, &n, v, &data);
+            let target_state = |velocity: &[f64; D]| {
+                let at = BoundaryPoint { normal: &n, velocity, data: &data };
+                let target_state = boundary.condition.target_state(&self.flow.law, &inside, at);
                 Primitive::unpack(&self.flow.law.gas, &target_state)
             };
             let (moving, still) = (target_state(&v[p]), target_state(&[0.0; D]));
@@ -176,7 +178,8 @@ where
         let ratio = |a: f64, b: f64| Some((a / b).ln().abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
         let [t, t_asked] = [temperature(inside), temperature(target_state)];
         let (quantity, inside, target_state, size) = [
-            // The entry that differs is told, of a velocity that along the axis where it differs most.
+            // The entry that differs is reported; for a velocity, the component along the direction of the largest
+            // difference.
             velocity_along(inside, target_state, velocity),
             ("pressure", inside.pressure, target_state.pressure, ratio(inside.pressure, target_state.pressure)),
             ("temperature", t, t_asked, ratio(t, t_asked)),

@@ -1,4 +1,4 @@
-//! Cells seen from a grid of points that holds their corners, the middles of their faces and their centres.
+//! Cells on a grid of points that contains their corners, the centres of their faces and their centres.
 
 use fem::Sampler;
 use mesh::{CellMap, Mesh, NodeNumbering};
@@ -79,7 +79,7 @@ impl<'a, const D: usize> Grid<'a, D> {
         smallest / largest
     }
 
-    /// The smallest distance between the middles of opposite faces.
+    /// The smallest distance between the centres of opposite faces.
     pub fn thickness(&self, cell: usize, d: &[f64]) -> f64 {
         let x = self.positions(cell, d);
         let stride = |axis: usize| self.points.pow(axis as u32);

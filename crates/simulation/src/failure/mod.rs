@@ -1,13 +1,13 @@
-//! What a run that has failed leaves behind: the folder `failure` in its output directory.
+//! The report of a failed run: the folder `failure` in its output directory.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `data` | what was measured, as plain numbers |
-//! | `diagnosis` | from evidence to causes in words, the likeliest first |
-//! | `of_flow`, `of_mesh`, `of_structure` | the evidence of a run of mesh and flow, of the mesh, of a structure |
-//! | `gas` | how the gas stands: thin, steep, at odds with its boundaries |
-//! | `grid` | cells seen from points |
-//! | `finding` | evidence, residuals and the worst cell |
+//! | `data` | the measurements, as plain numbers |
+//! | `diagnosis` | from these data to causes in words, the likeliest first |
+//! | `of_flow`, `of_mesh`, `of_structure` | the data of a run of mesh and flow, of the mesh, of a structure |
+//! | `gas` | the gas: low density, steep gradients, disagreement with boundaries |
+//! | `grid` | cells on a grid of points |
+//! | `finding` | data, residuals and the worst cell |
 //! | `picture` | that cell and its neighbours as SVG |
 //! | `bundle` | the files |
 

@@ -1,4 +1,4 @@
-//! What is found out about a run of mesh and flow that has failed.
+//! The examination of a failed run of mesh and flow.
 
 use super::super::openings::Record;
 use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningEvidence, Settling};
@@ -11,19 +11,19 @@ use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, Sla
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
-/// A run of mesh and flow that has failed.
+/// A failed run of mesh and flow.
 pub struct Failed<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
     march: &'a FlowMarch<D, M>,
     error: Option<&'a SlabError>,
-    /// The search for a steady flow that has failed, if it was that.
+    /// The failed search for a steady flow, if it was that.
     steady: Option<&'a SteadyError>,
     interval: Interval,
     openings: &'a [Record],
 }
 
-/// The gas at the start as the case has it, and in the last good state.
+/// The gas at the start, by the case, and in the last good state.
 struct Gases {
     start: Measured,
     last: Measured,
@@ -33,7 +33,7 @@ impl<'a, const D: usize, const M: usize> Failed<'a, D, M>
 where
     State<D>: ExactState<D, M>,
 {
-    /// The run of `case` that stopped with `error`, and what was seen at its openings.
+    /// The run of `case` that stopped with `error`, and the observations at its openings.
     pub fn new(
         case: &'a Case<D>,
         flow: &'a Flow<D>,
@@ -50,7 +50,7 @@ where
         }
     }
 
-    /// Looks into it.
+    /// Examines the failure.
     pub fn examine(&self) -> Finding {
         let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
         let (gases, d) = (self.gases(&grid), &self.march.state.d);
@@ -143,7 +143,7 @@ where
         Gases { start: measured(&start), last: self.with_last(grid, measured) }
     }
 
-    /// Asks `question` of the last good state.
+    /// Evaluates `question` for the last good state.
     fn with_last<T>(&self, grid: &Grid<D>, question: impl Fn(&Then<D, M>) -> T) -> T {
         let (state, one) = (&self.march.state, self.march.solver.system.flow.operator.layout.at_one_time());
         question(&Then {
@@ -180,7 +180,7 @@ where
         OpeningEvidence { record: *record, told: record.told(&boundary).to_string(), boundary }
     }
 
-    /// The cell that is inverted, else that with the largest residual, else that where the gas is thinnest.
+    /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
     fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
         match self.error? {
             SlabError::Mesh(_) | SlabError::Structure(_) => None,
@@ -211,7 +211,7 @@ where
         WorstCell::new(grid, &self.march.state.d, verdict)
     }
 
-    /// The displacement that the last attempt had at time `t`.
+    /// The displacement of the last attempt at time `t`.
     fn displacement_at(&self, t: f64) -> Vec<f64> {
         let (bottom, v) = (&self.march.state.d, self.march.solver.system.mesh.velocities());
         let mut d = bottom.clone();
@@ -223,13 +223,13 @@ where
     }
 }
 
-/// As evidence.
+/// As failure data.
 fn seen(settling: &coupled::Settling) -> Settling {
     let coupled::Settling { early, late, duration } = *settling;
     Settling { early, late, duration, calms_down: settling.calms_down() }
 }
 
-/// The rate of what is prescribed at time `t`, forward by a millionth of a `step`.
+/// The rate of the prescribed displacement at time `t`, by a forward difference over a millionth of a `step`.
 fn rate<const D: usize>(mover: &MeshMover<D>, t: f64, step: f64) -> Vec<f64> {
     let ahead = 1e-6 * step;
     let (mut now, mut then) = (vec![0.0; mover.field_len()], vec![0.0; mover.field_len()]);

@@ -1,4 +1,4 @@
-//! What is found out about the mesh of a run that has failed.
+//! The examination of the mesh of a failed run.
 
 use super::data::{Attempt, FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
@@ -21,7 +21,7 @@ pub fn mesh<const D: usize>(
     Mesh { motion, travel, undefined, reach, poisson_ratio, tolerance: tolerance(case), ..shape(grid, d) }
 }
 
-/// The first place and time in `interval` where the prescribed displacement is no number, and its largest size over that of the mesh.
+/// The first place and time in `interval` where the prescribed displacement is NaN, and its largest size relative to the mesh.
 fn prescribed<const D: usize>(mover: &MeshMover<D>, interval: Interval) -> (Option<Undefined>, f64) {
     let mut g = vec![0.0; mover.field_len()];
     let mut largest = 0.0_f64;
@@ -36,7 +36,7 @@ fn prescribed<const D: usize>(mover: &MeshMover<D>, interval: Interval) -> (Opti
     (None, largest / mover.reference.diameter())
 }
 
-/// What is known of the cells, displaced by `d`, whatever moves them.
+/// Measurements of the cells, displaced by `d`, for any kind of motion.
 pub fn shape<const D: usize>(grid: &Grid<D>, d: &[f64]) -> Mesh {
     let cells = 0..grid.cells();
     Mesh {
@@ -50,7 +50,7 @@ pub fn shape<const D: usize>(grid: &Grid<D>, d: &[f64]) -> Mesh {
 fn kind<const D: usize>(case: &Case<D>) -> (Motion, f64) {
     match &case.motion {
         None => (Motion::Still, 0.0),
-        Some(case::Motion::Prescribed(_)) => (Motion::Prescribed, 0.0),
+        Some(case::Motion::Prescribed(_) | case::Motion::Followed) => (Motion::Prescribed, 0.0),
         Some(case::Motion::Elastic { poisson_ratio, stiffness: Stiffness::Constant, .. }) => {
             (Motion::Elastic, *poisson_ratio)
         }
@@ -66,7 +66,7 @@ fn tolerance<const D: usize>(case: &Case<D>) -> Option<f64> {
     }
 }
 
-/// How far nodes go in `interval` by what is prescribed, in thicknesses of their cells.
+/// The path of nodes in `interval` by the prescribed motion, in thicknesses of their cells.
 fn travel<const D: usize>(mover: &MeshMover<D>, grid: &Grid<D>, d: &[f64], interval: Interval) -> f64 {
     let at = |t: f64| {
         let mut g = vec![0.0; mover.field_len()];

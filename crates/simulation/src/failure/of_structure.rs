@@ -1,4 +1,4 @@
-//! What is found out about the run of a structure that has failed.
+//! The examination of a failed run of a structure.
 
 use super::data::{Attempt, BadLoad, FailureData, GaveUp, Structure};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
@@ -46,7 +46,7 @@ fn smallest_distance<const D: usize>(grid: &Grid<D>, d: &[f64]) -> f64 {
     thickness / (grid.mesh.order() - 1) as f64
 }
 
-/// The cell where the load is no number, otherwise that which is squeezed most.
+/// The cell where the load is NaN, or else the most compressed cell.
 fn worst_cell<const D: usize>(grid: &Grid<D>, d: &[f64], bad_load: Option<&BadLoad>) -> WorstCell {
     match bad_load {
         Some(load) => {

@@ -13,13 +13,13 @@ const MARGIN: f64 = 20.0;
 /// Height of the legend.
 const LEGEND: f64 = 60.0;
 
-/// What is painted.
+/// The input of a picture.
 pub struct Painting<'a, const D: usize> {
-    /// How cells are seen.
+    /// The points of cells.
     pub grid: &'a Grid<'a, D>,
-    /// Where the mesh is, `[C0 node][component]`.
+    /// The displacement of the mesh, `[C0 node][component]`.
     pub displacement: &'a [f64],
-    /// The cell in question, then its neighbours.
+    /// The worst cell, then its neighbours.
     pub cells: Vec<usize>,
     /// The quantity.
     pub label: String,
@@ -27,7 +27,7 @@ pub struct Painting<'a, const D: usize> {
     pub values: Vec<Vec<f64>>,
 }
 
-/// A cell as it is drawn: its points in the plane, in pixels.
+/// A drawn cell: its projected points, in pixels.
 struct Drawn {
     cell: usize,
     points: Vec<[f64; 2]>,
@@ -44,7 +44,7 @@ impl<const D: usize> Painting<'_, D> {
              font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
             height + LEGEND
         );
-        // The cell in question comes last, above the others.
+        // The worst cell is drawn last, above the others.
         for (number, drawn) in cells.iter().enumerate().rev() {
             self.paint(&mut svg, drawn, range, number == 0);
         }
@@ -74,7 +74,7 @@ impl<const D: usize> Painting<'_, D> {
         (drawn.collect(), extent.map(|extent| 2.0 * MARGIN + scale * extent))
     }
 
-    /// The lattices of points that are filled: the cell itself in the plane, its faces in space.
+    /// The lattices of points that are filled: the cell itself in two dimensions, its faces in three.
     fn lattices(&self) -> Vec<Vec<usize>> {
         let n = self.grid.points;
         match D {
@@ -87,7 +87,7 @@ impl<const D: usize> Painting<'_, D> {
         let n = self.grid.points;
         for lattice in self.lattices() {
             let quads = (0..(n - 1) * (n - 1)).map(|k| k % (n - 1) + k / (n - 1) * n);
-            // In space neighbours would hide the cell: of them only edges are drawn.
+            // In three dimensions neighbours would hide the cell, so only their edges are drawn.
             for corner in quads.filter(|_| D == 2 || worst) {
                 let corners = [corner, corner + 1, corner + n + 1, corner + n].map(|i| lattice[i]);
                 let value = corners.map(|i| drawn.values[i]).iter().sum::<f64>() / 4.0;
@@ -116,7 +116,7 @@ impl<const D: usize> Painting<'_, D> {
     }
 }
 
-/// The plane itself; space from the direction (1, -1, 1).
+/// The identity in two dimensions; in three the view from the direction (1, -1, 1).
 fn projection<const D: usize>(x: &[f64; D]) -> [f64; 2] {
     match x[..] {
         [x, y, z] => [(x + y) * 0.75_f64.sqrt(), z + 0.5 * (y - x)],
@@ -135,11 +135,11 @@ fn path<'a>(indices: impl Iterator<Item = &'a usize>, points: &[[f64; 2]]) -> St
     indices.map(|&i| format!("{:.1},{:.1}", points[i][0], points[i][1])).collect::<Vec<_>>().join(" ")
 }
 
-/// The smallest and the largest value, a little apart.
+/// The smallest and the largest value, slightly extended.
 fn range(values: &[Vec<f64>]) -> [f64; 2] {
     let finite = || values.iter().flatten().copied().filter(|value| value.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    // What differs by round-off only is one colour.
+    // Values that differ only by round-off have one colour.
     match high - low > 1e-9 * low.abs().max(high.abs()) {
         true => [low, high],
         false if low.is_finite() => [low - 0.5, low + 0.5],
@@ -147,7 +147,7 @@ fn range(values: &[Vec<f64>]) -> [f64; 2] {
     }
 }
 
-/// Grey where there is no value.
+/// Grey if there is no value.
 fn colour(value: f64, [low, high]: [f64; 2]) -> String {
     if !value.is_finite() {
         return "#999".into();
@@ -156,7 +156,7 @@ fn colour(value: f64, [low, high]: [f64; 2]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A bar of the colours with both ends and what they show.
+/// A bar of the colours with the values at both ends and a label.
 fn legend(label: &str, range: [f64; 2], top: f64) -> String {
     let parts = ColourMap::Sequential.stops().len();
     let width = 200.0 / parts as f64;

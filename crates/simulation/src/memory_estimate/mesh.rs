@@ -2,8 +2,8 @@
 
 use case::Case;
 
-/// Vectors as long as the coordinates of all cells that a run keeps at any time: coordinates and numbers of nodes in the places that need
-/// them, fields on their way to the result file. Measured, as the next two.
+/// The number of vectors as long as the coordinates of all cells that a run keeps at any time: coordinates and node numbers where they
+/// are needed, and fields for the result file. It is measured, like the next two.
 const VECTORS: usize = 21;
 
 /// The same for each time node of a slab: velocities, residuals, fields.
@@ -15,10 +15,10 @@ const TRACES: usize = 4 * 2;
 /// Arrays of values of det J_0 at the points of the proof.
 const DETERMINANTS: usize = 5;
 
-/// Lanes of a pack, in which a thread bounds so many cells at a time.
+/// Lanes of a pack, the number of cells that a thread bounds at a time.
 const LANES: usize = 8;
 
-/// Bytes that depend on the order of the mesh of `case`, whether it moves or not; without those of an elastic solver.
+/// Bytes that depend on the order of the mesh of `case`, for any motion, without those of an elastic solver.
 pub fn bytes<const D: usize>(case: &Case<D>) -> usize {
     let (cells, order, time_order) = (case.mesh.n_cells(), case.mesh.order(), case.time.order);
     let nodes = D * order.pow(D as u32);
@@ -29,13 +29,14 @@ pub fn bytes<const D: usize>(case: &Case<D>) -> usize {
     8 * (cells * (vectors + traces + determinants) + rayon::current_num_threads() * proof::<D>(order, time_order))
 }
 
-/// Points at which det J, of degree D (N - 1) - 1 along each axis, is known.
+/// The number of points that determine det J, of degree D (N - 1) - 1 along each axis.
 fn points<const D: usize>(order: usize) -> usize {
     (D * (order - 1)).pow(D as u32)
 }
 
-/// Numbers with which a thread bounds det J: at each point in space and, of degree D N_t, in time the D^2 entries of J, four arrays of
-/// determinants and 2 D between contractions; two arrays of det J_0; positions at times and at points in time.
+/// The count of numbers with which a thread bounds det J. Each point in space and, of degree D N_t, in time has the D^2 entries of
+/// J, four arrays of determinants and 2 D arrays between contractions. To these come two arrays of det J_0, and positions at times
+/// and at points in time.
 fn proof<const D: usize>(order: usize, time_order: usize) -> usize {
     let (points, instants) = (points::<D>(order), D * time_order + 1);
     let positions = D * order.pow(D as u32) * (time_order + 1 + instants);

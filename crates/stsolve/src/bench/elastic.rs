@@ -4,7 +4,7 @@ use super::subject::{Build, Size, Subject, Work, bytes};
 use elasticity::{ElasticMesh, ElasticityError, Material, Plan, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
-/// A curved box whose boundary is held.
+/// A curved box whose boundary is constrained.
 pub(super) struct ElasticBox<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
@@ -13,7 +13,7 @@ pub(super) struct ElasticBox<const D: usize> {
 }
 
 impl<const D: usize> ElasticBox<D> {
-    /// Of about 10^5 unknowns.
+    /// With about 10^5 unknowns.
     pub(super) fn new(size: Size) -> anyhow::Result<Self> {
         let (order, intervals) = (size.order, size.nodes(226, 33) - 1);
         let cells = ((intervals as f64 / (order - 1) as f64).round() as usize).max(2);
@@ -27,7 +27,7 @@ impl<const D: usize> ElasticBox<D> {
         Ok(ElasticBox { mesh, numbering, material: Material::new(1.0, 0.4)?, constrained })
     }
 
-    /// What `solver` would be and take.
+    /// The plan of `solver` for this box.
     pub(super) fn plan(&self, solver: Solver) -> Plan {
         Plan::new(&self.mesh, &self.numbering, &self.constrained, solver)
     }
@@ -38,7 +38,7 @@ impl<const D: usize> ElasticBox<D> {
         ElasticMesh::with_solver(&self.mesh, &self.numbering, self.material, stiffness, &self.constrained, solver)
     }
 
-    /// The same again, of what was set up before.
+    /// Repeats a set-up that succeeded before.
     pub(super) fn set_up_again(&self, solver: Solver) -> ElasticMesh<D> {
         self.set_up(solver).unwrap_or_else(|error| unreachable!("it was set up before: {error}"))
     }

@@ -40,7 +40,7 @@ pub fn completions(shell: Shell) -> Result<(), Failure> {
     print(&String::from_utf8_lossy(&script))
 }
 
-/// Writes to stdout. A reader that has seen enough, as `head` does, is no failure.
+/// Writes to stdout. A reader that closes the pipe early, as `head` does, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::solve(error)),

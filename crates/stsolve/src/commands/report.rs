@@ -5,10 +5,10 @@ use report::ReportError;
 use simulation::Failure;
 use std::path::Path;
 
-/// Writes the page of the run in `directory`, and prints where it is.
+/// Writes the page of the run in `directory`, and prints its path.
 ///
 /// # Errors
-/// A directory that is none of a run; a page that cannot be written.
+/// A directory without a run; a page that cannot be written.
 pub fn report(directory: &Path) -> Result<(), Failure> {
     let page = report::write(directory).map_err(|error| match error {
         ReportError::Output(error) => error.into(),

@@ -31,7 +31,7 @@ fn call(arguments: &RunArguments, command: &'static str, simulate: Simulate) -> 
     simulate(&case, &destination(arguments, &case), &TerminalObserver::new(arguments, command)).map(drop)
 }
 
-/// Has all that follows computed by as many threads as asked for.
+/// Sets the number of threads for everything that follows.
 fn set_threads(arguments: &RunArguments) -> Result<(), Failure> {
     let Some(threads) = arguments.threads else { return Ok(()) };
     rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)

@@ -1,4 +1,4 @@
-//! What the tests of the command share.
+//! Helpers shared by the tests of the command.
 
 // Every test file compiles this module and uses a part of it.
 #![allow(dead_code)]
@@ -7,13 +7,13 @@ use assert_cmd::Command;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What a command has done.
+/// The outcome of a command.
 pub struct Outcome {
     /// The exit code.
     pub code: i32,
-    /// What it printed.
+    /// Its standard output.
     pub stdout: String,
-    /// What it reported.
+    /// Its standard error.
     pub stderr: String,
 }
 
@@ -74,6 +74,19 @@ pub fn column(run: &Path, name: &str) -> Vec<f64> {
     let text = std::fs::read_to_string(run.join("history.csv")).unwrap();
     let position = text.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
     text.lines().skip(1).map(|row| row.split(',').nth(position).unwrap().parse().unwrap()).collect()
+}
+
+/// Case C2, `naca0012_heave_pitch`, at a Mach number of 0.01: the pressure at rest is 7,143 times the dynamic one.
+pub const SLOW: [&str; 3] =
+    ["flow.gas.mach=0.01", "flow.initial.uniform.mach=0.01", "flow.boundary.far.far_field.mach=0.01"];
+
+/// F . h' + M . theta' of the airfoil of case C2 at every row of history.csv.
+pub fn power_of_rates(run: &Path) -> Vec<f64> {
+    let amplitude = 80.0 * std::f64::consts::PI / 180.0;
+    let [t, force, moment] = ["t", "airfoil_force_y", "airfoil_moment"].map(|name| column(run, name));
+    let heave = |t: f64| (24.0 * t.powi(2) - 12.0 * t.powi(3)) / 16.0;
+    let pitch = |t: f64| -amplitude * (3.0 * t.powi(2) * (2.0 - t).powi(3) - 3.0 * t.powi(3) * (2.0 - t).powi(2));
+    (0..t.len()).map(|i| force[i] * heave(t[i]) + moment[i] * pitch(t[i])).collect()
 }
 
 /// All numbers of the last checkpoint, bit by bit, and the counters.

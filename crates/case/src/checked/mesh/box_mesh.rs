@@ -18,8 +18,8 @@ pub(super) fn build(checker: &Checker<'_>, raw: &BoxGenerator, order: usize) -> 
 
 fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usize) -> Checked<Mesh<D>> {
     let (checker, key) = (family.checker, &family.key);
-    let (lower, upper) =
-        (corner(checker, &key.child("lower"), &raw.lower)?, corner(checker, &key.child("upper"), &raw.upper)?);
+    let corner = |name: &str, entries: &[f64]| checker.finite_vector::<D>(&key.child(name), "the corner", entries);
+    let (lower, upper) = (corner("lower", &raw.lower)?, corner("upper", &raw.upper)?);
     let cells = checker.vector(&key.child("cells"), &raw.cells)?;
     let extents = std::array::from_fn(|axis| upper[axis] - lower[axis]);
     check_axes(family, &extents, &cells)?;
@@ -35,7 +35,7 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     }
     let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
-    // Whatever is wrong now, corners and cells are fine: the curving inverts cells.
+    // Corners and cells are valid here, so any error is caused by the curving.
     let key = curving_key(key, raw.curving);
     if raw.segments.is_empty() && raw.regions.is_empty() {
         return generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error));
@@ -43,19 +43,8 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     box_regions::build(family, raw, &generator, ratios, &key)
 }
 
-/// Sizes of cells differ at most by this factor: beyond, det J of the thin ones drowns in round-off.
+/// The largest ratio of cell sizes: beyond it, det J of thin cells is lost in round-off.
 const LARGEST_RATIO: f64 = 1e10;
-
-/// Corners further away leave no range for products of coordinates.
-const FARTHEST: f64 = 1e60;
-
-pub(super) fn corner<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &[f64]) -> Checked<[f64; D]> {
-    let corner: [f64; D] = checker.finite_vector(key, "the corner", raw)?;
-    for (axis, x) in corner.iter().enumerate() {
-        checker.require(&key.entry(axis), "the corner", x.abs() <= FARTHEST, "a number up to 1e60 in size")?;
-    }
-    Ok(corner)
-}
 
 fn check_axes<const D: usize>(family: &Family<'_>, extents: &[f64; D], cells: &[usize; D]) -> Checked<()> {
     for axis in 0..D {

@@ -1,6 +1,5 @@
 //! Segments and regions of `[mesh.generate.box]`
 
-use super::box_mesh::corner;
 use super::family::Family;
 use crate::checker::Checked;
 use crate::error::CaseError;
@@ -54,7 +53,7 @@ fn region<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, name: &str) -
         let problem = format!("`{REST}` is the name of all cells outside of the regions");
         return Err(family.checker.combination(&key, &problem, "another name"));
     }
-    let at = |end: &str, values| corner(family.checker, &key.child(end), values);
+    let at = |end: &str, values| family.checker.finite_vector::<D>(&key.child(end), "the corner", values);
     Ok(BoxRegion { name: name.to_owned(), lower: at("lower", &region.lower)?, upper: at("upper", &region.upper)? })
 }
 

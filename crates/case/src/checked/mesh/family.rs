@@ -1,4 +1,4 @@
-//! What all generators have in common: where their errors point, and how large a mesh may be.
+//! Common parts of all generators: the keys of errors, and the limit of the size of a mesh.
 
 use crate::CaseError;
 use crate::checker::{Checked, Checker};
@@ -7,10 +7,10 @@ use crate::key::Key;
 use crate::memory;
 use ::mesh::MeshError;
 
-/// Nodes of a mesh at most where the system does not tell how much memory there is.
+/// The largest number of nodes of a mesh if the system does not report its memory.
 const MOST_NODES: usize = 1 << 28;
 
-/// Bytes per node of a mesh that an elastic body moves: its C0 numbering, positions and the proof of validity.
+/// Bytes per node of an elastic mesh: its C0 numbering, positions and the proof of validity.
 const BYTES_TO_MOVE: usize = 130;
 
 /// Bytes per corner of a cell for vertices, facets and the maps that join them.
@@ -21,20 +21,20 @@ pub(super) struct Family<'a> {
     pub(super) checker: &'a Checker<'a>,
     /// The key of its table.
     pub(super) key: Key,
-    /// What its errors call a quantity, and the path of its key in the table.
+    /// The names of quantities in errors, and the paths of their keys in the table.
     pub(super) parameters: &'static [(&'static str, &'static str)],
 }
 
 impl Family<'_> {
-    /// The number of dimensions of a mesh given by vectors of `length` entries, of which the first is at `key`.
+    /// The number of dimensions of a mesh given by vectors of `length` entries, the first of which is at `key`.
     pub(super) fn dimension(&self, key: &str, length: usize) -> Checked<usize> {
         let key = self.key.child(key);
         self.checker.require(&key, "the number of axes", (2..=3).contains(&length), "two or three entries")?;
         Ok(length)
     }
 
-    /// An error at `key` if the product of `cells`, each with order^D nodes, is more than can be stored: to be asked before
-    /// anything is allocated.
+    /// An error at `key` if the product of `cells`, each with order^D nodes, is more than can be stored. It is called
+    /// before anything is allocated.
     pub(super) fn check_size<const D: usize>(&self, key: &str, cells: &[usize], order: usize) -> Checked<()> {
         let cells = cells.iter().fold(1, |product: usize, n| product.saturating_mul(*n));
         check_size::<D>(self.checker, &self.key.child(key), cells, order)
@@ -56,7 +56,8 @@ impl Family<'_> {
     }
 }
 
-/// An error at `key` if a mesh of so many `cells` of an order does not fit into memory: what is needed and what is there.
+/// An error at `key` if a mesh with this number of `cells` of an order does not fit into memory: the memory needed and
+/// available.
 pub(super) fn check_size<const D: usize>(checker: &Checker<'_>, key: &Key, cells: usize, order: usize) -> Checked<()> {
     let (nodes, needed) = (cells.saturating_mul(order.pow(D as u32)), bytes::<D>(cells, order, checker.is_elastic()));
     let problem = match (memory::shortage(needed as u64), memory::available()) {
@@ -69,7 +70,8 @@ pub(super) fn check_size<const D: usize>(checker: &Checker<'_>, key: &Key, cells
     Err(checker.combination(key, &problem, "fewer cells, or a lower `mesh.order`"))
 }
 
-/// Bytes that a mesh takes while it is made, measured for 2 to 16 nodes per direction: coordinates twice, and what joins the cells.
+/// Bytes of a mesh while it is built, measured for 2 to 16 nodes per direction: coordinates twice, and the data that join the
+/// cells.
 fn bytes<const D: usize>(cells: usize, order: usize, is_elastic: bool) -> usize {
     let per_node = 16 * D + if is_elastic { BYTES_TO_MOVE } else { 0 };
     cells.saturating_mul(order.pow(D as u32) * per_node + (BYTES_TO_JOIN << D))

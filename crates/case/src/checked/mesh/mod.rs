@@ -1,4 +1,4 @@
-//! The mesh of a case: one file for each way to make one.
+//! The mesh of a case: one file for each generator.
 
 mod airfoil;
 mod annulus;
@@ -67,7 +67,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
     }
 }
 
-/// The mesh of a file, in the order asked for.
+/// The mesh of a file, in the requested order.
 fn raised(checker: &Checker<'_>, raw: &Raw, mesh: AnyMesh) -> Checked<AnyMesh> {
     let (key, of_file) = (Key::new("mesh.order"), mesh.order());
     let Some(asked) = raw.order else {

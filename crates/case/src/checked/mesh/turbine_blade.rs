@@ -44,7 +44,7 @@ pub(super) fn build(checker: &Checker<'_>, raw: &TurbineBladeGenerator, order: u
     generator.build().map_err(|error| family.refused(error))
 }
 
-/// More columns and rows than there are: a layer around two sides and two ends, in a frame as wide and high.
+/// An upper bound of the columns and rows: a layer around two sides and two ends, in a frame of equal width and height.
 fn check_size(family: &Family<'_>, cells: &BladeCells, order: usize) -> Checked<()> {
     let sum = |numbers: &[usize]| numbers.iter().fold(0_usize, |sum, n| sum.saturating_add(*n));
     let BladeCells { side, end, normal, gap, before, after } = *cells;

@@ -38,8 +38,6 @@ pub struct Coordinate {
     pub stops: Option<Stops>,
     /// The value where the springs are at rest.
     pub rest: f64,
-    /// The value at the start.
-    pub start: f64,
     /// The rate at the start.
     pub rate_at_start: f64,
     /// What drives it.

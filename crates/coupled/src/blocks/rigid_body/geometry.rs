@@ -20,24 +20,14 @@ pub struct Surface<const D: usize> {
     pub nodes: Vec<SurfaceNode<D>>,
     /// For every node of the wall, in the order of `nodes`, its position in the list of loaded nodes of the flow.
     pub loaded: Vec<usize>,
+    /// The size of the body.
+    pub size: f64,
 }
 
 impl<const D: usize> Surface<D> {
-    /// The size of the body: the largest distance of two wall nodes along an axis.
-    pub fn size(&self) -> f64 {
-        let wall = self.wall();
-        let extent = |d: usize| {
-            let values = wall.iter().map(|node| node.position[d]);
-            let (low, high) =
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            high - low
-        };
-        (0..D).map(extent).fold(0.0, f64::max)
-    }
-
     /// The unit of a coordinate: the size of the body, or one radian.
     pub(super) fn length(&self, coordinate: &Coordinate) -> f64 {
-        if coordinate.direction.is_some() { self.size() } else { 1.0 }
+        if coordinate.direction.is_some() { self.size } else { 1.0 }
     }
 
     /// The displacement of the wall nodes in the field `d`, `[C0 node][component]`.

@@ -6,11 +6,12 @@
 //!         + e W_a / sum_b W_b^2,    e = work of the wall - work of the moments                                     (rigid load)
 //! ```
 //!
-//! Between the time nodes the wall is a polynomial in time, not a rigid body. The last term gives the body exactly the energy that the flow
-//! loses. It is of the order of the error in time, and its derivative is left out.
+//! Between the time nodes the wall is a polynomial in time, not a rigid body. The last term, of the order of the error in time, gives the
+//! body exactly the energy that the flow loses.
 
 use super::geometry::{cross, dot};
 use super::{RigidBody, Vec3};
+use crate::block::Ledger;
 
 /// The load without the correction, and what the wall does.
 pub(super) struct Loads {
@@ -22,57 +23,40 @@ pub(super) struct Loads {
     rotation: Option<usize>,
 }
 
-/// Work during a slab.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Work {
-    /// Of the flow on the body.
-    pub(super) flow: f64,
-}
-
-/// What has become of the energy since the start of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ledger {
-    /// Work of the flow on the body.
-    pub flow: f64,
-    /// Work of what drives coordinates.
-    pub drive: f64,
-    /// Work of the outer force.
-    pub force: f64,
-    /// What dampers have taken.
-    pub damped: f64,
-    /// What jumps in time have taken: the error of the time integration.
-    pub numerical: f64,
-    /// What the equations, solved to a tolerance, leave open.
-    pub defect: f64,
-}
-
-impl Ledger {
-    /// The number of its entries.
-    pub const LEN: usize = 6;
-
-    /// Its entries.
-    pub fn numbers(&self) -> [f64; Self::LEN] {
-        [self.flow, self.drive, self.force, self.damped, self.numerical, self.defect]
-    }
-
-    /// The ledger with these entries.
-    pub fn read(numbers: &[f64]) -> Self {
-        let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
-        Ledger { flow: at(0), drive: at(1), force: at(2), damped: at(3), numerical: at(4), defect: at(5) }
-    }
-}
-
 impl Loads {
+    /// e W_a / sum_b W_b^2 has this factor before W_a, for the rates `w` of `count` coordinates.
+    fn factor(&self, w: &[f64], count: usize) -> f64 {
+        let Some(k) = self.rotation else { return 0.0 };
+        let work: f64 = self.moments.iter().zip(w).map(|(q, w)| q * w).sum();
+        (self.wall_work - work) / squares(w, k, count)
+    }
+
     /// Q with the correction, at the rates `w`.
     pub(super) fn total(&self, w: &[f64], count: usize) -> Vec<f64> {
-        let mut total = self.moments.clone();
+        let (mut total, factor) = (self.moments.clone(), self.factor(w, count));
         let Some(k) = self.rotation else { return total };
-        let work: f64 = self.moments.iter().zip(w).map(|(q, w)| q * w).sum();
-        let squares: f64 = w.iter().skip(k).step_by(count).map(|w| w * w).sum();
-        let factor = (self.wall_work - work) / (squares + f64::MIN_POSITIVE.sqrt());
         total.iter_mut().zip(w).skip(k).step_by(count).for_each(|(q, w)| *q += factor * w);
         total
     }
+
+    /// The derivative of Q where `along` is that of the moments and of the work of the wall, and `x` that of the rates `w`.
+    pub(super) fn derivative(&self, along: &Loads, w: &[f64], x: &[f64], count: usize) -> Vec<f64> {
+        let mut total = along.moments.clone();
+        let Some(k) = self.rotation else { return total };
+        let factor = self.factor(w, count);
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let turning: f64 = w.iter().zip(x).skip(k).step_by(count).map(|(w, x)| w * x).sum();
+        let error = along.wall_work - dot(&along.moments, w) - dot(&self.moments, x);
+        let dfactor = (error - 2.0 * factor * turning) / squares(w, k, count);
+        let entries = total.iter_mut().zip(w.iter().zip(x)).skip(k).step_by(count);
+        entries.for_each(|(q, (w, x))| *q += dfactor * w + factor * x);
+        total
+    }
+}
+
+/// sum_b W_b^2 of coordinate `k`; not zero where the body does not turn.
+fn squares(w: &[f64], k: usize, count: usize) -> f64 {
+    w.iter().skip(k).step_by(count).map(|w| w * w).sum::<f64>() + f64::MIN_POSITIVE.sqrt()
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -111,26 +95,37 @@ impl<const D: usize> RigidBody<D> {
 
     /// The positions of the wall nodes relative to the pivot and their velocities at the time points, as the mesh moves.
     fn wall_in_time(&self) -> WallInTime {
-        let (q, n, count) = (self.positions(&self.w), self.time.order(), self.count());
-        let wall = self.surface.loaded.len();
-        let mut at_nodes = vec![0.0; n * wall * D];
-        for (q, out) in q.chunks_exact(count).zip(at_nodes.chunks_exact_mut(wall * D)) {
-            out.copy_from_slice(&self.surface.wall_displacement(&self.data, q));
-        }
-        let mut velocities = at_nodes;
-        let motion = elasticity::SlabMotion::new(self.time.clone());
-        motion.velocities(self.slab.dt, &self.slab.surface, &mut velocities);
+        let (q, count) = (self.positions(&self.w), self.count());
+        let mut velocities: Vec<f64> =
+            q.chunks_exact(count).flat_map(|q| self.surface.wall_displacement(&self.data, q)).collect();
+        elasticity::SlabMotion::new(self.time.clone()).velocities(self.slab.dt, &self.slab.surface, &mut velocities);
+        let rest = |i: usize| self.data.arm(&self.surface.nodes[i].position);
+        let coordinates = |integrals: &[f64]| self.moved(&self.slab.position, &self.w, integrals);
+        self.in_time(&velocities, &self.slab.surface, rest, coordinates)
+    }
+
+    /// Arms `rest` + d(s) - h(s) and velocities v(s) at the time points, where d grows from `bottom` by `velocities`, `[b][node][component]`,
+    /// and `coordinates` gives those of the body from the integrals of the time basis.
+    fn in_time(
+        &self,
+        velocities: &[f64],
+        bottom: &[f64],
+        rest: impl Fn(usize) -> Vec3,
+        coordinates: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> WallInTime {
+        let (wall, n) = (self.surface.loaded.len(), self.time.order());
         let mut walls = WallInTime { wall, arms: Vec::new(), velocities: Vec::new() };
         for (point, s) in self.points.iter().enumerate() {
             let integrals = self.time.integrals(*s);
-            let (h, _) = self.data.motion(&self.coordinates_at(&integrals));
+            let (h, _) = self.data.motion(&coordinates(&integrals));
             for i in 0..wall {
-                let sum = |weights: &dyn Fn(usize) -> f64, d: usize| -> f64 {
-                    (0..n).map(|b| weights(b) * velocities[(b * wall + i) * D + d]).sum()
+                let sum = |weight: &dyn Fn(usize) -> f64, d: usize| -> f64 {
+                    (0..n).map(|b| weight(b) * velocities[(b * wall + i) * D + d]).sum()
                 };
-                let rest = self.data.arm(&self.surface.nodes[i].position);
-                let displacement = |d: usize| self.slab.surface[i * D + d] + self.slab.dt * sum(&|b| integrals[b], d);
-                let in_space = |f: &dyn Fn(usize) -> f64| std::array::from_fn(|d| if d < D { f(d) } else { 0.0 });
+                let (rest, in_space) = (rest(i), |f: &dyn Fn(usize) -> f64| -> Vec3 {
+                    std::array::from_fn(|d| if d < D { f(d) } else { 0.0 })
+                });
+                let displacement = |d: usize| bottom[i * D + d] + self.slab.dt * sum(&|b| integrals[b], d);
                 walls.arms.push(in_space(&|d| rest[d] + displacement(d) - h[d]));
                 walls.velocities.push(in_space(&|d| sum(&|b| self.at_points[(point, b)], d)));
             }
@@ -138,42 +133,39 @@ impl<const D: usize> RigidBody<D> {
         walls
     }
 
-    /// q_n + dt sum_b integrals[b] W_b
-    fn coordinates_at(&self, integrals: &[f64]) -> Vec<f64> {
+    /// `bottom` + dt sum_b integrals[b] w[b]
+    fn moved(&self, bottom: &[f64], w: &[f64], integrals: &[f64]) -> Vec<f64> {
         let count = self.count();
-        let moved = |k: usize| -> f64 { integrals.iter().enumerate().map(|(b, i)| i * self.w[b * count + k]).sum() };
-        (0..count).map(|k| self.slab.position[k] + self.slab.dt * moved(k)).collect()
+        let moved = |k: usize| -> f64 { integrals.iter().enumerate().map(|(b, i)| i * w[b * count + k]).sum() };
+        (0..count).map(|k| bottom[k] + self.slab.dt * moved(k)).collect()
     }
 
-    /// The derivative of Q along the rates `x`, at fixed nodal loads: the arms change.
+    /// The derivative of Q along the rates `x`, at fixed nodal loads: the arms and the velocity of the wall change.
     pub(super) fn load_derivative_of_motion(&self, x: &[f64]) -> Vec<f64> {
         let (count, n) = (self.count(), self.time.order());
-        let mut out = vec![0.0; n * count];
-        let Some(rotation) = (0..count).find(|k| self.data.coordinates[*k].direction.is_none()) else { return out };
-        let (q, dq) = (self.positions(&self.w), self.at_nodes(&vec![0.0; count], x));
-        let wall = self.surface.loaded.len();
-        // Derivatives of the arms at the time nodes; at the points by interpolation through the bottom, where nothing changes.
-        let turned: Vec<Vec<f64>> = (0..n)
-            .map(|a| self.surface.wall_derivative(&self.data, &q[a * count..][..count], &dq[a * count..][..count]))
-            .collect();
-        let mut rates: Vec<f64> = turned.into_iter().flatten().collect();
-        elasticity::SlabMotion::new(self.time.clone()).velocities(self.slab.dt, &vec![0.0; wall * D], &mut rates);
+        let here = self.load(&self.flow_loads);
+        let mut along = Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation: here.rotation };
+        let Some(rotation) = here.rotation else { return along.moments };
+        let moved = self.wall_derivative_in_time(x);
         for (point, l) in self.flow_loads.chunks_exact(self.flow_loads.len() / self.points.len()).enumerate() {
-            let integrals = self.time.integrals(self.points[point]);
-            let rate_of =
-                |k: usize| -> f64 { (0..n).map(|b| integrals[b] * x[b * count + k]).sum::<f64>() * self.slab.dt };
-            let (dh, _) = self.data.motion(&(0..count).map(rate_of).collect::<Vec<_>>());
-            let mut moment = 0.0;
-            for (i, loaded) in self.surface.loaded.iter().enumerate() {
-                let moved =
-                    |d: usize| (0..n).map(|b| integrals[b] * rates[(b * wall + i) * D + d]).sum::<f64>() * self.slab.dt;
-                let darm: Vec3 = std::array::from_fn(|d| if d < D { moved(d) - dh[d] } else { 0.0 });
-                let load: Vec3 = std::array::from_fn(|d| if d < D { l[loaded * D + d] } else { 0.0 });
-                moment += dot(&self.data.axis, &cross(&darm, &load));
-            }
-            (0..n).for_each(|a| out[a * count + rotation] += self.at_points[(point, a)] * moment);
+            let (_, moment, work) = self.resultants(&moved, point, l);
+            along.wall_work += work;
+            (0..n).for_each(|a| along.moments[a * count + rotation] += self.at_points[(point, a)] * moment);
         }
-        out
+        here.derivative(&along, &self.w, x, count)
+    }
+
+    /// The derivative of [`Self::wall_in_time`] along the rates `x`.
+    fn wall_derivative_in_time(&self, x: &[f64]) -> WallInTime {
+        let (q, count) = (self.positions(&self.w), self.count());
+        let still = vec![0.0; count];
+        let dq = self.at_nodes(&still, x);
+        let at_nodes = q.chunks_exact(count).zip(dq.chunks_exact(count));
+        let mut velocities: Vec<f64> =
+            at_nodes.flat_map(|(q, dq)| self.surface.wall_derivative(&self.data, q, dq)).collect();
+        let bottom = vec![0.0; self.slab.surface.len()];
+        elasticity::SlabMotion::new(self.time.clone()).velocities(self.slab.dt, &bottom, &mut velocities);
+        self.in_time(&velocities, &bottom, |_| [0.0; 3], |integrals| self.moved(&still, x, integrals))
     }
 
     /// r -= Q where the coordinate is not driven.
@@ -184,11 +176,6 @@ impl<const D: usize> RigidBody<D> {
         (0..r.len()).filter(free).for_each(|i| r[i] -= q[i]);
     }
 
-    pub(super) fn work_of(&self, loads: &Loads) -> Work {
-        let flow = loads.total(&self.w, self.count()).iter().zip(&self.w).map(|(q, w)| q * w).sum();
-        Work { flow }
-    }
-
     /// The ledger after a slab with the rates `z`.
     pub(super) fn closed(&self, z: &[f64], before: Ledger) -> Ledger {
         let (count, n, weights) = (self.count(), self.time.order(), self.time.weights());
@@ -197,8 +184,9 @@ impl<const D: usize> RigidBody<D> {
         let q = self.load(&self.flow_loads).total(z, count);
         let positions = self.positions(z);
         let driven: Vec<usize> = self.driven().collect();
-        let mut ledger = Ledger { flow: before.flow + self.work.flow, ..before };
-        let (mut springs, mut kinetic) = (0.0, 0.0);
+        let flow: f64 = q.iter().zip(z).map(|(q, w)| q * w).sum();
+        let mut ledger = Ledger { flow: before.flow + flow, ..before };
+        let mut springs = 0.0;
         for a in 0..n {
             let (w, here) = (&z[a * count..][..count], &positions[a * count..][..count]);
             let weight = self.slab.dt * weights[a];
@@ -214,11 +202,8 @@ impl<const D: usize> RigidBody<D> {
                 springs += weight * self.data.coordinates[k].spring_force(here[k]) * w[k];
             }
         }
-        let energy = |q: &[f64], w: &[f64]| (self.kinetic_energy(q, w), self.spring_energy(q));
-        let below = energy(&self.slab.position, &self.slab.rate);
-        let above = energy(&positions[(n - 1) * count..], &z[(n - 1) * count..]);
-        kinetic += self.kinetic_jump(z);
-        ledger.numerical += kinetic + springs - (above.1 - below.1);
+        let stored = self.spring_energy(&positions[(n - 1) * count..]) - self.spring_energy(&self.slab.position);
+        ledger.numerical += self.kinetic_jump(z) + springs - stored;
         ledger
     }
 

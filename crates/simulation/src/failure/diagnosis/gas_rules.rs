@@ -4,7 +4,7 @@ use super::super::data::{Extreme, FailureData, Mismatch, OpeningEvidence};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
 
-/// There is hardly any gas somewhere.
+/// The density is nearly zero somewhere.
 pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     let likelihood = |lowest: f64| 1.0 - rises(lowest.max(0.0), 0.02);
@@ -21,7 +21,7 @@ pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Gas does at an inflow or outflow what the condition is not made for.
+/// Gas at an inflow or outflow does what the condition is not made for.
 pub fn opening(data: &FailureData) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
@@ -40,12 +40,12 @@ pub fn opening(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// A boundary asks for what the gas beside it is not.
+/// A boundary condition disagrees with the gas beside it.
 pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     // A steady flow around a body may well start from a uniform stream.
     let weight = if data.attempt.steady { 0.6 } else { 0.9 };
-    // What the motion of a wall explains is the matter of another rule.
+    // Another rule treats the part that the motion of a wall explains.
     let size = |mismatch: &Mismatch| (mismatch.size - gas.kick).max(0.0);
     let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
         mismatch.clone().map(|mismatch| (weight * rises(size(&mismatch), 0.7), mismatch))
@@ -69,10 +69,10 @@ pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// A boundary is set in motion at once.
+/// A boundary starts to move suddenly.
 pub fn kick(data: &FailureData) -> Option<Cause> {
     let kick = data.gas.as_ref()?.kick;
-    // The waves of the kick have left after some slabs.
+    // The waves of the start have left after some slabs.
     let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);
     Some(Cause {
         name: "impulsive_motion",
@@ -96,7 +96,7 @@ pub fn steep_start(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The flow has become steep, or has nothing that damps what the mesh does not resolve.
+/// The flow has become steep, or nothing damps the scales that the mesh does not resolve.
 pub fn not_resolved(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref()?;
     let Extreme { quantity, value, cell } = gas.last.steepest;
@@ -111,7 +111,7 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         ),
         false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
     };
-    // The search for a steady flow has tried that flux by itself.
+    // The search for a steady flow has already tried that flux.
     let flux = if data.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
     Some(Cause {
         name: "not_resolved",
@@ -128,7 +128,7 @@ fn change(quantity: &str, value: f64) -> String {
     }
 }
 
-/// Fewer points than keep a free stream.
+/// Fewer quadrature points than preserve a free stream.
 pub fn quadrature(data: &FailureData) -> Option<Cause> {
     let [points, needed] = data.gas.as_ref()?.quadrature;
     (points < needed).then(|| Cause {

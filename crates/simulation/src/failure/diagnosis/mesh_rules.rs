@@ -3,7 +3,7 @@
 use super::super::data::{FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::{Cause, number, rises};
 
-/// A reach, in sizes of the mesh, at which coordinates have lost half of their digits.
+/// A displacement, in sizes of the mesh, at which coordinates have lost half of their digits.
 const FAR: f64 = 1e8;
 
 /// A formula of the motion has no value.
@@ -19,7 +19,7 @@ pub fn undefined_motion(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The motion leads so far away that coordinates keep no digits for the cells.
+/// The displacement is so large that coordinates keep no digits for the cells.
 pub fn far_away(data: &FailureData) -> Option<Cause> {
     let reach = data.mesh.reach;
     (reach > 1.0).then(|| Cause {
@@ -33,7 +33,7 @@ pub fn far_away(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The boundary goes further than an elastic mesh follows.
+/// The boundary moves further than an elastic mesh can follow.
 pub fn deformation(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
     matches!(mesh.motion, Motion::Elastic | Motion::Graded).then(|| Cause {
@@ -48,19 +48,19 @@ pub fn deformation(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// How much det J says of the motion: nothing where that is no number or too far away.
+/// The weight of det J as a sign of the motion: zero if it is NaN or the mesh is too far away.
 fn trust(mesh: &Mesh) -> f64 {
     if mesh.undefined.is_some() { 0.0 } else { 1.0 - rises(mesh.reach, FAR) }
 }
 
-/// What the equilibrium was found to, where that is a choice of the case.
+/// The tolerance of the equilibrium, if the case can choose it.
 fn in_equilibrium(mesh: &Mesh) -> String {
     mesh.tolerance.map_or_else(String::new, |tolerance| {
         format!(", in equilibrium to {} distances of nodes (`motion.elasticity.tolerance`)", number(tolerance))
     })
 }
 
-/// `remedies`, and those that are not taken yet.
+/// `remedies`, and those that are not in use yet.
 fn to_follow_further(mesh: &Mesh, remedies: &[&str]) -> String {
     let look = (!mesh.alone).then_some("look at the motion alone with `stsolve motion CASE`");
     let law = mesh.tolerance.is_none().then_some("take `motion.elasticity.law = \"neo_hookean\"`");
@@ -91,10 +91,10 @@ pub fn folding_formula(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The motion of one slab is large beside cells.
+/// The motion within one slab is large relative to cells.
 pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
     let travel = data.mesh.travel;
-    // A law that is not linear must find the way there; a linear one does not care.
+    // A nonlinear law must be solved by iteration; a linear law is not affected.
     let weight = if data.gave_up == GaveUp::Equilibrium { 0.95 } else { 0.85 };
     Some(Cause {
         name: "far_in_one_slab",
@@ -104,7 +104,7 @@ pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// All cells deform alike, the small ones too.
+/// All cells deform alike, including the small ones.
 pub fn stiffness(data: &FailureData) -> Option<Cause> {
     (data.mesh.motion == Motion::Elastic).then(|| Cause {
         name: "stiffness",
@@ -114,7 +114,7 @@ pub fn stiffness(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The mesh is poor at rest.
+/// The mesh has poor cells at rest.
 pub fn uneven_cells(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
     Some(Cause {
@@ -129,7 +129,7 @@ pub fn uneven_cells(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Cells must keep their volume.
+/// The material is nearly incompressible.
 pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
     let nu = data.mesh.poisson_ratio;
     (nu > 0.0).then(|| Cause {
@@ -140,7 +140,7 @@ pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The mesh was still valid, but not by much, when the flow failed.
+/// The mesh was barely valid when the flow failed.
 pub fn nearly_inverted(data: &FailureData) -> Option<Cause> {
     let smallest = data.mesh.smallest_det_j;
     (data.mesh.motion != Motion::Still).then(|| Cause {

@@ -3,10 +3,11 @@
 use super::super::data::{Attempt, FailureData, GaveUp, Settling};
 use super::{Cause, number, rises};
 
-/// A residual that stands at less than this times the estimate of its rounding probably is rounding.
+/// A residual that stagnates at less than this times the estimate of its round-off is probably round-off.
 const NEAR_ROUND_OFF: f64 = 30.0;
 
-/// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each, or less in the last one.
+/// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each step, or less in the last
+/// one.
 pub fn newton_steps(data: &FailureData) -> Option<Cause> {
     let newton = data.newton.as_ref().filter(|newton| newton.steps_used_up)?;
     let norms = &newton.residuals;
@@ -25,7 +26,7 @@ pub fn newton_steps(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// A steady flow was looked for, and a march in time has shown whether the flow becomes steady.
+/// A steady flow was not found, and a march in time has shown whether the flow becomes steady.
 pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
     let Settling { early, late, duration, calms_down } = data.newton.as_ref()?.settling?;
     let [early, late, duration] = [early, late, duration].map(number);
@@ -43,7 +44,7 @@ pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
     Some(Cause { name, likelihood, what, remedy })
 }
 
-/// Linear solves were cut short.
+/// Linear solves ended too early.
 pub fn linear_solver(data: &FailureData) -> Option<Cause> {
     let newton = data.newton.as_ref()?;
     let part = if data.gave_up == GaveUp::LinearSolver { 1.0 } else { newton.unfinished_linear_solves };
@@ -51,7 +52,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
         true => ("solver.steady.krylov_iterations", ""),
         false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
     };
-    // Ten iterations are few for any problem; where hundreds do not suffice the trouble is mostly elsewhere.
+    // Ten iterations are few for any problem. If hundreds do not suffice, the cause is mostly elsewhere.
     let few = 1.0 - rises(newton.krylov_allowed as f64, 50.0);
     Some(Cause {
         name: "linear_solver",
@@ -65,7 +66,7 @@ pub fn linear_solver(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The fastest wave passes many nodes in a slab.
+/// The fastest wave travels over many nodes in a slab.
 pub fn time_step(data: &FailureData) -> Option<Cause> {
     let gas = data.gas.as_ref().filter(|_| !data.attempt.steady)?;
     let Attempt { length, halvings, .. } = data.attempt;
@@ -85,7 +86,7 @@ pub fn time_step(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The residual falls no more, and rounding alone leaves not much less of it.
+/// The residual stagnates, not far above its round-off.
 pub fn tolerance(data: &FailureData) -> Option<Cause> {
     let newton = data.newton.as_ref()?;
     let (round_off, last) = (newton.round_off?, *newton.residuals.last()?);

@@ -16,7 +16,7 @@ pub fn bad_load(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Waves pass many nodes in a slab, so that the systems of its modes are far from the mass matrix.
+/// Waves travel over many nodes in a slab, so that the systems of its modes are far from the mass matrix.
 pub fn long_slab(data: &FailureData) -> Option<Cause> {
     let waves = data.structure.as_ref()?.waves_per_slab;
     Some(Cause {
@@ -27,7 +27,7 @@ pub fn long_slab(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Cells are slender or uneven, and round-off grows with that.
+/// Cells are slender or uneven, which increases round-off.
 pub fn slender_cells(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
     let _ = data.structure.as_ref()?;
@@ -43,7 +43,7 @@ pub fn slender_cells(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The material hardly changes its volume.
+/// The material is nearly incompressible.
 pub fn nearly_incompressible(data: &FailureData) -> Option<Cause> {
     let nu = data.structure.as_ref()?.poisson_ratio;
     Some(Cause {

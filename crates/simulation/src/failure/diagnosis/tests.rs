@@ -1,4 +1,4 @@
-//! A fact alone, in a run that is otherwise in order, makes its cause the likeliest.
+//! A single suspicious fact, in a run that is otherwise in order, makes its cause the likeliest.
 
 #![allow(clippy::unwrap_used)]
 
@@ -39,7 +39,7 @@ fn nothing_suspicious() -> FailureData {
     }
 }
 
-/// The first cause after `change`, and all of them.
+/// The first cause after `change`, and all causes.
 fn first(change: impl FnOnce(&mut FailureData)) -> &'static str {
     let mut data = nothing_suspicious();
     change(&mut data);
@@ -70,7 +70,7 @@ fn a_fact_of_the_gas_names_its_cause() {
     assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
 }
 
-/// Before, a run with a supersonic flow through `inflow` was told another cause.
+/// A run with a supersonic flow through `inflow` was once told another cause.
 #[test]
 fn a_misused_opening_is_named_first() {
     let seen = |misuse, share| {
@@ -108,7 +108,7 @@ fn a_fact_of_the_solver_names_its_cause() {
         newton(e).round_off = round_off;
     };
     assert_eq!(first(|e| stalls(e, Some(1e-10))), "tolerance");
-    // A residual that stands far above its rounding has another cause.
+    // A residual that stagnates far above its rounding has another cause.
     assert_ne!(first(|e| stalls(e, Some(1e-13))), "tolerance");
     assert_ne!(first(|e| stalls(e, None)), "tolerance");
     assert_eq!(
@@ -144,7 +144,7 @@ fn a_fact_of_the_mesh_names_its_cause() {
     assert_eq!(causes(&data)[0].name, "folding_formula");
 }
 
-/// det J is no number, or round-off, and says nothing of folds.
+/// det J is NaN, or round-off, and does not indicate folds.
 #[test]
 fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
     let moved = |motion, change: fn(&mut Mesh)| {
@@ -162,7 +162,7 @@ fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
     }
 }
 
-/// A remedy that is taken already is no remedy, and a tolerance that the case chose is named.
+/// A remedy already in use is not suggested, and a tolerance chosen in the case is named.
 #[test]
 fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
     let deformation = |change: fn(&mut Mesh)| {
@@ -213,7 +213,7 @@ fn numbers_are_rounded_in_sentences() {
     }
 }
 
-/// Only a march in time can tell; its result goes ahead of guesses.
+/// Only a march in time can decide; its result precedes guesses.
 #[test]
 fn a_flow_that_does_not_settle_is_called_unsteady() {
     let settling = |late: f64, calms_down| Settling { early: 0.5, late, duration: 8.0, calms_down };

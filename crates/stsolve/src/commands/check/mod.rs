@@ -2,10 +2,10 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `tables` | what is known of a case without trying |
-//! | `scales` | how fast and how far the mesh is moved |
-//! | `walls` | what the first cell at a wall resolves |
-//! | `measured` | what is found out by trying |
+//! | `tables` | figures of a case without trial computations |
+//! | `scales` | speed and amplitude of the motion of the mesh |
+//! | `walls` | resolution of the first cell at a wall |
+//! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
 
 mod measured;
@@ -26,10 +26,10 @@ use simulation::{Failure, OpeningRecord, check_restart, move_over_run, openings_
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
-/// Explains a checked case; `probe` says whether to try what it will do.
+/// Explains a checked case; `probe` decides about trial computations.
 ///
 /// # Errors
-/// If stdout cannot be written, or if the case starts from a result that is not there or does not fit.
+/// If stdout cannot be written, or if the case starts from a result that does not exist or does not fit.
 pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     // Inside the pool, as in a run.
     let tables = rayon::scope(|_| match case {
@@ -43,14 +43,14 @@ pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
 }
 
-/// A case, and what follows from it.
+/// A case, and figures that follow from it.
 pub(super) struct Facts<'a, const D: usize> {
     case: &'a Case<D>,
     /// The smallest edge of the boxes, along the axes, around the cells.
     smallest_size: f64,
     motion: Option<MotionScales>,
     walls: Option<Walls>,
-    /// The boundary layer that a flow with viscosity has.
+    /// The boundary layer of a flow with viscosity.
     plate: Option<FlatPlate>,
 }
 
@@ -75,13 +75,13 @@ impl<'a, const D: usize> Facts<'a, D> {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
 
-    /// Of the smallest cells, those that the fastest wave crosses in a slab.
+    /// The number of the smallest cells that the fastest wave crosses in a slab.
     fn cells_crossed(&self, flow: &Flow<D>) -> f64 {
         let wave = flow.reference_speed * (1.0 + 1.0 / flow.law.reference.mach());
         wave * self.case.time.step / self.smallest_size
     }
 
-    /// Coefficients and fields of the slabs that are written, in MB.
+    /// The size of coefficients and fields of the slabs that are written, in MB.
     fn result_megabytes(&self) -> f64 {
         let coordinates = self.case.mesh.coordinates().len() / D;
         let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
@@ -124,7 +124,7 @@ where
     openings_at_start::<D, M>(case, flow).iter().map(warning).collect()
 }
 
-/// Moves the mesh over the run, if that is wanted, and warns of what cannot be proved.
+/// Moves the mesh over the run, if requested, and warns if it is not proved valid.
 fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table> {
     if !measured::moves_mesh(case, probe) {
         return None;
@@ -147,7 +147,7 @@ fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Ve
     Some(measured::mesh_table(&over_run))
 }
 
-/// Times the parts of a slab, if that is wanted.
+/// Times the parts of a slab, if requested.
 fn seconds<const D: usize, const M: usize>(
     facts: &Facts<'_, D>,
     probe: Probe,

@@ -1,4 +1,4 @@
-//! What a mesh file holds.
+//! The contents of a mesh file.
 
 use crate::commands::print;
 use crate::commands::table::Table;
@@ -11,10 +11,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// How a Gmsh file begins.
+/// The beginning of a Gmsh file.
 const BEGINNING: &[u8] = b"$MeshFormat";
 
-/// Whether the file at `path` is, or should be, one of Gmsh.
+/// Whether the file at `path` is, or should be, a Gmsh file.
 pub(super) fn is_one(path: &Path) -> bool {
     let mut beginning = Vec::new();
     // A file that cannot be read is reported later.
@@ -22,7 +22,7 @@ pub(super) fn is_one(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "msh") || matches!(read, Ok(Ok(_)) if beginning == BEGINNING)
 }
 
-/// Tells what the Gmsh file at `path` holds.
+/// Describes the Gmsh file at `path`.
 ///
 /// # Errors
 /// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
@@ -51,7 +51,7 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
         .row("largest aspect ratio", aspect_ratio, "")
         .row("  in cell", cell, "")
         .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
-        // Every mesh that was read is.
+        // Every mesh that was read is valid.
         .row("valid", "yes", "det J > 0 is proved in every cell");
     let mut boundaries = Table::new("boundaries");
     for (boundary, name) in mesh.boundary_names().iter().enumerate() {

@@ -1,31 +1,36 @@
-//! Cells in packs: which node lies in which lane, and how the results of cells become one vector.
+//! C0 fields in packs: which node lies in which lane, and how the results of cells become one vector.
 
+use crate::batches::cells_of;
 use mesh::{Mesh, NodeNumbering};
 use rayon::prelude::*;
 use tensor::{Pack, WIDTH};
 
-/// C0 nodes per task of [`Batches::assemble`]. It sets the size of the tasks, not the result.
+/// C0 nodes per task of [`NodalBatches::assemble`]. It sets the size of the tasks, not the result.
 const NODES_PER_TASK: usize = 4096;
 
 /// The cells of a mesh, [`WIDTH`] at a time.
 ///
-/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes behind the last cell
+/// A **cell field** has the layout `[batch][component][node]` in packs, component 0..D, one cell per lane. Lanes after the last cell
 /// repeat it: they are computed, but not assembled.
-pub(crate) struct Batches<const D: usize> {
+pub struct NodalBatches<const D: usize> {
     cells: usize,
     nodes_per_cell: usize,
     /// C0 nodes, `[batch][node][lane]`.
     nodes: Vec<usize>,
     /// First entry of each C0 node in `places`, with the end.
     starts: Vec<usize>,
-    /// Where a C0 node lies in the cells, component 0: numbers of cell fields, counted by f64; in the order of the cells.
+    /// The places of each C0 node in the cells, component 0: indices into cell fields, counted in f64, in the order of
+    /// the cells.
+    /// The cell in a lane of a batch; after the last cell, the last cell again.
     places: Vec<usize>,
 }
 
-impl<const D: usize> Batches<D> {
-    pub(crate) fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
+impl<const D: usize> NodalBatches<D> {
+    /// The cells of `mesh` with the nodes of `numbering`.
+    pub fn new(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Self {
         let (cells, nodes_per_cell) = (mesh.n_cells(), numbering.order().pow(D as u32));
-        let mut batches = Batches { cells, nodes_per_cell, nodes: Vec::new(), starts: Vec::new(), places: Vec::new() };
+        let mut batches =
+            NodalBatches { cells, nodes_per_cell, nodes: Vec::new(), starts: Vec::new(), places: Vec::new() };
         let lanes = (0..batches.count())
             .flat_map(|batch| (0..nodes_per_cell * WIDTH).map(move |k| (batch, k / WIDTH, k % WIDTH)));
         batches.nodes = lanes.map(|(batch, k, lane)| numbering.cell(batches.cell(batch, lane))[k]).collect();
@@ -54,11 +59,11 @@ impl<const D: usize> Batches<D> {
     }
 
     /// The number of cells.
-    pub(crate) fn cells(&self) -> usize {
+    pub fn cells(&self) -> usize {
         self.cells
     }
     /// The C0 node in place `k` of a cell.
-    pub(crate) fn cell_node(&self, cell: usize, k: usize) -> usize {
+    pub fn cell_node(&self, cell: usize, k: usize) -> usize {
         self.batch_nodes(cell / WIDTH)[k * WIDTH + cell % WIDTH]
     }
     /// The C0 nodes of a batch, `[node][lane]`.
@@ -66,28 +71,28 @@ impl<const D: usize> Batches<D> {
         &self.nodes[batch * self.nodes_per_cell * WIDTH..][..self.nodes_per_cell * WIDTH]
     }
     /// The number of batches.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.cells.div_ceil(WIDTH)
     }
     /// Packs of one batch in a cell field.
-    pub(crate) fn cell_length(&self) -> usize {
+    pub fn cell_length(&self) -> usize {
         D * self.nodes_per_cell
     }
     /// Numbers of a nodal vector.
-    pub(crate) fn nodal_length(&self) -> usize {
+    pub fn nodal_length(&self) -> usize {
         D * (self.starts.len() - 1)
     }
     /// Packs of a cell field.
-    pub(crate) fn field_length(&self) -> usize {
+    pub fn field_length(&self) -> usize {
         self.count() * self.cell_length()
     }
     /// The cell in a lane of a batch; behind the last cell, the last cell again.
-    pub(crate) fn cell(&self, batch: usize, lane: usize) -> usize {
-        (batch * WIDTH + lane).min(self.cells - 1)
+    pub fn cell(&self, batch: usize, lane: usize) -> usize {
+        cells_of(batch, self.cells)[lane]
     }
 
     /// One batch of a cell field from the nodal vector `d`, `[C0 node][component]`.
-    pub(crate) fn gather(&self, batch: usize, d: &[f64], cell: &mut [Pack]) {
+    pub fn gather(&self, batch: usize, d: &[f64], cell: &mut [Pack]) {
         let nodes = self.batch_nodes(batch);
         for k in 0..self.nodes_per_cell {
             for lane in 0..WIDTH {
@@ -99,8 +104,9 @@ impl<const D: usize> Batches<D> {
         }
     }
 
-    /// out = sum over cells of a cell field, `[C0 node][component]`. A node adds its cells in increasing order, whoever computes it.
-    pub(crate) fn assemble(&self, field: &[Pack], out: &mut [f64]) {
+    /// out = sum over cells of a cell field, `[C0 node][component]`. A node adds its cells in increasing order for any number of
+    /// threads.
+    pub fn assemble(&self, field: &[Pack], out: &mut [f64]) {
         let component = self.nodes_per_cell * WIDTH;
         out.par_chunks_mut(NODES_PER_TASK * D).enumerate().for_each(|(task, out)| {
             for (offset, sum) in out.chunks_exact_mut(D).enumerate() {

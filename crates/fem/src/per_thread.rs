@@ -2,15 +2,15 @@
 
 use std::sync::{Mutex, PoisonError};
 
-/// A piece of scratch per thread of the pool, and one for a caller outside of it.
-pub struct Pool<T> {
+/// A piece of scratch for each thread that computes, and one for a caller outside of them.
+pub struct PerThread<T> {
     pieces: Vec<Mutex<T>>,
 }
 
-impl<T> Pool<T> {
+impl<T> PerThread<T> {
     /// One piece per thread from `make`.
     pub fn new(make: impl Fn() -> T) -> Self {
-        Pool { pieces: (0..=rayon::current_num_threads()).map(|_| Mutex::new(make())).collect() }
+        PerThread { pieces: (0..=rayon::current_num_threads()).map(|_| Mutex::new(make())).collect() }
     }
 
     /// Runs `work` with this thread's piece.

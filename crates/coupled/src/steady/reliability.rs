@@ -1,0 +1,147 @@
+//! Whether a converged steady flow is one of the flow, and not of the discrete equations alone.
+//!
+//! ```text
+//! r = |f_N+1(u)| / |(df_N+1/dm) m|             the residual at the next higher order, relative to the inertial terms        (next order)
+//! |du/dt| while u is marched in time           grows if the steady flow is unstable                                      (stability)
+//! ```
+//!
+//! Coarse meshes have spurious steady solutions: Newton's method finds them, though no flow in time ever stays there. They are not
+//! resolved, so r is large. A march is dear: it is made where r is large, or where the case asks for it.
+
+use super::residual_norms;
+use super::search::{Discretisation, Search};
+use super::settling::{PER_TIME_UNIT, duration, mean, rates_of_change};
+use crate::transfer::transfer_flow;
+use newton_krylov::problem::NonlinearProblem;
+
+/// r above which a march in time tests the flow.
+const UNRESOLVED: f64 = 0.1;
+
+/// Time units of a march that the case does not ask for.
+const TIME_UNITS: f64 = 8.0;
+
+/// The flow is unstable if its rate of change grows by this factor.
+const UNSTABLE: f64 = 10.0;
+
+/// In each cell the deviation from the mean changes by this part at most before the march. It breaks symmetries.
+const DISTURBANCE: f64 = 1e-5;
+
+/// Highest order of a flow in space.
+const HIGHEST_ORDER: usize = 16;
+
+/// What speaks for and against a steady flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reliability {
+    /// (next order); None where that residual cannot be evaluated.
+    pub next_order_residual: Option<f64>,
+    /// What a march in time has shown, where there was one.
+    pub stability: Option<Stability>,
+}
+
+impl Reliability {
+    /// Whether the mesh and the order resolve the flow.
+    pub fn is_resolved(&self) -> bool {
+        self.next_order_residual.is_some_and(|residual| residual <= UNRESOLVED)
+    }
+}
+
+/// A march in time from a steady flow that was disturbed slightly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stability {
+    /// |du/dt| in the last eighth of the march, relative to the least mean of an eighth before.
+    pub growth: f64,
+    /// The time marched.
+    pub duration: f64,
+    /// Whether every slab could be solved.
+    pub completed: bool,
+}
+
+impl Stability {
+    fn new(rates: &[f64], slabs: usize, duration: f64) -> Self {
+        let eighths: Vec<f64> = rates.chunks(slabs.div_ceil(8)).map(mean).collect();
+        let (late, least) = (eighths.last(), eighths.iter().copied().fold(f64::INFINITY, f64::min));
+        Stability { growth: late.map_or(1.0, |late| late / least), duration, completed: rates.len() == slabs }
+    }
+
+    /// Whether the steady flow is unstable.
+    pub fn is_unstable(&self) -> bool {
+        !self.completed || self.growth > UNSTABLE
+    }
+}
+
+impl<const D: usize, const M: usize> Search<'_, D, M> {
+    /// Tests the steady flow `u`.
+    pub(super) fn reliability(&self, u: &[f64]) -> Reliability {
+        let next_order_residual = if self.order < HIGHEST_ORDER { self.next_order_residual(u) } else { None };
+        let reliability = Reliability { next_order_residual, stability: None };
+        let needed = if reliability.is_resolved() || self.order >= HIGHEST_ORDER { 0.0 } else { TIME_UNITS };
+        let units = self.stability_time.unwrap_or(needed);
+        Reliability { stability: (units > 0.0).then(|| self.stability(u, units)), ..reliability }
+    }
+
+    fn next_order_residual(&self, u: &[f64]) -> Option<f64> {
+        let next = Discretisation { order: self.order + 1, ..self.own() };
+        let u = transfer_flow(u, self.mover, self.displacement, M, self.order, next.order);
+        let (mut problem, _) = (self.discretise)(next);
+        problem.at_rest(self.time, &u, self.displacement).ok()?;
+        let residual = residual_norms(&mut problem, &u).ok()?[0];
+        if problem.round_off(&u).is_some_and(|rounding| residual <= rounding[0]) {
+            // A uniform flow, for instance, has no terms to compare with.
+            return Some(0.0);
+        }
+        let (momentum, mut terms) = (momentum(&u, problem.flow.operator.layout.nodes, M), vec![0.0; u.len()]);
+        // At the point where rounding was estimated.
+        problem.jacobian_product(&momentum, &mut terms);
+        let size = problem.field_norms(&terms)[0];
+        (size > 0.0).then_some(residual / size)
+    }
+
+    fn stability(&self, u: &[f64], units: f64) -> Stability {
+        let mut disturbed = u.to_vec();
+        disturb(&mut disturbed, self.order.pow(D as u32));
+        let slabs = (units * PER_TIME_UNIT).ceil().max(8.0) as usize;
+        let rates = rates_of_change(self, &mut disturbed, slabs);
+        Stability::new(&rates, slabs, duration(self, rates.len()))
+    }
+}
+
+/// `u` with zeros for density and energy; `nodes` of a cell for each component.
+fn momentum(u: &[f64], nodes: usize, components: usize) -> Vec<f64> {
+    let is_momentum = |i: usize| (1..components - 1).contains(&(i / nodes % components));
+    u.iter().enumerate().map(|(i, u)| if is_momentum(i) { *u } else { 0.0 }).collect()
+}
+
+/// Scales the deviation from the mean of every component in every cell, by a factor that alternates without a pattern.
+fn disturb(u: &mut [f64], nodes: usize) {
+    for (k, values) in u.chunks_exact_mut(nodes).enumerate() {
+        let mean = values.iter().sum::<f64>() / nodes as f64;
+        // The golden ratio spreads its multiples evenly.
+        let factor = DISTURBANCE * (2.0 * (k as f64 * 0.618_033_988_749_894_9).fract() - 1.0);
+        values.iter_mut().for_each(|value| *value += factor * (*value - mean));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Stability;
+
+    fn unstable(rates: impl Iterator<Item = f64>) -> bool {
+        let rates: Vec<f64> = rates.collect();
+        Stability::new(&rates, 48, 8.0).is_unstable()
+    }
+
+    #[test]
+    fn a_flow_is_unstable_where_its_rate_of_change_grows() {
+        let times = || (0..48).map(|k| f64::from(k) / 6.0);
+        assert!(!unstable(times().map(|_| 1e-10)));
+        assert!(!unstable(times().map(|t| (-t).exp())));
+        assert!(!unstable(times().map(|t| 1e-9 * (0.1 * t).exp())));
+        // The disturbance decays first, then the unstable mode rises.
+        assert!(unstable(times().map(|t| (-3.0 * t).exp() + 1e-4 * t.exp())));
+        // A limit cycle has been reached.
+        assert!(unstable(times().map(|t| (1e-6 * (4.0 * t).exp()).min(1.0))));
+        // Not all slabs could be solved.
+        assert!(unstable(times().take(10).map(|_| 1e-10)));
+        assert!(unstable(std::iter::empty()));
+    }
+}
