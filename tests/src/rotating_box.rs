@@ -53,10 +53,10 @@ impl Turn {
     pub fn march(&self) -> MeshMarch<2> {
         let mesh = RotatingBoxMesh::unit(80 / self.order, self.order).build().unwrap();
         let numbering = NodeNumbering::new(&mesh, self.order);
-        let (mut constrained, mut field_of_node) = (vec![false; numbering.count], vec![None; numbering.count]);
+        let (mut constrained, mut field_of_node) = (vec![[false; 2]; numbering.count], vec![None; numbering.count]);
         for (boundary, name) in mesh.boundary_names().iter().enumerate() {
             for node in numbering.on_boundary(&mesh, boundary) {
-                constrained[node] = true;
+                constrained[node] = [true; 2];
                 field_of_node[node] = (name == "inner").then_some(0);
             }
         }

@@ -116,11 +116,11 @@ impl VortexRun {
 
 /// All boundaries move by [`Stretching`], and the interior follows with constant stiffness.
 fn elastic_motion(mesh: &Mesh<2>, numbering: &NodeNumbering) -> MeshMotion<2> {
-    let mut constrained = vec![false; numbering.count];
-    (0..4).flat_map(|b| numbering.on_boundary(mesh, b)).for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; 2]; numbering.count];
+    (0..4).flat_map(|b| numbering.on_boundary(mesh, b)).for_each(|node| constrained[node] = [true; 2]);
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
-    let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
+    let field_of_node = constrained.iter().map(|&c| (c == [true; 2]).then_some(0)).collect();
     let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
     let accuracy = Accuracy { solve: 1e-13, position: 1e-3 };
     MeshMotion::Elastic { mesh: Box::new(elastic), boundary, accuracy }

@@ -35,7 +35,7 @@ pub struct Couplings {
 /// The quantities that blocks exchange at a point z; in a product, their derivatives along the direction.
 #[derive(Clone, Debug, Default)]
 pub struct Exchange {
-    /// Displacement at the time nodes, `[time node][C0 node][component]`; read where nodes are constrained. It begins as prescribed, and
+    /// Displacement at the time nodes, `[time node][C0 node][component]`; read where entries are constrained. It begins as prescribed, and
     /// bodies add to it.
     pub wall_displacement: Vec<f64>,
     /// Velocity of the mesh, `[time node][C0 node][component]`.

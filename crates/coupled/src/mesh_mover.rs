@@ -100,7 +100,7 @@ impl<const D: usize> MeshMover<D> {
         (0..D).flat_map(|i| nodes.iter().map(move |&node| self.positions[node][i] + d[node * D + i])).collect()
     }
 
-    /// The displacement prescribed at time `t`; for an elastic mesh zero at free nodes.
+    /// The displacement prescribed at time `t`; for an elastic mesh zero at free entries.
     pub fn prescribed(&self, t: f64, out: &mut [f64]) {
         self.motion.prescribed(&self.positions, t, out);
     }

@@ -27,7 +27,7 @@ impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
 pub struct BoundaryMotion<const D: usize> {
     /// The displacement of each moving boundary.
     pub fields: Vec<Arc<dyn BoundaryField<D>>>,
-    /// For every C0 node the field that moves it, if it is constrained and does not stand still.
+    /// For every C0 node the field that moves it in all components, if there is one. What is constrained otherwise stands still.
     pub field_of_node: Vec<Option<usize>>,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> MeshMotion<D> {
     }
 
     /// The displacement of nodes with reference positions `x`, `[node][component]`, at time `t`; for an elastic mesh zero at free
-    /// nodes.
+    /// entries.
     pub fn prescribed(&self, x: &[[f64; D]], t: f64, out: &mut [f64]) {
         for (node, (x, out)) in x.iter().zip(out.chunks_exact_mut(D)).enumerate() {
             let displacement = self.field_of(node).map_or([0.0; D], |field| field.displacement(node, x, t));

@@ -29,19 +29,18 @@ use tensor::{Pack, WIDTH};
 /// matrix.
 pub(crate) struct Elimination<const D: usize> {
     unknowns: CellUnknowns,
-    /// The tree of the free nodes of the skeleton.
+    /// The tree of the nodes of the skeleton with a free component.
     tree: Arc<EliminationTree>,
-    constrained: Vec<bool>,
+    constrained: Vec<[bool; D]>,
 }
 
 impl<const D: usize> Elimination<D> {
-    /// For cells of the given order and the constrained nodes `constrained[C0 node]`. `centres` are any points of the
-    /// cells.
-    pub(crate) fn new(order: usize, batches: &NodalBatches<D>, constrained: &[bool], centres: &[[f64; D]]) -> Self {
+    /// For cells of the given order and the entries `constrained[C0 node][component]`. `centres` are any points of the cells.
+    pub(crate) fn new(order: usize, batches: &NodalBatches<D>, constrained: &[[bool; D]], centres: &[[f64; D]]) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
             let nodes = unknowns.skeleton_nodes(D).map(|k| batches.cell_node(cell, k));
-            nodes.filter(|&node| !constrained[node]).collect()
+            nodes.filter(|&node| constrained[node] != [true; D]).collect()
         };
         let cells: Vec<_> = (0..batches.cells()).map(skeleton).collect();
         let tree = Arc::new(EliminationTree::by_dissection(&cells, centres, constrained.len()));
@@ -67,7 +66,7 @@ impl<const D: usize> Elimination<D> {
     /// `[component][node]`.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] if too few nodes are constrained, or the state of the mesh is unstable.
+    /// [`ElasticityError::NotDefinite`] if too few entries are constrained, or the state of the mesh is unstable.
     pub(crate) fn factor(
         self: &Arc<Self>,
         batches: &NodalBatches<D>,
@@ -107,8 +106,8 @@ impl<const D: usize> Condensation<D> {
         &self.elimination
     }
 
-    /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained nodes.
-    /// After a first call with as many right-hand sides nothing is allocated.
+    /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained
+    /// entries. After a first call with as many right-hand sides nothing is allocated.
     pub(crate) fn solve(&self, batches: &NodalBatches<D>, x: &mut [f64]) {
         let cells = CellSweeps { factor: &self.inner, unknowns: &self.elimination.unknowns, batches };
         let count = x.len() / (self.elimination.constrained.len() * D);
@@ -131,8 +130,8 @@ impl<const D: usize> Condensation<D> {
 
     /// d_c = 0 in every right-hand side.
     fn hold(&self, d: &mut [f64]) {
-        let nodes = self.elimination.constrained.iter().cycle().zip(d.chunks_exact_mut(D));
-        nodes.filter(|(constrained, _)| **constrained).for_each(|(_, d)| d.fill(0.0));
+        let entries = self.elimination.constrained.as_flattened().iter().cycle().zip(d);
+        entries.filter(|(constrained, _)| **constrained).for_each(|(_, d)| *d = 0.0);
     }
 
     /// Changes the entries of the skeleton in `to`, given the entries in `from`, for every right-hand side.

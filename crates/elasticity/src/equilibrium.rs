@@ -7,7 +7,7 @@
 //! sqrt( (1/n) sum (b_i R_i / (K_ii h_i))^2 ) <= accuracy,     h: node spacing                                   (accuracy)
 //! ```
 //!
-//! At free nodes b = 1, and this is an error of position relative to the node spacing. At constrained nodes b is so large that the
+//! At free entries b = 1, and this is an error of position relative to the node spacing. At constrained entries b is so large that the
 //! boundary is at its prescribed position to [`BOUNDARY_ACCURACY`]. The increment of the boundary enters every Newton step through
 //! K_fc. A step begins with one solve with the K of the slab's bottom. If that leaves much of the residual, the exact derivative
 //! at the iterate is used, preconditioned by K. No iterate has J <= 0 where the energy is integrated, or fails the guard of the
@@ -121,7 +121,7 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
             weights
                 .iter_mut()
                 .enumerate()
-                .filter(|(i, _)| slab.mesh.constrained()[i / D])
+                .filter(|(i, _)| slab.mesh.constrained()[*i])
                 .for_each(|(_, w)| *w *= boundary);
         }
         Equilibrium {

@@ -53,9 +53,14 @@ pub enum ElasticityError {
         /// The length that mesh and order imply.
         expected: usize,
     },
-    /// No node is constrained: rigid motions cost no energy.
-    #[error("no node of the mesh is constrained: prescribe the displacement on at least one boundary")]
-    Unconstrained,
+    /// No node is constrained along an axis: a translation along it costs no energy.
+    #[error(
+        "no node of the mesh is constrained along axis {axis}: prescribe the displacement on at least one boundary"
+    )]
+    Unconstrained {
+        /// The axis, counted from 0.
+        axis: usize,
+    },
     /// The factorisation of the low-order matrix met a pivot that is not positive.
     #[error(
         "the stiffness matrix is not positive definite ({cause}): prescribe the displacement on more of the boundary, or check the stiffness"

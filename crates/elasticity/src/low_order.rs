@@ -14,9 +14,9 @@ use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
-/// The low-order matrix of the free nodes, factored or with a multigrid hierarchy.
+/// The low-order matrix of the nodes with a free component, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
-    /// The C0 nodes that are free.
+    /// These C0 nodes.
     free: Vec<usize>,
     inverse: Inverse,
     buffers: Pool<Buffers>,
@@ -36,21 +36,10 @@ enum Inverse {
 }
 
 impl<const D: usize> LowOrder<D> {
-    /// Assembles the matrix of the nodes that are not `constrained`, and factors it. For `multigrid` it makes a hierarchy from the
-    /// positions of all C0 nodes instead. `samples(cell)` are the samples at the Gauss-Lobatto nodes of `numbering`'s order in a cell.
+    /// Assembles the matrix of K + m M with the m and M of `inertia`, at the entries `[C0 node][component]` that are not `fixed`, and
+    /// factors it. For `multigrid` it makes a hierarchy from the positions of all C0 nodes instead. `samples(cell)` are the samples at
+    /// the Gauss-Lobatto nodes of `numbering`'s order in a cell.
     pub(crate) fn new(
-        lame: Lame,
-        numbering: &NodeNumbering,
-        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
-        constrained: &[bool],
-        multigrid: Option<&[[f64; D]]>,
-    ) -> Result<Self, ElasticityError> {
-        let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, Inertia::none(), numbering, samples, &fixed, multigrid)
-    }
-
-    /// The same for K + m M with the m and M of `inertia`, where only some components of a node may be `fixed`.
-    pub(crate) fn with_mass(
         lame: Lame,
         inertia: Inertia<'_, D>,
         numbering: &NodeNumbering,
@@ -73,13 +62,13 @@ impl<const D: usize> LowOrder<D> {
             None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
                 let of_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
-                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free)?)
+                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free, &fixed)?)
             }
         };
         Ok(LowOrder { free, inverse, buffers: Pool::new() })
     }
 
-    /// z = P^{-1} r at free nodes, 0 at the others; both `[C0 node][component]`.
+    /// z = P^{-1} r at free entries, 0 at the others; both `[C0 node][component]`. `r` vanishes at fixed entries.
     pub(crate) fn apply(&self, r: &[f64], z: &mut [f64]) {
         let mut buffers = self.buffers.take(Buffers::default);
         let Buffers { x, work } = &mut buffers;
@@ -124,7 +113,7 @@ pub(crate) struct Inertia<'a, const D: usize> {
 }
 
 impl<const D: usize> Inertia<'_, D> {
-    fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Inertia { m: 0.0, density: 0.0, layer: &[] }
     }
 }

@@ -29,24 +29,28 @@ pub(crate) trait Cycle: Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-/// The hierarchy for a matrix in D dimensions with nodes at `coordinates`.
+/// The hierarchy for a matrix in D dimensions with nodes at `coordinates`, whose `fixed` components are coupled with nothing: coarse
+/// functions leave them alone.
 pub(crate) fn hierarchy<const D: usize>(
     matrix: &BlockMatrix<f64>,
     coordinates: &[[f64; D]],
+    fixed: &[[bool; D]],
 ) -> Result<Box<dyn Cycle>, ElasticityError> {
     let centre: [f64; D] = from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
     let from_centre = |x: &[f64; D]| from_fn(|i| x[i] - centre[i]);
     if D == 2 {
-        let modes = coordinates.iter().map(|x| rigid_motions::<D, 3>(&from_centre(x))).collect();
+        let modes =
+            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 3>(&from_centre(x), fixed)).collect();
         Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
     } else {
-        let modes = coordinates.iter().map(|x| rigid_motions::<D, 6>(&from_centre(x))).collect();
+        let modes =
+            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 6>(&from_centre(x), fixed)).collect();
         Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
     }
 }
 
-/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`.
-fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
+/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`, without the `fixed` components.
+fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D], fixed: &[bool; D]) -> Block<D, B> {
     let mut motions = [[0.0; B]; D];
     (0..D).for_each(|i| motions[i][i] = 1.0);
     let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
@@ -54,6 +58,7 @@ fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
         motions[b][motion] = x[a];
         motions[a][motion] = -x[b];
     }
+    (0..D).filter(|&i| fixed[i]).for_each(|i| motions[i] = [0.0; B]);
     motions
 }
 

@@ -84,14 +84,14 @@ pub(crate) fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
 /// The mesh equations of a slab of length `dt`, in the unknown velocities V.
 ///
 /// ```text
-/// R_a = R(d(s_a))_f                     at free nodes                                                            (slab)
-/// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained nodes: a force, like the other rows
+/// R_a = R(d(s_a))_f                     at free entries                                                          (slab)
+/// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained entries: a force, like the other rows
 /// ```
 ///
 /// The slab begins at the displacement that [`ElasticMesh::begin_slab`] was called with.
 #[derive(Clone, Copy)]
 pub struct ElasticSlab<'a, const D: usize> {
-    /// The law and the constrained nodes.
+    /// The law and the constrained entries.
     pub mesh: &'a ElasticMesh<D>,
     /// The temporal basis.
     pub motion: &'a SlabMotion,
@@ -101,7 +101,7 @@ pub struct ElasticSlab<'a, const D: usize> {
 
 impl<const D: usize> ElasticSlab<'_, D> {
     /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes. Only the
-    /// entries of constrained nodes of `g` are read.
+    /// constrained entries of `g` are read.
     ///
     /// # Errors
     /// [`Inversion`] where the law has no stress; `r` is then meaningless.
@@ -117,7 +117,7 @@ impl<const D: usize> ElasticSlab<'_, D> {
         })
     }
 
-    /// out += factor diag(K) g at constrained nodes: what their rows of (slab) have of the displacements `g[a][..]`, negative there.
+    /// out += factor diag(K) g at constrained entries: what their rows of (slab) have of the displacements `g[a][..]`, negative there.
     pub fn add_prescribed(&self, factor: f64, g: &[f64], out: &mut [f64]) {
         let length = self.mesh.length();
         for (g, out) in g.chunks_exact(length).zip(out.chunks_exact_mut(length)) {

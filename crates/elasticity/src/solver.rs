@@ -40,12 +40,12 @@ const MAX_OPERATIONS: f64 = 1e11;
 const MAX_BYTES: usize = 2 << 30;
 
 impl Plan {
-    /// The plan for a mesh with displacements of the order of `numbering`, prescribed at `constrained[C0 node]`, if `solver` is
-    /// requested.
+    /// The plan for a mesh with displacements of the order of `numbering`, prescribed at `constrained[C0 node][component]`, if
+    /// `solver` is requested.
     pub fn new<const D: usize>(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
         solver: Solver,
     ) -> Self {
         Self::with_elimination(mesh, numbering, &NodalBatches::new(mesh, numbering), constrained, solver).0
@@ -56,10 +56,10 @@ impl Plan {
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
         batches: &NodalBatches<D>,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
         solver: Solver,
     ) -> (Self, Option<Arc<Elimination<D>>>) {
-        let unknowns = D * constrained.iter().filter(|constrained| !**constrained).count();
+        let unknowns = constrained.as_flattened().iter().filter(|constrained| !**constrained).count();
         let iterative = |solver| (Plan { solver, bytes: low_order_bytes(D, unknowns, solver) }, None);
         if matches!(solver, Solver::ConjugateGradients | Solver::Multigrid) {
             return iterative(solver);

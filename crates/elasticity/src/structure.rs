@@ -311,7 +311,7 @@ impl<const D: usize> Structure<D> {
             }
             Ok(samples)
         };
-        LowOrder::with_mass(base, inertia, &self.numbering, samples, &self.fixed, None)
+        LowOrder::new(base, inertia, &self.numbering, samples, &self.fixed, None)
     }
 
     /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.

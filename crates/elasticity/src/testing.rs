@@ -14,11 +14,23 @@ pub(crate) fn unit_box<const D: usize>(cells: [usize; D], order: usize, amplitud
     BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap()
 }
 
-/// Whether each C0 node lies on a boundary.
-pub(crate) fn boundary_nodes<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<bool> {
-    let mut constrained = vec![false; numbering.count];
+/// All components of the C0 nodes on a boundary.
+pub(crate) fn boundary_nodes<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[bool; D]> {
+    let mut constrained = vec![[false; D]; numbering.count];
     for boundary in 0..mesh.boundary_names().len() {
-        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = true);
+        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = [true; D]);
+    }
+    constrained
+}
+
+/// The ends of a box along x held in all components, its other walls along their normals only.
+pub(crate) fn between_sliding_walls<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[bool; D]> {
+    let mut constrained = vec![[false; D]; numbering.count];
+    for boundary in 0..mesh.boundary_names().len() {
+        // Boundaries of a box are two for each axis.
+        let axis = boundary / 2;
+        let nodes = numbering.on_boundary(mesh, boundary);
+        nodes.into_iter().for_each(|node| (0..D).for_each(|i| constrained[node][i] |= axis == 0 || axis == i));
     }
     constrained
 }
@@ -124,9 +136,9 @@ fn gradients_at<const D: usize>(
 }
 
 /// The solution of K_ff d_f = f_f - K_fc d_c by a dense factorisation; constrained entries of `d` are kept.
-pub(crate) fn solve_densely<const D: usize>(k: &Mat<f64>, constrained: &[bool], f: &[f64], d: &mut [f64]) {
-    let free: Vec<usize> = (0..d.len()).filter(|i| !constrained[i / D]).collect();
-    let given: Vec<usize> = (0..d.len()).filter(|i| constrained[i / D]).collect();
+pub(crate) fn solve_densely(k: &Mat<f64>, constrained: &[bool], f: &[f64], d: &mut [f64]) {
+    let free: Vec<usize> = (0..d.len()).filter(|&i| !constrained[i]).collect();
+    let given: Vec<usize> = (0..d.len()).filter(|&i| constrained[i]).collect();
     let matrix = Mat::from_fn(free.len(), free.len(), |i, j| k[(free[i], free[j])]);
     let boundary = |i: usize| given.iter().map(|&j| k[(i, j)] * d[j]).sum::<f64>();
     let b = Mat::from_fn(free.len(), 1, |i, _| f[free[i]] - boundary(free[i]));

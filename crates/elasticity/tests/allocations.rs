@@ -41,8 +41,8 @@ fn operator_and_slab_residual_allocate_nothing() {
         .build()
         .unwrap();
     let numbering = NodeNumbering::new(&mesh, 4);
-    let mut constrained = vec![false; numbering.count];
-    numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; 2]; numbering.count];
+    numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| constrained[node] = [true; 2]);
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
     let elastic =
         ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), stiffness, &constrained).unwrap();

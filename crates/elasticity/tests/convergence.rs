@@ -72,8 +72,10 @@ fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
         .build()
         .unwrap();
     let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![false; numbering.count];
-    (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; D]; numbering.count];
+    (0..2 * D)
+        .flat_map(|boundary| numbering.on_boundary(&mesh, boundary))
+        .for_each(|node| constrained[node] = [true; D]);
     let material = Material::new(2.0, 0.3).unwrap();
     let modulus = |x: &[f64; D]| stiffness(x);
     // In 3-D, and for one solution, multigrid is faster than a factorisation.
@@ -81,7 +83,7 @@ fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
     let stiffness = Stiffness::Function(&modulus);
     let elastic = ElasticMesh::with_solver(&mesh, &numbering, material, stiffness, &constrained, solver).unwrap();
     let mut d: Vec<f64> = elastic.coordinates().iter().flat_map(displacement).collect();
-    d.iter_mut().zip(constrained.iter().flat_map(|c| [*c; D])).for_each(|(d, c)| *d = if c { *d } else { 0.0 });
+    d.iter_mut().zip(constrained.as_flattened()).for_each(|(d, c)| *d = if *c { *d } else { 0.0 });
     elastic.solve(&load(&mesh, &numbering, material.lame()), &mut d, 1e-13).unwrap();
     error(&mesh, &numbering, &d)
 }

@@ -25,10 +25,10 @@ struct Turning<const D: usize> {
 impl<const D: usize> Turning<D> {
     fn new(mesh: &Mesh<D>, boundary: &str, stiffness: Stiffness<'_, D>) -> Self {
         let numbering = NodeNumbering::new(mesh, mesh.order());
-        let (mut constrained, mut turns) = (vec![false; numbering.count], vec![false; numbering.count]);
+        let (mut constrained, mut turns) = (vec![[false; D]; numbering.count], vec![false; numbering.count]);
         for (number, name) in mesh.boundary_names().iter().enumerate() {
             for node in numbering.on_boundary(mesh, number) {
-                constrained[node] = true;
+                constrained[node] = [true; D];
                 turns[node] |= name == boundary;
             }
         }

@@ -21,7 +21,7 @@ fn solution<const D: usize>(case: &Case<'_, D>, solver: Solver, tolerance: f64) 
     for (boundary, name) in mesh.boundary_names().iter().enumerate() {
         numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| boundary_of[node] = Some(name));
     }
-    let constrained: Vec<bool> = boundary_of.iter().map(Option::is_some).collect();
+    let constrained: Vec<[bool; D]> = boundary_of.iter().map(|boundary| [boundary.is_some(); D]).collect();
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::with_solver(mesh, &numbering, material, case.stiffness, &constrained, solver).unwrap();
     let at_node = |(x, name): (&[f64; D], &Option<&String>)| name.map_or([0.0; D], |name| (case.boundary)(name, x));

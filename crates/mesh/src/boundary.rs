@@ -1,4 +1,4 @@
-//! The geometry of a boundary at its C0 nodes: normals, and arc length along a closed curve.
+//! The geometry of a boundary at its C0 nodes: normals, axes, and arc length along a closed curve.
 
 use crate::facet::{axis_and_side, face_nodes, outward_sign, tangent_sign};
 use crate::{BoundaryFacet, CellMap, Mesh, MeshError, NodeNumbering, Side};
@@ -9,6 +9,9 @@ use tensor::{cofactor, norm};
 
 /// A mean of unit normals shorter than this has no usable direction.
 const NO_DIRECTION: f64 = 1e-8;
+
+/// A facet is plane if its nodes are within this part of the diameter of the mesh: files carry about ten digits.
+const PLANE: f64 = 1e-9;
 
 impl<const D: usize> Mesh<D> {
     /// The unit normal, out of the domain, at every C0 node of `boundary`:
@@ -48,6 +51,29 @@ impl<const D: usize> Mesh<D> {
             Ok((node, sum.map(|x| x / length)))
         };
         sums.into_iter().map(normalised).collect()
+    }
+
+    /// The C0 nodes of `boundary`, and the axes that it is normal to there: one in a plane, several where planes meet.
+    ///
+    /// # Errors
+    /// [`MeshError::NoAxis`] where a facet is not in a plane normal to an axis.
+    pub fn normal_axes(
+        &self,
+        numbering: &NodeNumbering,
+        boundary: usize,
+    ) -> Result<BTreeMap<usize, [bool; D]>, MeshError> {
+        let tolerance = PLANE * self.diameter();
+        let mut axes: BTreeMap<usize, [bool; D]> = BTreeMap::new();
+        for side in self.sides_of(boundary) {
+            let positions = self.face_positions(side);
+            let is_plane = |axis: &usize| positions.iter().all(|x| (x[*axis] - positions[0][*axis]).abs() <= tolerance);
+            let Some(axis) = (0..D).find(is_plane) else {
+                let (name, position) = (self.boundary_names[boundary].clone(), self.face_centre(side));
+                return Err(MeshError::NoAxis { name, position });
+            };
+            numbering.face::<D>(side).into_iter().for_each(|node| axes.entry(node).or_insert([false; D])[axis] = true);
+        }
+        Ok(axes)
     }
 
     /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to the
@@ -192,6 +218,22 @@ mod tests {
                 assert!((apart - apart.round()).abs() < 1e-9 && (0.0..1.0).contains(&s), "{s} at {x} {y}");
             }
         }
+    }
+
+    #[test]
+    fn a_plane_boundary_is_normal_to_an_axis_and_its_corners_to_two() {
+        let mesh = RotatingBoxMesh::unit(5, 3).build().unwrap().scrambled(2);
+        let numbering = NodeNumbering::new(&mesh, 3);
+        let (places, inner) = (places(&mesh, &numbering), named(&mesh, "inner"));
+        let axes = mesh.normal_axes(&numbering, inner).unwrap();
+        assert_eq!(axes.keys().copied().collect::<Vec<_>>(), numbering.on_boundary(&mesh, inner));
+        for (node, axes) in axes {
+            let on_side = places[&node].map(|x| (x.abs() - 0.1).abs() < 1e-12);
+            assert_eq!(axes, on_side, "{:?}", places[&node]);
+        }
+        let (round, numbering) = (annulus(), NodeNumbering::new(&annulus(), 3));
+        let error = round.normal_axes(&numbering, named(&round, "wall")).unwrap_err();
+        assert!(matches!(error, MeshError::NoAxis { name, .. } if name == "wall"));
     }
 
     #[test]

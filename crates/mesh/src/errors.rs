@@ -147,6 +147,95 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
+    /// Segments do not fill an axis of a box.
+    #[error("box mesh: segment {segment} along axis {axis} {problem}")]
+    Segments {
+        /// Along which axis.
+        axis: usize,
+        /// The segment, counted from 0.
+        segment: usize,
+        /// What is wrong with it, and what would do.
+        problem: String,
+    },
+    /// A face of a region goes through cells.
+    #[error(
+        "region \"{name}\" ends at {value} along axis {axis}, which is not between cells; the nearest line between cells is at {nearest}"
+    )]
+    Unaligned {
+        /// The region.
+        name: String,
+        /// Along which axis.
+        axis: usize,
+        /// Where its face is.
+        value: f64,
+        /// The nearest end of a cell.
+        nearest: f64,
+    },
+    /// A region lists a cell that does not exist.
+    #[error("region \"{name}\" lists cell {cell}: there are {cells} cells")]
+    NoSuchCell {
+        /// The region.
+        name: String,
+        /// The cell listed.
+        cell: usize,
+        /// Cells in the mesh.
+        cells: usize,
+    },
+    /// Two regions have the same name.
+    #[error("region name \"{name}\" is given twice")]
+    RegionTwice {
+        /// The name.
+        name: String,
+    },
+    /// A region has no cells.
+    #[error("region \"{name}\" has no cells")]
+    EmptyRegion {
+        /// The region.
+        name: String,
+    },
+    /// A cell is in two regions, and a part of the mesh is to be made of one of them.
+    #[error(
+        "cell {cell} is in region \"{first}\" and in region \"{second}\": a mesh in parts needs every cell in one region"
+    )]
+    TwoRegions {
+        /// The cell.
+        cell: usize,
+        /// A region that contains it.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+    /// There is no region of that name.
+    #[error("the mesh has no region \"{name}\"; its regions are {known:?}")]
+    NoRegion {
+        /// The name.
+        name: String,
+        /// The names that exist.
+        known: Vec<String>,
+    },
+    /// Regions leave nothing of the mesh.
+    #[error("the regions {names:?} fill the whole mesh: no cell is left outside of them")]
+    NothingLeft {
+        /// The regions.
+        names: Vec<String>,
+    },
+    /// Two parts of a mesh have no node in common.
+    #[error("the regions {first:?} and {second:?} do not touch: they have no node in common")]
+    Apart {
+        /// The regions of one part.
+        first: Vec<String>,
+        /// The regions of the other part.
+        second: Vec<String>,
+    },
+    /// A boundary of a part would be both outside and towards another region.
+    #[error(
+        "boundary \"{name}\" lies on the outside of the mesh, and between two regions: give the facets between regions, or their \
+         region, another name"
+    )]
+    InterfaceName {
+        /// The name.
+        name: String,
+    },
     /// A periodic pair refers to a boundary that does not exist, to one twice, or to one of another pair.
     #[error(
         "periodic pair {pair} refers to boundary {boundary}: expected two different boundaries of 0..{count}, \
@@ -195,6 +284,14 @@ pub enum MeshError {
         /// The boundary.
         name: String,
         /// The node.
+        position: Vec<f64>,
+    },
+    /// A facet of a boundary is not in a plane normal to an axis.
+    #[error("boundary \"{name}\" is not in a plane normal to an axis at {position:?}")]
+    NoAxis {
+        /// The boundary.
+        name: String,
+        /// The centre of the facet.
         position: Vec<f64>,
     },
     /// Two neighbours do not have the same nodes on the face between them.

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `facet` | faces of a cell, their lattices and signs; orientation of two lattices |
 //! | `mesh` | the mesh |
+//! | `region`, `part` | named sets of cells; the mesh that some of them make, and the nodes that two such meshes share |
 //! | `topology` | facets from vertex numbers and names |
 //! | `periodic` | boundaries that are translates of each other |
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
@@ -32,8 +33,10 @@ mod lattice;
 mod locate;
 mod mesh;
 mod numbering;
+mod part;
 mod periodic;
 mod random;
+mod region;
 mod scramble;
 mod topology;
 mod validity;
@@ -49,5 +52,7 @@ pub use geometry::CellMap;
 pub use gmsh::{GmshError, Place};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
+pub use part::Part;
 pub use periodic::PeriodicPair;
+pub use region::{REST, Region};
 pub use validity::{Bound, MotionCheck, SlabPoint, Validity, ValidityCheck};

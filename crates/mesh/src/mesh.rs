@@ -2,7 +2,10 @@
 
 use crate::facet::{corner_node, face_nodes};
 use crate::numbering::unite_nodes;
-use crate::{BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Side, geometry, topology, validity};
+use crate::region::NamedSides;
+use crate::{
+    BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Region, Side, geometry, region, topology, validity,
+};
 use tensor::norm;
 
 /// Orders that a mesh may have.
@@ -18,6 +21,8 @@ pub struct Mesh<const D: usize> {
     pub(crate) interior_facets: Vec<InteriorFacet>,
     pub(crate) boundary_facets: Vec<BoundaryFacet>,
     pub(crate) boundary_names: Vec<String>,
+    pub(crate) regions: Vec<Region>,
+    pub(crate) interfaces: NamedSides,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -36,9 +41,23 @@ impl<const D: usize> Mesh<D> {
         boundaries: Vec<(String, Vec<Side>)>,
         periodic: Vec<PeriodicPair<D>>,
     ) -> Result<Self, MeshError> {
+        Self::of_regions(order, corners, coordinates, boundaries, periodic, Vec::new())
+    }
+
+    /// The same with named sets of cells. `boundaries` may list facets between cells of different regions, by a side of each.
+    pub fn of_regions(
+        order: usize,
+        corners: Vec<usize>,
+        coordinates: Vec<f64>,
+        boundaries: Vec<(String, Vec<Side>)>,
+        periodic: Vec<PeriodicPair<D>>,
+        regions: Vec<Region>,
+    ) -> Result<Self, MeshError> {
         check_arrays::<D>(order, &corners, &coordinates)?;
-        let (interior_facets, boundary_facets, boundary_names) = Default::default();
-        let mut mesh = Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names };
+        let regions = region::complete(corners.len() >> D, regions)?;
+        let (interior_facets, boundary_facets, boundary_names, interfaces) = Default::default();
+        let mut mesh =
+            Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names, regions, interfaces };
         topology::connect(&mut mesh, boundaries, &periodic)?;
         unite_nodes(&mut mesh);
         validity::check_cells(&mesh)?;

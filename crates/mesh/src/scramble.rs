@@ -75,6 +75,10 @@ impl<const D: usize> Mesh<D> {
         mesh.coordinates = (0..self.n_cells()).flat_map(|cell| self.turned_coordinates(cell, turns[cell])).collect();
         mesh.interior_facets.iter_mut().for_each(|facet| *facet = turned_facet(facet, turns));
         mesh.boundary_facets.iter_mut().for_each(|facet| facet.side = Turn::new_side(turns, facet.side));
+        for side in mesh.interfaces.iter_mut().flat_map(|(_, sides)| sides) {
+            *side = Turn::new_side(turns, *side);
+        }
+        mesh.interfaces.iter_mut().for_each(|(_, sides)| sides.sort_unstable());
         mesh.interior_facets.sort_unstable_by_key(|facet| facet.minus);
         mesh.boundary_facets.sort_unstable_by_key(|facet| (facet.boundary, facet.side));
         mesh

@@ -4,7 +4,7 @@ use super::bodies::bodies;
 use case::expression::Program;
 use case::{
     Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure,
-    StructureLaw, Support, Vector,
+    StructureLaw, Support, Vector, constrained,
 };
 use coupled::{
     BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
@@ -35,8 +35,9 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
         None => MeshMotion::Still,
         Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
         Some(Motion::Followed) => MeshMotion::Followed,
-        Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary }) => {
-            let (constrained, boundary) = constraints(case, &numbering, boundary);
+        Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary, slides }) => {
+            let constrained = constrained(&case.mesh, &numbering, slides);
+            let boundary = boundary_motion(case, &numbering, boundary);
             let modulus = modulus(case, stiffness);
             let stiffness = match stiffness {
                 Stiffness::Constant => elasticity::Stiffness::Constant,
@@ -55,9 +56,9 @@ pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityE
 
 /// The solver that the mesh of a case will have, if its interior is elastic.
 pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Plan> {
-    let Some(Motion::Elastic { solver, boundary, .. }) = &case.motion else { return None };
+    let Some(Motion::Elastic { solver, slides, .. }) = &case.motion else { return None };
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let (constrained, _) = constraints(case, &numbering, boundary);
+    let constrained = constrained(&case.mesh, &numbering, slides);
     Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
 }
 
@@ -69,7 +70,7 @@ pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let motion: BoundaryMotion<D> = match &case.motion {
         None | Some(Motion::Followed) => return Vec::new(),
-        Some(Motion::Elastic { boundary, .. }) => constraints(case, &numbering, boundary).1,
+        Some(Motion::Elastic { boundary, .. }) => boundary_motion(case, &numbering, boundary),
         Some(Motion::Prescribed(displacement)) => {
             let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
             BoundaryMotion { fields, field_of_node: vec![Some(0); numbering.count] }
@@ -97,19 +98,15 @@ fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modu
     }
 }
 
-/// The constrained nodes, and their motion.
-fn constraints<const D: usize>(
+/// The motion of the nodes on boundaries.
+fn boundary_motion<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
     boundary: &[Option<case::BoundaryMotion<D>>],
-) -> (Vec<bool>, BoundaryMotion<D>) {
-    let mut constrained = vec![false; numbering.count];
-    for index in 0..boundary.len() {
-        numbering.on_boundary(&case.mesh, index).into_iter().for_each(|node| constrained[node] = true);
-    }
+) -> BoundaryMotion<D> {
     let field = |motion: &case::BoundaryMotion<D>| Arc::new(motion.clone()) as Arc<dyn BoundaryField<D>>;
     let fields = boundary.iter().flatten().map(field).collect();
-    (constrained, BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) })
+    BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) }
 }
 
 /// For every C0 node the moving boundary that moves it: the first one that contains it.

@@ -79,9 +79,9 @@ where
 }
 
 fn elastic_mesh<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> MeshMotion<D> {
-    let mut constrained = vec![false; numbering.count];
+    let mut constrained = vec![[false; D]; numbering.count];
     for boundary in 0..2 * D {
-        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = true);
+        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = [true; D]);
     }
     let material = Material::new(1.0, 0.3).unwrap();
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();

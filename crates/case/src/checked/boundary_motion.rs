@@ -4,6 +4,7 @@ use super::Time;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::motion::check_start;
 use super::shared_nodes::{SharedNodes, nodes_on};
+use super::sliding_mesh::Held;
 use crate::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
 use crate::checker::{Checked, Checker};
 use crate::error::Cause;
@@ -30,7 +31,7 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         Boundaries { checker, mesh, numbering: OnceCell::new(), time: *time }
     }
 
-    /// The motion of boundary number `boundary`, given at `key`; None: it rests.
+    /// The motion of boundary number `boundary`, given at `key`; None: it rests or slides.
     pub(super) fn motion(
         &self,
         boundary: usize,
@@ -38,7 +39,7 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         raw: &raw::BoundaryMotion,
     ) -> Checked<Option<BoundaryMotion<D>>> {
         let (key, motion) = match raw {
-            raw::BoundaryMotion::Fixed => return Ok(None),
+            raw::BoundaryMotion::Fixed | raw::BoundaryMotion::Slide => return Ok(None),
             raw::BoundaryMotion::Displacement(formulas) => {
                 let key = key.child("displacement");
                 let displacement = self.checker.formulas(&key, formulas)?;
@@ -64,12 +65,28 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         Ok(Some(motion))
     }
 
-    /// Checks that the `motions` of all boundaries, with their keys, agree at shared nodes.
-    pub(super) fn check_shared(&self, keys: &[Key], motions: &[Option<BoundaryMotion<D>>]) -> Checked<()> {
+    /// The nodes of boundary number `boundary`, and the components that it holds there, if what is given at `key` lets it slide.
+    pub(super) fn slide(&self, boundary: usize, key: &Key, raw: &raw::BoundaryMotion) -> Checked<Option<Held<D>>> {
+        if *raw != raw::BoundaryMotion::Slide {
+            return Ok(None);
+        }
+        let axes = self.mesh.normal_axes(self.numbering(), boundary);
+        axes.map(Some).map_err(|error| self.checker.error(key, Cause::Mesh(error)))
+    }
+
+    /// Checks that the `motions` of all boundaries, with their keys, agree at shared nodes. Boundaries that slide hold only the components
+    /// in `slides`.
+    pub(super) fn check_shared(
+        &self,
+        keys: &[Key],
+        motions: &[Option<BoundaryMotion<D>>],
+        slides: &[Option<Held<D>>],
+    ) -> Checked<()> {
         let (checker, mesh, numbering, time) = (self.checker, self.mesh, self.numbering(), self.time);
         SharedNodes { checker, mesh, numbering, time }.check(keys, &|boundary, node, x, t| {
+            let held = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
             let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
-            d.map(Some)
+            std::array::from_fn(|i| held[i].then_some(d[i]))
         })
     }
 

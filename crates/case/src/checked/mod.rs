@@ -12,6 +12,7 @@ mod openings;
 mod resolved;
 mod shared_nodes;
 mod slide;
+mod sliding_mesh;
 mod solver;
 mod states;
 mod structure;
@@ -27,6 +28,7 @@ pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
+pub use sliding_mesh::{Held, constrained};
 pub use structure::{Largest, Structure, Support};
 pub use time::{Output, Time};
 
@@ -39,7 +41,6 @@ use super::raw;
 use crate::any_mesh::AnyMesh;
 // The crate, besides a module of the same name.
 use ::mesh as mesh_crate;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A case in two or three dimensions.
@@ -148,6 +149,7 @@ impl<const D: usize> Case<D> {
         let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &bodies, &time)?;
         let structure =
             raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
+        sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
         if raw.restart.is_some() && flow.is_none() {
             let problem = "only a flow can start where another run stands";
@@ -177,14 +179,12 @@ impl<const D: usize> Case<D> {
         self.allowed_changes.contains(&change)
     }
 
-    /// The unknown displacements of a slab: those of the nodes of an elastic mesh that are not on a boundary.
+    /// The unknown displacements of a slab: the components at the nodes of an elastic mesh that no boundary prescribes.
     pub fn mesh_unknowns(&self) -> Option<usize> {
-        let Some(Motion::Elastic { .. }) = self.motion else { return None };
+        let Some(Motion::Elastic { slides, .. }) = &self.motion else { return None };
         let numbering = mesh_crate::NodeNumbering::new(&self.mesh, self.mesh.order());
-        let boundaries = 0..self.mesh.boundary_names().len();
-        let given: BTreeSet<usize> =
-            boundaries.flat_map(|boundary| numbering.on_boundary(&self.mesh, boundary)).collect();
-        Some((numbering.count - given.len()) * D * self.time.order)
+        let constrained = constrained(&self.mesh, &numbering, slides);
+        Some(constrained.as_flattened().iter().filter(|constrained| !**constrained).count() * self.time.order)
     }
 
     /// Unknowns of the flow in a slab, 0 without a flow.

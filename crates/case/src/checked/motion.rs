@@ -5,6 +5,7 @@ use super::bodies::RigidBody;
 use super::boundary_motion::Boundaries;
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
+use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
 use crate::checker::{Checked, Checker};
 use crate::error::Cause;
@@ -34,8 +35,10 @@ pub enum Motion<const D: usize> {
         tolerance: f64,
         /// The solver of the mesh equations.
         solver: Solver,
-        /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests.
+        /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests or slides.
         boundary: Vec<Option<BoundaryMotion<D>>>,
+        /// In the same order, for boundaries that slide, what they hold.
+        slides: Vec<Option<Held<D>>>,
     },
 }
 
@@ -156,7 +159,7 @@ fn check_given<const D: usize>(
     Ok(Motion::Prescribed(displacement))
 }
 
-/// The walls of bodies have no other motion.
+/// The walls of bodies have no other motion, and do not slide.
 fn check_walls<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -164,9 +167,9 @@ fn check_walls<const D: usize>(
     mesh: &Mesh<D>,
     bodies: &[RigidBody<D>],
 ) -> Checked<Motion<D>> {
-    let Motion::Elastic { boundary, .. } = &motion else { return Ok(motion) };
+    let Motion::Elastic { boundary, slides, .. } = &motion else { return Ok(motion) };
     let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
-    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some()) {
+    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some()) {
         let name = &mesh.boundary_names()[wall];
         let problem = format!("boundary `{name}` is moved by the body `{body}`");
         return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
@@ -190,8 +193,11 @@ fn elastic<const D: usize>(
     let boundaries = Boundaries::new(checker, mesh, time);
     let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
     let boundary = named.iter().enumerate().map(motion).collect::<Checked<Vec<_>>>()?;
+    let slide = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.slide(index, key, motion);
+    let slides = named.iter().enumerate().map(slide).collect::<Checked<Vec<_>>>()?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    boundaries.check_shared(&keys, &boundary)?;
+    boundaries.check_shared(&keys, &boundary, &slides)?;
+    check_held(checker, &key.child("boundary"), &slides)?;
     Ok(Motion::Elastic {
         poisson_ratio: nu,
         stiffness,
@@ -199,6 +205,7 @@ fn elastic<const D: usize>(
         solver: solver(elasticity.solver),
         tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
         boundary,
+        slides,
     })
 }
 

@@ -1,8 +1,9 @@
 //! `[mesh.generate]`
 
-use mesh::generate::{AirfoilMesh, BladeMesh};
+use mesh::generate::{AirfoilMesh, BladeMesh, ChannelFlagMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A generated mesh.
@@ -17,6 +18,9 @@ pub enum Generate {
     Channel(ChannelGenerator),
     /// A channel along x with a cylinder across it. Its boundaries are inflow, outflow, bottom, top and cylinder.
     ChannelCylinder(ChannelCylinderGenerator),
+    /// A channel along x with a flag behind a cylinder, as of Turek & Hron. Its boundaries are inflow, outflow, bottom, top and cylinder, its
+    /// regions fluid and flag.
+    ChannelFlag(ChannelFlagGenerator),
     /// Cells between two circles around the origin. Its boundaries are wall, the inner one, and far.
     Annulus(AnnulusGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
@@ -46,10 +50,41 @@ pub struct BoxGenerator {
     /// Axes along which the box is periodic; their boundaries are joined.
     #[serde(default)]
     pub periodic: Vec<Axis>,
+    /// Pieces of an axis with their own sizes of cells, such that lines between cells lie at given places. They fill the axis from `lower` to
+    /// `upper`, and have together as many cells as `cells` says.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub segments: BTreeMap<Axis, Vec<Segment>>,
+    /// Boxes in the box, by name, whose cells are a region: a solid, for instance. All other cells are the region "rest". Before curving,
+    /// faces of a region lie on lines between cells.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub regions: BTreeMap<String, BoxRegion>,
+}
+
+/// A piece of an axis. It begins where the one before it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Segment {
+    /// The coordinate at which it ends.
+    pub end: f64,
+    /// Its cells.
+    pub cells: usize,
+    /// The size of its last cell over that of its first.
+    #[serde(default = "one")]
+    pub size_ratio: f64,
+}
+
+/// A box in the box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoxRegion {
+    /// The corner with the smallest coordinates.
+    pub lower: Vec<f64>,
+    /// The corner with the largest coordinates.
+    pub upper: Vec<f64>,
 }
 
 /// An axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// The first axis.
@@ -135,6 +170,64 @@ pub struct ChannelCylinderGenerator {
     /// Cells along a quarter of the cylinder, which is also the number across the channel; outwards from the cylinder; from the
     /// rectangle to the end.
     pub cells: [usize; 3],
+}
+
+/// The channel [0, L] x [0, H] without a circle, to which a flag is attached at the height of its centre. A rectangle around the cylinder ends at
+/// twice the x of its centre. The defaults are the geometry of Turek & Hron (2006), in about 500 cells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ChannelFlagGenerator {
+    /// Length and height of the channel.
+    pub extent: [f64; 2],
+    /// The centre of the circle.
+    pub centre: [f64; 2],
+    /// The diameter of the circle.
+    pub diameter: f64,
+    /// x of the end of the flag.
+    pub flag_end: f64,
+    /// The thickness of the flag.
+    pub thickness: f64,
+    /// The height of the cells at the cylinder, where it is nearest to a wall or the inflow.
+    pub first_cell: f64,
+    /// The height of the cells beside the flag.
+    pub flag_cell: f64,
+    /// Numbers of cells.
+    pub cells: FlagCells,
+}
+
+/// Numbers of cells around a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FlagCells {
+    /// Along the cylinder on its front, its top and its bottom, each.
+    pub around: usize,
+    /// Outwards from the cylinder to the rectangle around it.
+    pub outwards: usize,
+    /// From either side of the flag to the wall.
+    pub beside: usize,
+    /// Along the flag behind the rectangle.
+    pub along: usize,
+    /// Across the flag.
+    pub across: usize,
+    /// From the end of the flag to the outflow.
+    pub after: usize,
+}
+
+impl Default for FlagCells {
+    fn default() -> Self {
+        let mesh::generate::FlagCells { around, outwards, beside, along, across, after } =
+            ChannelFlagMesh::turek_hron(2).cells;
+        FlagCells { around, outwards, beside, along, across, after }
+    }
+}
+
+impl Default for ChannelFlagGenerator {
+    fn default() -> Self {
+        let ChannelFlagMesh { extent, centre, diameter, flag_end, thickness, first_cell, flag_cell, .. } =
+            ChannelFlagMesh::turek_hron(2);
+        let cells = FlagCells::default();
+        ChannelFlagGenerator { extent, centre, diameter, flag_end, thickness, first_cell, flag_cell, cells }
+    }
 }
 
 /// Cells between two circles, growing by a constant factor outwards.

@@ -16,7 +16,7 @@ pub struct Mesh {
     /// The generator of the mesh.
     pub generate: Option<Generate>,
     /// A Gmsh file, relative to the case file: MSH 4.1 or 2.2, quadrilaterals or hexahedra. Its physical groups of curves (in
-    /// three dimensions surfaces) are the boundaries.
+    /// three dimensions surfaces) are the boundaries, those of surfaces (volumes) the regions.
     pub file: Option<PathBuf>,
     /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and lose their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

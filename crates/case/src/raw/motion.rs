@@ -150,6 +150,9 @@ impl Default for Stiffness {
 pub enum BoundaryMotion {
     /// At rest.
     Fixed,
+    /// Its nodes slide in its plane, which must be normal to an axis: displacements along the normal are zero, along the plane they follow
+    /// the elastic interior. A node that it shares with another boundary moves with that one. Not for walls without slip.
+    Slide,
     /// A displacement, a formula per axis in the position x, y, z at rest and the time t; zero at the start.
     Displacement(Vec<Formula>),
     /// A rigid motion: a list of steps, applied in order. At the start the result must be no motion.

@@ -64,6 +64,26 @@ fn every_generator_takes_its_parameters() {
     assert!(!space.boundary_names().contains(&"front".to_owned()), "periodic along z");
 }
 
+/// A flap of 0.1 x 1 in a channel of 6 x 4.
+const FLAP: &str = "generate.box = { lower = [0, 0], upper = [6, 4], cells = [22, 12], \
+                    segments = { x = [{ end = 2.95, cells = 10, size_ratio = 0.1 }, { end = 3.05, cells = 2 }, { end = 6, cells = 10, size_ratio = 10 }] }, \
+                    regions = { flap = { lower = [2.95, 0], upper = [3.05, 1] } } }";
+
+#[test]
+fn generated_meshes_have_regions() {
+    let regions = |mesh: &::mesh::Mesh<2>| -> Vec<_> {
+        mesh.regions().iter().map(|region| (region.name.clone(), region.cells.len())).collect()
+    };
+    let flap = plane_mesh(&format!("order = 2\n{FLAP}"));
+    assert_eq!(regions(&flap), [("flap".to_owned(), 6), ("rest".to_owned(), 22 * 12 - 6)]);
+    let flag = plane_mesh("order = 3\ngenerate.channel_flag = { cells = { across = 1 } }");
+    assert_eq!(regions(&flag), [("fluid".to_owned(), 6 * 30 + 22 * 12 + 14), ("flag".to_owned(), 14)]);
+    let box_in_box = "order = 2\ngenerate.box = { lower = [0, 0, 0], upper = [3, 3, 3], cells = [3, 3, 3], \
+                      regions.core = { lower = [1, 1, 1], upper = [2, 2, 2] } }\nscramble = 1";
+    let core = mesh_in_space(box_in_box).part(&["core"]).unwrap();
+    assert_eq!((core.cells, core.mesh.boundary_facets().len()), (vec![13], 6));
+}
+
 #[test]
 fn any_plane_mesh_can_be_extruded_and_scrambled() {
     let keys = "order = 3\ngenerate.rotating_box.cells_per_side = 5\nextrude = { lower = -1, depth = 0.5, layers = 2";
@@ -218,6 +238,37 @@ const BAD: &[(&str, &[&str])] = &[
     (
         "generate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] }\nextrude = { depth = 1, layers = 2 }",
         &["`mesh.extrude", "three dimensions already"],
+    ),
+    ("generate.channel_flag.flag_end = 0.3", &["channel_flag.flag_end = 0.3`", "more than twice x of the centre"]),
+    ("generate.channel_flag.cells.along = 0", &["channel_flag.cells.along = 0`", "1 to 100000"]),
+    ("generate.channel_flag.thickness = 0.2", &["channel_flag.thickness = 0.2`", "less than the diameter"]),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0, 0], upper = [0.4, 1] } }",
+        &["regions.a.upper[0] = 0.4`", "not between cells", "is at 0.5"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0, 0], upper = [0, 1] } }",
+        &["box.regions.a", "has no cells"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.rest = { lower = [0, 0], upper = [0.5, 1] } }",
+        &["box.regions.rest", "another name"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0], upper = [0.5, 1] } }",
+        &["regions.a.lower = [0]`", "2 entries"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], segments.x = [{ end = 1, cells = 3 }] }",
+        &["segments.x[0]", "expected 1 after 2 cells"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], segments.z = [{ end = 1, cells = 2 }] }",
+        &["segments.z", "no such axis"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], size_ratio = [2, 1], segments.x = [{ end = 1, cells = 2 }] }",
+        &["segments.x", "no effect"],
     ),
 ];
 

@@ -167,3 +167,59 @@ fn boundaries_that_share_a_node_must_agree_where_it_goes() {
     );
     assert!(structure(moves, "{ held = [\"y\"] }").is_ok(), "the top is free along x");
 }
+
+const COLUMN: &str = "[mesh]\norder = 3\ngenerate.box = { lower = [0, 0], upper = [1, 2], cells = [2, 2] }\n[time]\norder = 1\nend = 1\nslabs = 1\n";
+
+#[test]
+fn walls_slide_in_their_planes_and_corners_move_with_their_neighbours() {
+    let column = |motion: &str| check_text(&format!("{COLUMN}[motion.boundary]\n{motion}"), &[]);
+    let Ok(AnyCase::Plane(case)) = column("left.displacement = [\"t/4\", 0]\nright = \"fixed\"\nothers = \"slide\"\n")
+    else {
+        panic!("a case")
+    };
+    let Some(Motion::Elastic { slides, .. }) = &case.motion else { panic!("elastic") };
+    let numbering = NodeNumbering::new(&case.mesh, 3);
+    let constrained = constrained(&case.mesh, &numbering, slides);
+    let mesh = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1);
+    for (x, constrained) in mesh.positions().iter().zip(&constrained) {
+        let (at_end, at_side) = ([0.0, 1.0].contains(&x[0]), [0.0, 2.0].contains(&x[1]));
+        assert_eq!(*constrained, [at_end, at_end || at_side], "{x:?}");
+    }
+    // 5 x 5 nodes: 15 do not lie on the ends; all are free along x, and the 9 inside along y.
+    assert_eq!(case.mesh_unknowns(), Some(15 + 9));
+    // The corners would leave the planes of the walls that slide.
+    let message = column("left.displacement = [0, \"t/4\"]\nothers = \"slide\"\n").unwrap_err().to_string();
+    for part in ["boundaries `left` and `bottom`", "share the node at [0.0, 0.0]", "[free, 0.000000]"] {
+        assert!(message.contains(part), "no {part} in:\n{message}");
+    }
+}
+
+#[test]
+fn what_cannot_slide_is_named() {
+    let round = TURNING.replace(
+        "rotating_box = { cells_per_side = 5 }",
+        "annulus = { inner_radius = 1, outer_radius = 2, cells = [8, 2], first_cell = 0.5 }",
+    );
+    let round = round.replace("boundary.outer = \"fixed\"", "boundary.others = \"fixed\"");
+    let gas = "[flow]\norder = 2\ninitial.uniform = { velocity = [0.5, 0], pressure = 1 }\nboundary.others = { adiabatic_wall = {} }\n";
+    for (text, parts) in [
+        (
+            format!("{round}boundary.wall = \"slide\""),
+            ["`motion.boundary.wall = \"slide\"`", "not in a plane normal to an axis"],
+        ),
+        (
+            format!(
+                "{}[motion.boundary]\nothers = \"slide\"",
+                COLUMN.replace("[2, 2] }", "[2, 2], periodic = [\"x\"] }")
+            ),
+            ["`motion.boundary", "nothing holds the mesh along x"],
+        ),
+        (
+            format!("{COLUMN}[motion.boundary]\nleft = \"fixed\"\nothers = \"slide\"\n{gas}"),
+            ["`motion.boundary", "is a wall without slip"],
+        ),
+    ] {
+        let message = check_text(&text, &[]).unwrap_err().to_string();
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}

@@ -28,7 +28,7 @@ pub struct MeshBlock<const D: usize> {
     pub iterations: usize,
     interval: Interval,
     bottom: Vec<f64>,
-    /// The displacement at constrained nodes, without bodies and as last read.
+    /// The displacement at constrained entries, without bodies and as last read.
     prescribed: Vec<f64>,
     wall_displacement: Vec<f64>,
     velocities: Vec<f64>,

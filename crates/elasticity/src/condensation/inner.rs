@@ -66,19 +66,21 @@ impl CellUnknowns {
 impl InnerFactor {
     /// Eliminates the inner nodes of all cells. Returns the factor and, for each cell, S with rows `[node][component]` of its skeleton.
     ///
-    /// `matrices(batch)` are the matrices of the cells of a batch, `[column][row]`, both `[component][node]`. A constrained node
-    /// inside a cell keeps its place, with the row and the column of the identity.
+    /// `matrices(batch)` are the matrices of the cells of a batch, `[column][row]`, both `[component][node]`. A constrained entry
+    /// keeps its place, with the row and the column of the identity in every cell.
     pub(crate) fn new<const D: usize>(
         unknowns: &CellUnknowns,
         batches: &NodalBatches<D>,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<(Self, Vec<Mat<f64>>), ElasticityError> {
         let nodes = unknowns.count() / D;
         let eliminate = |batch: usize| {
             let mut matrix = unknowns.sorted(&matrices(batch));
-            let held = |node, lane| constrained[batches.cell_node(batches.cell(batch, lane), node)];
-            unknowns.hold(&mut matrix, nodes, held);
+            let held = |unknown: usize, lane| {
+                constrained[batches.cell_node(batches.cell(batch, lane), unknown % nodes)][unknown / nodes]
+            };
+            unknowns.hold(&mut matrix, held);
             Arch::new().dispatch(Eliminate { matrix: &mut matrix, count: unknowns.count(), inner: unknowns.inner });
             let lanes = batches.cells().saturating_sub(batch * WIDTH).min(WIDTH);
             let schur: Vec<_> = (0..lanes).map(|lane| unknowns.schur(&matrix, lane)).collect();
@@ -106,10 +108,10 @@ impl CellUnknowns {
         sorted
     }
 
-    /// Replaces the rows and columns of the inner nodes that are `held` in a lane by those of the identity.
-    fn hold(&self, matrix: &mut [Pack], nodes: usize, held: impl Fn(usize, usize) -> bool) {
-        for k in 0..self.inner {
-            for lane in (0..WIDTH).filter(|&lane| held(self.numbers[k] % nodes, lane)) {
+    /// Replaces the rows and columns of the unknowns `[component][node]` that are `held` in a lane by those of the identity.
+    fn hold(&self, matrix: &mut [Pack], held: impl Fn(usize, usize) -> bool) {
+        for (k, &unknown) in self.numbers.iter().enumerate() {
+            for lane in (0..WIDTH).filter(|&lane| held(unknown, lane)) {
                 for j in 0..self.count() {
                     matrix[j * self.count() + k].0[lane] = 0.0;
                     matrix[k * self.count() + j].0[lane] = 0.0;

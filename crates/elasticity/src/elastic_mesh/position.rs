@@ -2,7 +2,7 @@
 
 use super::ElasticMesh;
 use crate::geometry::{Sample, StiffnessSampler};
-use crate::low_order::LowOrder;
+use crate::low_order::{Inertia, LowOrder};
 use crate::operator::Operator;
 use crate::solver::Inverse;
 use crate::{ElasticityError, Inversion, Law, Stiffness};
@@ -107,7 +107,8 @@ impl<const D: usize> ElasticMesh<D> {
         let nodes = self.position.nodes.as_ref().expect("they are kept where the refinement moves");
         let build = |d: &[f64]| {
             let samples = |cell| Ok(nodes.moved(cell, d));
-            LowOrder::new(self.operator.lame(), &nodes.numbering, samples, &self.constrained, multigrid)
+            let lame = self.operator.lame();
+            LowOrder::new(lame, Inertia::none(), &nodes.numbering, samples, &self.constrained, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),

@@ -35,9 +35,9 @@ impl SolveWork {
 }
 
 impl<const D: usize> ElasticMesh<D> {
-    /// Solves (equilibrium) for the forces `f`, whose entries at constrained nodes are ignored. An iterative solver
+    /// Solves (equilibrium) for the forces `f`, whose constrained entries are ignored. An iterative solver
     /// reaches |residual| <= `tolerance` |f_f - K_fc d_c|. A direct solver reaches that error in `d`, or as near to it
-    /// as round-off allows. `d` holds the prescribed displacement at constrained nodes and, for iterative solvers, a
+    /// as round-off allows. `d` holds the prescribed displacement at constrained entries and, for iterative solvers, a
     /// guess at the others.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl<const D: usize> ElasticMesh<D> {
         self.solve_one(Some(f), d, tolerance)
     }
 
-    /// Extends the displacement at constrained nodes to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free nodes.
+    /// Extends the displacement at constrained entries to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free entries.
     ///
     /// An increment of the boundary position reaches the mesh only in this way. A boundary that moves alone would invert the cells
     /// next to it.
@@ -185,7 +185,7 @@ impl<const D: usize> ElasticMesh<D> {
         Ok(result?)
     }
 
-    /// b = f_f - K_fc d_c at free nodes, 0 at the others.
+    /// b = f_f - K_fc d_c at free entries, 0 at the others.
     fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
         boundary.copy_from_slice(d);
         self.at_free(boundary, |_| 0.0);
@@ -193,7 +193,7 @@ impl<const D: usize> ElasticMesh<D> {
         self.subtract_from(f, b);
     }
 
-    /// b = f - b at free nodes, 0 at the others; without forces, f = 0.
+    /// b = f - b at free entries, 0 at the others; without forces, f = 0.
     fn subtract_from(&self, f: Option<&[f64]>, b: &mut [f64]) {
         for (i, b) in b.iter_mut().enumerate() {
             *b = f.map_or(0.0, |f| f[i]) - *b;
@@ -216,7 +216,7 @@ fn accepted(report: cg::Report, tolerance: f64, rounding: f64) -> Result<cg::Rep
     }
 }
 
-/// K_ff and its preconditioner, on vectors that vanish at constrained nodes.
+/// K_ff and its preconditioner, on vectors that vanish at constrained entries.
 struct FreeNodes<'a, const D: usize>(&'a ElasticMesh<D>);
 
 impl<const D: usize> LinearSystem for FreeNodes<'_, D> {

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 use super::*;
-use crate::testing::{boundary_nodes, distance, largest, material, nodal, noise, unit_box};
+use crate::testing::{between_sliding_walls, boundary_nodes, distance, largest, material, nodal, noise, unit_box};
 use crate::{ElasticMesh, Law, SlabMotion, Solver, Stiffness};
 use basis::RadauTime;
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -203,6 +203,33 @@ fn equilibrium_is_found_in_few_steps() {
     let mut space = clamped(&unit_box([2, 2, 2], 3, 0.03), 3, Law::NeoHookean);
     let rest = vec![0.0; space.length()];
     assert!(solve(&mut space, &rest, 0.1, 1e-10).1.steps <= 5);
+}
+
+/// A column between sliding walls is compressed evenly by every law: that is free of shear, and its stress is the same everywhere.
+#[test]
+fn a_column_between_sliding_walls_is_compressed_evenly() {
+    let curving = Curving::Smooth { amplitude: 0.03 };
+    let mesh = BoxMesh { curving, cells: [3, 2], ..square(4) }.build().unwrap();
+    let numbering = NodeNumbering::new(&mesh, 4);
+    let constrained = between_sliding_walls(&mesh, &numbering);
+    for (law, accuracy) in [(Law::Linear, 1e-12), (Law::Incremental, 1e-12), (Law::NeoHookean, 1e-10)] {
+        for solver in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
+            let material = material().with_law(law);
+            let mut elastic =
+                ElasticMesh::with_solver(&mesh, &numbering, material, Stiffness::Constant, &constrained, solver)
+                    .unwrap();
+            let moved = nodal(&elastic, |x| [0.3 * (1.0 - x[0]), 0.0]);
+            let (motion, bottom) = (SlabMotion::new(RadauTime::new(2)), plus(&moved, -0.5, &moved));
+            elastic.begin_slab(&bottom).unwrap();
+            let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 1.0 };
+            let g: Vec<f64> = motion.time().nodes().iter().flat_map(|s| plus(&bottom, 0.5 * s, &moved)).collect();
+            let mut v = vec![0.0; g.len()];
+            let solve = if law.is_linear() { 1e-14 } else { 1e-3 };
+            slab.equilibrium(&bottom, &g, &mut v, Accuracy { solve, position: 1e-12 }, &|_| Ok(())).unwrap();
+            let expected = plus(&vec![0.0; moved.len()], 0.5, &moved).repeat(2);
+            assert!(distance(&v, &expected) < accuracy, "{law:?}, {solver:?}: {:e}", distance(&v, &expected));
+        }
+    }
 }
 
 /// Solvers differ in the last digits only.

@@ -2,7 +2,7 @@
 
 use super::smoothing::Harmonic;
 use crate::facet::face_nodes;
-use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
+use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Region, Side};
 use basis::gauss_lobatto;
 use std::collections::BTreeMap;
 
@@ -15,6 +15,7 @@ pub(super) struct Assembly {
     nodes: Vec<f64>,
     coordinates: Vec<f64>,
     boundaries: Vec<(String, Vec<Side>)>,
+    regions: Vec<Region>,
 }
 
 /// The names of the four faces of a block: low and high along axis 0, low and high along axis 1.
@@ -27,7 +28,7 @@ impl Assembly {
             return Err(MeshError::Order { order });
         }
         let nodes = gauss_lobatto(order).points;
-        Ok(Assembly { order, nodes, coordinates: Vec::new(), boundaries: Vec::new() })
+        Ok(Assembly { order, nodes, coordinates: Vec::new(), boundaries: Vec::new(), regions: Vec::new() })
     }
 
     /// Adds `cells[0]` x `cells[1]` cells; cell (i, j) is the image of [i, i+1] x [j, j+1] under `position`, which must
@@ -41,9 +42,30 @@ impl Assembly {
         }
     }
 
+    /// Adds cells as [`Self::add`] does, and puts them into a region.
+    pub(super) fn add_to(
+        &mut self,
+        region: &str,
+        cells: [usize; 2],
+        names: Names,
+        position: impl Fn([f64; 2]) -> [f64; 2],
+    ) {
+        let first = self.n_cells();
+        self.add(cells, names, position);
+        let added = first..self.n_cells();
+        match self.regions.iter_mut().find(|known| known.name == region) {
+            Some(known) => known.cells.extend(added),
+            None => self.regions.push(Region { name: region.to_owned(), cells: added.collect() }),
+        }
+    }
+
+    fn n_cells(&self) -> usize {
+        self.coordinates.len() / (2 * self.order.pow(2))
+    }
+
     /// Lists the faces of the next cell, those that are `outside`, under their names.
     fn name_faces(&mut self, names: &Names, outside: [bool; 4]) {
-        let cell = self.coordinates.len() / (2 * self.order.pow(2));
+        let cell = self.n_cells();
         for (face, name) in names.iter().enumerate().filter(|&(face, _)| outside[face]) {
             let Some(name) = name else { continue };
             match self.boundaries.iter_mut().find(|(other, _)| other == name) {
@@ -103,7 +125,7 @@ impl Assembly {
             translation,
         });
         let (pairs, corners) = (pairs.collect(), merge(&self.corners()));
-        Mesh::new(self.order, corners, self.coordinates, self.boundaries, pairs)
+        Mesh::of_regions(self.order, corners, self.coordinates, self.boundaries, pairs, self.regions)
     }
 
     /// The positions of the corners of all cells, four per cell.

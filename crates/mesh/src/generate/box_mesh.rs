@@ -3,7 +3,7 @@
 use super::curving::{Curving, Deformation};
 use crate::facet::axis_and_side;
 use crate::lattice::digit;
-use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
+use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Region, Side};
 use basis::gauss_lobatto;
 use std::array::from_fn;
 
@@ -44,10 +44,20 @@ impl<const D: usize> BoxMesh<D> {
     /// The mesh, with the ends of the cells along axis a at `breakpoints[a]`, a partition of [0, 1], and with names for
     /// the six faces. The parameters must have been checked.
     pub(super) fn build_on(&self, breakpoints: &[Vec<f64>; D], names: [&str; 6]) -> Result<Mesh<D>, MeshError> {
+        self.build_regions_on(breakpoints, names, Vec::new())
+    }
+
+    /// The same with regions.
+    pub(super) fn build_regions_on(
+        &self,
+        breakpoints: &[Vec<f64>; D],
+        names: [&str; 6],
+        regions: Vec<Region>,
+    ) -> Result<Mesh<D>, MeshError> {
         let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
         let boundaries = (0..2 * D).map(|face| (names[face].to_owned(), self.boundary(face))).collect();
         let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
-        Mesh::new(self.order, corners, self.coordinates(breakpoints), boundaries, periodic)
+        Mesh::of_regions(self.order, corners, self.coordinates(breakpoints), boundaries, periodic, regions)
     }
 
     /// Whether order, extents, cells and ratios are possible.
@@ -79,12 +89,12 @@ impl<const D: usize> BoxMesh<D> {
         Ok(())
     }
 
-    fn n_cells(&self) -> usize {
+    pub(super) fn n_cells(&self) -> usize {
         self.cells.iter().product()
     }
 
     /// The position of `cell` in the box, along each axis.
-    fn place(&self, cell: usize) -> [usize; D] {
+    pub(super) fn place(&self, cell: usize) -> [usize; D] {
         let mut rest = cell;
         self.cells.map(|n| {
             let digit = rest % n;
@@ -135,7 +145,7 @@ impl<const D: usize> BoxMesh<D> {
 
 /// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the
 /// first.
-fn graded(cells: usize, ratio: f64) -> Vec<f64> {
+pub(super) fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
     partition((0..cells).map(|i| growth.powi(i as i32)).collect())
 }

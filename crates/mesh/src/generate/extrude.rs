@@ -1,7 +1,7 @@
 //! Extrusion of two-dimensional meshes.
 
 use super::growth::Check;
-use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, Side};
+use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, Region, Side};
 use basis::gauss_lobatto;
 
 /// The ends of an extruded mesh that is not periodic: z low, z high.
@@ -40,7 +40,29 @@ impl Mesh<2> {
             boundary_names.extend(ENDS.map(str::to_owned));
         }
         let boundary_facets = self.extruded_boundary(extrusion);
-        Ok(Mesh { order: self.order, corners, coordinates, interior_facets, boundary_facets, boundary_names })
+        let regions = self.regions.iter().map(|region| self.extruded_region(region, extrusion.layers)).collect();
+        let in_layers =
+            |side: &Side| (0..extrusion.layers).map(|layer| self.in_layer(*side, layer)).collect::<Vec<_>>();
+        let interface = |(name, sides): &(String, Vec<Side>)| {
+            let mut sides: Vec<Side> = sides.iter().flat_map(in_layers).collect();
+            sides.sort_unstable();
+            (name.clone(), sides)
+        };
+        Ok(Mesh {
+            order: self.order,
+            corners,
+            coordinates,
+            interior_facets,
+            boundary_facets,
+            boundary_names,
+            regions,
+            interfaces: self.interfaces.iter().map(interface).collect(),
+        })
+    }
+
+    fn extruded_region(&self, region: &Region, layers: usize) -> Region {
+        let in_layer = |layer: usize| region.cells.iter().map(move |cell| cell + layer * self.n_cells());
+        Region { name: region.name.clone(), cells: (0..layers).flat_map(in_layer).collect() }
     }
 
     /// Vertices of a layer: those of its front, then those of its back.

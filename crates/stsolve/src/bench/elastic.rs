@@ -9,7 +9,7 @@ pub(super) struct ElasticBox<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
     material: Material,
-    constrained: Vec<bool>,
+    constrained: Vec<[bool; D]>,
 }
 
 impl<const D: usize> ElasticBox<D> {
@@ -22,8 +22,8 @@ impl<const D: usize> ElasticBox<D> {
             BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] };
         let mesh = box_mesh.build()?;
         let numbering = NodeNumbering::new(&mesh, order);
-        let mut constrained = vec![false; numbering.count];
-        (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+        let mut constrained = vec![[false; D]; numbering.count];
+        (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
         Ok(ElasticBox { mesh, numbering, material: Material::new(1.0, 0.4)?, constrained })
     }
 
@@ -46,10 +46,8 @@ impl<const D: usize> ElasticBox<D> {
 
 /// A displacement of the boundary.
 pub(super) fn boundary<const D: usize>(elastic: &ElasticMesh<D>) -> Vec<f64> {
-    let moved = |(x, held): (&[f64; D], &bool)| {
-        if *held { x.map(|x_i| (3.0 * x_i).sin() * x[0]) } else { [0.0; D] }
-    };
-    elastic.coordinates().iter().zip(elastic.constrained()).flat_map(moved).collect()
+    let everywhere = elastic.coordinates().iter().flat_map(|x| x.map(|x_i| (3.0 * x_i).sin() * x[0]));
+    everywhere.zip(elastic.constrained()).map(|(d, held)| if *held { d } else { 0.0 }).collect()
 }
 
 /// The box with the solver that suits its size.

@@ -1,5 +1,6 @@
 //! `[mesh.generate.box]`
 
+use super::box_regions;
 use super::family::Family;
 use crate::any_mesh::AnyMesh;
 use crate::checker::{Checked, Checker};
@@ -36,7 +37,10 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
     // Corners and cells are valid here, so any error is caused by the curving.
     let key = curving_key(key, raw.curving);
-    generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error))
+    if raw.segments.is_empty() && raw.regions.is_empty() {
+        return generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error));
+    }
+    box_regions::build(family, raw, &generator, ratios, &key)
 }
 
 /// The largest ratio of cell sizes: beyond it, det J of thin cells is lost in round-off.

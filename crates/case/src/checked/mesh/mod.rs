@@ -3,8 +3,10 @@
 mod airfoil;
 mod annulus;
 mod box_mesh;
+mod box_regions;
 mod channel;
 mod channel_cylinder;
+mod channel_flag;
 mod disc;
 mod family;
 mod gmsh;
@@ -56,6 +58,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
         Generate::Box(raw) => box_mesh::build(checker, raw, order),
         Generate::Channel(raw) => channel::build(checker, raw, order),
         Generate::ChannelCylinder(raw) => channel_cylinder::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::ChannelFlag(raw) => channel_flag::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::RotatingBox(raw) => rotating_box::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Annulus(raw) => annulus::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Disc(raw) => disc::build(checker, raw, order).map(AnyMesh::Plane),

@@ -39,6 +39,9 @@ fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
         .row("smallest cell", size, "")
         .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
+    for region in mesh.regions() {
+        table.row(&format!("region {}", region.name), region.cells.len(), "cells");
+    }
     table
 }
 
@@ -70,10 +73,11 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
         Motion::Followed => table.row("interior", "follows bodies by weights", ""),
-        Motion::Elastic { poisson_ratio, law, boundary, .. } => table
+        Motion::Elastic { poisson_ratio, law, boundary, slides, .. } => table
             .row("interior", law_name(*law), "")
             .row("Poisson's ratio", *poisson_ratio, "")
-            .row("moving boundaries", boundary.iter().flatten().count(), ""),
+            .row("moving boundaries", boundary.iter().flatten().count(), "")
+            .row("sliding boundaries", slides.iter().flatten().count(), ""),
     };
     if let Some(plan) = elasticity_plan(case) {
         let solver = match plan.solver {

@@ -40,7 +40,7 @@ pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
 }
 
-fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
+fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
     let (cell, aspect_ratio) = largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)));
     let mut shape = Table::new(&path.display().to_string());
     shape
@@ -63,7 +63,18 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
         let [minus, plus] = [pair.minus, pair.plus].map(|boundary| mesh.boundary_names()[boundary].as_str());
         periodic.row(&format!("{minus}, {plus}"), pair.translation.to_vec(), "apart");
     }
-    [shape, boundaries, periodic]
+    [shape, boundaries, regions(mesh), periodic]
+}
+
+fn regions<const D: usize>(mesh: &Mesh<D>) -> Table {
+    let mut regions = Table::new("regions, and boundaries between them");
+    for region in mesh.regions() {
+        regions.row(&region.name, region.cells.len(), "cells");
+    }
+    for (name, sides) in mesh.interfaces() {
+        regions.row(name, sides.len(), "facets");
+    }
+    regions
 }
 
 /// The largest value, and its place.
