@@ -238,7 +238,9 @@ impl<'a> Checker<'a> {
             Formula::Text(text) => {
                 let program =
                     Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
-                self.computable(key, "the formula", program.as_constant().unwrap_or(0.0))?;
+                // Where a formula has no value, the place where one is needed is told.
+                let constant = program.as_constant().filter(|value| !value.is_nan());
+                self.computable(key, "the formula", constant.unwrap_or(0.0))?;
                 Ok(program)
             }
         }

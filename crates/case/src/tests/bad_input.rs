@@ -306,9 +306,9 @@ const BAD: &[(&str, &str, &[&str])] = &[
         &["expression.velocity[0] = \"exp(300+x)\"`", "the velocity in cell", "at most 1e60"],
     ),
     (
-        "step = 0.3",
-        "step = 0.3\n[constants]\na = \"exp(300)\"",
-        &["`constants.a", "the constant, 1.9424263952412558e130,"],
+        "b = ",
+        "c = \"exp(300)\"",
+        &["`constants.c", "the constant, 1.9424263952412558e130,"],
     ),
     ("step = 0.3", "step = 0.3\n[output]\ndirectory = \"\"", &["`output.directory = \"\"`", "empty"]),
     (
