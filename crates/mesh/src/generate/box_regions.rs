@@ -159,8 +159,8 @@ mod tests {
             spoil(&mut segments, &mut regions);
             mesh.build_in_regions(&segments, &regions).unwrap_err()
         };
-        let error = refused(|_, regions| regions[0].upper[1] = 1.1);
-        assert_eq!(error, MeshError::Unaligned { name: "flap".to_owned(), axis: 1, value: 1.1, nearest: 1.0 });
+        let error = refused(|_, regions| regions[0].upper[1] = 0.95);
+        assert_eq!(error, MeshError::Unaligned { name: "flap".to_owned(), axis: 1, value: 0.95, nearest: 1.0 });
         assert!(matches!(refused(|_, regions| regions[0].upper[0] = 7.0), MeshError::Unaligned { axis: 0, .. }));
         assert!(matches!(refused(|_, regions| regions[0].upper[0] = f64::NAN), MeshError::Unaligned { axis: 0, .. }));
         // Upside down: no cells.
