@@ -8,10 +8,9 @@
 //! V_a = g'(s_a)                                                                          at fixed entries
 //! ```
 //!
-//! T and w are those of `basis::RadauTime`; as W^{-1} T = A^{-1}, this is the Radau IIA method: order 2 N_t - 1 at the top of a slab,
-//! stable for any dt, whatever the law of R. At supports it is the velocity that is prescribed: prescribed positions would cost
-//! (dynamics) its order, for the reactions then follow from second differences. A support so stands where the Radau rule puts the
-//! integral of g', of the same order.
+//! T and w are those of `basis::RadauTime`. As W^{-1} T = A^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
+//! slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
+//! reactions would follow from second differences. The position of a support is the Radau quadrature of g', of the same order.
 //!
 //! Nothing is lost but what dampers and jumps take: with the strain energy W_s, [v] = v(0+) - v_n and [d] that of the polynomial through
 //! the d(s_a),

@@ -3,7 +3,7 @@
 //! ```text
 //! Q_a,k = sum_q phi_a(s_q) sum_i L_q,i . e_k                          translations along e_k
 //!       = sum_q phi_a(s_q) sum_i n . ( (x_i - p - h) x L_q,i )          the rotation
-//!         + e W_a / sum_b W_b^2,    e = work of the wall - work of the moments                                     (rigid load)
+//!         + e W_a / (sum_b W_b^2 + slow^2),    e = work of the wall - work of the moments                                     (rigid load)
 //! ```
 //!
 //! Between the time nodes the wall is a polynomial in time, not a rigid body. The last term, of the order of the error in time, gives the
@@ -21,14 +21,24 @@ pub(super) struct Loads {
     pub(super) wall_work: f64,
     /// The coordinate that rotates.
     rotation: Option<usize>,
+    /// A rate at which the body hardly turns in a slab.
+    slow: f64,
 }
 
+/// The angle that a body turns in a slab at such a rate.
+const HARDLY: f64 = 1e-5;
+
 impl Loads {
+    /// sum_b W_b^2 of coordinate `k` and a rate so slow that e is round-off.
+    fn squares(&self, w: &[f64], k: usize, count: usize) -> f64 {
+        w.iter().skip(k).step_by(count).map(|w| w * w).sum::<f64>() + self.slow * self.slow
+    }
+
     /// e W_a / sum_b W_b^2 has this factor before W_a, for the rates `w` of `count` coordinates.
     fn factor(&self, w: &[f64], count: usize) -> f64 {
         let Some(k) = self.rotation else { return 0.0 };
         let work: f64 = self.moments.iter().zip(w).map(|(q, w)| q * w).sum();
-        (self.wall_work - work) / squares(w, k, count)
+        (self.wall_work - work) / self.squares(w, k, count)
     }
 
     /// Q with the correction, at the rates `w`.
@@ -47,16 +57,11 @@ impl Loads {
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let turning: f64 = w.iter().zip(x).skip(k).step_by(count).map(|(w, x)| w * x).sum();
         let error = along.wall_work - dot(&along.moments, w) - dot(&self.moments, x);
-        let dfactor = (error - 2.0 * factor * turning) / squares(w, k, count);
+        let dfactor = (error - 2.0 * factor * turning) / self.squares(w, k, count);
         let entries = total.iter_mut().zip(w.iter().zip(x)).skip(k).step_by(count);
         entries.for_each(|(q, (w, x))| *q += dfactor * w + factor * x);
         total
     }
-}
-
-/// sum_b W_b^2 of coordinate `k`; not zero where the body does not turn.
-fn squares(w: &[f64], k: usize, count: usize) -> f64 {
-    w.iter().skip(k).step_by(count).map(|w| w * w).sum::<f64>() + f64::MIN_POSITIVE.sqrt()
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -64,7 +69,7 @@ impl<const D: usize> RigidBody<D> {
     pub(super) fn load(&self, l: &[f64]) -> Loads {
         let (count, n) = (self.count(), self.time.order());
         let rotation = (0..count).find(|k| self.data.coordinates[*k].direction.is_none());
-        let mut loads = Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation };
+        let mut loads = Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation, slow: HARDLY / self.slab.dt };
         let walls = self.wall_in_time();
         for (point, l) in l.chunks_exact(l.len() / self.points.len().max(1)).enumerate() {
             let (force, moment, work) = self.resultants(&walls, point, l);
@@ -144,7 +149,8 @@ impl<const D: usize> RigidBody<D> {
     pub(super) fn load_derivative_of_motion(&self, x: &[f64]) -> Vec<f64> {
         let (count, n) = (self.count(), self.time.order());
         let here = self.load(&self.flow_loads);
-        let mut along = Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation: here.rotation };
+        let mut along =
+            Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation: here.rotation, slow: here.slow };
         let Some(rotation) = here.rotation else { return along.moments };
         let moved = self.wall_derivative_in_time(x);
         for (point, l) in self.flow_loads.chunks_exact(self.flow_loads.len() / self.points.len()).enumerate() {
