@@ -13,7 +13,7 @@ use coupled::block::BodyState;
 use coupled::blocks::ElasticBody;
 use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Instants, Interface};
 use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
-use elasticity::{FluidLayer, Loads, Material, Structure};
+use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Viscosity};
@@ -35,6 +35,10 @@ pub struct Strip {
     pub cells: [usize; 2],
     /// Length of the gas and of the bar.
     pub lengths: [f64; 2],
+    /// The law of the bar and its damping.
+    pub law: Law,
+    /// See [`Damping`].
+    pub damping: Damping,
     /// z
     pub impedance: f64,
     /// c_s
@@ -73,8 +77,9 @@ impl Strip {
             }
         }
         let density = self.impedance / self.wave_speed;
-        let material = Material::new(density * self.wave_speed.powi(2), 0.0).unwrap();
-        (Structure::new(mesh, numbering, material, density, fixed).unwrap(), loads)
+        let material = Material::new(density * self.wave_speed.powi(2), 0.0).unwrap().with_law(self.law);
+        let structure = Structure::new(mesh, numbering, material, density, fixed).unwrap();
+        (structure.with_damping(self.damping), loads)
     }
 
     /// The march from gas at rest and a bar with the displacement d(x) and the velocity v(x) along x.

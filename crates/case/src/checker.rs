@@ -239,7 +239,7 @@ impl<'a> Checker<'a> {
                 let program =
                     Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
                 // Where a formula has no value, the place where one is needed is told.
-                let constant = program.as_constant().filter(|value| !value.is_nan());
+                let constant = program.as_constant().filter(|value| value.is_finite());
                 self.computable(key, "the formula", constant.unwrap_or(0.0))?;
                 Ok(program)
             }

@@ -36,7 +36,12 @@ pub(crate) struct Elimination<const D: usize> {
 
 impl<const D: usize> Elimination<D> {
     /// For cells of the given order and the entries `constrained[C0 node][component]`. `centres` are any points of the cells.
-    pub(crate) fn new(order: usize, batches: &NodalBatches<D>, constrained: &[[bool; D]], centres: &[[f64; D]]) -> Self {
+    pub(crate) fn new(
+        order: usize,
+        batches: &NodalBatches<D>,
+        constrained: &[[bool; D]],
+        centres: &[[f64; D]],
+    ) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
             let nodes = unknowns.skeleton_nodes(D).map(|k| batches.cell_node(cell, k));

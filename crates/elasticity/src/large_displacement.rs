@@ -102,6 +102,12 @@ impl<const D: usize> NonlinearProblem for Motion<'_, D> {
         // An unconverged increment still is a good direction.
         let _ = self.modal.solve(self.slab.structure, self.slab.dt, PRECONDITIONER_TOLERANCE, out);
     }
+    /// Slender bodies are stiff along their axis and soft across it.
+    fn merit(&mut self, r: &[f64]) -> f64 {
+        let mut increment = vec![0.0; r.len()];
+        self.precondition(r, &mut increment);
+        Euclidean.norm(&increment)
+    }
     fn largest_step(&mut self, _v: &[f64], _increment: &[f64]) -> f64 {
         1.0
     }
@@ -177,6 +183,12 @@ impl<const D: usize> NonlinearProblem for Equilibrium<'_, D> {
         if let Some(shifted) = &self.shifted {
             shifted.low_order.apply(r, out);
         }
+    }
+    /// Slender bodies are stiff along their axis and soft across it.
+    fn merit(&mut self, r: &[f64]) -> f64 {
+        let mut increment = vec![0.0; r.len()];
+        self.precondition(r, &mut increment);
+        Euclidean.norm(&increment)
     }
     fn largest_step(&mut self, _d: &[f64], _increment: &[f64]) -> f64 {
         1.0

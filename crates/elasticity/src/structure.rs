@@ -1,13 +1,15 @@
 //! An elastic body with mass.
 
-use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
+mod damping;
+mod systems;
+
+pub use damping::Damping;
+
+use crate::geometry::{StiffnessSampler, nodal_coordinates};
 use crate::loads::{Loads, Surface};
-use crate::low_order::{Inertia, LowOrder};
 use crate::mass::Mass;
 use crate::operator::Operator;
-use crate::shifted::Shifted;
 use crate::{ElasticityError, FluidLayer, Inversion, Lame, Law, Solid};
-use basis::gauss_lobatto;
 use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -39,15 +41,6 @@ pub struct Structure<const D: usize> {
     damping: Damping,
     /// A shear modulus of the body.
     shear_modulus: f64,
-}
-
-/// The damping C = alpha M + beta K of Rayleigh; where the law is not linear K is that of (viscous) of `law`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Damping {
-    /// alpha
-    pub mass: f64,
-    /// beta
-    pub stiffness: f64,
 }
 
 impl<const D: usize> Structure<D> {
@@ -99,16 +92,6 @@ impl<const D: usize> Structure<D> {
             damping: Damping::default(),
             shear_modulus,
         })
-    }
-
-    /// The same body with `damping`.
-    pub fn with_damping(self, damping: Damping) -> Self {
-        Structure { damping, ..self }
-    }
-
-    /// The damping.
-    pub fn damping(&self) -> Damping {
-        self.damping
     }
 
     /// The length of a vector: D times the number of C0 nodes.
@@ -210,35 +193,6 @@ impl<const D: usize> Structure<D> {
         }
     }
 
-    /// out += C v at the displacement `d`.
-    pub(crate) fn add_damping(&self, d: &[f64], v: &[f64], out: &mut [f64]) {
-        self.add_damping_by(v, out, |operator, out| operator.viscous_forces(d, v, out));
-    }
-
-    /// out += the derivative of C v at the displacement and velocity `at` along the displacement and velocity `along`.
-    pub(crate) fn add_damping_product(&self, at: (&[f64], &[f64]), along: (&[f64], &[f64]), out: &mut [f64]) {
-        self.add_damping_by(along.1, out, |operator, out| operator.viscous_product(at, along, out));
-    }
-
-    /// out += alpha M v + beta K v, where of a law that is not linear K v is what `viscous` says.
-    fn add_damping_by(&self, v: &[f64], out: &mut [f64], viscous: impl Fn(&Operator<D>, &mut [f64])) {
-        let Damping { mass, stiffness } = self.damping;
-        let mut force = vec![0.0; out.len()];
-        let mut add = |factor: f64, apply: &dyn Fn(&mut [f64])| {
-            if factor != 0.0 {
-                apply(&mut force);
-                out.iter_mut().zip(&force).for_each(|(out, force)| *out += factor * force);
-            }
-        };
-        add(mass, &|force| self.apply_mass(v, force));
-        if self.law().is_linear() {
-            return add(stiffness, &|force| self.apply_stiffness(v, force));
-        }
-        for operator in [&self.operator].into_iter().chain(&self.excess) {
-            add(stiffness, &|force| viscous(operator, force));
-        }
-    }
-
     /// out += the follower pressures of `loads` on the body displaced by `d`.
     pub fn add_pressures(&self, loads: &Loads<D>, t: f64, d: &[f64], out: &mut [f64]) {
         loads.add_pressures(&self.surface, t, d, out);
@@ -277,69 +231,6 @@ impl<const D: usize> Structure<D> {
         let mut forces = vec![0.0; d.len()];
         self.apply_stiffness(d, &mut forces);
         0.5 * Euclidean.dot(d, &forces)
-    }
-
-    /// The low-order matrix of K(d) + m M at free entries and what else describes it, for the `position` d, at rest if that is empty. M has
-    /// the additional mass `layer` of every node, none if that is empty.
-    ///
-    /// K(d) is taken for linear elasticity on the mesh that d has moved. A curved cell may be valid where a sub-cell between its nodes is
-    /// inverted: then it is that of the mesh at rest, which costs iterations, but no accuracy.
-    pub(crate) fn shifted(
-        &self,
-        m: f64,
-        layer: Vec<[[f64; D]; D]>,
-        position: &[f64],
-    ) -> Result<Shifted<D>, ElasticityError> {
-        let rest = vec![0.0; if self.law().is_linear() { 0 } else { self.length() }];
-        let moved = !rest.is_empty() && position.iter().any(|d| *d != 0.0);
-        let low_order = match self.low_order(m, &layer, if moved { position } else { &[] }) {
-            Err(ElasticityError::SubCell { .. }) if moved => self.low_order(m, &layer, &[])?,
-            built => built?,
-        };
-        Ok(Shifted { m, low_order, layer, position: if moved { position.to_vec() } else { rest } })
-    }
-
-    fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrder<D>, ElasticityError> {
-        let base = self.solid.base()?;
-        let nodes = gauss_lobatto(self.numbering.order());
-        let at_nodes = StiffnessSampler::of_solid(&self.mesh, &self.solid, base, nodes);
-        let inertia = Inertia { m, density: self.mass.density(), layer };
-        let samples = |cell: usize| {
-            let mut samples = at_nodes.cell(cell)?;
-            for (sample, node) in samples.iter_mut().zip(self.numbering.cell(cell)).filter(|_| !d.is_empty()) {
-                (0..D).for_each(|i| sample.position[i] += d[node * D + i]);
-            }
-            Ok(samples)
-        };
-        LowOrder::new(base, inertia, &self.numbering, samples, &self.fixed, None)
-    }
-
-    /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.
-    pub fn wet_areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
-        self.surface.areas(wet)
-    }
-
-    /// The diagonal of K + m M with lumped masses: the scale of the forces at every entry.
-    pub fn force_scales(&self, m: f64) -> Vec<f64> {
-        let (mut scales, mut excess, mut masses) =
-            (vec![0.0; self.length()], vec![0.0; self.length()], vec![0.0; self.length()]);
-        self.operator.diagonal(&mut scales);
-        if let Some(operator) = &self.excess {
-            operator.diagonal(&mut excess);
-        }
-        self.apply_mass(&vec![1.0; self.length()], &mut masses);
-        scales.iter_mut().zip(excess.iter().zip(&masses)).for_each(|(k, (excess, mass))| *k += excess + m * mass);
-        scales
-    }
-
-    /// The distance of every C0 node to the nearest neighbour on its lines.
-    pub fn node_spacing(&self) -> Vec<f64> {
-        node_spacing(&self.mesh, &self.numbering)
-    }
-
-    /// An m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
-    pub(crate) fn typical_shift(&self) -> f64 {
-        self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
     }
 
     /// Sets the fixed entries.

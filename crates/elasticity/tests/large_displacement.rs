@@ -59,7 +59,7 @@ fn stiffness_is_the_derivative_of_forces_and_forces_that_of_the_energy() {
             slab.residual(&forces, &moved, &mut r).unwrap();
             r
         };
-        let difference: Vec<f64> = at(1e-4).iter().zip(at(-1e-4)).map(|(plus, minus)| (plus - minus) / 2e-4).collect();
+        let difference: Vec<f64> = at(1e-5).iter().zip(at(-1e-5)).map(|(plus, minus)| (plus - minus) / 2e-5).collect();
         let mut product = vec![0.0; v.len()];
         slab.product(&v, &w, &mut product);
         let error = distance(&product, &difference) / largest(&product);
@@ -94,7 +94,7 @@ fn patch_test_and_rotation() {
         };
         let affine = nodal(&body, |x| [0.3 * x[0] - 0.7 * x[1], 0.9 * x[0] + 0.4 * x[1]]);
         let [within, around] = inside(&affine);
-        assert!(around > 0.01 && within < 1e-14, "{law:?}: {within:e}, {around:e}");
+        assert!(around > 0.01 && within < 1e-13, "{law:?}: {within:e}, {around:e}");
         let turned = nodal(&body, |x| [-x[1] - x[0] + 3.0, x[0] - x[1] - 2.0]);
         let [within, around] = inside(&turned);
         assert!(within.max(around) < 1e-13, "{law:?}: {within:e}, {around:e}");
@@ -153,10 +153,10 @@ fn energy_of_a_spinning_block() {
                 }
                 sum / start
             };
-            let (coarse, fine) = (taken(0.2, 8), taken(0.1, 16));
+            let (coarse, fine) = (taken(0.05, 16), taken(0.025, 32));
             let order = (coarse / fine).log2();
             println!("{law:?}, {damping:?}: {coarse:.2e}, {fine:.2e} of the energy, order {order:.2}");
-            assert!(fine > 0.0 && order > 2.0, "{law:?}: {coarse:e}, {fine:e}");
+            assert!(fine > 0.0 && order > 2.6, "{law:?}: {coarse:e}, {fine:e}");
         }
     }
 }

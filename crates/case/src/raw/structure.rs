@@ -108,7 +108,7 @@ pub enum StructureBoundary {
     Traction(Vec<Formula>),
     /// The force per area against the outward normal at rest, a formula.
     Pressure(Formula),
-    /// The same per area and against the normal of the body as it moves, a formula in the position x, y, z at rest and the time t.
+    /// The force per current area against the current outward normal, a formula in the position x, y, z at rest and the time t.
     FollowerPressure(Formula),
 }
 

@@ -27,6 +27,9 @@ use slab::Slab;
 /// The relative tolerance of a temporal mode in the preconditioner.
 const MODE_TOLERANCE: f64 = 1e-2;
 
+/// How often an increment is halved until the law has a stress.
+const HALVINGS: i32 = 8;
+
 /// What an elastic body is.
 pub struct ElasticBodyData<const D: usize> {
     /// Its mesh, material, and where it is supported.
@@ -242,6 +245,21 @@ impl<const D: usize> Block for ElasticBody<D> {
             let entries = out.iter_mut().zip(&inertia).zip(structure.fixed());
             entries.filter(|(_, fixed)| !**fixed).for_each(|((out, inertia), _)| *out += factor * inertia);
         }
+    }
+
+    /// The first of a = 1, 1/2, 1/4, ... for which the law has a stress at all time nodes.
+    fn largest_step(&mut self, z: &[f64], dz: &[f64]) -> f64 {
+        if self.data.structure.law().is_linear() {
+            return 1.0;
+        }
+        let (mut trial, mut r) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        let mut steps = (0..HALVINGS).map(|k| 0.5_f64.powi(k));
+        let admissible = |a: &f64| {
+            trial.iter_mut().zip(z.iter().zip(dz)).for_each(|(trial, (z, dz))| *trial = z + a * dz);
+            self.in_slab().residual(&self.slab.forces, &trial, &mut r).is_ok()
+        };
+        // If no step is admissible, the residual of the shortest one tells why.
+        steps.find(admissible).unwrap_or(0.5_f64.powi(HALVINGS))
     }
 }
 

@@ -184,7 +184,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// Searches for a along dz by (merit).
     fn search(&mut self, z: &[f64]) -> Result<line_search::Report, line_search::Error> {
         let (problem, w) = (&mut *self.problem, &mut *self.workspace);
-        let (initial, damped) = (self.report.final_norm(), self.pseudo_time.is_active());
+        let (initial, damped) = (problem.merit(&w.residual), self.pseudo_time.is_active());
         w.pseudo_term.fill(0.0);
         if damped {
             problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
@@ -203,7 +203,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             if damped {
                 axpy(a, &w.pseudo_term, &mut w.merit);
             }
-            Ok(problem.inner_product().norm(&w.merit))
+            Ok(problem.merit(&w.merit))
         };
         line_search::search(&self.settings.line_search, initial, largest, round_off, merit_norm)
     }
