@@ -73,9 +73,9 @@ pub trait NonlinearProblem {
     /// out := out + T direction, with the 1/dtau_k of the point of linearisation. Called only while some 1/dtau_k > 0.
     fn add_pseudo_time(&mut self, direction: &[f64], out: &mut [f64]);
 
-    /// The norm in which the line search compares the residual `r` with others, for the point of linearisation. It is that of the inner
-    /// product if not overridden. |P^-1 r|, the size of the increment that the residual asks for, suits problems with stiff and soft
-    /// directions: a Newton step that is good for the soft ones may enlarge |r| along the stiff ones until the next step.
+    /// The norm in which the line search compares the residual `r` with others, for the point of linearisation. The default is that of the
+    /// inner product. Problems with stiff and soft directions take |P^-1 r|, the size of an increment. There a Newton step that is good for
+    /// the soft directions may enlarge |r| along the stiff ones until the next step.
     fn merit(&mut self, r: &[f64]) -> f64 {
         self.inner_product().norm(r)
     }

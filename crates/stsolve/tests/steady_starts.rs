@@ -115,7 +115,7 @@ fn a_flow_without_a_steady_state_is_called_unsteady_and_its_rate_of_change_is_sh
         "mesh.order=3",
         "mesh.generate.annulus.cells=[16,10]",
         "time={order=1,end=0,step=1}",
-        "flow.order=4",
+        "flow.order=5",
         "flow.gas.viscosity.constant=0.00025",
     ];
     let outcome = on_case(directory.path(), "run", "cylinder_steady", &set, "unsteady", &[]);
