@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
-"""Compares the pictures in a report with what VTK draws of the same result.
+"""Compares the pictures in a report with VTK's pictures of the same result.
 
     check_pictures.py DIRECTORY
 
-DIRECTORY is that of a run in two dimensions for which `stsolve report` has made report.html. Fields that are in result.vtkhdf
-too are compared at the first, a middle and the last time. Of the density VTK draws the same polynomial in each cell: all but a
-few pixels must have the same colour, or the next one. Other fields VTK interpolates between its points, they are compared for
-information; that the same pixels are drawn is required of all. Exits with 1 and says what differs if anything does; where VTK
-cannot draw off-screen, or has no field to compare, it says so and exits with 0. Needs the Python packages vtk (9.3 or newer)
-and numpy.
+DIRECTORY is the directory of a run in two dimensions for which `stsolve report` has made report.html. Fields that are also in
+result.vtkhdf are compared at the first, a middle and the last time. For the density VTK draws the same polynomial in each cell, so
+all but a few pixels must have the same colour, or the next one. Other fields are interpolated by VTK between its points and are
+compared for information. All fields must cover the same pixels. Exits with 1 and names the differences. If VTK cannot draw
+off-screen, or has no field to compare, it says so and exits with 0. Needs the Python packages vtk (9.3 or newer) and numpy.
 """
 
 import argparse

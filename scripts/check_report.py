@@ -3,12 +3,15 @@
 
     check_report.py DIRECTORY [--picture PNG] [--dark]
 
-DIRECTORY is that of a run for which `stsolve report` has made report.html. Checked are: no error and no message on the
-console; nothing is loaded from elsewhere; arrow keys move the slider, each place shows another time, its picture has the size
-that was announced, and the charts mark that time with the numbers of history.csv; each field and window can be clicked; keys
-zoom; every curve has points inside of its chart; every number of summary.json is in the tables; the page is at most 10 MB.
---picture keeps a picture of the page. Exits with 1 and says what is wrong if anything is; without a Chromium it says so and
-exits with 0.
+DIRECTORY is the directory of a run for which `stsolve report` has made report.html. The checks:
+
+* no error and no message on the console; nothing is loaded from elsewhere; the page is at most 10 MB;
+* arrow keys move the slider; each position shows another time, and its picture has the announced size;
+* the charts mark that time with the numbers of history.csv; every curve has points inside its chart;
+* each field and window can be clicked; keys zoom;
+* every number of summary.json is in the tables.
+
+--picture keeps a picture of the page. Exits with 1 and names every error; without a Chromium it says so and exits with 0.
 """
 
 import argparse

@@ -3,8 +3,8 @@
 
     exact_samples.py RESULT > EXPECTED
 
-Position and density are polynomials: they are sampled at VTK's lattice points and inside of the cells. The velocity,
-momentum / density, is what VTK draws at the lattice points alone. Needs the Python packages h5py and numpy.
+Position and density are polynomials: they are sampled at VTK's lattice points and inside the cells. The velocity,
+momentum / density, agrees with VTK's at the lattice points alone. Needs the Python packages h5py and numpy.
 """
 
 import argparse

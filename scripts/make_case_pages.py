@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Writes the pages of the cases in docs/src/cases, with pictures and the numbers to expect, from runs.
 
-    make_case_pages.py [NAME]... [--results DIRECTORY]      default: all cases that have results
+    make_case_pages.py [NAME]... [--results DIRECTORY]      default: all cases
 
-A page holds what the comment at the head of the case says, a picture, and the figures of summary.json. Results are looked for in
-DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them); a case without results keeps the page that it has. The
-list of pages and the table of contents are written anew. Needs the Python packages of scripts/requirements.txt.
+A page holds the comment at the head of the case, a picture, and the figures of summary.json except seconds, which `make_speed_page.py`
+collects. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them). A case without results
+keeps its picture and figures. The list of pages and the table of contents are written anew. Needs the Python packages of
+scripts/requirements.txt.
 """
 
 import argparse
@@ -22,10 +23,11 @@ SCRIPTS = ROOT / "scripts"
 # What is drawn: the mesh where the flow is uniform or there is none, otherwise a field; and in which window (x0, y0, x1, y1), if not all.
 UNIFORM = {"free_stream", "free_stream_3d"}
 FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity", "channel_cylinder": "vorticity",
-         "cylinder_street": "pressure"}
+         "cylinder_street": "pressure",
+         "cylinder_viv": "vorticity", "flapping_free": "pressure"}
 WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
-    "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4),
+    "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4), "cylinder_viv": (-2, -4, 14, 4), "flapping_free": (-0.75, -1.25, 3.25, 1.25),
 }
 # From where a mesh in three dimensions is seen.
 DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
@@ -34,7 +36,7 @@ WIDTH = 800
 # Sections of summary.json that are figures of the run, and what they are called.
 FIGURES = {
     "unknowns": "unknowns of a slab", "slabs": "slabs", "time": "time reached", "newton": "Newton steps", "krylov": "Krylov iterations",
-    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings",
+    "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings", "bodies": "bodies",
     "structure": "structure", "cost": "cost",
 }
 # Below this a number is round-off, of which no digit is to be expected.
@@ -78,7 +80,7 @@ def figures(summary):
 
     for section, title in FIGURES.items():
         for key, value in flat(section, summary.get(section, {})):
-            if value != {}:
+            if value != {} and not key.endswith("seconds"):
                 yield title, key, short(value)
 
 
@@ -107,30 +109,58 @@ def drawn(shows, script, *arguments):
 
 
 def write_page(case, run):
-    """The page of a case, from its file and its run."""
-    name, text = case.stem, case.read_text()
-    summary = json.loads((run / "summary.json").read_text())
-    picture = BOOK / "pictures" / f"case_{name}.png"
-    title, paragraphs = tomllib.loads(text)["title"], header(text)
-    page = [f"# {title}", "", f"`scripts/stsolve run cases/{name}.toml` runs [the case](../../../cases/{name}.toml).", ""]
-    shows = draw(name, run, summary, picture)
-    if shows:
-        page += [f"![{shows}](../pictures/{picture.name})", ""]
-    for paragraph in paragraphs:
-        page += [markdown(paragraph), ""]
+    """The page of a case, from its file and its run; without a run, with the picture and the figures that it has."""
+    page = BOOK / "cases" / f"{case.stem}.md"
+    if (run / "summary.json").exists():
+        summary = json.loads((run / "summary.json").read_text())
+        shown, rows = picture(case.stem, run, summary), table_of_figures(summary)
+    elif page.exists():
+        shown, rows = picture_and_figures(page.read_text())
+    else:
+        return
+    page.write_text("\n".join([*text(case), *shown, *description(case), *rows]).rstrip() + "\n")
+    print(case.stem)
+
+
+def text(case):
+    """The title of a page, and how to run the case."""
+    title = tomllib.loads(case.read_text())["title"]
+    return [f"# {title}", "", f"`scripts/stsolve run cases/{case.name}` runs [the case](../../../cases/{case.name}).", ""]
+
+
+def description(case):
+    """The paragraphs at the head of a case."""
+    return [line for paragraph in header(case.read_text()) for line in (markdown(paragraph), "")]
+
+
+def picture(name, run, summary):
+    """Draws the picture of a run; the lines that show it."""
+    file = BOOK / "pictures" / f"case_{name}.png"
+    shows = draw(name, run, summary, file)
+    return [f"![{shows}](../pictures/{file.name})", ""] if shows else []
+
+
+def table_of_figures(summary):
+    """The lines of the figures of a run."""
     machine = summary["machine"]
-    page += ["## Figures", "", f"Of `summary.json`, by version {summary['version']} on {machine['processors']} processors "
-             f"({machine.get('processor', machine['system'])}):", "", "| | key | value |", "|---|---|---|"]
-    page += [f"| {section} | `{key}` | {value} |" for section, key, value in figures(summary)]
-    (BOOK / "cases" / f"{name}.md").write_text("\n".join(page).rstrip() + "\n")
+    where = f"{machine['processors']} processors ({machine.get('processor', machine['system'])})"
+    rows = [f"| {section} | `{key}` | {value} |" for section, key, value in figures(summary)]
+    return ["## Figures", "", f"Of `summary.json`, by version {summary['version']} on {where}:", "", "| | key | value |", "|---|---|---|", *rows]
+
+
+def picture_and_figures(page):
+    """The lines of the picture and of the figures of a page."""
+    lines = page.splitlines()
+    shown = [line for line in lines if line.startswith("![")]
+    return [*shown, *[""] * len(shown)], lines[lines.index("## Figures"):]
 
 
 def write_lists():
     """The page of all pages, and their entries in the table of contents."""
     pages = sorted(page for page in (BOOK / "cases").glob("*.md") if page.stem != "README")
     titles = {page.stem: page.read_text().splitlines()[0].removeprefix("# ") for page in pages}
-    table = ["# Cases", "", "What is shipped in `cases`, each with a picture and the numbers to expect. The pages are written by",
-             "`scripts/make_case_pages.py` from the cases and their runs.", "", "| case | shows |", "|---|---|"]
+    table = ["# Cases", "", "The shipped cases, each with a picture and the numbers to expect. `scripts/make_case_pages.py` writes the pages from",
+             "the cases and their runs. [Speed](../speed.md) lists their seconds.", "", "| case | shows |", "|---|---|"]
     table += [f"| [`{name}`]({name}.md) | {title} |" for name, title in titles.items()]
     (BOOK / "cases" / "README.md").write_text("\n".join(table) + "\n")
     summary = BOOK / "SUMMARY.md"
@@ -146,10 +176,8 @@ def main():
     parser.add_argument("--results", type=pathlib.Path, default=pathlib.Path("runs"))
     arguments = parser.parse_args()
     for case in sorted((ROOT / "cases").glob("*.toml")):
-        run = arguments.results / case.stem
-        if (not arguments.names or case.stem in arguments.names) and (run / "summary.json").exists():
-            write_page(case, run)
-            print(case.stem)
+        if not arguments.names or case.stem in arguments.names:
+            write_page(case, arguments.results / case.stem)
     write_lists()
 
 

@@ -10,8 +10,7 @@ One row for each result and window, in it one panel for each way to draw and eac
     none          edges alone
 
 Inverted cells have red edges.
-Edges are drawn through many points of their polynomial (`--draw smooth`), or straight from node to node (`--draw nodal`), as
-a program would that knows nodes alone. Two dimensions only. Needs the packages of scripts/requirements.txt.
+Edges are drawn through many points of their polynomial (`--draw smooth`), or straight from node to node (`--draw nodal`). Two dimensions only. Needs the packages of scripts/requirements.txt.
 """
 
 import argparse

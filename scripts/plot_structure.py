@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws how a structure moves: its outline at several times, displacements magnified, above what history.csv tells of it.
+"""Draws the motion of a structure: its outline at several times, displacements magnified, above curves from history.csv.
 
     plot_structure.py DIRECTORY PICTURE.png [--times T...] [--magnify FACTOR]
 

@@ -4,7 +4,7 @@
     render_vtk.py RESULT PNG [--field mach] [--time T] [--range LOWER UPPER] [--window X0 Y0 X1 Y1] [--width 1000] [--level 4]
                   [--from X Y Z]
 
-What ParaView shows of the same file with a *Nonlinear Subdivision Level* of --level. Without --time the last step is drawn,
+ParaView shows the same with a *Nonlinear Subdivision Level* of --level. Without --time the last step is drawn,
 without --range the colours span the values, without --window the whole domain is shown. --from looks at the surface of a body in three
 dimensions from that direction, in a light that shows its shape. Needs the Python packages vtk (9.3 or newer) and numpy.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Starts twelve steady flows from the free stream, each at two orders, and prints what comes out as a table in Markdown.
+"""Starts twelve steady flows from the free stream, each at two orders, and prints the results as a table in Markdown.
 
     steady_starts.py [--only WORD]... [--set KEY=VALUE]... [--directory DIRECTORY] [--threads N]
 

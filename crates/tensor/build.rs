@@ -1,11 +1,11 @@
-//! With the feature `this-machine`: which instruction set of `pulp` the machine has that compiles.
+//! With the feature `this-machine`: selects the instruction set of `pulp` that the compiling machine has.
 
 use std::env::{var, var_os};
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(instructions, values(\"v3\", \"v4\"))");
-    // Of a program for another processor nothing is known here.
+    // The features of another processor are not known here.
     let for_here = var("TARGET").ok() == var("HOST").ok();
     if var_os("CARGO_FEATURE_THIS_MACHINE").is_some()
         && for_here

@@ -2,7 +2,7 @@
 
 use output::{RESULT_FILE, inspect, read_checkpoint};
 
-/// Reads a result file; true if it is one. Must return, whatever the bytes are.
+/// Reads a result file; true if it is valid. Must return for any bytes.
 pub fn read(bytes: &[u8]) -> bool {
     let Ok(directory) = tempfile::tempdir() else { return false };
     let path = directory.path().join(RESULT_FILE);
@@ -10,7 +10,7 @@ pub fn read(bytes: &[u8]) -> bool {
         return false;
     }
     let (checkpoint, information) = (read_checkpoint(&path), inspect(&path));
-    // An error must be able to say what is wrong, whatever there is to show.
+    // The error must have a message for any input.
     let told = |error: output::OutputError| error.to_string();
     checkpoint.map_err(told).is_ok() && information.map_err(told).is_ok()
 }

@@ -2,11 +2,11 @@
 
 use mesh::Mesh;
 
-/// Reads a mesh; true if it is one, of the plane or of space. Must return, whatever the bytes are.
+/// Reads a mesh; true if it is valid in two or three dimensions. Must return for any bytes.
 pub fn read(bytes: &[u8]) -> bool {
     let (plane, space) = (Mesh::<2>::from_gmsh(bytes, &[]), Mesh::<3>::from_gmsh(bytes, &[]));
     let is_mesh = plane.is_ok() || space.is_ok();
-    // An error must be able to say what is wrong, whatever there is to show.
+    // The error must have a message for any input.
     let told = [plane.err(), space.err()].into_iter().flatten().map(|error| error.to_string().len());
     is_mesh || told.sum::<usize>() == 0
 }

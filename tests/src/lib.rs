@@ -1,8 +1,9 @@
-//! Verification, regression, command-line and restart tests of stsolve: what the tests share.
+//! Verification, regression, command-line and restart tests of stsolve: shared helpers.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 pub mod orders;
 pub mod rotating_box;
+pub mod strip;
 pub mod viscous;
 pub mod vortex;
 
@@ -14,11 +15,11 @@ use navier_stokes::{
 };
 use std::sync::Arc;
 
-/// Numbers in [-1, 1] that look random and are the same everywhere.
+/// Pseudo-random numbers in [-1, 1] that are the same on every machine.
 pub struct Noise(u64);
 
 impl Noise {
-    /// The sequence that belongs to `seed`.
+    /// The sequence for `seed`.
     pub fn new(seed: u64) -> Self {
         Noise(seed)
     }
@@ -41,7 +42,7 @@ pub fn gas(viscosity: Viscosity) -> Gas {
     Gas::new(1.4, 1.0, 0.72, viscosity).unwrap()
 }
 
-/// A uniform state at Mach 0.4 or so.
+/// A uniform state at about Mach 0.4.
 pub fn uniform<const D: usize>() -> Primitive<f64, D> {
     Primitive { density: 1.1, velocity: std::array::from_fn(|d| 0.5 - 0.3 * d as f64), pressure: 1.7 }
 }
@@ -67,7 +68,7 @@ pub fn curved_box_at<const D: usize>(lower: f64, cells: usize, order: usize) -> 
         .scrambled(3)
 }
 
-/// An operator whose boundaries all have `condition`, with `data` where the condition takes states.
+/// An operator whose boundaries all have `condition`, with `data` if the condition takes states.
 pub fn operator<const D: usize, const M: usize>(
     mesh: &Mesh<D>,
     law: NavierStokes<D>,

@@ -31,7 +31,7 @@ fn stiffness(x: &[f64; 2]) -> f64 {
     1.0 + 100.0 / (1.0 + (d / d0).powi(2))
 }
 
-/// How the box is turned.
+/// The setting of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Nodes per direction; the mesh has 80 / order cells per side.
@@ -42,9 +42,9 @@ pub struct Turn {
     pub law: Law,
     /// Degrees per slab.
     pub step: f64,
-    /// Where to end, in degrees.
+    /// The end, in degrees.
     pub end: f64,
-    /// Where Newton's method stops, relative to the node spacing.
+    /// The tolerance of Newton's method, relative to the node spacing.
     pub accuracy: f64,
 }
 
@@ -53,10 +53,10 @@ impl Turn {
     pub fn march(&self) -> MeshMarch<2> {
         let mesh = RotatingBoxMesh::unit(80 / self.order, self.order).build().unwrap();
         let numbering = NodeNumbering::new(&mesh, self.order);
-        let (mut constrained, mut field_of_node) = (vec![false; numbering.count], vec![None; numbering.count]);
+        let (mut constrained, mut field_of_node) = (vec![[false; 2]; numbering.count], vec![None; numbering.count]);
         for (boundary, name) in mesh.boundary_names().iter().enumerate() {
             for node in numbering.on_boundary(&mesh, boundary) {
-                constrained[node] = true;
+                constrained[node] = [true; 2];
                 field_of_node[node] = (name == "inner").then_some(0);
             }
         }
@@ -71,7 +71,8 @@ impl Turn {
         MeshMarch::new(mover, Schedule::uniform(self.end, (self.end / self.step).round() as usize), 0)
     }
 
-    /// Turns until the end, or until a slab is not proved to be valid. The reports of the valid slabs, and the error that ended them.
+    /// Turns until the end, or until a slab is not proved valid. Returns the reports of the valid slabs, and the error that ended the
+    /// run.
     pub fn run(&self) -> (Vec<MeshReport>, Option<MarchError>) {
         let mut march = self.march();
         let mut reports = Vec::new();

@@ -1,7 +1,7 @@
 //! A manufactured viscous flow on a curved mesh whose motion is prescribed everywhere.
 
 use crate::{gas, prescribed};
-use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
+use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
@@ -59,7 +59,7 @@ impl Setting {
         while !march.is_done() {
             march.advance().unwrap();
         }
-        let (flow, state) = (&march.problem.flow, &march.state);
+        let (flow, state) = (&march.solver.system.flow.operator, &march.state);
         let squares = squared_errors(flow, &state.u, flow.top_row().row(0), &Exact(exact), state.time);
         [squares[0].sqrt(), (squares[1] + squares[2]).sqrt(), squares[3].sqrt()]
     }
@@ -73,7 +73,7 @@ impl Setting {
         BoxMesh { lower, upper, cells, order: self.order, curving, periodic: [false; 2] }.build().unwrap()
     }
 
-    fn march(self, gas: Gas, speed: f64, waves: Waves<2>) -> March<2, 4> {
+    fn march(self, gas: Gas, speed: f64, waves: Waves<2>) -> FlowMarch<2, 4> {
         let law =
             NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap() };
         let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
@@ -92,7 +92,7 @@ impl Setting {
             newton::Settings { relative_tolerance: 1e-8, absolute_tolerance: 1e-13, ..newton::Settings::default() };
         let (schedule, predictor, jacobian) = (Schedule::uniform(END, self.slabs), Predictor::Elastic, Jacobian::Exact);
         let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
-        March::new(SlabProblem::new(flow, mover), u, settings)
+        FlowMarch::new(System::new(flow, mover), u, settings)
     }
 }
 

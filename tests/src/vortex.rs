@@ -1,7 +1,7 @@
-//! The vortex of the paper (IV.A) on a mesh that stretches and follows it.
+//! The vortex of the paper (IV.A) on a mesh that stretches and travels with it.
 
 use crate::prescribed;
-use coupled::{BoundaryMotion, Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabProblem};
+use coupled::{BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System};
 use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -28,12 +28,12 @@ impl VectorField<2> for Stretching {
 /// A run of the vortex.
 pub struct VortexRun {
     /// The run.
-    pub march: March<2, 4>,
+    pub march: FlowMarch<2, 4>,
     /// The exact solution.
     pub exact: Arc<dyn StateField<2, 4>>,
 }
 
-/// How a vortex is run.
+/// The setting of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
     /// N_s of flow and mesh.
@@ -53,12 +53,12 @@ pub struct Setting {
 }
 
 impl VortexRun {
-    /// Sets a run up whose interior follows by elasticity.
+    /// Sets up a run with an elastic interior.
     pub fn new(setting: Setting) -> Self {
         Self::with_motion(setting, true)
     }
 
-    /// Sets a run up whose motion is prescribed everywhere.
+    /// Sets up a run whose motion is prescribed everywhere.
     pub fn prescribed(setting: Setting) -> Self {
         Self::with_motion(setting, false)
     }
@@ -92,13 +92,13 @@ impl VortexRun {
         let (schedule, jacobian) = (Schedule::uniform(end, slabs), Jacobian::Exact);
         let settings = Settings { schedule, newton, predictor, jacobian, max_halvings: 0 };
         let mover = MeshMover::new(motion, mesh, numbering, time_order);
-        VortexRun { march: March::new(SlabProblem::new(flow, mover), u, settings), exact }
+        VortexRun { march: FlowMarch::new(System::new(flow, mover), u, settings), exact }
     }
 
-    /// The largest distance of a node from where the affine map takes it.
+    /// The largest distance of a node from its position by the affine map.
     pub fn displacement_error(&self) -> f64 {
         let state = &self.march.state;
-        let nodes = self.march.problem.mover.positions().iter().zip(state.d.chunks_exact(2));
+        let nodes = self.march.solver.system.mesh.mover.positions().iter().zip(state.d.chunks_exact(2));
         let distance = |(x, d): (&[f64; 2], &[f64])| {
             let exact = Stretching.value(x, state.time);
             (d[0] - exact[0]).hypot(d[1] - exact[1])
@@ -108,7 +108,7 @@ impl VortexRun {
 
     /// The L2 error of the density at the time reached.
     pub fn density_error(&self) -> f64 {
-        let flow = &self.march.problem.flow;
+        let flow = &self.march.solver.system.flow.operator;
         let row = flow.top_row();
         squared_errors(flow, &self.march.state.u, row.row(0), self.exact.as_ref(), self.march.state.time)[0].sqrt()
     }
@@ -116,11 +116,11 @@ impl VortexRun {
 
 /// All boundaries move by [`Stretching`], and the interior follows with constant stiffness.
 fn elastic_motion(mesh: &Mesh<2>, numbering: &NodeNumbering) -> MeshMotion<2> {
-    let mut constrained = vec![false; numbering.count];
-    (0..4).flat_map(|b| numbering.on_boundary(mesh, b)).for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; 2]; numbering.count];
+    (0..4).flat_map(|b| numbering.on_boundary(mesh, b)).for_each(|node| constrained[node] = [true; 2]);
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
-    let field_of_node = constrained.iter().map(|&c| c.then_some(0)).collect();
+    let field_of_node = constrained.iter().map(|&c| (c == [true; 2]).then_some(0)).collect();
     let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
     let accuracy = Accuracy { solve: 1e-13, position: 1e-3 };
     MeshMotion::Elastic { mesh: Box::new(elastic), boundary, accuracy }

@@ -1,4 +1,4 @@
-//! Nothing is allocated in an evaluation of the residual after the first.
+//! Evaluations of the residual after the first allocate nothing.
 #![allow(clippy::unwrap_used)]
 
 use fem::Orders;
@@ -15,11 +15,11 @@ static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as demanded of our caller.
+        // SAFETY: as required of our caller.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as demanded of our caller.
+        // SAFETY: as required of our caller.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -27,7 +27,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The one test of this program: others beside it would allocate.
+/// The only test of this program, because others would allocate at the same time.
 #[test]
 fn residual_and_products_allocate_nothing_after_the_first() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

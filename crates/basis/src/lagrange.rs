@@ -32,8 +32,8 @@ impl Lagrange {
 
     /// l_j(x) for every j.
     ///
-    /// By products, because these are exact at the nodes, and every l_j has full relative accuracy at every x, also
-    /// outside the nodes.
+    /// Computed as products, because these are exact at the nodes, and every l_j has full relative accuracy at every x,
+    /// also outside the nodes.
     pub fn values(&self, x: f64) -> Vec<f64> {
         (0..self.nodes.len()).map(|j| self.value(j, x)).collect()
     }

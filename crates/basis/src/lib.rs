@@ -1,8 +1,8 @@
 //! One-dimensional nodes, quadrature and polynomials, and their tensor products by sum factorisation.
 //!
-//! In space everything lives on the reference line [-1, 1], in time on the slab [0, 1]. A space of **order** N has N
-//! functions of degree N - 1. What a basis knows is handed out as a small dense [`Matrix`] of values or derivatives at
-//! points; the kernels see only those matrices, and [`contract`] applies them, axis by axis, to batches of cells.
+//! Space uses the reference line [-1, 1], time the slab [0, 1]. A space of **order** N has N functions of degree N - 1.
+//! A basis provides small dense matrices ([`Matrix`]) of values or derivatives at points. The kernels use only those
+//! matrices, and [`contract`] applies them, axis by axis, to batches of cells.
 //!
 //! | module | mathematics |
 //! |---|---|

@@ -56,7 +56,7 @@ fn psi(p: usize, x: f64) -> f64 {
     }
 }
 
-/// What interior mode k is multiplied by when its line is walked the other way: psi_{2+k}(-x) = (-1)^k psi_{2+k}(x).
+/// The factor of interior mode k when its line is traversed in reverse: psi_{2+k}(-x) = (-1)^k psi_{2+k}(x).
 pub fn reversal_sign(k: usize) -> f64 {
     if k.is_multiple_of(2) { 1.0 } else { -1.0 }
 }

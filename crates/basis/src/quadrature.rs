@@ -2,7 +2,7 @@
 
 use crate::jacobi::{jacobi_derivative, jacobi_roots, legendre};
 
-/// A quadrature rule, int f dx ~ sum_q w_q f(x_q), on [-1, 1] unless moved by [`on`](Rule::on).
+/// A quadrature rule, int f dx ~ sum_q w_q f(x_q), on [-1, 1] unless mapped by [`on`](Rule::on).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// Points, ascending.
@@ -54,13 +54,19 @@ impl Rule {
         let weights = self.weights.iter().map(|w| half * w).collect();
         Rule { points, weights }
     }
+    /// The weights of the tensor product of the rule in `dimension` directions, axis 0 fastest.
+    pub fn tensor_weights(&self, dimension: usize) -> Vec<f64> {
+        (0..dimension).fold(vec![1.0], |product, _| {
+            self.weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect()
+        })
+    }
     fn with_weights(points: Vec<f64>, weight: impl Fn(f64) -> f64) -> Rule {
         let weights = points.iter().map(|&x| weight(x)).collect();
         Rule { points, weights }
     }
 }
 
-/// Removes the last bit of asymmetry, so that a mirrored cell is the mirrored cell exactly.
+/// Removes the asymmetry of the last bit, so that a mirrored cell has exactly mirrored points.
 fn symmetrised(roots: Vec<f64>) -> Vec<f64> {
     let last = roots.len().wrapping_sub(1);
     (0..roots.len()).map(|i| (roots[i] - roots[last - i]) / 2.0).collect()

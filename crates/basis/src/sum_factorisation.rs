@@ -4,11 +4,11 @@ use crate::Matrix;
 use pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real};
 
-/// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest; with `add`, what `output` holds is
-/// added to the sum.
+/// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest. With `add` the sum is added to
+/// `output`.
 ///
-/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Called from a kernel or from plain code alike: it
-/// enters the instruction set of `simd` by itself, and one compiled piece of code serves every size.
+/// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Kernels and plain code may call it: it enters the
+/// instruction set of `simd` by itself, and one compiled function serves every size.
 pub fn contract<S: Simd>(
     simd: S,
     matrix: &Matrix,
@@ -43,10 +43,10 @@ impl WithSimd for Contraction<'_> {
     }
 }
 
-/// The lines of a tensor along the contracted axis, in blocks, and what they are contracted with.
+/// The lines of a tensor along the contracted axis, in blocks, and the matrix.
 ///
-/// In the fastest axis (`IN_LINE` below) the lines of a block lie one after another, and there is one block; in the others they lie side
-/// by side.
+/// In the fastest axis (`IN_LINE` below) the lines of a block lie one after another, and there is one block. In the other axes they lie
+/// side by side.
 #[derive(Clone, Copy)]
 struct Lines<'a> {
     matrix: &'a Matrix,
@@ -56,8 +56,9 @@ struct Lines<'a> {
     add: bool,
 }
 
-/// Shares the rows of the matrix equally among strips of at most five: H rows are multiplied with B lines at a time, so many that H B
-/// sums, H entries of the matrix and B entries of the lines are registers. So few loads keep the arithmetic units busy.
+/// Distributes the rows of the matrix equally over strips of at most five rows. H rows are multiplied with B lines at a time. H and B
+/// are chosen such that H B sums, H entries of the matrix and B entries of the lines fit into registers. Then there are few loads and
+/// the arithmetic units are busy.
 #[inline(always)]
 fn strips<S: Simd, const IN_LINE: bool>(simd: S, lines: Lines<'_>, input: &[Pack], output: &mut [Pack]) {
     let many_registers = S::REGISTER_COUNT > 16;
@@ -93,7 +94,7 @@ fn strip<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     for h in 1..H {
         rows[h] = matrix.row(first + h);
     }
-    // Tiles of equal width: the sums of a narrow one would wait for each other.
+    // Tiles of equal width: in a narrow tile the sums would wait for each other.
     let tiles = count.div_ceil(B);
     for block in 0..blocks {
         let input = &input[block * matrix.cols() * count..][..matrix.cols() * count];
@@ -131,7 +132,7 @@ fn tile<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     }
 }
 
-/// sums[h][b] = sum_c rows[h][c] x_b[c], x_b the B lines from `line` on.
+/// sums[h][b] = sum_c rows[h][c] x_b[c], where x_b are the B lines from `line` on.
 #[inline(always)]
 fn multiply<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
@@ -165,7 +166,7 @@ fn multiply<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     sums
 }
 
-/// Writes the sums of a tile, or adds them.
+/// Writes the sums of a tile, or adds them to the output.
 #[inline(always)]
 fn store<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,

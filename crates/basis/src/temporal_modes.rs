@@ -1,16 +1,16 @@
-//! The eigenvectors of the time matrix: they turn a slab into problems of space alone.
+//! The eigenvectors of the time matrix: they decouple a slab into problems in space alone.
 
 use crate::{Matrix, RadauTime};
 use faer::{Mat, c64};
 
 /// W^{-1} T = Q L Q^{-1}, complex pairs counted once.
 pub struct TemporalModes {
-    /// The real eigenvalues, and of each complex pair the one above the axis.
+    /// The real eigenvalues, and of each complex pair the one above the real axis.
     pub eigenvalues: Vec<c64>,
-    /// Takes residuals at the time nodes to the modes, `[column][time node]`: Q^{-1} W^{-1}, a real mode as one column, a
-    /// complex one as two: real and imaginary part.
+    /// Maps residuals at the time nodes to the modes, `[column][time node]`: Q^{-1} W^{-1}. A real mode takes one column,
+    /// a complex mode two: real and imaginary part.
     pub forward: Matrix,
-    /// Takes modes back to increments at the time nodes, `[time node][column]`: Q, complex pairs summed.
+    /// Maps modes back to increments at the time nodes, `[time node][column]`: Q, complex pairs summed.
     pub backward: Matrix,
 }
 
@@ -48,15 +48,14 @@ impl TemporalModes {
         }
     }
 
-    /// |Q| |Q^{-1}| in the Frobenius norm, for the basis of the modes: errors of modes may come back this much larger. 1 to 40 up to
-    /// N_t = 4, then ten times more every two nodes.
+    /// |Q| |Q^{-1}| in the Frobenius norm, for the basis of the modes: the factor by which errors of modes may be amplified. It is 1 to 40 up to N_t = 4, then ten times more for every two nodes.
     pub fn condition(&self, time: &RadauTime) -> f64 {
         let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
         let unweighted = self.forward.values().iter().zip(time.weights().iter().cycle()).map(|(x, w)| x * w);
         norm(&mut self.backward.values().iter().copied()) * norm(&mut { unweighted })
     }
 
-    /// The mean of |lambda| over all eigenvalues: the one real shift that stands for all.
+    /// The mean of |lambda| over all eigenvalues: a real shift that represents them all.
     pub fn mean_shift(&self) -> f64 {
         let (sum, count) = self.eigenvalues.iter().fold((0.0, 0.0), |(sum, count), &l| {
             let multiplicity = if is_real(l) { 1.0 } else { 2.0 };
@@ -66,7 +65,7 @@ impl TemporalModes {
     }
 }
 
-/// Whether an eigenvalue stands alone.
+/// Whether an eigenvalue is real.
 pub fn is_real(lambda: c64) -> bool {
     lambda.im.abs() <= 1e-10
 }

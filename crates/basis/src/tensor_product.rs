@@ -1,18 +1,20 @@
 //! Matrices along the axes of a batched tensor.
 //!
 //! A tensor of `components` lies as `[component][axis D-1]...[axis 0]`, axis 0 fastest. With the value matrix of a
-//! basis on every axis [`apply_all_axes`] interpolates to the points of a tensor rule; with the transposed matrices it
+//! basis on every axis [`apply_all_axes`] interpolates to the points of a tensor rule. With the transposed matrices it
 //! integrates against the test functions. The gradient along axis a takes the derivative matrix on axis a and value
-//! matrices on the others. Where a quadrature rule has at least as many points as the basis has nodes it is cheaper,
-//! and exact, to interpolate first and to differentiate at the points: one [`apply_axis`] with the derivative matrix of
-//! the Lagrange polynomials of the points.
+//! matrices on the others.
+//!
+//! If a quadrature rule has at least as many points as the basis has nodes, it is cheaper, and exact, to interpolate
+//! first and to differentiate at the points. That takes one [`apply_axis`] with the derivative matrix of the Lagrange
+//! polynomials of the points.
 
 use crate::{Matrix, contract};
 use pulp::Simd;
 use tensor::Pack;
 
-/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1; with `add`, added to
-/// `output`.
+/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1. With `add` the
+/// result is added to `output`.
 ///
 /// `input` holds components * prod cols packs, `output` components * prod rows, `scratch` at least [`scratch_length`].
 pub fn apply_all_axes<S: Simd>(
@@ -29,7 +31,7 @@ pub fn apply_all_axes<S: Simd>(
     }
 }
 
-/// Applies all matrices but the last. Returns that one, what it is to be applied to, and the entries inside its axis.
+/// Applies all matrices but the last. Returns the last matrix, its input, and the number of entries inside its axis.
 fn all_but_last_axis<'a, S: Simd>(
     simd: S,
     matrices: &[&'a Matrix],
@@ -49,7 +51,7 @@ fn all_but_last_axis<'a, S: Simd>(
     Some((last, input, inner))
 }
 
-/// The number of packs that [`apply_all_axes`] needs in between.
+/// The number of packs that [`apply_all_axes`] needs as scratch.
 pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
     let after = |axes: usize| -> usize {
         let extent = |(a, m): (usize, &&Matrix)| if a < axes { m.rows() } else { m.cols() };
@@ -58,8 +60,8 @@ pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
     (1..matrices.len()).map(after).sum()
 }
 
-/// `matrix` along `axis` of a tensor for each of `components`; with `add`, added to `output`. `extents` are those of the input, axis 0
-/// first; the one of `axis` is the number of columns.
+/// Applies `matrix` along `axis` of a tensor for each of `components`; with `add` the result is added to `output`. `extents` are the
+/// extents of the input, axis 0 first; along `axis` the extent is the number of columns.
 pub fn apply_axis<S: Simd>(
     simd: S,
     matrix: &Matrix,

@@ -1,4 +1,4 @@
-//! What several tests need.
+//! Helpers of several tests.
 
 use crate::Matrix;
 use pulp::{Scalar, Simd, WithSimd};
@@ -21,13 +21,13 @@ pub(crate) fn triples(ni: usize, nj: usize, nk: usize) -> impl Iterator<Item = (
     (0..ni * nj * nk).map(move |n| (n / (nj * nk), n / nk % nj, n % nk))
 }
 
-/// A kernel that can be run with any registers.
+/// A kernel that can run with any registers.
 pub(crate) trait OnEveryMachine {
     fn run<S: Simd>(&self, simd: S) -> Vec<Pack>;
 }
 
-/// Runs `kernel` with every kind of register this machine has and compares with `expected`, to `tolerance` relative to
-/// the largest.
+/// Runs `kernel` with every kind of register of this machine and compares with `expected`, to `tolerance` relative to
+/// the largest entry.
 pub(crate) fn on_every_machine<K: OnEveryMachine>(kernel: &K, expected: &[Pack], tolerance: f64) {
     check(&kernel.run(Scalar), expected, tolerance);
     #[cfg(target_arch = "x86_64")]

@@ -5,7 +5,7 @@ use crate::{Lagrange, Matrix, Rule, gauss, right_radau};
 /// The temporal basis of a slab, s in [0, 1]: the Lagrange polynomials phi_b of the right-Radau nodes s_1 < ... < s_N =
 /// 1.
 ///
-/// The last node is the top of the slab; the bottom is not a node, there u jumps.
+/// The last node is the top of the slab. The bottom is not a node, since u jumps there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadauTime {
     basis: Lagrange,
@@ -43,7 +43,7 @@ impl RadauTime {
         &self.weights
     }
 
-    /// The polynomials themselves, for matrices of values and derivatives at many instants.
+    /// The polynomials themselves, for matrices of values and derivatives at many times.
     pub fn lagrange(&self) -> &Lagrange {
         &self.basis
     }
@@ -59,12 +59,12 @@ impl RadauTime {
     pub fn integrals(&self, s: f64) -> Vec<f64> {
         integrals(&self.basis, s)
     }
-    /// phi_b at 1 + `ratio` s, the instant s of the next slab, which is `ratio` times as long: the initial guess there.
+    /// phi_b at 1 + `ratio` s, the time s of the next slab, which is `ratio` times as long: the initial guess there.
     pub fn extrapolation(&self, ratio: f64, s: f64) -> Vec<f64> {
         self.values(1.0 + ratio * s)
     }
 
-    /// The Radau-IIA matrix A_ab = int_0^{s_a} phi_b; its last row are the weights.
+    /// The Radau-IIA matrix A_ab = int_0^{s_a} phi_b; its last row is the weights.
     pub fn collocation(&self) -> &Matrix {
         &self.collocation
     }
@@ -74,7 +74,7 @@ impl RadauTime {
         &self.inverse_collocation
     }
     /// T_ab = phi_a(1) phi_b(1) - int_0^1 phi_a' phi_b: the time derivative of u, tested with phi_a and integrated by
-    /// parts, without the bottom of the slab, where the test function meets the state before: -phi_a(0) u_n.
+    /// parts. The bottom of the slab is not included: there the test function meets the previous state, -phi_a(0) u_n.
     pub fn slab_matrix(&self) -> &Matrix {
         &self.slab_matrix
     }
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// A constant state from slab to slab: sum_b T_ab = phi_a(0), the weight of the state before.
+    /// A constant state from slab to slab: sum_b T_ab = phi_a(0), the weight of the previous state.
     #[test]
     fn slab_matrix_keeps_constants() {
         for order in ORDERS {

@@ -17,7 +17,7 @@
 //! The modes scale the density at constant velocity and temperature, shift the velocity, and shift the energy per mass. M numbers are
 //! unknown. S follows from what the slab holds at its top and from the flux through the boundary: no cell is evaluated.
 
-use crate::slab_problem::SlabProblem;
+use crate::system::System;
 use basis::Matrix;
 use fem::{FluxesAt, Layout, left_during_slab};
 use std::array::from_fn;
@@ -44,10 +44,10 @@ pub struct Balance<const M: usize> {
 
 impl<const M: usize> Balance<M> {
     /// The balance of `z`, which becomes the point of linearisation.
-    fn of<const D: usize>(problem: &mut SlabProblem<D, M>, z: &[f64], velocity_at_top: &[f64]) -> Self {
-        problem.set_point(z);
-        let totals = problem.totals(&at_top(problem.flow.layout, &z[problem.flow_range()]));
-        Balance { totals, fluxes: problem.flow.boundary_fluxes(Some(velocity_at_top)) }
+    fn of<const D: usize>(system: &mut System<D, M>, z: &[f64], velocity_at_top: &[f64]) -> Self {
+        system.set_point(z);
+        let totals = system.flow.totals(&at_top(system.flow.operator.layout, &z[system.flow_range()]));
+        Balance { totals, fluxes: system.flow.operator.boundary_fluxes(Some(velocity_at_top)) }
     }
 
     /// What is at the top and what has left.
@@ -83,7 +83,7 @@ impl<const M: usize> Balance<M> {
 
 /// A solution whose balance is not exact.
 struct Unbalanced<'a, const D: usize, const M: usize> {
-    problem: &'a mut SlabProblem<D, M>,
+    system: &'a mut System<D, M>,
     z: &'a mut [f64],
     balance: Balance<M>,
     /// S
@@ -95,15 +95,15 @@ struct Unbalanced<'a, const D: usize, const M: usize> {
 /// Applies (correction) to the flow of `z`, a solution whose residual is given. Returns the balance of the result; `z` is then the point
 /// of linearisation. Walls have `velocity_at_top`, see [`fem::SlabOperator::boundary_fluxes`].
 pub fn correct<const D: usize, const M: usize>(
-    problem: &mut SlabProblem<D, M>,
+    system: &mut System<D, M>,
     z: &mut [f64],
     residual: &[f64],
     velocity_at_top: &[f64],
 ) -> Balance<M> {
-    let error = sums(problem.flow.layout, &residual[problem.flow_range()]);
-    let balance = Balance::of(problem, z, velocity_at_top);
+    let error = sums(system.flow.operator.layout, &residual[system.flow_range()]);
+    let balance = Balance::of(system, z, velocity_at_top);
     let sizes = balance.sizes();
-    let mut solution = Unbalanced { problem, z, balance, error, sizes, velocity_at_top };
+    let mut solution = Unbalanced { system, z, balance, error, sizes, velocity_at_top };
     solution.correct();
     solution.balance
 }
@@ -140,7 +140,7 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
         let (mut c, mut corrected) = ([0.0; M], self.z.to_vec());
         inverse.apply(&self.error, &mut c);
         (0..M).for_each(|j| self.add_mode(j, -c[j], &mut corrected));
-        let after = Balance::of(self.problem, &corrected, self.velocity_at_top);
+        let after = Balance::of(self.system, &corrected, self.velocity_at_top);
         let (new, old) = (after.sum(), self.balance.sum());
         let error = from_fn(|m| self.error[m] + (new[m] - old[m]));
         let left = self.worst(&error) / self.worst(&self.error);
@@ -148,7 +148,7 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
             self.z.copy_from_slice(&corrected);
             (self.balance, self.error) = (after, error);
         } else {
-            self.problem.set_point(self.z);
+            self.system.set_point(self.z);
         }
         left
     }
@@ -160,17 +160,17 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
             let step = if j == 0 { PROBE } else { PROBE * self.sizes[j] / self.sizes[0] };
             let mut probe = self.z.to_vec();
             self.add_mode(j, step, &mut probe);
-            self.problem.set_point(&probe);
-            let there = left_during_slab(&self.problem.flow.boundary_fluxes(None));
+            self.system.set_point(&probe);
+            let there = left_during_slab(&self.system.flow.operator.boundary_fluxes(None));
             from_fn(|m| storage[(m, j)] + (there[m] - here[m]) / step)
         });
-        self.problem.set_point(self.z);
+        self.system.set_point(self.z);
         Matrix::from_fn(M, M, |m, j| columns[j][m])
     }
 
     /// out += c e_j, with e_j taken at z.
     fn add_mode(&self, j: usize, c: f64, out: &mut [f64]) {
-        let (range, nodes) = (self.problem.flow_range(), self.problem.flow.layout.nodes);
+        let (range, nodes) = (self.system.flow_range(), self.system.flow.operator.layout.nodes);
         let states = out[range.clone()].chunks_exact_mut(M * nodes).zip(self.z[range].chunks_exact(M * nodes));
         for (out, u) in states {
             let (out, mode) = if j == 0 { (out, u) } else { (&mut out[j * nodes..(j + 1) * nodes], &u[..nodes]) };

@@ -1,6 +1,9 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
 
 mod balance;
+pub mod block;
+pub mod blocks;
+mod coupled_slab;
 mod initial;
 mod lagged_preconditioner;
 mod march;
@@ -12,25 +15,29 @@ pub mod preconditioner;
 mod reuse_policy;
 mod sampled_limit;
 mod schedule;
-mod slab_problem;
+mod slab_error;
 mod state;
 mod steady;
 mod structure_march;
+mod system;
 mod transfer;
 pub mod weights;
 
+pub use blocks::Counts;
+pub use coupled_slab::{CoupledSlab, FlowMarch, Jacobian, Predictor, ROUND_OFF, Settings, SlabReport};
 pub use initial::interpolate;
 pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};
-pub use march::{Jacobian, March, MarchError, Predictor, ROUND_OFF, Settings, SlabError, SlabReport, chain};
-pub use mesh_march::{MeshMarch, MeshReport};
+pub use march::{March, SlabSolver};
+pub use mesh_march::{MeshAlone, MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
 pub use motion::{BoundaryField, BoundaryMotion, MeshMotion};
 pub use observation::Observation;
 pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
-pub use slab_problem::{Counts, ResidualBreakdown, SlabProblem};
+pub use slab_error::{MarchError, SlabError, chain};
 pub use state::{Interval, Past, State};
 pub use steady::{
     Discretisation, Discretised, Reliability, Search, Settling, Stability, Stage, SteadyError, SteadyFlow, solve_steady,
 };
-pub use structure_march::{Equations, StructureMarch, StructureReport, Supports};
+pub use structure_march::{Equations, StructureAlone, StructureMarch, StructureReport, Supports};
+pub use system::{ResidualBreakdown, System};

@@ -28,6 +28,22 @@ impl MeshQuality {
         self.lower_bound > 0.0
     }
 
+    /// The quality as an answer to a line search.
+    ///
+    /// # Errors
+    /// The smallest det J / det J_0 seen, where the mesh is not proved to be valid.
+    pub fn admissible(&self) -> Result<(), Inadmissible> {
+        if self.is_valid() {
+            return Ok(());
+        }
+        let MeshQuality { sampled_min: value, cell, time, .. } = *self;
+        Err(Inadmissible {
+            quantity: "det J / det J_0".into(),
+            value,
+            location: format!("in cell {cell} at t = {time}"),
+        })
+    }
+
     /// The worse of two in every respect.
     pub fn worst(self, other: MeshQuality) -> MeshQuality {
         let worse = if other.sampled_min < self.sampled_min { other } else { self };
@@ -84,7 +100,7 @@ impl<const D: usize> MeshMover<D> {
         (0..D).flat_map(|i| nodes.iter().map(move |&node| self.positions[node][i] + d[node * D + i])).collect()
     }
 
-    /// The displacement prescribed at time `t`; for an elastic mesh zero at free nodes.
+    /// The displacement prescribed at time `t`; for an elastic mesh zero at free entries.
     pub fn prescribed(&self, t: f64, out: &mut [f64]) {
         self.motion.prescribed(&self.positions, t, out);
     }
@@ -140,16 +156,7 @@ impl<const D: usize> MeshMover<D> {
     /// # Errors
     /// The smallest det J / det J_0 seen, where it is not.
     pub fn check_validity(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Result<(), Inadmissible> {
-        let quality = self.quality(bottom, v, interval);
-        if quality.is_valid() {
-            return Ok(());
-        }
-        let MeshQuality { sampled_min: value, cell, time, .. } = quality;
-        Err(Inadmissible {
-            quantity: "det J / det J_0".into(),
-            value,
-            location: format!("in cell {cell} at t = {time}"),
-        })
+        self.quality(bottom, v, interval).admissible()
     }
 
     /// Proves det J > 0 for the motion of a slab.

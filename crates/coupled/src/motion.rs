@@ -27,7 +27,7 @@ impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
 pub struct BoundaryMotion<const D: usize> {
     /// The displacement of each moving boundary.
     pub fields: Vec<Arc<dyn BoundaryField<D>>>,
-    /// For every C0 node the field that moves it, if it is constrained and does not stand still.
+    /// For every C0 node the field that moves it in all components, if there is one. What is constrained otherwise stands still.
     pub field_of_node: Vec<Option<usize>>,
 }
 
@@ -37,6 +37,8 @@ pub enum MeshMotion<const D: usize> {
     Still,
     /// The displacement of every node is prescribed.
     Prescribed(Arc<dyn BoundaryField<D>>),
+    /// Bodies move every node.
+    Followed,
     /// Boundaries move as prescribed and the interior follows like an elastic body.
     Elastic {
         /// K and its preconditioner.
@@ -52,14 +54,14 @@ impl<const D: usize> MeshMotion<D> {
     /// What moves `node`, if its motion is prescribed.
     fn field_of(&self, node: usize) -> Option<&dyn BoundaryField<D>> {
         match self {
-            MeshMotion::Still => None,
+            MeshMotion::Still | MeshMotion::Followed => None,
             MeshMotion::Prescribed(field) => Some(&**field),
             MeshMotion::Elastic { boundary, .. } => boundary.field_of_node[node].map(|field| &*boundary.fields[field]),
         }
     }
 
     /// The displacement of nodes with reference positions `x`, `[node][component]`, at time `t`; for an elastic mesh zero at free
-    /// nodes.
+    /// entries.
     pub fn prescribed(&self, x: &[[f64; D]], t: f64, out: &mut [f64]) {
         for (node, (x, out)) in x.iter().zip(out.chunks_exact_mut(D)).enumerate() {
             let displacement = self.field_of(node).map_or([0.0; D], |field| field.displacement(node, x, t));
@@ -94,7 +96,7 @@ impl<const D: usize> MeshMotion<D> {
     ) -> Result<Work, ElasticityError> {
         match self {
             MeshMotion::Still => v.fill(0.0),
-            MeshMotion::Prescribed(_) => {
+            MeshMotion::Prescribed(_) | MeshMotion::Followed => {
                 v.copy_from_slice(g);
                 motion.velocities(dt, bottom, v);
             }

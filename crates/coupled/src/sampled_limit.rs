@@ -7,9 +7,9 @@ use mesh::CellMap;
 use rayon::prelude::*;
 
 impl<const D: usize> MeshMover<D> {
-    /// The first time in a slab at which det J <= 0 at one of 2N Gauss points per direction of a cell, to a thousandth of the
-    /// slab, with N the order of the mesh (the sampling of Diosady & Murman, AIAA 2018-0919, section III.C). It is looked for
-    /// between the time nodes of the slab.
+    /// The first time in a slab at which det J <= 0 at a sample point, to a thousandth of the slab. The points are 2N Gauss points per
+    /// direction of a cell, with N the order of the mesh (Diosady & Murman, AIAA 2018-0919, section III.C). The search covers the
+    /// intervals between the time nodes of the slab.
     pub fn first_invalid_sampled(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Option<f64> {
         let map = CellMap::on_grid(self.reference.order(), &gauss(2 * self.reference.order()).points);
         let dt = interval.end - interval.start;

@@ -27,6 +27,8 @@ pub struct Past {
     pub u: Vec<f64>,
     /// Its mesh velocities, `[time node][C0 node][component]`.
     pub v: Vec<f64>,
+    /// The unknowns of every body.
+    pub bodies: Vec<Vec<f64>>,
 }
 
 /// The state of a run between two slabs.
@@ -42,6 +44,8 @@ pub struct State {
     pub u: Vec<f64>,
     /// The displacement at that time, `[C0 node][component]`.
     pub d: Vec<f64>,
+    /// Every body, as it stores itself.
+    pub bodies: Vec<Vec<f64>>,
     /// The slab before.
     pub past: Option<Past>,
     /// Parts of the current slab that are still to be done, the next one last.
@@ -61,6 +65,7 @@ impl State {
             time,
             u,
             d,
+            bodies: Vec::new(),
             past: None,
             pending: Vec::new(),
             step: 0.0,

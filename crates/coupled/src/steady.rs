@@ -15,9 +15,10 @@ pub use reliability::{Reliability, Stability};
 pub use search::{Discretisation, Discretised, Search, Stage, SteadyError, SteadyFlow};
 pub use settling::Settling;
 
-use crate::march::{ROUND_OFF, SlabError, SlabReport};
-use crate::slab_problem::SlabProblem;
-use crate::state::Interval;
+use crate::coupled_slab::{ROUND_OFF, SlabReport};
+use crate::slab_error::SlabError;
+use crate::state::{Interval, State};
+use crate::system::System;
 use fem::FluxesAt;
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
@@ -39,7 +40,7 @@ const LONG: f64 = 1e12;
 /// # Panics
 /// If `problem` has more than one node in time or solves for its mesh.
 pub fn solve_steady<const D: usize, const M: usize>(
-    problem: &mut SlabProblem<D, M>,
+    problem: &mut System<D, M>,
     u: &mut [f64],
     d: &[f64],
     initial: &[f64],
@@ -47,12 +48,12 @@ pub fn solve_steady<const D: usize, const M: usize>(
     settings: &newton::Settings,
 ) -> Result<SlabReport<M>, SlabError> {
     assert!(
-        problem.flow.layout.time_order == 1 && problem.mesh_len() == 0,
+        problem.flow.operator.layout.time_order == 1 && problem.mesh_len() == 0,
         "one node in time, and no mesh to solve for"
     );
-    let at_rest = vec![0.0; problem.mover.field_len()];
+    let at_rest = vec![0.0; problem.mover().field_len()];
     problem.at_rest(time, u, d)?;
-    problem.lagged_preconditioner.steady = true;
+    problem.flow.preconditioner.steady = true;
     // Residuals are those of (steady): dt times rates.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;
@@ -69,32 +70,33 @@ pub fn solve_steady<const D: usize, const M: usize>(
     newton.initial_norm = references[0];
     problem.set_point(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
-    let top = problem.flow.boundary_fluxes(None).pop();
+    let top = problem.flow.operator.boundary_fluxes(None).pop();
     Ok(SlabReport {
         jump: 0.0,
         slab: 0,
         interval,
         rejected: 0,
         newton,
-        counts: std::mem::take(&mut problem.counts),
-        quality: problem.mover.quality(d, &at_rest, interval),
+        counts: problem.take_counts(),
+        quality: problem.mover().quality(d, &at_rest, interval),
         fluxes: top.map(|top| FluxesAt { time, ..top }).into_iter().collect(),
-        totals: problem.totals(u),
+        totals: problem.flow.totals(u),
     })
 }
 
-impl<const D: usize, const M: usize> SlabProblem<D, M> {
+impl<const D: usize, const M: usize> System<D, M> {
     /// Begins the slab of (steady) at `time` on top of `u`, on the mesh displaced by `d`.
     fn at_rest(&mut self, time: f64, u: &[f64], d: &[f64]) -> Result<(), SlabError> {
-        self.flow.hold_time(time);
-        self.begin(time, LONG, u, d)?;
+        self.flow.operator.hold_time(time);
+        let state = State::new(time, u.to_vec(), d.to_vec());
+        self.begin(Interval { start: time, end: time + LONG, halvings: 0 }, &state)?;
         self.move_mesh(&mut vec![0.0; d.len()])?;
         Ok(())
     }
 }
 
 fn residual_norms<const D: usize, const M: usize>(
-    problem: &mut SlabProblem<D, M>,
+    problem: &mut System<D, M>,
     u: &[f64],
 ) -> Result<Vec<f64>, Inadmissible> {
     let mut r = vec![0.0; u.len()];

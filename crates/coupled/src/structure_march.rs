@@ -1,6 +1,8 @@
 //! The march of a structure, with or without inertia.
 
+use crate::march::{March, SlabSolver};
 use crate::schedule::Schedule;
+use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
 use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMotion, Statics, Structure};
 use fem::VectorField;
@@ -30,6 +32,23 @@ pub struct Supports<const D: usize> {
     pub field_of_node: Vec<Option<usize>>,
 }
 
+impl<const D: usize> Supports<D> {
+    /// Sets the fixed entries of `structure` to the `value` of their support, zero where it does not move.
+    pub fn set(
+        &self,
+        structure: &Structure<D>,
+        vector: &mut [f64],
+        value: impl Fn(&dyn VectorField<D>, &[f64; D]) -> [f64; D],
+    ) {
+        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D));
+        let entries = entries.zip(vector.chunks_exact_mut(D)).zip(&self.field_of_node);
+        for (((x, fixed), entry), field) in entries {
+            let value = field.map_or([0.0; D], |field| value(&*self.fields[field], x));
+            (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
+        }
+    }
+}
+
 /// The equations of a structure.
 pub enum Equations<const D: usize> {
     /// With inertia.
@@ -54,15 +73,15 @@ impl<const D: usize> Equations<D> {
 }
 
 /// A structure, slab by slab.
-pub struct StructureMarch<const D: usize> {
+pub struct StructureAlone<const D: usize> {
     equations: Equations<D>,
-    /// Where the run stands; the flow is empty, and velocities are those of the past slab.
-    pub state: State,
     /// How its fixed entries move; those of no field rest.
     supports: Supports<D>,
     velocity_at_start: Vec<f64>,
-    schedule: Schedule,
 }
+
+/// A run of a structure; the flow of its state is empty, and velocities are those of the past slab.
+pub type StructureMarch<const D: usize> = March<StructureAlone<D>>;
 
 impl<const D: usize> StructureMarch<D> {
     /// A march through the slabs of `schedule`, at its fixed step, from the displacement `d` and the velocity `v`, both
@@ -74,90 +93,92 @@ impl<const D: usize> StructureMarch<D> {
     pub fn new(
         equations: Equations<D>,
         supports: Supports<D>,
-        d: Vec<f64>,
+        mut d: Vec<f64>,
         mut v: Vec<f64>,
         schedule: Schedule,
     ) -> Result<Self, ElasticityError> {
-        let (state, velocity_at_start) = (State::new(schedule.start, Vec::new(), d), Vec::new());
-        let schedule = Schedule { control: None, ..schedule };
-        let mut march = StructureMarch { equations, state, supports, velocity_at_start, schedule };
-        if let Equations::Static(statics) = &march.equations {
-            let mut d = march.state.d.clone();
-            march.set_supports(&mut d, |field, x| field.value(x, schedule.start));
+        let mut alone = StructureAlone { equations, supports, velocity_at_start: Vec::new() };
+        if let Equations::Static(statics) = &alone.equations {
+            alone.set_supports(&mut d, |field, x| field.value(x, schedule.start));
             statics.equilibrium(schedule.start, &mut d)?;
-            march.state.d = d;
         }
-        march.set_supports(&mut v, |field, x| field.rate(x, schedule.start));
-        Ok(StructureMarch { velocity_at_start: v, ..march })
+        alone.set_supports(&mut v, |field, x| field.rate(x, schedule.start));
+        alone.velocity_at_start = v;
+        let state = State::new(schedule.start, Vec::new(), d);
+        Ok(March::from(alone, state, Schedule { control: None, ..schedule }, 0))
     }
 
     /// The structure.
     pub fn structure(&self) -> &Structure<D> {
-        self.equations.structure()
-    }
-
-    /// Whether the end is reached.
-    pub fn is_done(&self) -> bool {
-        self.schedule.is_done(&self.state)
+        self.solver.equations.structure()
     }
 
     /// The velocity at the time reached, `[C0 node][component]`.
     pub fn velocity(&self) -> &[f64] {
-        match &self.state.past {
-            Some(past) => &past.v[past.v.len() - self.state.d.len()..],
-            None => &self.velocity_at_start,
-        }
+        self.solver.velocity(&self.state)
     }
 
     /// Kinetic and strain energy at the time reached; without inertia the former is zero.
     pub fn energies(&self) -> [f64; 2] {
-        let strain = self.structure().strain_energy(&self.state.d);
-        match &self.equations {
-            Equations::Dynamic(_) => [self.structure().kinetic_energy(self.velocity()), strain],
-            Equations::Static(_) => [0.0, strain],
-        }
+        self.solver.energies(&self.state)
+    }
+}
+
+impl<const D: usize> SlabSolver for StructureAlone<D> {
+    /// What it has cost, and the velocities.
+    type Solved = (DynamicsReport, Vec<f64>);
+    type Report = StructureReport;
+
+    fn solve(&mut self, state: &State, interval: Interval) -> Result<Self::Solved, SlabError> {
+        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
+        let (start, dt) = (interval.start, interval.end - interval.start);
+        let mut v = match &self.equations {
+            Equations::Dynamic(_) => self.guess(state, start, dt),
+            Equations::Static(_) => self.prescribed(start, dt, &state.d),
+        };
+        let velocity = self.velocity(state).to_vec();
+        let report = match &mut self.equations {
+            Equations::Dynamic(dynamics) => {
+                let at_bottom = SlabBottom { time: start, displacement: &state.d, velocity: &velocity };
+                dynamics.solve(at_bottom, dt, &mut v)
+            }
+            Equations::Static(statics) => statics.solve(start, dt, &state.d, &mut v),
+        };
+        Ok((report.map_err(SlabError::Structure)?, v))
     }
 
-    /// Advances one slab.
-    ///
-    /// # Errors
-    /// As [`Dynamics::solve`] and [`Statics::solve`].
-    pub fn advance(&mut self) -> Result<StructureReport, ElasticityError> {
-        let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
-        let interval = self.schedule.next(&self.state);
+    fn finish(&mut self, state: &mut State, interval: Interval, _: usize, solved: Self::Solved) -> StructureReport {
+        let ((dynamics, v), bottom) = (solved, state.d.clone());
         let dt = interval.end - interval.start;
-        let bottom = self.state.d.clone();
-        let (dynamics, v) = self.solve(interval.start, dt, &bottom)?;
         match &self.equations {
-            Equations::Dynamic(dynamics) => dynamics.motion().displacement(dt, &bottom, &v, 1.0, &mut self.state.d),
+            Equations::Dynamic(dynamics) => dynamics.motion().displacement(dt, &bottom, &v, 1.0, &mut state.d),
             // The last node is the top.
             Equations::Static(statics) => {
                 let last = statics.motion().time().order() - 1;
-                statics.motion().displacement_at_node(dt, &bottom, &v, last, &mut self.state.d);
+                statics.motion().displacement_at_node(dt, &bottom, &v, last, &mut state.d);
             }
         }
-        self.state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v });
-        self.state.pending.push(interval);
-        self.state.finish(interval);
-        let [kinetic_energy, strain_energy] = self.energies();
-        Ok(StructureReport { slab: self.state.slab, interval, dynamics, kinetic_energy, strain_energy })
+        state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v, bodies: Vec::new() });
+        let [kinetic_energy, strain_energy] = self.energies(state);
+        StructureReport { slab: state.slab + 1, interval, dynamics, kinetic_energy, strain_energy }
+    }
+}
+
+impl<const D: usize> StructureAlone<D> {
+    fn velocity<'a>(&'a self, state: &'a State) -> &'a [f64] {
+        match &state.past {
+            Some(past) => &past.v[past.v.len() - state.d.len()..],
+            None => &self.velocity_at_start,
+        }
     }
 
-    /// The velocities of the slab above `bottom`, and what they have cost.
-    fn solve(&mut self, start: f64, dt: f64, bottom: &[f64]) -> Result<(DynamicsReport, Vec<f64>), ElasticityError> {
-        let mut v = match &self.equations {
-            Equations::Dynamic(_) => self.guess(start, dt),
-            Equations::Static(_) => self.prescribed(start, dt, bottom),
-        };
-        let velocity = self.velocity().to_vec();
-        let report = match &mut self.equations {
-            Equations::Dynamic(dynamics) => {
-                let at_bottom = SlabBottom { time: start, displacement: bottom, velocity: &velocity };
-                dynamics.solve(at_bottom, dt, &mut v)?
-            }
-            Equations::Static(statics) => statics.solve(start, dt, bottom, &mut v)?,
-        };
-        Ok((report, v))
+    fn energies(&self, state: &State) -> [f64; 2] {
+        let structure = self.equations.structure();
+        let strain = structure.strain_energy(&state.d);
+        match &self.equations {
+            Equations::Dynamic(_) => [structure.kinetic_energy(self.velocity(state)), strain],
+            Equations::Static(_) => [0.0, strain],
+        }
     }
 
     /// The displacement at the bottom at free entries, that of the supports at the time nodes at fixed ones.
@@ -171,10 +192,10 @@ impl<const D: usize> StructureMarch<D> {
     }
 
     /// The velocities of the slab before, extended, at free entries; those of the supports at fixed ones.
-    fn guess(&self, start: f64, dt: f64) -> Vec<f64> {
-        let (time, length) = (self.equations.motion().time(), self.state.d.len());
-        let mut v = match self.state.past {
-            Some(_) => self.state.extrapolated_velocities(time, length, dt),
+    fn guess(&self, state: &State, start: f64, dt: f64) -> Vec<f64> {
+        let (time, length) = (self.equations.motion().time(), state.d.len());
+        let mut v = match state.past {
+            Some(_) => state.extrapolated_velocities(time, length, dt),
             None => self.velocity_at_start.repeat(time.order()),
         };
         for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(length)) {
@@ -183,14 +204,7 @@ impl<const D: usize> StructureMarch<D> {
         v
     }
 
-    /// Sets the fixed entries to the `value` of their support, zero where it does not move.
     fn set_supports(&self, vector: &mut [f64], value: impl Fn(&dyn VectorField<D>, &[f64; D]) -> [f64; D]) {
-        let structure = self.structure();
-        let entries = structure.coordinates().iter().zip(structure.fixed().chunks_exact(D));
-        let entries = entries.zip(vector.chunks_exact_mut(D)).zip(&self.supports.field_of_node);
-        for (((x, fixed), entry), field) in entries {
-            let value = field.map_or([0.0; D], |field| value(&*self.supports.fields[field], x));
-            (0..D).filter(|&i| fixed[i]).for_each(|i| entry[i] = value[i]);
-        }
+        self.supports.set(self.equations.structure(), vector, value);
     }
 }

@@ -1,5 +1,5 @@
-//! Speed of the stiffness operator for every order: million unknowns per second and thread, and the cost per unknown relative to N; and
-//! beside it the time of one application of the low-order preconditioner, and the set-up of both.
+//! Speed of the stiffness operator for every order in million unknowns per second and thread, and the cost per unknown relative to
+//! the order. Also the time of one application of the low-order preconditioner, and the set-up of both.
 //!
 //! `cargo run --release -p elasticity --example throughput`
 #![allow(clippy::print_stdout)]
@@ -27,8 +27,8 @@ fn measure<const D: usize>(order: usize, nodes: usize) -> Result<(), Box<dyn std
     let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] }
         .build()?;
     let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![false; numbering.count];
-    (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; D]; numbering.count];
+    (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
     let start = Instant::now();
     let (material, solver) = (Material::new(1.0, 0.4)?, Solver::ConjugateGradients);
     let elastic = ElasticMesh::with_solver(&mesh, &numbering, material, Stiffness::Constant, &constrained, solver)?;

@@ -1,7 +1,8 @@
-//! A direct solver: the mesh is condensed part by part, until nothing is left.
+//! A direct solver: the mesh is condensed part by part.
 //!
-//! A node inside a cell is coupled with the nodes of that cell alone, so it is eliminated there. What is left couples the nodes of the
-//! skeleton; a cell and its neighbour together need no node between them any more; and so on, along a tree of ever larger parts:
+//! A node inside a cell is coupled only with the nodes of that cell, so it is eliminated there. The Schur complement couples the nodes
+//! of the skeleton. When a cell and its neighbour are joined, the nodes between them can be eliminated too, and so on, along a tree of
+//! ever larger parts:
 //!
 //! ```text
 //! S = sum over cells of  K_ss - K_si K_ii^{-1} K_is                                                            (condensation)
@@ -9,45 +10,51 @@
 //! d_i = K_ii^{-1} (f_i - K_is d_s)
 //! ```
 //!
-//! It is made of the matrices of the cells, whatever law they come from. Exact up to round-off, without iterations; several right-hand
-//! sides share every pass through the factor. A cell of order N stores D (N - 2)^D rows.
+//! It is built from the matrices of the cells, for any law. It is exact up to round-off, without iterations; several right-hand sides
+//! share every pass through the factor. A cell of order N stores D (N - 2)^D rows.
 
 mod inner;
 mod sweep;
 
 use crate::ElasticityError;
-use crate::batches::Batches;
 use crate::pool::Pool;
+use fem::NodalBatches;
 use inner::{CellUnknowns, InnerFactor};
 use sparse::{EliminationTree, Factorisation, Kind, eliminations};
 use std::sync::Arc;
-use sweep::SweepWork;
+use sweep::{CellSweeps, SweepWork};
 use tensor::{Pack, WIDTH};
 
-/// In which order the free nodes of a mesh are eliminated, and what their factor will need: known before any matrix is.
+/// The order of elimination of the free nodes of a mesh, and the size of their factor. Both are known before any
+/// matrix.
 pub(crate) struct Elimination<const D: usize> {
     unknowns: CellUnknowns,
-    /// Of the free nodes of the skeleton.
+    /// The tree of the nodes of the skeleton with a free component.
     tree: Arc<EliminationTree>,
-    constrained: Vec<bool>,
+    constrained: Vec<[bool; D]>,
 }
 
 impl<const D: usize> Elimination<D> {
-    /// For cells of the given order and the constrained nodes `constrained[C0 node]`. `centres` lie anywhere in the cells.
-    pub(crate) fn new(order: usize, batches: &Batches<D>, constrained: &[bool], centres: &[[f64; D]]) -> Self {
+    /// For cells of the given order and the entries `constrained[C0 node][component]`. `centres` are any points of the cells.
+    pub(crate) fn new(
+        order: usize,
+        batches: &NodalBatches<D>,
+        constrained: &[[bool; D]],
+        centres: &[[f64; D]],
+    ) -> Self {
         let unknowns = CellUnknowns::new(D, order);
         let skeleton = |cell: usize| -> Vec<usize> {
             let nodes = unknowns.skeleton_nodes(D).map(|k| batches.cell_node(cell, k));
-            nodes.filter(|&node| !constrained[node]).collect()
+            nodes.filter(|&node| constrained[node] != [true; D]).collect()
         };
         let cells: Vec<_> = (0..batches.cells()).map(skeleton).collect();
         let tree = Arc::new(EliminationTree::by_dissection(&cells, centres, constrained.len()));
         Elimination { unknowns, tree, constrained: constrained.to_vec() }
     }
 
-    /// Memory of the factor, and on the way to it of S of all cells and of the matrices of a batch. Threads do not count: they must not
-    /// decide which solver is taken.
-    pub(crate) fn bytes(&self, batches: &Batches<D>) -> usize {
+    /// Memory of the factor, including temporarily S of all cells and the matrices of a batch. The number of threads does not count,
+    /// because it must not influence the choice of the solver.
+    pub(crate) fn bytes(&self, batches: &NodalBatches<D>) -> usize {
         let inner = self.unknowns.factor_length() * batches.count() * WIDTH;
         let schur = self.unknowns.skeleton().pow(2) * batches.cells();
         let matrices = 2 * self.unknowns.count().pow(2) * WIDTH;
@@ -55,19 +62,19 @@ impl<const D: usize> Elimination<D> {
     }
 
     /// Multiplications of the factorisation.
-    pub(crate) fn operations(&self, batches: &Batches<D>) -> f64 {
+    pub(crate) fn operations(&self, batches: &NodalBatches<D>) -> f64 {
         let of_cell = eliminations(self.unknowns.count(), self.unknowns.inner());
         of_cell * (batches.count() * WIDTH) as f64 + self.tree.operations(D)
     }
 
-    /// The factor of the sum of the cells' matrices: `matrices(batch)` are those of a batch, `[column][row]`, both of them
+    /// The factor of the sum of the cells' matrices: `matrices(batch)` are the matrices of a batch, `[column][row]`, both
     /// `[component][node]`.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] if too few nodes are constrained, or the state of the mesh is unstable.
+    /// [`ElasticityError::NotDefinite`] if too few entries are constrained, or the state of the mesh is unstable.
     pub(crate) fn factor(
         self: &Arc<Self>,
-        batches: &Batches<D>,
+        batches: &NodalBatches<D>,
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<Condensation<D>, ElasticityError> {
         let (inner, schur) = InnerFactor::new(&self.unknowns, batches, &self.constrained, matrices)?;
@@ -92,9 +99,9 @@ pub(crate) struct Condensation<const D: usize> {
 /// Work space of one solve with several right-hand sides.
 struct SolveWork {
     sweep: SweepWork,
-    /// What a sweep returns, `[right-hand side][C0 node][component]`.
+    /// The result of a sweep, `[right-hand side][C0 node][component]`.
     swept: Vec<f64>,
-    /// That of the factors of the skeleton.
+    /// Work space of the factors of the skeleton.
     fronts: Vec<f64>,
 }
 
@@ -104,19 +111,19 @@ impl<const D: usize> Condensation<D> {
         &self.elimination
     }
 
-    /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained nodes.
-    /// After a first call with as many right-hand sides nothing is allocated.
-    pub(crate) fn solve(&self, batches: &Batches<D>, x: &mut [f64]) {
-        let unknowns = &self.elimination.unknowns;
+    /// x = K_ff^{-1} x for right-hand sides one after the other, `[right-hand side][C0 node][component]`, that vanish at constrained
+    /// entries. After a first call with as many right-hand sides nothing is allocated.
+    pub(crate) fn solve(&self, batches: &NodalBatches<D>, x: &mut [f64]) {
+        let cells = CellSweeps { factor: &self.inner, unknowns: &self.elimination.unknowns, batches };
         let count = x.len() / (self.elimination.constrained.len() * D);
         let mut work = self.work.take(|| SolveWork::new(batches));
         let SolveWork { sweep, swept, fronts } = &mut work;
         swept.resize(x.len(), 0.0);
-        self.inner.forward(unknowns, batches, x, swept, sweep);
+        cells.forward(x, swept, sweep);
         self.on_skeleton(x, swept, |x, swept| *swept += x);
         self.factors.solve(swept, count, fronts);
         self.hold(swept);
-        self.inner.backward(unknowns, batches, swept, x, sweep);
+        cells.backward(swept, x, sweep);
         self.on_skeleton(swept, x, |swept, x| *x = swept);
         self.work.give(work);
     }
@@ -128,11 +135,11 @@ impl<const D: usize> Condensation<D> {
 
     /// d_c = 0 in every right-hand side.
     fn hold(&self, d: &mut [f64]) {
-        let nodes = self.elimination.constrained.iter().cycle().zip(d.chunks_exact_mut(D));
-        nodes.filter(|(constrained, _)| **constrained).for_each(|(_, d)| d.fill(0.0));
+        let entries = self.elimination.constrained.as_flattened().iter().cycle().zip(d);
+        entries.filter(|(constrained, _)| **constrained).for_each(|(_, d)| *d = 0.0);
     }
 
-    /// Changes the entries of the skeleton in `to`, given those in `from`, of every right-hand side.
+    /// Changes the entries of the skeleton in `to`, given the entries in `from`, for every right-hand side.
     fn on_skeleton(&self, from: &[f64], to: &mut [f64], mut change: impl FnMut(f64, &mut f64)) {
         let length = self.elimination.constrained.len() * D;
         for (from, to) in from.chunks_exact(length).zip(to.chunks_exact_mut(length)) {
@@ -144,7 +151,7 @@ impl<const D: usize> Condensation<D> {
 }
 
 impl SolveWork {
-    fn new<const D: usize>(batches: &Batches<D>) -> Self {
+    fn new<const D: usize>(batches: &NodalBatches<D>) -> Self {
         SolveWork { sweep: SweepWork::new(batches), swept: Vec::new(), fronts: Vec::new() }
     }
 }

@@ -1,103 +1,52 @@
-//! The motion of a structure in one slab, by discontinuous Galerkin in time.
-//!
-//! The velocity is a polynomial with the values V_b at the N_t right-Radau nodes s_b of the slab and jumps at its bottom; the displacement
-//! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
-//!
-//! ```text
-//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( K d(s_a) - f(s_a) ) = 0      at free entries              (dynamics)
-//! V_a = g'(s_a)                                                                  at fixed entries
-//! ```
-//!
-//! T and w are those of `basis::RadauTime`; as W^{-1} T = A^{-1}, this is the Radau IIA method: order 2 N_t - 1 at the top of a slab,
-//! stable for any dt. At supports it is the velocity that is prescribed: prescribed positions would cost (dynamics) its order, for the
-//! reactions then follow from second differences. A support so stands where the Radau rule puts the integral of g', of the same order.
-//!
-//! Nothing is lost but what the jumps take: with [v] = v(0+) - v_n and [d] that of the polynomial through the d(s_a),
-//!
-//! ```text
-//! E_{n+1} - E_n = W - D,     E = v.Mv/2 + d.Kd/2,     D = [v].M[v]/2 + [d].K[d]/2                              (energy)
-//! W = dt sum_a w_a f(s_a) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
-//! ```
-//!
-//! The eigenvectors of A^{-1} separate (dynamics) into N_t systems of space. With its eigenvalues lambda, and c for what the residual
-//! becomes,
-//!
-//! ```text
-//! ( K + (lambda/dt)^2 M ) y = (lambda/dt^2) c                                                                  (mode)
-//! ```
-//!
-//! Each is factored once per length of slab, see `shifted`.
+//! The motion of a structure, slab by slab: (dynamics) of `structure_slab`, solved by the temporal modes of `modal`, or where it is not
+//! linear by `large_displacement`.
 
-use crate::shifted::Shifted;
-use crate::slab::combine_nodes;
+use crate::large_displacement::{self, Motion};
+use crate::modal::{ModalSolver, SlabSystems, nominal_length};
+use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
-use basis::{RadauTime, TemporalModes, is_real};
+use basis::{RadauTime, TemporalModes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
-use rayon::prelude::*;
 
-/// A slab is solved when its residual is this small against the forces in it ...
+/// A slab is solved when its residual, relative to the forces in it, is this small ...
 pub(crate) const TOLERANCE: f64 = 1e-12;
-/// ... or when a correction leaves more than this part of it: that is round-off.
+/// ... or when a correction leaves more than this fraction of it, so that only round-off is left.
 pub(crate) const ROUND_OFF: f64 = 0.1;
-/// A residual that round-off holds above this is an error.
+/// It is an error if the residual stagnates by round-off above this.
 pub(crate) const STALLED: f64 = 1e-5;
-/// Relative tolerance of the systems of one correction, where the modes separate well.
+/// Relative tolerance of the systems of one correction, if the modes are well conditioned.
 pub(crate) const CORRECTION_TOLERANCE: f64 = 1e-6;
-/// Slabs whose lengths differ by less than this, relatively, share their factors.
-const SAME_LENGTH: f64 = 1e-9;
 
 /// A structure, its loads, and the factors of the systems of a slab.
 pub struct Dynamics<const D: usize> {
     structure: Structure<D>,
     loads: Loads<D>,
     motion: SlabMotion,
-    modes: TemporalModes,
     /// Relative tolerance of the systems of one correction.
     tolerance: f64,
     /// The length of most slabs.
     step: f64,
-    /// The length of the slab that is factored, and for each mode the factor of K + |lambda/dt|^2 M.
-    factored: (f64, Vec<Shifted<D>>),
+    /// The systems of the slab last solved.
+    modal: ModalSolver<D>,
 }
 
-/// Where a slab begins.
-#[derive(Clone, Copy, Debug)]
-pub struct SlabBottom<'a> {
-    /// t_n
-    pub time: f64,
-    /// d_n, `[C0 node][component]`.
-    pub displacement: &'a [f64],
-    /// v_n, `[C0 node][component]`.
-    pub velocity: &'a [f64],
-}
-
-/// What a slab has done.
+/// The report of a slab.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicsReport {
     /// Corrections of the guess.
     pub corrections: usize,
     /// CG and FGMRES iterations of all modes.
     pub iterations: usize,
-    /// The work of the loads.
-    pub load_work: f64,
-    /// The work of the supports.
-    pub support_work: f64,
-    /// D of (energy): what the jumps take.
-    pub dissipation: f64,
-}
-
-/// The residual of a slab, and the size of the forces that cancel in it.
-struct Residual {
-    r: Vec<f64>,
-    scale: f64,
+    /// The terms of (energy).
+    pub work: SlabWork,
 }
 
 impl<const D: usize> Dynamics<D> {
-    /// The motion of `structure` under `loads` with `time_order` nodes per slab; most slabs have the length `step`, for which the systems
-    /// are factored.
+    /// The motion of `structure` under `loads` with `time_order` nodes per slab. The systems are factored for slabs of length `step`, the
+    /// length of most slabs.
     ///
     /// # Errors
-    /// A sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// An inverted sub-cell between Gauss-Lobatto nodes.
     pub fn new(
         structure: Structure<D>,
         loads: Loads<D>,
@@ -105,10 +54,10 @@ impl<const D: usize> Dynamics<D> {
         step: f64,
     ) -> Result<Self, ElasticityError> {
         let motion = SlabMotion::new(RadauTime::new(time_order));
-        let modes = TemporalModes::new(motion.time());
-        let tolerance = (1e-4 / modes.condition(motion.time())).clamp(1e-12, CORRECTION_TOLERANCE);
-        let factored = (step, factors(&structure, &modes, step)?);
-        Ok(Dynamics { structure, loads, motion, modes, tolerance, step, factored })
+        let condition = TemporalModes::new(motion.time()).condition(motion.time());
+        let tolerance = (1e-4 / condition).clamp(1e-12, CORRECTION_TOLERANCE);
+        let modal = ModalSolver::new(&structure, motion.time(), alone(step))?;
+        Ok(Dynamics { structure, loads, motion, tolerance, step, modal })
     }
 
     /// The structure.
@@ -124,73 +73,72 @@ impl<const D: usize> Dynamics<D> {
     /// velocities at fixed entries and a guess at the others.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or that of a system that cannot be solved; `v` then holds the last iterate.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or the error of a system that
+    /// cannot be solved; `v` then holds the last iterate.
     pub fn solve(&mut self, bottom: SlabBottom<'_>, dt: f64, v: &mut [f64]) -> Result<DynamicsReport, ElasticityError> {
-        self.factor_for(dt)?;
-        let forces = self.forces(bottom.time, dt)?;
-        let mut report = DynamicsReport::default();
-        let mut residual = self.residual(bottom, dt, &forces, v);
-        let mut norm = self.free_norm(&residual.r);
-        while norm > TOLERANCE * residual.scale {
-            report.iterations += self.correct(&residual.r, dt, v)?;
+        self.factor_for(dt, bottom)?;
+        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        let forces = slab.forces()?;
+        let mut report =
+            if self.is_linear() { self.correct(&slab, &forces, v)? } else { self.find(&slab, &forces, v)? };
+        let mut r = vec![0.0; v.len()];
+        slab.residual(&forces, v, &mut r)?;
+        report.work = slab.work(&forces, v, &r);
+        Ok(report)
+    }
+
+    /// Whether the residual is affine.
+    fn is_linear(&self) -> bool {
+        self.structure.law().is_linear() && self.loads.pressures.is_empty()
+    }
+
+    /// Corrects `v` until the residual is round-off: one correction would be exact if the modes were solved exactly.
+    fn correct(
+        &self,
+        slab: &StructureSlab<'_, D>,
+        forces: &[f64],
+        v: &mut [f64],
+    ) -> Result<DynamicsReport, ElasticityError> {
+        let (mut report, mut r) = (DynamicsReport::default(), vec![0.0; v.len()]);
+        let mut scale = slab.residual(forces, v, &mut r)?;
+        let mut norm = self.free_norm(&r);
+        while norm > TOLERANCE * scale {
+            report.iterations += self.correct_once(&r, slab.dt, v)?;
             report.corrections += 1;
-            residual = self.residual(bottom, dt, &forces, v);
-            let before = std::mem::replace(&mut norm, self.free_norm(&residual.r));
+            scale = slab.residual(forces, v, &mut r)?;
+            let before = std::mem::replace(&mut norm, self.free_norm(&r));
             if norm > ROUND_OFF * before {
                 break;
             }
         }
-        if norm.is_nan() || norm > STALLED * residual.scale {
-            return Err(ElasticityError::Stalled { time: bottom.time, residual: norm / residual.scale });
+        if norm.is_nan() || norm > STALLED * scale {
+            return Err(ElasticityError::Stalled { time: slab.bottom.time, residual: norm / scale });
         }
-        let at_bottom = self.motion.time().values(0.0);
-        let mut velocity_jump: Vec<f64> = bottom.velocity.iter().map(|v| -v).collect();
-        add_combination(&at_bottom, v, &mut velocity_jump);
-        let slab = Slab { structure: &self.structure, motion: &self.motion, dt, bottom: bottom.displacement };
-        slab.add_works(&forces, v, &residual.r, &mut report);
-        report.dissipation += self.structure.kinetic_energy(&velocity_jump);
         Ok(report)
     }
 
-    /// Makes the factors for slabs of length `dt` if there are none. They depend on `dt` alone, not on what was solved before.
-    fn factor_for(&mut self, dt: f64) -> Result<(), ElasticityError> {
-        let dt = if (dt - self.step).abs() <= SAME_LENGTH * self.step { self.step } else { dt };
-        if self.factored.0 != dt {
-            self.factored = (dt, factors(&self.structure, &self.modes, dt)?);
+    /// Finds `v` by Newton's method.
+    fn find(
+        &self,
+        slab: &StructureSlab<'_, D>,
+        forces: &[f64],
+        v: &mut [f64],
+    ) -> Result<DynamicsReport, ElasticityError> {
+        let scale = slab.residual(forces, v, &mut vec![0.0; v.len()])?;
+        let mut motion = Motion::new(*slab, forces, &self.modal);
+        let large_displacement::Work { steps, iterations } =
+            large_displacement::solve(&mut motion, scale, slab.bottom.time, v)?;
+        Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
+    }
+
+    /// Factors the systems for slabs of length `dt` above `bottom` if they are others. They do not depend on what was solved before.
+    fn factor_for(&mut self, dt: f64, bottom: SlabBottom<'_>) -> Result<(), ElasticityError> {
+        let dt = nominal_length(dt, self.step);
+        if self.modal.dt() != dt || !self.structure.law().is_linear() {
+            let of = SlabSystems { position: bottom.displacement, ..alone(dt) };
+            self.modal = ModalSolver::new(&self.structure, self.motion.time(), of)?;
         }
         Ok(())
-    }
-
-    /// f(s_a), `[time node][C0 node][component]`.
-    fn forces(&self, start: f64, dt: f64) -> Result<Vec<f64>, ElasticityError> {
-        let (time, length) = (self.motion.time(), self.structure.length());
-        let mut forces = vec![0.0; time.order() * length];
-        for (s, f) in time.nodes().iter().zip(forces.chunks_exact_mut(length)) {
-            self.structure.load(&self.loads, start + s * dt, f)?;
-        }
-        Ok(forces)
-    }
-
-    /// R_a by (dynamics), at fixed entries too: there it is dt w_a times the reaction of the support.
-    fn residual(&self, bottom: SlabBottom<'_>, dt: f64, forces: &[f64], v: &[f64]) -> Residual {
-        let (time, length) = (self.motion.time(), self.structure.length());
-        let at_bottom = time.values(0.0);
-        let (mut inertia, mut elastic, mut loads) = (vec![0.0; v.len()], vec![0.0; v.len()], forces.to_vec());
-        let (mut change, mut d) = (vec![0.0; length], vec![0.0; length]);
-        for a in 0..time.order() {
-            let (node, weight) = (a * length..(a + 1) * length, dt * time.weights()[a]);
-            // sum_b T_ab V_b - phi_a(0) v_n
-            change.iter_mut().zip(bottom.velocity).for_each(|(change, v)| *change = -at_bottom[a] * v);
-            add_combination(time.slab_matrix().row(a), v, &mut change);
-            self.structure.apply_mass(&change, &mut inertia[node.clone()]);
-            self.motion.displacement_at_node(dt, bottom.displacement, v, a, &mut d);
-            self.structure.apply_stiffness(&d, &mut elastic[node.clone()]);
-            elastic[node.clone()].iter_mut().for_each(|k| *k *= weight);
-            loads[node].iter_mut().for_each(|f| *f *= weight);
-        }
-        let scale = [&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum();
-        let r = (0..v.len()).map(|i| inertia[i] + elastic[i] - loads[i]).collect();
-        Residual { r, scale }
     }
 
     /// |R| at free entries.
@@ -200,100 +148,16 @@ impl<const D: usize> Dynamics<D> {
         Euclidean.norm(&free)
     }
 
-    /// v := v - (dR/dV)^{-1} r at free entries, mode by mode; returns the iterations.
-    fn correct(&self, r: &[f64], dt: f64, v: &mut [f64]) -> Result<usize, ElasticityError> {
-        let length = self.structure.length();
-        let mut modes = r.to_vec();
-        modes.chunks_exact_mut(length).for_each(|r| self.structure.at_fixed(r, |_| 0.0));
-        combine_nodes(&self.modes.forward, &mut modes);
-        let mut rest = &mut modes[..];
-        let mut systems = Vec::new();
-        for (&lambda, shifted) in self.modes.eigenvalues.iter().zip(&self.factored.1) {
-            let columns = if is_real(lambda) { 1 } else { 2 };
-            let (column, others) = std::mem::take(&mut rest).split_at_mut(columns * length);
-            systems.push((lambda, shifted, column));
-            rest = others;
-        }
-        let solve = |(lambda, shifted, column): (_, &Shifted<D>, &mut [f64])| {
-            solve_mode(&self.structure, shifted, lambda, dt, self.tolerance, column)
-        };
-        let solved: Vec<Result<usize, _>> = systems.into_par_iter().map(solve).collect();
-        combine_nodes(&self.modes.backward, &mut modes);
-        v.iter_mut().zip(&modes).for_each(|(v, w)| *v -= w);
-        solved.into_iter().sum()
+    /// v := v - (dR/dV)^{-1} r at free entries; returns the iterations.
+    fn correct_once(&self, r: &[f64], dt: f64, v: &mut [f64]) -> Result<usize, ElasticityError> {
+        let mut increment = r.to_vec();
+        let solved = self.modal.solve(&self.structure, dt, self.tolerance, &mut increment);
+        v.iter_mut().zip(&increment).for_each(|(v, w)| *v -= w);
+        solved
     }
 }
 
-/// A slab that is solved, with or without inertia.
-pub(crate) struct Slab<'a, const D: usize> {
-    pub(crate) structure: &'a Structure<D>,
-    pub(crate) motion: &'a SlabMotion,
-    /// Its length.
-    pub(crate) dt: f64,
-    /// d_n
-    pub(crate) bottom: &'a [f64],
+/// The systems of slabs of length `dt` without a fluid and without pseudo-time.
+fn alone<'a, const D: usize>(dt: f64) -> SlabSystems<'a, D> {
+    SlabSystems { dt, inverse_pseudo_time: 0.0, fluid: None, position: &[] }
 }
-
-impl<const D: usize> Slab<'_, D> {
-    /// The terms of (energy) but the kinetic one, for the solution `v` with the residual `r` of (dynamics).
-    pub(crate) fn add_works(&self, forces: &[f64], v: &[f64], r: &[f64], report: &mut DynamicsReport) {
-        let (time, length) = (self.motion.time(), self.structure.length());
-        let at_bottom = time.values(0.0);
-        let mut displacement_jump: Vec<f64> = self.bottom.iter().map(|d| -d).collect();
-        let mut d = vec![0.0; length];
-        for a in 0..time.order() {
-            let node = a * length..(a + 1) * length;
-            report.load_work += self.dt * time.weights()[a] * Euclidean.dot(&forces[node.clone()], &v[node.clone()]);
-            let mut reaction = vec![0.0; length];
-            self.structure.at_fixed(&mut reaction, |i| r[a * length + i]);
-            report.support_work += Euclidean.dot(&reaction, &v[node]);
-            self.motion.displacement_at_node(self.dt, self.bottom, v, a, &mut d);
-            add_combination(&at_bottom[a..=a], &d, &mut displacement_jump);
-        }
-        report.dissipation += self.structure.strain_energy(&displacement_jump);
-    }
-}
-
-/// The factors of K + |lambda/dt|^2 M for all modes.
-fn factors<const D: usize>(
-    structure: &Structure<D>,
-    modes: &TemporalModes,
-    dt: f64,
-) -> Result<Vec<Shifted<D>>, ElasticityError> {
-    let factors: Vec<Result<_, _>> =
-        modes.eigenvalues.par_iter().map(|lambda| structure.shifted((lambda.norm() / dt).powi(2))).collect();
-    factors.into_iter().collect()
-}
-
-/// Replaces c by y of (mode); a complex mode has two columns, real and imaginary part. Returns the iterations.
-fn solve_mode<const D: usize>(
-    structure: &Structure<D>,
-    shifted: &Shifted<D>,
-    lambda: faer::c64,
-    dt: f64,
-    tolerance: f64,
-    column: &mut [f64],
-) -> Result<usize, ElasticityError> {
-    let factor = lambda / (dt * dt);
-    let mut right_hand_side = column.to_vec();
-    if is_real(lambda) {
-        right_hand_side.iter_mut().for_each(|c| *c *= factor.re);
-        return shifted.solve(structure, &right_hand_side, column, tolerance);
-    }
-    let (re, im) = right_hand_side.split_at_mut(column.len() / 2);
-    for (re, im) in re.iter_mut().zip(im) {
-        (*re, *im) = (factor.re * *re - factor.im * *im, factor.re * *im + factor.im * *re);
-    }
-    let theta = 2.0 * lambda.im.atan2(lambda.re);
-    shifted.solve_complex(structure, theta, &right_hand_side, column, tolerance)
-}
-
-/// out = out + sum_b coefficients[b] fields[b].
-fn add_combination(coefficients: &[f64], fields: &[f64], out: &mut [f64]) {
-    for (c, field) in coefficients.iter().zip(fields.chunks_exact(out.len())) {
-        out.iter_mut().zip(field).for_each(|(out, field)| *out += c * field);
-    }
-}
-
-#[cfg(test)]
-mod tests;

@@ -5,38 +5,38 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates, node_spacing};
-use crate::low_order::LowOrder;
+use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
+use crate::low_order::{Inertia, LowOrder};
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Plan, Solver};
 use crate::{ElasticityError, Law, Material, Stiffness};
 use basis::gauss_lobatto;
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use position::Position;
 use solve::SolveWork;
 use tensor::WIDTH;
 
-/// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained nodes.
+/// The equilibrium of a mesh: div P(grad d) = 0, with the displacement d prescribed at constrained entries.
 ///
 /// ```text
-/// K_ff d_f + K_fc d_c = f_f          f: free nodes, c: constrained nodes                                       (equilibrium)
+/// K_ff d_f + K_fc d_c = f_f          f: free entries, c: constrained entries                                   (equilibrium)
 /// ```
 ///
-/// With [`Law::Linear`], K depends on the initial mesh, the material and the stiffness alone. It is prepared once, with its
-/// preconditioner, and serves every slab and every temporal mode of a run. With the other laws K is the derivative of the forces at the
-/// displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal modes are
-/// separate vectors. All other methods take `&self`: several vectors may be treated at the same time.
+/// An entry is one component of one C0 node. With [`Law::Linear`], K depends only on the initial mesh, the material and the stiffness. It
+/// is prepared once, with its preconditioner, for all slabs and temporal modes of a run. With the other laws K is the derivative of the
+/// forces at the displacement of the slab's bottom, set by [`Self::begin_slab`]. Vectors have the layout `[C0 node][component]`; temporal
+/// modes are separate vectors. All other methods take `&self`, so that several vectors may be treated at the same time.
 pub struct ElasticMesh<const D: usize> {
     law: Law,
     operator: Operator<D>,
-    /// Where K is taken.
+    /// The state of the mesh at which K is evaluated.
     position: Position<D>,
     inverse: Inverse<D>,
-    /// The relative error that one pass of a direct solver leaves.
+    /// The relative error after one pass of a direct solver.
     pass_error: f64,
-    constrained: Vec<bool>,
+    constrained: Vec<[bool; D]>,
     coordinates: Vec<[f64; D]>,
     diagonal: Vec<f64>,
     spacing: Vec<f64>,
@@ -45,9 +45,9 @@ pub struct ElasticMesh<const D: usize> {
 }
 
 impl<const D: usize> ElasticMesh<D> {
-    /// Prepares K of the order of `numbering` on the reference mesh, and the solver that its size suggests.
+    /// Prepares K of the order of `numbering` on the reference mesh, and the solver that suits its size.
     ///
-    /// `constrained[node]` says where the displacement is prescribed, in all components.
+    /// `constrained[node][component]` tells whether a component of the displacement of a node is prescribed.
     ///
     /// # Errors
     /// As [`Self::with_solver`].
@@ -56,7 +56,7 @@ impl<const D: usize> ElasticMesh<D> {
         numbering: &NodeNumbering,
         material: Material,
         stiffness: Stiffness<'_, D>,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
     ) -> Result<Self, ElasticityError> {
         Self::with_solver(mesh, numbering, material, stiffness, constrained, Solver::Automatic)
     }
@@ -64,21 +64,20 @@ impl<const D: usize> ElasticMesh<D> {
     /// The same with the given solver.
     ///
     /// # Errors
-    /// A stiffness that is not positive, no or too few constrained nodes, a `constrained` of the wrong length, or, where the solver
-    /// needs the low-order refinement, a sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// A stiffness that is not positive, no or too few constrained entries, or a `constrained` of the wrong length. If the solver
+    /// needs the low-order refinement: a sub-cell between Gauss-Lobatto nodes that is inverted.
     pub fn with_solver(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
         material: Material,
         stiffness: Stiffness<'_, D>,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
         solver: Solver,
     ) -> Result<Self, ElasticityError> {
         check_constraints(numbering, constrained)?;
         let (order, law, lame) = (numbering.order(), material.law(), material.lame());
-        let rule = law.rule(D, order);
-        let at_points = Sampler::new(mesh, stiffness, &rule.points);
-        let operator = Operator::new(law, lame, order, Batches::new(mesh, numbering), &rule, &at_points)?;
+        let at_points = StiffnessSampler::new(mesh, stiffness, law.rule(D, order));
+        let operator = Operator::new(law, lame, order, NodalBatches::new(mesh, numbering), &at_points)?;
         let mut position = Position::new(law, &operator, stiffness, numbering.count * D);
         let coordinates = nodal_coordinates(mesh, numbering);
         let inverse = match Plan::with_elimination(mesh, numbering, operator.batches(), constrained, solver) {
@@ -88,11 +87,11 @@ impl<const D: usize> ElasticMesh<D> {
                 Inverse::Direct(Box::new(factor))
             }
             (plan, None) => {
-                let at_nodes = Sampler::new(mesh, stiffness, &gauss_lobatto(order).points);
+                let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
                 let samples = |cell| at_nodes.cell(cell);
-                let low_order = LowOrder::new(lame, mesh.n_cells(), numbering, samples, constrained, multigrid)?;
-                position.keep_nodes(law, mesh.n_cells(), numbering, &at_nodes)?;
+                let low_order = LowOrder::new(lame, Inertia::none(), numbering, samples, constrained, multigrid)?;
+                position.keep_nodes(law, numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }
         };
@@ -122,19 +121,20 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn length(&self) -> usize {
         self.diagonal.len()
     }
-    /// The reference position of every C0 node; of a node on a periodic boundary, one of its positions.
+    /// The reference position of every C0 node; for a node on a periodic boundary, one of its positions.
     pub fn coordinates(&self) -> &[[f64; D]] {
         &self.coordinates
     }
-    /// For every C0 node, whether its displacement is prescribed.
+    /// For every entry of a vector, whether its displacement is prescribed.
     pub fn constrained(&self) -> &[bool] {
-        &self.constrained
+        self.constrained.as_flattened()
     }
-    /// Multiplications of one application of K, but for the law at points.
+    /// Multiplications of one application of K, except those of the law at points.
     pub fn multiplications(&self) -> usize {
         self.operator.multiplications()
     }
-    /// Numbers that one application of K reads from memory beside the vectors: geometry and stiffness at the points of all cells.
+    /// The amount of numbers that one application of K reads besides the vectors: geometry and stiffness at the points of all
+    /// cells.
     pub fn metric_length(&self) -> usize {
         self.operator.metric().len() * WIDTH
     }
@@ -153,7 +153,7 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn diagonal(&self) -> &[f64] {
         &self.diagonal
     }
-    /// Weights of the residual in a slab of `time_order` nodes, that make its norm an error of position relative to the node spacing h:
+    /// Weights of the residual in a slab of `time_order` nodes. They make its norm an error of position relative to the node spacing h:
     /// |R|^2 = (1 / n) sum (R_i / (K_ii h_i))^2.
     pub fn position_weights(&self, time_order: usize) -> Vec<f64> {
         let count = (self.length() * time_order) as f64;
@@ -161,31 +161,38 @@ impl<const D: usize> ElasticMesh<D> {
         (0..time_order).flat_map(|_| (0..self.length()).map(weight)).collect()
     }
 
-    /// out = K d on all nodes, constrained or not. Nothing is allocated after a first call.
+    /// out = K d at all entries, constrained or not. Nothing is allocated after a first call.
     pub fn apply(&self, d: &[f64], out: &mut [f64]) {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
         self.operator.product(self.position.bottom(), d, out);
     }
 
-    /// out_f = K_ff d_f, out_c = 0, for a `d` that vanishes at constrained nodes.
+    /// out_f = K_ff d_f, out_c = 0, for a `d` that vanishes at constrained entries.
     pub fn apply_free(&self, d: &[f64], out: &mut [f64]) {
         self.apply(d, out);
         self.at_constrained(out, |_| 0.0);
     }
 
-    /// Sets the entries of free nodes.
+    /// Sets the free entries.
     fn at_free(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
         self.set(false, vector, value);
     }
 
-    /// Sets the entries of constrained nodes.
+    /// Sets the constrained entries.
     pub(crate) fn at_constrained(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
         self.set(true, vector, value);
     }
 
+    /// Adds to the constrained entries.
+    pub(crate) fn add_at_constrained(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
+        for (i, _) in self.constrained().iter().enumerate().filter(|(_, constrained)| **constrained) {
+            vector[i] += value(i);
+        }
+    }
+
     fn set(&self, constrained: bool, vector: &mut [f64], value: impl Fn(usize) -> f64) {
-        for (node, _) in self.constrained.iter().enumerate().filter(|(_, c)| **c == constrained) {
-            (node * D..(node + 1) * D).for_each(|i| vector[i] = value(i));
+        for (i, _) in self.constrained().iter().enumerate().filter(|(_, c)| **c == constrained) {
+            vector[i] = value(i);
         }
     }
 
@@ -198,10 +205,16 @@ impl<const D: usize> ElasticMesh<D> {
     }
 }
 
-fn check_constraints(numbering: &NodeNumbering, constrained: &[bool]) -> Result<(), ElasticityError> {
+fn check_constraints<const D: usize>(
+    numbering: &NodeNumbering,
+    constrained: &[[bool; D]],
+) -> Result<(), ElasticityError> {
     if constrained.len() != numbering.count {
         let (found, expected) = (constrained.len(), numbering.count);
         return Err(ElasticityError::Length { array: "the list of constrained nodes", found, expected });
     }
-    if constrained.contains(&true) { Ok(()) } else { Err(ElasticityError::Unconstrained) }
+    match (0..D).find(|&axis| constrained.iter().all(|components| !components[axis])) {
+        Some(axis) => Err(ElasticityError::Unconstrained { axis }),
+        None => Ok(()),
+    }
 }

@@ -1,17 +1,17 @@
 //! The equilibrium of a slab: the solution of its mesh equations.
 //!
-//! With a linear law one solve is exact, from any guess. With another one Newton's method starts from the guess, which is best the motion
-//! of the slab before, continued. It stops at
+//! With a linear law one solve is exact, from any guess. With another law Newton's method starts from the guess; the best guess is the
+//! extrapolated motion of the slab before. It stops at
 //!
 //! ```text
 //! sqrt( (1/n) sum (b_i R_i / (K_ii h_i))^2 ) <= accuracy,     h: node spacing                                   (accuracy)
 //! ```
 //!
-//! At free nodes b = 1, and this is an error of position relative to the node spacing; at constrained nodes b is so large that the
-//! boundary is where it should be to [`BOUNDARY_ACCURACY`]. The increment of the boundary enters every Newton step through K_fc. A step
-//! begins with one solve with the K of the slab's bottom, which is all it takes if that leaves little of the residual; otherwise the
-//! exact derivative at the iterate is used, preconditioned by the former. No iterate has J <= 0 where the energy is integrated, or fails
-//! the guard of the caller.
+//! At free entries b = 1, and this is an error of position relative to the node spacing. At constrained entries b is so large that the
+//! boundary is at its prescribed position to [`BOUNDARY_ACCURACY`]. The increment of the boundary enters every Newton step through
+//! K_fc. A step begins with one solve with the K of the slab's bottom. If that leaves much of the residual, the exact derivative
+//! at the iterate is used, preconditioned by K. No iterate has J <= 0 where the energy is integrated, or fails the guard of the
+//! caller.
 
 use crate::{ElasticSlab, ElasticityError};
 use newton_krylov::inner_product::{InnerProduct, Weighted};
@@ -19,22 +19,22 @@ use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use newton_krylov::{forcing, pseudo_time};
 
-/// How well the boundary is met, relative to the node spacing.
+/// The accuracy of the boundary position, relative to the node spacing.
 const BOUNDARY_ACCURACY: f64 = 1e-9;
 
-/// Where rounding ends the search for an accuracy that cannot be had, relative to the node spacing.
+/// The accuracy, relative to the node spacing, below which rounding ends the solve.
 const ROUND_OFF: f64 = 1e-9;
 
-/// How exactly the equilibrium of a slab is found.
+/// The accuracy of the equilibrium of a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// The relative residual of solves with K. Where the law is not linear they precondition only, and 1e-3 is enough.
+    /// The relative residual of solves with K. For a nonlinear law they only precondition, and 1e-3 is enough.
     pub solve: f64,
-    /// (accuracy), for a law that is not linear.
+    /// (accuracy), for a nonlinear law.
     pub position: f64,
 }
 
-/// What the equilibrium of a slab has cost.
+/// The cost of the equilibrium of a slab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Newton steps; 1 for a linear law.
@@ -45,12 +45,12 @@ pub struct Work {
     pub iterations: usize,
 }
 
-/// Says whether a motion V is one that the mesh may have.
+/// Decides whether a motion V of the mesh is admissible.
 pub type Guard<'a> = &'a (dyn Fn(&[f64]) -> Result<(), Inadmissible> + 'a);
 
 impl<const D: usize> ElasticSlab<'_, D> {
     /// Replaces the guess `v` by the velocities for which the mesh equations with the data `bottom` and `g` of [`Self::residual`] hold.
-    /// `guard` is asked only if the law is not linear; a guess that it refuses is replaced by rest.
+    /// `guard` is called only for a nonlinear law; a guess that it refuses is replaced by rest.
     ///
     /// # Errors
     /// As [`crate::ElasticMesh::solve`]; [`ElasticityError::Newton`] if the equilibrium is not found.
@@ -98,11 +98,11 @@ struct Equilibrium<'a, const D: usize> {
     bottom: &'a [f64],
     prescribed: &'a [f64],
     guard: Guard<'a>,
-    /// Of a solve with K.
+    /// The tolerance of a solve with K.
     tolerance: f64,
     fields: [Field; 1],
     weights: Weighted,
-    /// V where R is differentiated.
+    /// The V at which R is differentiated.
     point: Vec<f64>,
     work: Work,
 }
@@ -121,7 +121,7 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
             weights
                 .iter_mut()
                 .enumerate()
-                .filter(|(i, _)| slab.mesh.constrained()[i / D])
+                .filter(|(i, _)| slab.mesh.constrained()[*i])
                 .for_each(|(_, w)| *w *= boundary);
         }
         Equilibrium {
@@ -167,7 +167,7 @@ impl<const D: usize> NonlinearProblem for Equilibrium<'_, D> {
         Ok(())
     }
 
-    /// Meets the boundary: all directions that follow leave it alone.
+    /// Satisfies the boundary conditions; all directions that follow vanish at the boundary.
     fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
         self.solve(right_side, increment);
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with an elastic mesh.
+//! Errors of elastic meshes and structures.
 
 use newton_krylov::problem::Inadmissible;
 use newton_krylov::{cg, fgmres, newton};
@@ -10,11 +10,11 @@ pub enum ElasticityError {
     /// A material constant is outside its range.
     #[error("{constant} of the elastic material is {value}, expected {accepted}")]
     Material {
-        /// Which constant.
+        /// The name of the constant.
         constant: &'static str,
         /// Its value.
         value: f64,
-        /// The values that a material can have.
+        /// The accepted range.
         accepted: &'static str,
     },
     /// The stiffness model gives a modulus that is not a positive number.
@@ -50,18 +50,23 @@ pub enum ElasticityError {
         array: &'static str,
         /// Its length.
         found: usize,
-        /// What mesh and order imply.
+        /// The length that mesh and order imply.
         expected: usize,
     },
-    /// Nothing holds the mesh: rigid motions cost no energy.
-    #[error("no node of the mesh is constrained: prescribe the displacement on at least one boundary")]
-    Unconstrained,
+    /// No node is constrained along an axis: a translation along it costs no energy.
+    #[error(
+        "no node of the mesh is constrained along axis {axis}: prescribe the displacement on at least one boundary"
+    )]
+    Unconstrained {
+        /// The axis, counted from 0.
+        axis: usize,
+    },
     /// The factorisation of the low-order matrix met a pivot that is not positive.
     #[error(
         "the stiffness matrix is not positive definite ({cause}): prescribe the displacement on more of the boundary, or check the stiffness"
     )]
     NotDefinite {
-        /// What the factorisation said.
+        /// The error of the factorisation.
         cause: String,
     },
     /// The stiffness matrix is not factored, for another reason.
@@ -72,7 +77,7 @@ pub enum ElasticityError {
     MaterialAt {
         /// The point, at rest.
         position: Vec<f64>,
-        /// Why.
+        /// The cause.
         source: Box<ElasticityError>,
     },
     /// CG did not reach the tolerance.
@@ -81,7 +86,7 @@ pub enum ElasticityError {
     /// FGMRES did not reach the tolerance for a pair of temporal modes.
     #[error("the solve of a time slab of the structure failed")]
     SlabSolver(#[from] fgmres::Error),
-    /// Round-off keeps a slab from its solution.
+    /// Round-off prevents the solution of a slab.
     #[error(
         "the structure in the slab from t = {time} cannot be solved further than to {residual:e} of the forces in it: round-off; \
          it may be too slender for its mesh, or the slab too long"
@@ -91,6 +96,20 @@ pub enum ElasticityError {
         time: f64,
         /// The residual relative to the forces.
         residual: f64,
+    },
+    /// A law that is not linear in plane stress.
+    #[error("plane stress is for the linear law only: take plane strain, or the linear law")]
+    PlaneStress,
+    /// Newton's method did not find the motion or the equilibrium of a structure.
+    #[error(
+        "the large displacement of the structure was not found in the slab from t = {time}: take shorter slabs, or apply loads and \
+         displacements in smaller steps"
+    )]
+    LargeDisplacement {
+        /// The bottom of the slab.
+        time: f64,
+        /// Why.
+        source: Box<newton::Error>,
     },
     /// A load is not a number.
     #[error("the force on the structure at t = {time} near {position:?} is {value}: check the formulas of its loads")]
@@ -102,10 +121,10 @@ pub enum ElasticityError {
         /// The nodal force.
         value: f64,
     },
-    /// There are fewer natural modes than wanted.
+    /// There are fewer natural modes than requested.
     #[error("{wanted} natural modes are wanted, but the structure has only {free}: ask for fewer, or refine the mesh")]
     TooManyModes {
-        /// The modes asked for.
+        /// The number of modes requested.
         wanted: usize,
         /// Entries of a displacement that are free.
         free: usize,
@@ -113,9 +132,9 @@ pub enum ElasticityError {
     /// Natural modes did not converge.
     #[error("{wanted} natural modes did not converge in {iterations} iterations: ask for fewer, or refine the mesh")]
     Modes {
-        /// The modes asked for.
+        /// The number of modes requested.
         wanted: usize,
-        /// What was done.
+        /// The iterations done.
         iterations: usize,
     },
     /// Newton's method did not find the equilibrium of a nonlinear law.
@@ -123,7 +142,7 @@ pub enum ElasticityError {
     Newton {
         /// The error of position allowed, relative to the distance of nodes.
         tolerance: f64,
-        /// Why.
+        /// The cause.
         source: Box<newton::Error>,
     },
 }

@@ -2,15 +2,15 @@
 
 use crate::solid::{Relative, Solid};
 use crate::{ElasticityError, Lame, Stiffness};
-use basis::gauss_lobatto;
+use basis::{Rule, gauss_lobatto};
 use mesh::{CellMap, Mesh, NodeNumbering};
 use tensor::{cofactor, determinant, norm};
 
 /// Gauss points per direction that integrate K.
 ///
-/// A linear displacement has constant stress, and K maps it to zero inside (the patch test) where `int grad_xi w . cof J` is exact, of
-/// degree D (N - 1) - 1 per direction. N + 1 points, which integrate affine cells with two degrees to spare, do that in 2-D, and in
-/// 3-D up to N = 5; beyond, it takes more.
+/// A linear displacement has constant stress. K maps it to zero inside (the patch test) if the integral of `grad_xi w . cof J`, of
+/// degree D (N - 1) - 1 per direction, is exact. N + 1 points integrate affine cells with two degrees to spare. They suffice in 2-D,
+/// and in 3-D up to N = 5; higher orders need more.
 pub(crate) fn quadrature_points(dimension: usize, order: usize) -> usize {
     (dimension * (order - 1)).div_ceil(2).max(order + 1)
 }
@@ -25,11 +25,11 @@ pub(crate) struct Sample<const D: usize> {
     pub(crate) inverse_jacobian: [[f64; D]; D],
     /// The factor on the constants of Lame.
     pub(crate) stiffness: f64,
-    /// What the first of them has beyond that.
+    /// The contribution to the first constant beyond that.
     pub(crate) excess: f64,
 }
 
-/// Where the stiffness at a point comes from.
+/// The source of the stiffness at a point.
 enum Source<'a, const D: usize> {
     /// A mesh.
     Mesh(Stiffness<'a, D>),
@@ -37,36 +37,43 @@ enum Source<'a, const D: usize> {
     Solid(&'a Solid<D>, Lame),
 }
 
-/// Samples every cell at the same grid of reference points.
-pub(crate) struct Sampler<'a, const D: usize> {
+/// Samples the reference map and the stiffness of every cell at the points of a quadrature rule.
+pub(crate) struct StiffnessSampler<'a, const D: usize> {
+    rule: Rule,
     mesh: &'a Mesh<D>,
     source: Source<'a, D>,
     mean_determinant: f64,
     map: CellMap<D>,
 }
 
-impl<'a, const D: usize> Sampler<'a, D> {
-    /// For the grid with the coordinates `points` along every axis.
-    pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, points: &[f64]) -> Self {
-        Self::with_source(mesh, Source::Mesh(stiffness), points)
+impl<'a, const D: usize> StiffnessSampler<'a, D> {
+    /// For `rule` along every axis.
+    pub(crate) fn new(mesh: &'a Mesh<D>, stiffness: Stiffness<'a, D>, rule: Rule) -> Self {
+        Self::with_source(mesh, Source::Mesh(stiffness), rule)
     }
 
     /// The same for a structure of `solid`, relative to the constants `base`.
-    pub(crate) fn of_solid(mesh: &'a Mesh<D>, solid: &'a Solid<D>, base: Lame, points: &[f64]) -> Self {
-        Self::with_source(mesh, Source::Solid(solid, base), points)
+    pub(crate) fn of_solid(mesh: &'a Mesh<D>, solid: &'a Solid<D>, base: Lame, rule: Rule) -> Self {
+        Self::with_source(mesh, Source::Solid(solid, base), rule)
     }
 
-    fn with_source(mesh: &'a Mesh<D>, source: Source<'a, D>, points: &[f64]) -> Self {
+    fn with_source(mesh: &'a Mesh<D>, source: Source<'a, D>, rule: Rule) -> Self {
         let reference_volume = (mesh.n_cells() << D) as f64;
         let mean_determinant = mesh.volume() / reference_volume;
-        Sampler { mesh, source, mean_determinant, map: CellMap::on_grid(mesh.order(), points) }
+        let map = CellMap::on_grid(mesh.order(), &rule.points);
+        StiffnessSampler { rule, mesh, source, mean_determinant, map }
+    }
+
+    /// The rule along every axis.
+    pub(crate) fn rule(&self) -> &Rule {
+        &self.rule
     }
 
     /// The samples of `cell`, axis 0 fastest.
     ///
     /// # Errors
-    /// [`ElasticityError::Stiffness`] where the modulus is not positive and finite, [`ElasticityError::MaterialAt`] where a solid is not
-    /// possible.
+    /// [`ElasticityError::Stiffness`] if the modulus is not positive and finite, [`ElasticityError::MaterialAt`] if the constants of a
+    /// solid are out of range.
     pub(crate) fn cell(&self, cell: usize) -> Result<Vec<Sample<D>>, ElasticityError> {
         let nodes = self.mesh.cell_coordinates(cell);
         let points = self.map.positions(nodes).into_iter().zip(self.map.jacobians(nodes));
@@ -88,7 +95,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 }
 
-/// The reference position of every C0 node. A node that periodicity puts in several places has the one in its first cell.
+/// The reference position of every C0 node. A node with several positions by periodicity has the one in its first cell.
 pub(crate) fn nodal_coordinates<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[f64; D]> {
     let map = CellMap::on_grid(mesh.order(), &gauss_lobatto(numbering.order()).points);
     let mut coordinates = vec![[0.0; D]; numbering.count];

@@ -1,48 +1,50 @@
-//! Elasticity that moves the mesh, and that a structure obeys.
+//! Elasticity, for the motion of the mesh and for structures.
 //!
-//! The displacement d of the reference mesh x0 is that of an elastic body whose boundary follows the prescribed motion:
-//! div P(grad d) = 0 with the stress P of linear elasticity or of a neo-Hookean material, in 2-D in plane strain. The space is that of
-//! the C0 nodes of order N; its basis here is nodal, at Gauss-Lobatto points. K of the linear law is constant over a run, so it is
-//! prepared once.
+//! The displacement d of the reference mesh x0 is the displacement of an elastic body whose boundary follows the prescribed motion:
+//! div P(grad d) = 0. The stress P is linear or neo-Hookean, in 2-D in plane strain. The space consists of the C0 nodes of order N;
+//! its basis here is nodal, at Gauss-Lobatto points. K of the linear law is constant over a run, so it is prepared once.
 //!
 //! | module | mathematics |
 //! |---|---|
 //! | `material` | Lame's constants, and the linear stress |
 //! | `law` | the laws at a point |
-//! | `stiffness` | where the mesh is stiff |
+//! | `stiffness` | variation of the stiffness over the mesh |
 //! | `wall_distance` | stiffness by the distance to moving and resting boundaries |
 //! | `geometry` | the reference mesh at points of its cells |
-//! | `batches` | cells in SIMD lanes; their sum, in a fixed order |
 //! | `operator` | the forces and their derivative K, matrix-free |
 //! | `low_order` | its preconditioner: low-order elements on the Gauss-Lobatto nodes |
-//! | `multigrid` | and what solves with those where a factor is too large |
+//! | `multigrid` | its approximate inverse where a factor is too large |
 //! | `condensation` | a direct solver: nodes eliminated inside cells, then along a tree of parts of the mesh |
-//! | `solver` | which of them is taken |
+//! | `solver` | the choice among them |
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
 //! | `equilibrium` | their solution |
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
 //! | `solid` | the material of a structure, point by point |
-//! | `dynamics`, `statics` | the motion of a structure in a time slab, with and without inertia |
+//! | `structure_slab` | the equations of a structure in a time slab |
+//! | `modal` | their systems, by temporal modes, with the mass of a fluid |
+//! | `large_displacement` | Newton's method for laws that are not linear |
+//! | `dynamics`, `statics` | the motion of a structure, with and without inertia |
 //! | `shifted` | systems with K + m M, real and complex |
 //! | `modes` | natural frequencies and shapes |
 //!
-//! Invariants: nothing here knows the fluid, or where the boundary motion comes from. Results have the same bits for any number of
+//! Invariants: this crate contains no fluid and no source of the boundary motion. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
 
-mod batches;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;
 mod equilibrium;
 mod errors;
 mod geometry;
+mod large_displacement;
 mod law;
 mod loads;
 mod low_order;
 mod mass;
 mod material;
+mod modal;
 mod modes;
 mod multigrid;
 mod operator;
@@ -54,17 +56,19 @@ mod solver;
 mod statics;
 mod stiffness;
 mod structure;
+mod structure_slab;
 #[cfg(test)]
 mod testing;
 mod wall_distance;
 
-pub use dynamics::{Dynamics, DynamicsReport, SlabBottom};
+pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};
 pub use errors::{ElasticityError, Inversion};
 pub use law::Law;
-pub use loads::{BodyForce, Loads, SurfacePoint, Traction};
+pub use loads::{BodyForce, Loads, Pressure, SurfacePoint, Traction};
 pub use material::{Lame, Material, Plane};
+pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
@@ -72,5 +76,6 @@ pub use solid::{Field, Quantity, Solid};
 pub use solver::{Plan, Solver};
 pub use statics::Statics;
 pub use stiffness::Stiffness;
-pub use structure::Structure;
+pub use structure::{Damping, Structure};
+pub use structure_slab::{SlabBottom, SlabWork, StructureSlab};
 pub use wall_distance::WallDistance;

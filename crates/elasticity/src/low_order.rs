@@ -1,9 +1,9 @@
 //! The low-order refined preconditioner.
 //!
 //! The Gauss-Lobatto nodes of a cell of order N span (N - 1)^D sub-cells. Bilinear (trilinear) elasticity on all sub-cells has the same
-//! unknowns as K, is sparse, and is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells:
-//! 20 to 30 CG iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D corners;
-//! with Gauss points the equivalence is lost as N grows.
+//! unknowns as K and is sparse. It is spectrally equivalent to K with constants that depend neither on N nor on the shape of the cells.
+//! CG takes 20 to 30 iterations in 2-D, 33 to 46 in 3-D, also in boundary layers. The integrals over a sub-cell are taken at its 2^D
+//! corners; with Gauss points the equivalence is lost as N grows.
 
 use crate::ElasticityError;
 use crate::geometry::{Sample, determinant_and_inverse};
@@ -14,15 +14,15 @@ use mesh::NodeNumbering;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
-/// The low-order matrix of the free nodes, those that are not constrained, factored or with a multigrid hierarchy.
+/// The low-order matrix of the nodes with a free component, factored or with a multigrid hierarchy.
 pub(crate) struct LowOrder<const D: usize> {
-    /// The C0 nodes that are free.
+    /// These C0 nodes.
     free: Vec<usize>,
     inverse: Inverse,
     buffers: Pool<Buffers>,
 }
 
-/// Work space of an application: a vector of free nodes, and that of the sparse solver.
+/// Work space of an application: a vector of free nodes, and the work space of the sparse solver.
 #[derive(Default)]
 struct Buffers {
     x: Vec<f64>,
@@ -36,25 +36,12 @@ enum Inverse {
 }
 
 impl<const D: usize> LowOrder<D> {
-    /// Assembles the matrix of the nodes that are not `constrained`, and factors it, or makes a hierarchy for `multigrid` from the
-    /// positions of all C0 nodes; `samples(cell)` are those of the Gauss-Lobatto nodes of `numbering`'s order in each of `cells` cells.
+    /// Assembles the matrix of K + m M with the m and M of `inertia`, at the entries `[C0 node][component]` that are not `fixed`, and
+    /// factors it. For `multigrid` it makes a hierarchy from the positions of all C0 nodes instead. `samples(cell)` are the samples at
+    /// the Gauss-Lobatto nodes of `numbering`'s order in a cell.
     pub(crate) fn new(
         lame: Lame,
-        cells: usize,
-        numbering: &NodeNumbering,
-        samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
-        constrained: &[bool],
-        multigrid: Option<&[[f64; D]]>,
-    ) -> Result<Self, ElasticityError> {
-        let fixed: Vec<[bool; D]> = constrained.iter().map(|&constrained| [constrained; D]).collect();
-        Self::with_mass(lame, 0.0, cells, numbering, samples, &fixed, multigrid)
-    }
-
-    /// The same for K + m M with a unit density in M, where only some components of a node may be `fixed`.
-    pub(crate) fn with_mass(
-        lame: Lame,
-        m: f64,
-        cells: usize,
+        inertia: Inertia<'_, D>,
         numbering: &NodeNumbering,
         samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
         fixed: &[[bool; D]],
@@ -64,18 +51,24 @@ impl<const D: usize> LowOrder<D> {
         let mut unknowns = vec![None; numbering.count];
         free.iter().enumerate().for_each(|(unknown, &node)| unknowns[node] = Some(unknown));
         let fixed: Vec<[bool; D]> = free.iter().map(|&node| fixed[node]).collect();
-        let matrix = matrix(Terms { lame, m, fixed: &fixed }, cells, numbering, samples, &unknowns)?;
+        let terms = Terms { lame, mass: inertia.m * inertia.density, fixed: &fixed };
+        let mut matrix = matrix(terms, numbering, samples, &unknowns)?;
+        for (unknown, layer) in free.iter().filter_map(|&node| inertia.layer.get(node)).enumerate() {
+            let mut block = layer.map(|row| row.map(|mass| inertia.m * mass));
+            terms.decouple(unknown, unknown, &mut block);
+            matrix.add(unknown, unknown, |i, j| block[i][j]);
+        }
         let inverse = match multigrid {
             None => Inverse::Factor(Box::new(matrix.factor(Arc::new(matrix.elimination_tree()?))?)),
             Some(coordinates) => {
                 let of_free: Vec<_> = free.iter().map(|&node| coordinates[node]).collect();
-                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free)?)
+                Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free, &fixed)?)
             }
         };
         Ok(LowOrder { free, inverse, buffers: Pool::new() })
     }
 
-    /// z = P^{-1} r at free nodes, 0 at the others; both `[C0 node][component]`.
+    /// z = P^{-1} r at free entries, 0 at the others; both `[C0 node][component]`. `r` vanishes at fixed entries.
     pub(crate) fn apply(&self, r: &[f64], z: &mut [f64]) {
         let mut buffers = self.buffers.take(Buffers::default);
         let Buffers { x, work } = &mut buffers;
@@ -99,7 +92,7 @@ impl<const D: usize> LowOrder<D> {
         matches!(self.inverse, Inverse::Multigrid(_))
     }
 
-    /// Memory of what is prepared.
+    /// Memory of the factor or the hierarchy.
     pub(crate) fn bytes(&self) -> usize {
         match &self.inverse {
             Inverse::Factor(factor) => factor.bytes(),
@@ -108,20 +101,36 @@ impl<const D: usize> LowOrder<D> {
     }
 }
 
-/// What a low-order matrix is made of.
+/// The mass in K + m M.
+#[derive(Clone, Copy)]
+pub(crate) struct Inertia<'a, const D: usize> {
+    /// m
+    pub(crate) m: f64,
+    /// rho
+    pub(crate) density: f64,
+    /// The additional mass of every C0 node; may be empty.
+    pub(crate) layer: &'a [[[f64; D]; D]],
+}
+
+impl<const D: usize> Inertia<'_, D> {
+    pub(crate) fn none() -> Self {
+        Inertia { m: 0.0, density: 0.0, layer: &[] }
+    }
+}
+
+/// The input of a low-order matrix.
 #[derive(Clone, Copy)]
 struct Terms<'a, const D: usize> {
     lame: Lame,
-    /// The factor of the mass matrix.
-    m: f64,
-    /// The components, by unknown, that are coupled with nothing.
+    /// The factor of the mass matrix of unit density.
+    mass: f64,
+    /// The decoupled components, by unknown.
     fixed: &'a [[bool; D]],
 }
 
 /// The low-order matrix K + m M of the nodes that have an unknown, `unknowns[C0 node]`, numbered from 0.
 fn matrix<const D: usize>(
     terms: Terms<'_, D>,
-    cells: usize,
     numbering: &NodeNumbering,
     samples: impl Fn(usize) -> Result<Vec<Sample<D>>, ElasticityError>,
     unknowns: &[Option<usize>],
@@ -129,9 +138,10 @@ fn matrix<const D: usize>(
     let sub_cells = SubCells::<D>::new(numbering.order());
     let of_cell = |cell| -> Vec<Option<usize>> { numbering.cell(cell).iter().map(|&node| unknowns[node]).collect() };
     let mut neighbours = vec![Vec::new(); unknowns.iter().flatten().count()];
-    (0..cells).for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
+    let cells = 0..numbering.n_cells();
+    cells.clone().for_each(|cell| sub_cells.couple(&of_cell(cell), &mut neighbours));
     let mut matrix = BlockMatrix::new(Kind::Cholesky, D, neighbours);
-    for cell in 0..cells {
+    for cell in cells {
         sub_cells.add_cell(terms, cell, &samples(cell)?, &of_cell(cell), &mut matrix)?;
     }
     Ok(matrix)
@@ -141,7 +151,7 @@ fn matrix<const D: usize>(
 struct SubCells<const D: usize> {
     /// The lattice index of corner 0 of each sub-cell.
     first: Vec<usize>,
-    /// From corner 0 to corner k.
+    /// The offsets from corner 0 to corner k.
     offsets: Vec<usize>,
 }
 
@@ -149,11 +159,11 @@ struct SubCells<const D: usize> {
 struct Corner<const D: usize> {
     /// det / 2^D.
     volume: f64,
-    /// The factor on the constants of Lame, and what the first has beyond that.
+    /// The factor of the constants of Lame, and the contribution to the first constant beyond that.
     stiffness: f64,
     excess: f64,
-    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself, the last one and the
-    /// only one that does not vanish there.
+    /// The functions with a gradient there, by lattice index: those of its D neighbours and of the corner itself. The corner's
+    /// function is the last one, and the only one that does not vanish there.
     gradients: Vec<(usize, [f64; D])>,
 }
 
@@ -171,7 +181,7 @@ impl<const D: usize> SubCells<D> {
             let corners = || self.offsets.iter().filter_map(|offset| unknowns[first + offset]);
             corners().for_each(|unknown| neighbours[unknown].extend(corners().filter(|&other| other > unknown)));
         }
-        // Sub-cells share most of their corners: what is listed twice goes at once.
+        // Sub-cells share most of their corners, so duplicates are removed at once.
         for unknown in unknowns.iter().flatten() {
             neighbours[*unknown].sort_unstable();
             neighbours[*unknown].dedup();
@@ -228,7 +238,7 @@ fn add_corner<const D: usize>(
                 let weighted = grad_column.map(|g| g * corner.volume * corner.stiffness);
                 let mut block = lame.block(grad_row, &weighted);
                 if (k, l) == (own, own) {
-                    (0..D).for_each(|i| block[i][i] += terms.m * corner.volume);
+                    (0..D).for_each(|i| block[i][i] += terms.mass * corner.volume);
                 }
                 terms.decouple(row, column, &mut block);
                 matrix.add(row, column, |i, j| block[i][j]);
@@ -238,7 +248,7 @@ fn add_corner<const D: usize>(
 }
 
 impl<const D: usize> Terms<'_, D> {
-    /// Leaves of the rows and columns of fixed components only the diagonal.
+    /// Sets the rows and columns of fixed components to zero, except the diagonal.
     fn decouple(&self, row: usize, column: usize, block: &mut [[f64; D]; D]) {
         for i in 0..D {
             for j in 0..D {
@@ -265,7 +275,7 @@ fn corner_gradients<const D: usize>(corner: usize, inverse: &[[f64; D]; D]) -> V
     let mut own = [0.0; D];
     let mut gradients = Vec::with_capacity(D + 1);
     for axis in 0..D {
-        // The function of the high end grows along the axis, that of the low end falls; together they are constant.
+        // The function of the high end grows along the axis, the function of the low end falls; their sum is constant.
         let sign = if corner >> axis & 1 == 0 { 1.0 } else { -1.0 };
         let gradient = inverse[axis].map(|g| sign * g);
         gradients.push((corner ^ 1 << axis, gradient));
@@ -280,7 +290,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::Stiffness;
-    use crate::geometry::{Sampler, nodal_coordinates};
+    use crate::geometry::{StiffnessSampler, nodal_coordinates};
     use crate::testing::{material, unit_box};
     use basis::gauss_lobatto;
     use mesh::Mesh;
@@ -293,10 +303,10 @@ mod tests {
         d: impl Fn(&[f64; D]) -> [f64; D],
     ) -> (Vec<f64>, Vec<f64>) {
         let numbering = NodeNumbering::new(mesh, order);
-        let sampler = Sampler::new(mesh, Stiffness::Constant, &gauss_lobatto(order).points);
+        let sampler = StiffnessSampler::new(mesh, Stiffness::Constant, gauss_lobatto(order));
         let unknowns: Vec<_> = (0..numbering.count).map(Some).collect();
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &vec![[false; D]; numbering.count] };
-        let matrix = matrix(terms, mesh.n_cells(), &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &vec![[false; D]; numbering.count] };
+        let matrix = matrix(terms, &numbering, |cell| sampler.cell(cell), &unknowns).unwrap();
         let d: Vec<f64> = nodal_coordinates(mesh, &numbering).iter().flat_map(d).collect();
         (matrix.product(&d), d)
     }
@@ -332,10 +342,10 @@ mod tests {
             stiffness: 1.0,
             excess: 0.0,
         };
-        // The last corner is pulled over the diagonal.
+        // The last corner is moved across the diagonal.
         let samples = [sample(0.0, 0.0), sample(1.0, 0.0), sample(0.0, 1.0), sample(0.25, 0.25)];
         let mut matrix = BlockMatrix::new(Kind::Cholesky, 2, vec![]);
-        let terms = Terms { lame: material().lame(), m: 0.0, fixed: &[] };
+        let terms = Terms { lame: material().lame(), mass: 0.0, fixed: &[] };
         let error = SubCells::new(2).add_cell(terms, 7, &samples, &[None; 4], &mut matrix).unwrap_err();
         assert!(
             matches!(&error, ElasticityError::SubCell { cell: 7, position, .. } if position == &[0.25, 0.25]),

@@ -1,17 +1,16 @@
-//! The mass matrix, and all that is integrated over the cells against the displacement functions, matrix-free.
+//! The mass matrix, and all other integrals over the cells against the displacement functions, matrix-free.
 //!
 //! ```text
 //! w . M v = int rho w . v dx = sum over cells and points of  rho W  w . v                                      (M)
 //! w . f   = int w . b dx     = sum over cells and points of      W  w . b                                      (body force)
 //! ```
 //!
-//! with W = w det J of the quadrature weight w. The mass is consistent: what is interpolated to the points is a v or a b, and the
-//! transpose of the same interpolation tests it.
+//! with W = w det J of the quadrature weight w. The mass is consistent: v or b is interpolated to the points, and the transposed
+//! interpolation tests it.
 
-use crate::batches::Batches;
-use crate::operator::tensor_weights;
 use crate::pool::Pool;
 use basis::{Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
+use fem::NodalBatches;
 use mesh::{CellMap, Mesh};
 use rayon::prelude::*;
 use tensor::Arch;
@@ -20,13 +19,13 @@ use tensor::{Lanes, Pack, WIDTH, zeroed};
 
 /// Gauss points per direction for displacements of order `order` on a geometry of order `geometry`.
 ///
-/// A body that is accelerated as a whole resists with int rho phi_k dx at node k, exact where (N - 1) + D (G - 1) - 1, the degree of
-/// phi_k det J per direction, is at most 2 n - 1. N points integrate M on affine cells.
+/// A body accelerated as a whole resists with int rho phi_k dx at node k. This is exact if the degree of phi_k det J per direction,
+/// (N - 1) + D (G - 1) - 1, is at most 2 n - 1. N points integrate M on affine cells.
 fn quadrature_points(dimension: usize, order: usize, geometry: usize) -> usize {
     ((order - 1) + dimension * (geometry - 1)).div_ceil(2).max(order)
 }
 
-/// M, without a constraint, and (body force).
+/// M on all nodes, and (body force).
 pub(crate) struct Mass<const D: usize> {
     density: f64,
     interpolate: Matrix,
@@ -45,13 +44,13 @@ struct Scratch {
     nodal: Vec<Pack>,
     /// `[component][point]`
     values: Vec<Pack>,
-    /// Between two axes.
+    /// Intermediate results between two axes.
     between: Vec<Pack>,
 }
 
 impl<const D: usize> Mass<D> {
-    /// The mass matrix of a body of constant `density` for displacements of order `order`; `batches` are those of `mesh`.
-    pub(crate) fn new(mesh: &Mesh<D>, batches: &Batches<D>, order: usize, density: f64) -> Self {
+    /// The mass matrix of a body of constant `density` for displacements of order `order`; `batches` belong to `mesh`.
+    pub(crate) fn new(mesh: &Mesh<D>, batches: &NodalBatches<D>, order: usize, density: f64) -> Self {
         let rule = gauss(quadrature_points(D, order, mesh.order()));
         let interpolate = Lagrange::gauss_lobatto(order).value_matrix(&rule.points);
         let map = CellMap::on_grid(mesh.order(), &rule.points);
@@ -59,7 +58,7 @@ impl<const D: usize> Mass<D> {
             density,
             transposed: interpolate.transpose(),
             interpolate,
-            weights: weights(mesh, batches, &map, &tensor_weights::<D>(&rule.weights)),
+            weights: weights(mesh, batches, &map, &rule.tensor_weights(D)),
             positions: (0..mesh.n_cells()).flat_map(|cell| map.positions(mesh.cell_coordinates(cell))).collect(),
             results: Pool::new(),
             scratch: Pool::new(),
@@ -72,7 +71,7 @@ impl<const D: usize> Mass<D> {
     }
 
     /// out = M v, both `[C0 node][component]`.
-    pub(crate) fn apply(&self, batches: &Batches<D>, v: &[f64], out: &mut [f64]) {
+    pub(crate) fn apply(&self, batches: &NodalBatches<D>, v: &[f64], out: &mut [f64]) {
         let values_of_batch = |batch: usize, scratch: &mut Scratch| {
             batches.gather(batch, v, &mut scratch.nodal);
             Arch::new().dispatch(Interpolate::<D> { matrix: &self.interpolate, scratch });
@@ -81,7 +80,7 @@ impl<const D: usize> Mass<D> {
     }
 
     /// out = int phi_k b for every node k, `[C0 node][component]`, of a body force b(x).
-    pub(crate) fn load(&self, batches: &Batches<D>, b: impl Fn(&[f64; D]) -> [f64; D] + Sync, out: &mut [f64]) {
+    pub(crate) fn load(&self, batches: &NodalBatches<D>, b: impl Fn(&[f64; D]) -> [f64; D] + Sync, out: &mut [f64]) {
         let points = self.points();
         let values_of_batch = |batch: usize, scratch: &mut Scratch| {
             for lane in 0..WIDTH {
@@ -96,10 +95,10 @@ impl<const D: usize> Mass<D> {
         self.integrate(batches, 1.0, values_of_batch, out);
     }
 
-    /// out = `factor` int phi_k times the values that `values_of_batch` leaves at the points.
+    /// out = `factor` int phi_k times the values that `values_of_batch` writes at the points.
     fn integrate(
         &self,
-        batches: &Batches<D>,
+        batches: &NodalBatches<D>,
         factor: f64,
         values_of_batch: impl Fn(usize, &mut Scratch) + Sync,
         out: &mut [f64],
@@ -133,7 +132,7 @@ impl<const D: usize> Mass<D> {
 }
 
 /// W = w det J, `[batch][point]`.
-fn weights<const D: usize>(mesh: &Mesh<D>, batches: &Batches<D>, map: &CellMap<D>, rule: &[f64]) -> Vec<Pack> {
+fn weights<const D: usize>(mesh: &Mesh<D>, batches: &NodalBatches<D>, map: &CellMap<D>, rule: &[f64]) -> Vec<Pack> {
     let mut weights = zeroed(batches.count() * rule.len());
     weights.par_chunks_mut(rule.len()).enumerate().for_each(|(batch, weights)| {
         for lane in 0..WIDTH {

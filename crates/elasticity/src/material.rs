@@ -3,20 +3,20 @@
 use crate::{ElasticityError, Law};
 use tensor::Real;
 
-/// What does not happen along the third axis of a body in the plane. In 3-D neither is meant.
+/// The quantity that vanishes along the third axis of a body in two dimensions. In 3-D it is not used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// No strain: a slice of a long body, held at its ends.
     #[default]
     Strain,
-    /// No stress: a thin sheet, free to become thinner. For the linear law.
+    /// No stress: a thin sheet, free to change its thickness. For the linear law.
     Stress,
 }
 
 /// An isotropic material: Young's modulus E and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane, unless
-/// [`Self::in_plane`] says otherwise.
+/// [`Self::in_plane`] sets plane stress.
 ///
-/// Where only the motion of a mesh is sought E may be 1: it scales the stress, not the displacement.
+/// For the motion of a mesh E may be 1: it scales the stress, not the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     young: f64,
@@ -26,7 +26,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// A linear material with E > 0 and -1 < nu < 0.5, outside of which the energy has no minimum.
+    /// A linear material with E > 0 and -1 < nu < 0.5. Outside this range the energy has no minimum.
     ///
     /// # Errors
     /// [`ElasticityError::Material`] if a constant is out of range or not a number.
@@ -56,7 +56,7 @@ impl Material {
     pub(crate) fn constants(&self) -> (f64, f64) {
         (self.young, self.poisson)
     }
-    /// What is plane in 2-D.
+    /// Plane strain or plane stress in 2-D.
     pub(crate) fn plane(&self) -> Plane {
         self.plane
     }
@@ -70,8 +70,8 @@ impl Material {
         Material { plane, ..self }
     }
 
-    /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu); in plane stress lambda = 2 mu nu / (1 - nu), which leaves no stress along
-    /// the third axis.
+    /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu). In plane stress lambda = 2 mu nu / (1 - nu), so that the stress along the
+    /// third axis vanishes.
     pub fn lame(&self) -> Lame {
         let mu = self.young / (2.0 * (1.0 + self.poisson));
         let factor = if self.plane == Plane::Strain { 2.0 } else { 1.0 };
@@ -137,7 +137,7 @@ mod tests {
         assert!(sigma[1][1].abs() < 1e-15 && sigma[2][2].abs() < 1e-15);
     }
 
-    /// Stretched by eps along x and free along y, a sheet contracts by nu eps there, and the stress is E eps.
+    /// Stretched by eps along x and free along y, a sheet contracts by nu eps along y, and the stress is E eps.
     #[test]
     fn plane_stress_is_uniaxial_where_a_sheet_is_free() {
         let (young, poisson, stretch) = (3.0, 0.3, 0.01);

@@ -4,9 +4,10 @@
 //! K phi = omega^2 M phi,     phi_i . M phi_j = delta_ij,     phi = 0 at fixed entries                          (modes)
 //! ```
 //!
-//! By inverse iteration of a block of vectors with Rayleigh and Ritz: X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for
-//! X.MX = I, whose eigenvectors turn X. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 + s) per iteration, p the first one outside the
-//! block; the shift s > 0, small beside omega_p^2, lets bodies float. A block, not one vector, so that modes of equal frequency are found.
+//! Method: inverse iteration of a block of vectors with Rayleigh-Ritz. X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for X.MX
+//! = I, whose eigenvectors rotate X. Let p be the first mode outside the block. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 + s)
+//! per iteration. The shift s > 0, small beside omega_p^2, allows rigid motions. A block, not a single vector, finds modes of equal
+//! frequency.
 
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Structure};
@@ -14,13 +15,13 @@ use faer::{Mat, Side};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use rayon::prelude::*;
 
-/// Vectors of the block beyond the modes that are wanted.
+/// Vectors of the block beyond the requested modes.
 const GUARD: usize = 8;
-/// omega^2 + s is settled when it changes by less than this, relatively.
+/// omega^2 + s has converged when its relative change is below this.
 const TOLERANCE: f64 = 1e-10;
 /// Relative tolerance of a solve with K + s M.
 const SOLVE_TOLERANCE: f64 = 1e-10;
-/// Iterations after which the search is given up: five times what a slender beam takes.
+/// Iterations after which the search is given up: five times the number for a slender beam.
 const MAX_ITERATIONS: usize = 60;
 
 /// A natural mode.
@@ -39,11 +40,12 @@ impl NaturalMode {
     }
 }
 
-/// The `count` modes of lowest frequency, in increasing order. Rigid motions that nothing
-/// prevents have frequency 0, up to round-off.
+/// The `count` modes of lowest frequency, in increasing order. Rigid motions that no support prevents have frequency 0,
+/// up to round-off.
 ///
 /// # Errors
-/// [`ElasticityError::TooManyModes`], [`ElasticityError::Modes`] without convergence, or that of a solve with K + s M.
+/// [`ElasticityError::TooManyModes`], [`ElasticityError::Modes`] without convergence, or the error of a solve with K +
+/// s M.
 pub fn natural_modes<const D: usize>(
     structure: &Structure<D>,
     count: usize,
@@ -54,7 +56,7 @@ pub fn natural_modes<const D: usize>(
     }
     let size = (count + GUARD).min(free);
     let s = structure.typical_shift();
-    let shifted = structure.shifted(s)?;
+    let shifted = structure.shifted(s, Vec::new(), &[])?;
     let mut block = Block { x: start(structure, size), omega_squared: vec![f64::INFINITY; size] };
     for _ in 0..MAX_ITERATIONS {
         let old = std::mem::take(&mut block.omega_squared);
@@ -74,7 +76,7 @@ struct Block {
 }
 
 impl Block {
-    /// One inverse iteration with Rayleigh and Ritz.
+    /// One inverse iteration with Rayleigh-Ritz.
     fn iterate<const D: usize>(self, structure: &Structure<D>, shifted: &Shifted<D>) -> Result<Self, ElasticityError> {
         let solve = |x: &Vec<f64>| {
             let (mut inertia, mut y) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -92,7 +94,7 @@ impl Block {
         orthonormalise(structure, &mut x);
         let stiffness = stiffness_products(structure, &x);
         let eigen = stiffness.self_adjoint_eigen(Side::Lower).map_err(|cause| ElasticityError::NotDefinite {
-            // The only failure: entries that are not numbers.
+            // The only failure is an entry that is not a number.
             cause: format!("{cause:?}"),
         })?;
         let turned = |j: usize| {
@@ -106,17 +108,17 @@ impl Block {
 
     fn into_modes(self, count: usize) -> Vec<NaturalMode> {
         let mode = |(mut shape, omega_squared): (Vec<f64>, f64)| {
-            // Of the two shapes of a mode the one whose largest entry is positive.
+            // Choose the sign of the shape such that its largest entry is positive.
             let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
             shape.iter_mut().for_each(|x| *x *= largest.signum());
-            // Rigid motions: round-off may lie below zero.
+            // For rigid motions round-off may be negative.
             NaturalMode { angular_frequency: omega_squared.max(0.0).sqrt(), shape }
         };
         self.x.into_iter().zip(self.omega_squared).take(count).map(mode).collect()
     }
 }
 
-/// Makes x_i . M x_j = delta_ij, by Gram and Schmidt; twice, because the vectors become nearly parallel.
+/// Makes x_i . M x_j = delta_ij by Gram-Schmidt, twice, because the vectors become nearly parallel.
 fn orthonormalise<const D: usize>(structure: &Structure<D>, x: &mut [Vec<f64>]) {
     let mut inertia = vec![0.0; x[0].len()];
     for j in 0..x.len() {
@@ -149,7 +151,8 @@ fn add_scaled(c: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += c * x);
 }
 
-/// Independent vectors that contain every mode: waves of growing number along every axis, out of step with any symmetry.
+/// Independent vectors that contain every mode: waves of increasing number along every axis, shifted so that no symmetry
+/// excludes a mode.
 fn start<const D: usize>(structure: &Structure<D>, size: usize) -> Vec<Vec<f64>> {
     let diameter = structure.mesh().diameter();
     let vector = |number: usize| -> Vec<f64> {

@@ -1,8 +1,8 @@
 //! Algebraic multigrid on the low-order matrix: smoothed aggregation with the rigid motions as near-kernel.
 //!
-//! A V-cycle on every level: one forward sweep of block Gauss-Seidel, the correction from the next level by A_c = P^T A P, one backward
-//! sweep. It is symmetric, so it preconditions CG. Couplings count as strong from a threshold on, so that aggregates follow the
-//! short sides of stretched cells; without it boundary layers take hundreds of iterations.
+//! On every level a V-cycle does one forward sweep of block Gauss-Seidel, the correction from the next level with A_c = P^T A P, and
+//! one backward sweep. It is symmetric, so it preconditions CG. Couplings above a threshold are strong, so that aggregates follow the
+//! short sides of stretched cells. Without the threshold boundary layers take hundreds of iterations.
 
 mod aggregation;
 mod blocks;
@@ -15,10 +15,10 @@ use sparse::{BlockMatrix, Factorisation, Kind};
 use std::array::from_fn;
 use std::sync::Arc;
 
-/// Strength from which couplings count on the finest level; on each next one half of it.
+/// The threshold of strong couplings on the finest level; it is halved on each coarser level.
 const THETA: f64 = 0.08;
 
-/// Unknowns from which on a level is factored.
+/// A level with fewer unknowns than this is factored.
 const COARSEST: usize = 1500;
 
 /// A preconditioner on vectors of free nodes, `[node][component]`.
@@ -29,24 +29,28 @@ pub(crate) trait Cycle: Send + Sync {
     fn bytes(&self) -> usize;
 }
 
-/// The hierarchy for a matrix in D dimensions of nodes at `coordinates`.
+/// The hierarchy for a matrix in D dimensions with nodes at `coordinates`, whose `fixed` components are coupled with nothing: coarse
+/// functions leave them alone.
 pub(crate) fn hierarchy<const D: usize>(
     matrix: &BlockMatrix<f64>,
     coordinates: &[[f64; D]],
+    fixed: &[[bool; D]],
 ) -> Result<Box<dyn Cycle>, ElasticityError> {
     let centre: [f64; D] = from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
     let from_centre = |x: &[f64; D]| from_fn(|i| x[i] - centre[i]);
     if D == 2 {
-        let modes = coordinates.iter().map(|x| rigid_motions::<D, 3>(&from_centre(x))).collect();
+        let modes =
+            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 3>(&from_centre(x), fixed)).collect();
         Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
     } else {
-        let modes = coordinates.iter().map(|x| rigid_motions::<D, 6>(&from_centre(x))).collect();
+        let modes =
+            coordinates.iter().zip(fixed).map(|(x, fixed)| rigid_motions::<D, 6>(&from_centre(x), fixed)).collect();
         Ok(Box::new(Hierarchy::new(block_rows(matrix), modes)?))
     }
 }
 
-/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`.
-fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
+/// The translations and the infinitesimal rotations x_a e_b - x_b e_a at x, `[component][motion]`, without the `fixed` components.
+fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D], fixed: &[bool; D]) -> Block<D, B> {
     let mut motions = [[0.0; B]; D];
     (0..D).for_each(|i| motions[i][i] = 1.0);
     let planes = (0..D).flat_map(|b| (0..b).map(move |a| (a, b)));
@@ -54,6 +58,7 @@ fn rigid_motions<const D: usize, const B: usize>(x: &[f64; D]) -> Block<D, B> {
         motions[b][motion] = x[a];
         motions[a][motion] = -x[b];
     }
+    (0..D).filter(|&i| fixed[i]).for_each(|i| motions[i] = [0.0; B]);
     motions
 }
 
@@ -64,7 +69,7 @@ fn block_rows<const D: usize>(matrix: &BlockMatrix<f64>) -> BlockRows<D, D> {
         lower
             .push_row(matrix.column(node).map(|(row, block)| (row as u32, from_fn(|i| from_fn(|j| block[j * D + i])))));
     }
-    // The blocks of a column on and below the diagonal, transposed, are those of a row on and right of it.
+    // The blocks of a column on and below the diagonal, transposed, are the blocks of a row on and right of it.
     let upper = lower.transpose(matrix.nodes());
     let mut rows = BlockRows::new();
     for node in 0..matrix.nodes() {
@@ -86,7 +91,7 @@ struct Hierarchy<const R: usize, const B: usize> {
     work: Pool<Work<R, B>>,
 }
 
-/// A level with a next one.
+/// A level that is not the coarsest.
 struct Level<const R: usize, const B: usize> {
     matrix: BlockRows<R, R>,
     /// The inverses of the blocks on the diagonal.
@@ -97,9 +102,9 @@ struct Level<const R: usize, const B: usize> {
 /// The residual and the correction of every level.
 struct Work<const R: usize, const B: usize> {
     finest: [Vec<[f64; R]>; 2],
-    /// With the coarsest level.
+    /// The other levels, including the coarsest.
     others: Vec<[Vec<[f64; B]>; 2]>,
-    /// That of the factors of the coarsest level.
+    /// Work space of the factors of the coarsest level.
     solve: Vec<f64>,
 }
 
@@ -168,7 +173,7 @@ impl<const R: usize, const B: usize> Cycle for Hierarchy<R, B> {
 }
 
 impl<const R: usize, const B: usize> Level<R, B> {
-    /// The level of a matrix, and matrix and near-kernel of the next one.
+    /// The level of a matrix, and the matrix and near-kernel of the next level.
     fn new(matrix: BlockRows<R, R>, modes: &[Block<R, B>], theta: f64) -> (Self, BlockRows<B, B>, Vec<Block<B, B>>) {
         let inverses: Vec<_> = (0..matrix.rows()).map(|row| inverse(&diagonal(&matrix, row))).collect();
         let (aggregate, count) = aggregates(&matrix, theta);
@@ -198,7 +203,7 @@ impl<const R: usize, const B: usize> Level<R, B> {
         }
     }
 
-    /// coarse = P^T (r - A x) for the x that [`Self::smooth_forward`] leaves: r - A x = -U x.
+    /// coarse = P^T (r - A x) for the x after [`Self::smooth_forward`]: r - A x = -U x.
     fn restrict(&self, x: &[[f64; R]], coarse: &mut [[f64; B]]) {
         coarse.fill([0.0; B]);
         for row in 0..x.len() {
@@ -237,7 +242,7 @@ fn diagonal<const R: usize>(matrix: &BlockRows<R, R>, row: usize) -> Block<R, R>
     matrix.row(row).find(|(column, _)| *column == row).map_or([[0.0; R]; R], |(_, block)| *block)
 }
 
-/// The matrix with ones on the diagonal for modes that are zero on an aggregate: their rows and columns are zero.
+/// Sets ones on the diagonal for modes that vanish on an aggregate: their rows and columns are zero.
 fn regular<const R: usize>(mut matrix: BlockRows<R, R>) -> BlockRows<R, R> {
     for row in 0..matrix.rows() {
         for place in matrix.starts[row]..matrix.starts[row + 1] {

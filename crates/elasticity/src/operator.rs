@@ -5,36 +5,37 @@
 //! w . K(d) e = d/da  w . R(d + a e)  at a = 0                                                                  (K)
 //! ```
 //!
-//! with the reference gradients H, H' of d and w, `H[i][a]` = d d_i / d xi_a, the inverse Jacobian of the reference mesh,
-//! `G[a][j]` = d xi_a / d x_j, and W = w det J E / E_0 with the quadrature weight w. Per cell: interpolate to the points, differentiate
-//! there, apply the law, and the transposes of both in reverse order: O(N^(D+1)). K is the same source with dual numbers; for a linear
-//! law R(d) = K d, and K is the same everywhere.
+//! H and H' are the reference gradients of d and w, `H[i][a]` = d d_i / d xi_a. G is the inverse Jacobian of the reference mesh,
+//! `G[a][j]` = d xi_a / d x_j. W = w det J E / E_0 has the quadrature weight w. Steps per cell: interpolate to the points,
+//! differentiate there, apply the law, then the transposes of both in reverse order, O(N^(D+1)). K is the same source with dual
+//! numbers. For a linear law R(d) = K d, and K is constant.
 
 mod diagonal;
+mod energy;
 mod kernel;
 #[cfg(test)]
 mod tests;
 mod updated;
 mod work;
 
-use crate::batches::Batches;
-use crate::geometry::{Sample, Sampler};
-use crate::law::{Law, NeoHookean, PointLaw};
+use crate::geometry::{Sample, StiffnessSampler};
+use crate::law::{Law, NeoHookean, PointLaw, StVenantKirchhoff, Viscous};
 use crate::material::Lame;
 use crate::pool::Pool;
 use crate::{ElasticityError, Inversion};
-use basis::{Lagrange, Matrix, Rule};
+use basis::{Lagrange, Matrix};
+use fem::NodalBatches;
 use kernel::{CellMatrices, Cells, Forces, Mode, Scratch, Tangent};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use tensor::Arch;
 use tensor::{Pack, WIDTH, zeroed};
 
-/// R and K on all nodes: no node is constrained here.
+/// R and K on all nodes; no node is constrained here.
 pub(crate) struct Operator<const D: usize> {
     law: Law,
     lame: Lame,
-    batches: Batches<D>,
+    batches: NodalBatches<D>,
     lines: Lines,
     /// W and G, `[batch][point][1 + D D]`.
     metric: Vec<Pack>,
@@ -57,7 +58,7 @@ struct Workspace {
     results: Vec<Pack>,
     /// The smallest J of every cell, one pack per batch.
     smallest: Vec<Pack>,
-    /// One per task.
+    /// The scratch of each task.
     scratch: Vec<Scratch>,
     batches_per_task: usize,
 }
@@ -75,16 +76,15 @@ impl Lines {
 }
 
 impl<const D: usize> Operator<D> {
-    /// The operator of order `order` for `law`, with `rule` along each axis, whose points `sampler` samples.
+    /// The operator of order `order` for `law`, with the quadrature points of `sampler`.
     pub(crate) fn new(
         law: Law,
         lame: Lame,
         order: usize,
-        batches: Batches<D>,
-        rule: &Rule,
-        sampler: &Sampler<'_, D>,
+        batches: NodalBatches<D>,
+        sampler: &StiffnessSampler<'_, D>,
     ) -> Result<Self, ElasticityError> {
-        Self::weighted(law, lame, order, batches, rule, sampler, |sample| sample.stiffness)
+        Self::weighted(law, lame, order, batches, sampler, |sample| sample.stiffness)
     }
 
     /// The same with another factor on the constants of Lame than the stiffness of the samples.
@@ -92,38 +92,63 @@ impl<const D: usize> Operator<D> {
         law: Law,
         lame: Lame,
         order: usize,
-        batches: Batches<D>,
-        rule: &Rule,
-        sampler: &Sampler<'_, D>,
+        batches: NodalBatches<D>,
+        sampler: &StiffnessSampler<'_, D>,
         factor: impl Fn(&Sample<D>) -> f64 + Sync,
     ) -> Result<Self, ElasticityError> {
-        let metric = metric(&batches, rule, sampler, factor)?;
-        Ok(Operator { law, lame, batches, lines: Lines::new(order, &rule.points), metric, workspaces: Pool::new() })
+        let metric = metric(&batches, sampler, factor)?;
+        let lines = Lines::new(order, &sampler.rule().points);
+        Ok(Operator { law, lame, batches, lines, metric, workspaces: Pool::new() })
     }
 
-    /// out = R(d), both `[C0 node][component]`. `out` has no meaning after an error.
+    /// out = R(d), both `[C0 node][component]`. `out` is meaningless after an error.
     pub(crate) fn forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
         match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[d], out),
             Law::NeoHookean => self.apply::<Forces, _>(NeoHookean(self.lame), &[d], out),
+            Law::StVenantKirchhoff => self.apply::<Forces, _>(StVenantKirchhoff(self.lame), &[d], out),
         }
     }
 
-    /// out = K(d) w, for a `d` where R is defined. A linear law does not look at `d`.
+    /// out = K(d) w, for a `d` where R is defined. A linear law does not read `d`.
     pub(crate) fn product(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
         let applied = match self.law {
             Law::Linear | Law::Incremental => self.apply::<Forces, _>(self.lame, &[w], out),
             Law::NeoHookean => self.apply::<Tangent, _>(NeoHookean(self.lame), &[d, w], out),
+            Law::StVenantKirchhoff => self.apply::<Tangent, _>(StVenantKirchhoff(self.lame), &[d, w], out),
         };
         debug_assert!(applied.is_ok(), "K is asked for where R is defined");
     }
 
-    /// The matrices K(d) of the cells of one batch, `[column][row]`, column and row `[component][node]`.
+    /// out = the forces of (viscous) for the displacement `d` and the velocity `v`; for a law that is not linear.
+    pub(crate) fn viscous_forces(&self, d: &[f64], v: &[f64], out: &mut [f64]) {
+        // This law has no barrier.
+        let _ = self.apply::<Forces, _>(Viscous(self.lame), &[d, v], out);
+    }
+
+    /// out = their derivative at the displacement and velocity `at`, along those of `along`.
+    pub(crate) fn viscous_product(&self, at: (&[f64], &[f64]), along: (&[f64], &[f64]), out: &mut [f64]) {
+        let _ = self.apply::<Tangent, _>(Viscous(self.lame), &[at.0, at.1, along.0, along.1], out);
+    }
+
+    /// The integral of W(grad d), for a `d` where R is defined.
+    pub(crate) fn energy(&self, d: &[f64]) -> f64 {
+        match self.law {
+            Law::Linear | Law::Incremental => self.energy_by(self.lame, d),
+            Law::NeoHookean => self.energy_by(NeoHookean(self.lame), d),
+            Law::StVenantKirchhoff => self.energy_by(StVenantKirchhoff(self.lame), d),
+        }
+    }
+
+    /// The matrices K(d) of the cells of one batch, `[column][row]`, both `[component][node]`.
     pub(crate) fn cell_matrices(&self, d: &[f64], batch: usize) -> Vec<Pack> {
         let mut matrices = zeroed(self.batches.cell_length().pow(2));
         match self.law {
             Law::Linear | Law::Incremental => self.columns::<Forces, _>(self.lame, d, batch, &mut matrices),
             Law::NeoHookean => self.columns::<Tangent, _>(NeoHookean(self.lame), d, batch, &mut matrices),
+            Law::StVenantKirchhoff => {
+                self.columns::<Tangent, _>(StVenantKirchhoff(self.lame), d, batch, &mut matrices);
+            }
         }
         matrices
     }
@@ -138,19 +163,19 @@ impl<const D: usize> Operator<D> {
         self.lame
     }
     /// The cells, in packs.
-    pub(crate) fn batches(&self) -> &Batches<D> {
+    pub(crate) fn batches(&self) -> &NodalBatches<D> {
         &self.batches
     }
     /// W and G of all batches.
     pub(crate) fn metric(&self) -> &[Pack] {
         &self.metric
     }
-    /// Replaces W and G by those of another mesh.
+    /// Replaces W and G by the metric of another mesh.
     pub(crate) fn set_metric(&mut self, metric: Vec<Pack>) {
         self.metric = metric;
     }
 
-    /// The cells with `law`, in tasks, and their sum.
+    /// Applies `law` to the cells, in parallel tasks, and sums the results.
     fn apply<M: Mode, L: PointLaw>(&self, law: L, fields: &[&[f64]], out: &mut [f64]) -> Result<(), Inversion> {
         let mut workspace = self.workspaces.take(|| self.workspace());
         let Workspace { results, smallest, scratch, batches_per_task } = &mut workspace;
@@ -174,12 +199,12 @@ impl<const D: usize> Operator<D> {
         inverted.min_by(|a, b| a.volume_ratio.total_cmp(&b.volume_ratio)).map_or(Ok(()), Err)
     }
 
-    /// Work space for the threads there are now; a few tasks per thread, so that none waits long for another.
+    /// Work space for the present number of threads; a few tasks per thread, so that no thread waits long for another.
     fn workspace(&self) -> Workspace {
         let tasks = 4 * rayon::current_num_threads();
         let batches_per_task = self.batches.count().div_ceil(tasks).max(1);
-        let blocks = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS };
-        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, blocks)).collect();
+        let fields = if self.law.is_linear() { Forces::BLOCKS } else { Tangent::BLOCKS * Viscous::FIELDS };
+        let scratch = (0..tasks).map(|_| Scratch::new::<D>(&self.lines, fields)).collect();
         let smallest = zeroed(self.batches.count());
         Workspace { results: zeroed(self.batches.field_length()), smallest, scratch, batches_per_task }
     }
@@ -197,12 +222,11 @@ impl<const D: usize> Operator<D> {
 
 /// W and G of all batches.
 fn metric<const D: usize>(
-    batches: &Batches<D>,
-    rule: &Rule,
-    sampler: &Sampler<'_, D>,
+    batches: &NodalBatches<D>,
+    sampler: &StiffnessSampler<'_, D>,
     factor: impl Fn(&Sample<D>) -> f64 + Sync,
 ) -> Result<Vec<Pack>, ElasticityError> {
-    let weights = tensor_weights::<D>(&rule.weights);
+    let weights = sampler.rule().tensor_weights(D);
     let length = weights.len() * (1 + D * D);
     let mut metric = zeroed(batches.count() * length);
     let fill = |(batch, metric): (usize, &mut [Pack])| -> Result<(), ElasticityError> {
@@ -217,13 +241,8 @@ fn metric<const D: usize>(
         }
         Ok(())
     };
-    // All batches, then the first error: the same one for any number of threads.
+    // All batches first, then the first error: the same one for any number of threads.
     let filled: Vec<Result<(), _>> = metric.par_chunks_mut(length).enumerate().map(fill).collect();
     filled.into_iter().collect::<Result<(), _>>()?;
     Ok(metric)
-}
-
-/// Products of the weights along each axis, axis 0 fastest.
-pub(crate) fn tensor_weights<const D: usize>(weights: &[f64]) -> Vec<f64> {
-    (0..D).fold(vec![1.0], |product, _| weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect())
 }

@@ -1,16 +1,16 @@
 //! Systems with stiffness and mass, K + m M, and their complex rotations.
 //!
-//! The low-order matrix K_lo + m M_lo, M_lo by the same corner points and so diagonal, is spectrally equivalent to K + m M as K_lo is to
-//! K. With m = |s|^2 and s^2 = m e^(i theta) it also preconditions the complex system
+//! Let M_lo use the same corner points, so that it is diagonal. The low-order matrix K_lo + m M_lo is spectrally equivalent to K + m M
+//! as K_lo is to K. With m = |s|^2 and s^2 = m e^(i theta) it also preconditions the complex system
 //!
 //! ```text
 //! (K + s^2 M) y = c                                                                                            (complex)
 //! ( cos(theta/2) (K + m M) + i sin(theta/2) (m M - K) ) y = e^(-i theta/2) c                                   (rotated)
 //! ```
 //!
-//! Rotated by half the angle, the real part is definite and a multiple of what is factored, and the eigenvalues of
-//! (K + m M)^{-1} (m M - K) lie in [-1, 1]: a preconditioned spectrum on a straight line past the origin, where GMRES gains a factor
-//! tan(theta/4) per iteration whatever the mesh.
+//! Rotated by half the angle, the real part is definite and a multiple of the factored matrix. The eigenvalues of (K + m M)^{-1} (m
+//! M - K) lie in [-1, 1]. So the preconditioned spectrum lies on a straight line past the origin, and GMRES gains a factor
+//! tan(theta/4) per iteration on any mesh.
 
 use crate::low_order::LowOrder;
 use crate::{ElasticityError, Structure};
@@ -18,18 +18,22 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::operator::LinearSystem;
 use newton_krylov::{cg, fgmres};
 
-/// Iterations after which a solve is given up: several times what the worst case takes.
+/// Iterations after which a solve is given up: several times the worst case.
 const MAX_ITERATIONS: usize = 500;
 
 /// A shift m and the factored low-order K + m M.
 pub(crate) struct Shifted<const D: usize> {
     pub(crate) m: f64,
+    /// What M has beyond the mass of the structure, by node; may be empty.
+    pub(crate) layer: Vec<[[f64; D]; D]>,
+    /// Where K is taken; empty for a linear law.
+    pub(crate) position: Vec<f64>,
     pub(crate) low_order: LowOrder<D>,
 }
 
 impl<const D: usize> Shifted<D> {
-    /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|, for a b that vanishes at fixed entries, as
-    /// x then does. Returns the iterations.
+    /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|. b must vanish at fixed entries; then x
+    /// does too. Returns the iterations. After an error x still is an approximation.
     pub(crate) fn solve(
         &self,
         structure: &Structure<D>,
@@ -41,11 +45,16 @@ impl<const D: usize> Shifted<D> {
         let mut system = Real { structure, shifted: self, inertia: vec![0.0; b.len()] };
         let settings =
             cg::Settings { relative_tolerance: tolerance, max_iterations: MAX_ITERATIONS, ..Default::default() };
-        Ok(cg::solve(&mut system, b, x, &settings, &mut cg::Workspace::default())?.iterations)
+        let solved = cg::solve(&mut system, b, x, &settings, &mut cg::Workspace::default());
+        if solved.is_err() && x.iter().all(|x| *x == 0.0) {
+            // K(d) of a compressed body need not be definite. The low-order matrix always is.
+            self.low_order.apply(b, x);
+        }
+        Ok(solved?.iterations)
     }
 
-    /// Solves (complex) at free entries from y = 0 by FGMRES on (rotated), `theta` in [0, pi). Real parts of `c` and `y` are followed
-    /// by the imaginary ones. Returns the iterations.
+    /// Solves (complex) at free entries from y = 0 by FGMRES on (rotated), `theta` in [0, pi). In `c` and `y` the real parts come
+    /// first, then the imaginary parts. Returns the iterations.
     pub(crate) fn solve_complex(
         &self,
         structure: &Structure<D>,
@@ -70,7 +79,7 @@ impl<const D: usize> Shifted<D> {
         match fgmres::solve(&mut system, &rotated, y, &settings, &mut fgmres::Workspace::default()) {
             Ok(report) => Ok(report.iterations),
             Err(error @ fgmres::Error::NotFinite(_)) => Err(error.into()),
-            // y is the best that round-off allows; whether it will do shows in the residual of the slab.
+            // y is as accurate as round-off allows; the residual of the slab shows whether this is enough.
             Err(error) => Ok(error.report().iterations),
         }
     }
@@ -85,8 +94,8 @@ struct Real<'a, const D: usize> {
 
 impl<const D: usize> LinearSystem for Real<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.structure.apply_stiffness(x, y);
-        self.structure.apply_mass(x, &mut self.inertia);
+        self.structure.apply_stiffness_at(&self.shifted.position, x, y);
+        self.structure.apply_mass_with(&self.shifted.layer, x, &mut self.inertia);
         y.iter_mut().zip(&self.inertia).for_each(|(y, inertia)| *y += self.shifted.m * inertia);
         self.structure.at_fixed(y, |_| 0.0);
     }
@@ -112,8 +121,8 @@ impl<const D: usize> LinearSystem for Rotated<'_, D> {
         let (n, m) = (x.len() / 2, self.shifted.m);
         let (forces, inertia) = self.work.split_at_mut(2 * n);
         for part in [0..n, n..2 * n] {
-            self.structure.apply_stiffness(&x[part.clone()], &mut forces[part.clone()]);
-            self.structure.apply_mass(&x[part.clone()], &mut inertia[part]);
+            self.structure.apply_stiffness_at(&self.shifted.position, &x[part.clone()], &mut forces[part.clone()]);
+            self.structure.apply_mass_with(&self.shifted.layer, &x[part.clone()], &mut inertia[part]);
         }
         let (re, im) = y.split_at_mut(n);
         for i in 0..n {

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The displacement is prescribed, and the equilibrium holds, at every node. The last node is the top of the slab, so the mesh there
-//! is in equilibrium with the exact boundary, whatever happened before: errors of the solver do not accumulate. (Galerkin in time
-//! carries them on for ever: they come back at the next top with the factor (-1)^{N_t}.)
+//! is in equilibrium with the exact boundary for any history: errors of the solver do not accumulate. (With Galerkin in time they
+//! would persist: they return at the next top with the factor (-1)^{N_t}.)
 //!
 //! Fields of a slab have the layout `[time node][C0 node][component]`.
 
@@ -18,10 +18,11 @@ use crate::{ElasticMesh, ElasticityError, Inversion};
 use basis::{Matrix, RadauTime};
 use newton_krylov::cg;
 
-/// The most time nodes of a slab.
+/// The largest number of time nodes of a slab.
 pub const MAX_TIME_ORDER: usize = 16;
 
-/// The relation between velocities and displacements in a slab. It knows no space: vectors are of any length.
+/// The relation between velocities and displacements in a slab. It does not depend on space: vectors may have any
+/// length.
 #[derive(Clone, Debug)]
 pub struct SlabMotion {
     time: RadauTime,
@@ -63,7 +64,7 @@ fn displace(dt: f64, bottom: &[f64], v: &[f64], integrals: &[f64], out: &mut [f6
 }
 
 /// out = out + dt sum_b integrals[b] v[b].
-fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
+pub(crate) fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
     for (v, integral) in v.chunks_exact(out.len()).zip(integrals) {
         out.iter_mut().zip(v).for_each(|(out, v)| *out += dt * integral * v);
     }
@@ -83,14 +84,14 @@ pub(crate) fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
 /// The mesh equations of a slab of length `dt`, in the unknown velocities V.
 ///
 /// ```text
-/// R_a = R(d(s_a))_f                     at free nodes                                                            (slab)
-/// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained nodes: a force, like the other rows
+/// R_a = R(d(s_a))_f                     at free entries                                                          (slab)
+/// R_a = diag(K) (d(s_a) - g(s_a))_c     at constrained entries: a force, like the other rows
 /// ```
 ///
 /// The slab begins at the displacement that [`ElasticMesh::begin_slab`] was called with.
 #[derive(Clone, Copy)]
 pub struct ElasticSlab<'a, const D: usize> {
-    /// The law and the constrained nodes.
+    /// The law and the constrained entries.
     pub mesh: &'a ElasticMesh<D>,
     /// The temporal basis.
     pub motion: &'a SlabMotion,
@@ -99,11 +100,11 @@ pub struct ElasticSlab<'a, const D: usize> {
 }
 
 impl<const D: usize> ElasticSlab<'_, D> {
-    /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes, of which
-    /// only the entries of constrained nodes are read.
+    /// r = R(V) by (slab), for the displacement `bottom` at t_n and the prescribed displacements `g[a][..]` at the time nodes. Only the
+    /// constrained entries of `g` are read.
     ///
     /// # Errors
-    /// [`Inversion`] where the law has no stress; `r` then has no meaning.
+    /// [`Inversion`] where the law has no stress; `r` is then meaningless.
     pub fn residual(&self, bottom: &[f64], g: &[f64], v: &[f64], r: &mut [f64]) -> Result<(), Inversion> {
         let length = self.mesh.length();
         self.mesh.with_vector(|d| {
@@ -114,6 +115,14 @@ impl<const D: usize> ElasticSlab<'_, D> {
             }
             Ok(())
         })
+    }
+
+    /// out += factor diag(K) g at constrained entries: what their rows of (slab) have of the displacements `g[a][..]`, negative there.
+    pub fn add_prescribed(&self, factor: f64, g: &[f64], out: &mut [f64]) {
+        let length = self.mesh.length();
+        for (g, out) in g.chunks_exact(length).zip(out.chunks_exact_mut(length)) {
+            self.mesh.add_at_constrained(out, |i| factor * self.mesh.diagonal()[i] * g[i]);
+        }
     }
 
     /// out = (dR/dV)(V) w.
@@ -134,9 +143,9 @@ impl<const D: usize> ElasticSlab<'_, D> {
         });
     }
 
-    /// Solves (dR/dV) w = r with K for the derivative of the forces at all time nodes, which for a linear law it is: the temporal modes
-    /// separate into N_t right-hand sides of K for displacement increments, whose constrained entries enter through K_fc, and w follows
-    /// by (velocity).
+    /// Solves (dR/dV) w = r. K stands for the derivative of the forces at all time nodes, which is exact for a linear law. The temporal
+    /// modes decouple into N_t right-hand sides of K for displacement increments. Their constrained entries enter through K_fc, and w
+    /// follows by (velocity).
     ///
     /// # Errors
     /// As [`ElasticMesh::solve`].

@@ -1,14 +1,14 @@
 //! The material of a structure, point by point.
 //!
-//! K is linear in the constants of Lame. With constants mu_0, lambda_0 that are the same everywhere,
+//! Stresses are linear in the constants of Lame. With spatially constant mu_0, lambda_0,
 //!
 //! ```text
 //! mu(x) = s(x) mu_0,     lambda(x) = s(x) lambda_0 + e(x)                                                      (relative)
 //! ```
 //!
-//! so that K is s times the operator of (mu_0, lambda_0), and e times that of (0, 1) where Poisson's ratio varies; elsewhere e = 0.
+//! A stress is s times that of (mu_0, lambda_0). Where Poisson's ratio varies, e times that of (0, 1) is added; elsewhere e = 0.
 
-use crate::{ElasticityError, Lame, Material, Plane};
+use crate::{ElasticityError, Lame, Law, Material, Plane};
 use std::sync::Arc;
 
 /// A function of the position at rest.
@@ -19,7 +19,7 @@ pub type Field<const D: usize> = Arc<dyn Fn(&[f64; D]) -> f64 + Send + Sync>;
 pub enum Quantity<const D: usize> {
     /// The same everywhere.
     Constant(f64),
-    /// Different from point to point.
+    /// Varies from point to point.
     Field(Field<D>),
 }
 
@@ -31,13 +31,13 @@ impl<const D: usize> Quantity<D> {
         }
     }
 
-    /// The value, if it is the same everywhere; otherwise `instead`.
+    /// The value if it is constant; otherwise `instead`.
     fn constant_or(&self, instead: f64) -> f64 {
         if let Quantity::Constant(value) = self { *value } else { instead }
     }
 }
 
-/// Young's modulus and Poisson's ratio of a linear elastic body.
+/// Young's modulus and Poisson's ratio of an elastic body, and its law.
 #[derive(Clone)]
 pub struct Solid<const D: usize> {
     /// E
@@ -46,6 +46,8 @@ pub struct Solid<const D: usize> {
     pub poisson: Quantity<D>,
     /// Plane strain or plane stress, in 2-D.
     pub plane: Plane,
+    /// The stress of a strain that is not small.
+    pub law: Law,
 }
 
 /// The constants at a point by (relative).
@@ -68,12 +70,21 @@ impl<const D: usize> Solid<D> {
         Ok(material.map_err(at_point)?.in_plane(self.plane).lame())
     }
 
-    /// Whether nu is not the same everywhere.
+    /// The law, if it exists for what is plane.
+    pub(crate) fn law(&self) -> Result<Law, ElasticityError> {
+        if self.plane == Plane::Stress && !self.law.is_linear() {
+            Err(ElasticityError::PlaneStress)
+        } else {
+            Ok(self.law)
+        }
+    }
+
+    /// Whether nu varies in space.
     pub(crate) fn ratio_varies(&self) -> bool {
         matches!(self.poisson, Quantity::Field(_))
     }
 
-    /// (mu_0, lambda_0): those of the body where E and nu are constants, of E = 1 and nu = 0 where they are not.
+    /// (mu_0, lambda_0): the constants of the body if E and nu are constant, otherwise those of E = 1 and nu = 0.
     pub(crate) fn base(&self) -> Result<Lame, ElasticityError> {
         Ok(Material::new(self.young.constant_or(1.0), self.poisson.constant_or(0.0))?.in_plane(self.plane).lame())
     }
@@ -91,7 +102,12 @@ impl<const D: usize> Solid<D> {
 impl<const D: usize> From<Material> for Solid<D> {
     fn from(material: Material) -> Self {
         let (young, poisson) = material.constants();
-        Solid { young: Quantity::Constant(young), poisson: Quantity::Constant(poisson), plane: material.plane() }
+        Solid {
+            young: Quantity::Constant(young),
+            poisson: Quantity::Constant(poisson),
+            plane: material.plane(),
+            law: material.law(),
+        }
     }
 }
 
@@ -103,7 +119,7 @@ mod tests {
     fn varying() -> Solid<2> {
         let young = Quantity::Field(Arc::new(|x: &[f64; 2]| 2.0 + x[0]));
         let poisson = Quantity::Field(Arc::new(|x: &[f64; 2]| 0.4 * x[1]));
-        Solid { young, poisson, plane: Plane::Stress }
+        Solid { young, poisson, plane: Plane::Stress, law: Law::Linear }
     }
 
     #[test]

@@ -1,18 +1,18 @@
-//! Which method solves with K, and what it costs.
+//! The choice of the solver of K, and its cost.
 
-use crate::batches::Batches;
 use crate::condensation::{Condensation, Elimination};
 use crate::low_order::LowOrder;
+use fem::NodalBatches;
 use mesh::{CellMap, Mesh, NodeNumbering};
 use std::sync::Arc;
 
-/// How K_ff d_f = b_f is solved.
+/// The solver of K_ff d_f = b_f.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
-    /// What suits the size of the mesh, see [`Plan`].
+    /// Chosen by the size of the mesh, see [`Plan`].
     #[default]
     Automatic,
-    /// Elimination of the nodes along a tree of parts of the mesh; no iterations.
+    /// Elimination of the nodes along a tree of parts of the mesh, without iterations.
     Direct,
     /// Conjugate gradients, preconditioned by a factored low-order refinement.
     ConjugateGradients,
@@ -20,45 +20,46 @@ pub enum Solver {
     Multigrid,
 }
 
-/// The solver that a mesh will have, known before anything is computed.
+/// The solver of a mesh, known before anything is computed.
 ///
-/// Automatic is **direct up to 10^11 multiplications and 2^30 bytes, multigrid beyond**. That is some ten seconds of one core, once
-/// in a run, after which a solve costs what two passes through the factor cost. In the plane it is enough for millions of unknowns, in
-/// space for about 10^5.
+/// The automatic choice is **direct up to 10^11 multiplications and 2^30 bytes, multigrid beyond**. The factorisation is done once in
+/// a run; after that a solve costs two passes through the factor. In two dimensions the limit allows millions of unknowns, in three
+/// about 10^5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// The solver, never automatic.
     pub solver: Solver,
-    /// Its memory: of a direct one counted, with what is needed on the way; otherwise estimated from the number of unknowns.
+    /// Its memory. For a direct solver it is counted, including temporary memory; otherwise it is estimated from the number
+    /// of unknowns.
     pub bytes: usize,
 }
 
-/// Up to this many multiplications a mesh is factored.
+/// A mesh is factored up to this many multiplications.
 const MAX_OPERATIONS: f64 = 1e11;
-/// Up to this many bytes a mesh is factored: on an extruded mesh of thin cells multigrid takes as many, and minutes instead of seconds.
+/// A mesh is factored up to this many bytes. On an extruded mesh of thin cells multigrid takes as many, and far more time.
 const MAX_BYTES: usize = 2 << 30;
 
 impl Plan {
-    /// The plan for a mesh with displacements of the order of `numbering`, prescribed at `constrained[C0 node]`, where `solver` is asked
-    /// for.
+    /// The plan for a mesh with displacements of the order of `numbering`, prescribed at `constrained[C0 node][component]`, if
+    /// `solver` is requested.
     pub fn new<const D: usize>(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
-        constrained: &[bool],
+        constrained: &[[bool; D]],
         solver: Solver,
     ) -> Self {
-        Self::with_elimination(mesh, numbering, &Batches::new(mesh, numbering), constrained, solver).0
+        Self::with_elimination(mesh, numbering, &NodalBatches::new(mesh, numbering), constrained, solver).0
     }
 
-    /// The same with the order of elimination, where the solver is direct.
+    /// The same with the order of elimination, if the solver is direct.
     pub(crate) fn with_elimination<const D: usize>(
         mesh: &Mesh<D>,
         numbering: &NodeNumbering,
-        batches: &Batches<D>,
-        constrained: &[bool],
+        batches: &NodalBatches<D>,
+        constrained: &[[bool; D]],
         solver: Solver,
     ) -> (Self, Option<Arc<Elimination<D>>>) {
-        let unknowns = D * constrained.iter().filter(|constrained| !**constrained).count();
+        let unknowns = constrained.as_flattened().iter().filter(|constrained| !**constrained).count();
         let iterative = |solver| (Plan { solver, bytes: low_order_bytes(D, unknowns, solver) }, None);
         if matches!(solver, Solver::ConjugateGradients | Solver::Multigrid) {
             return iterative(solver);
@@ -74,7 +75,8 @@ impl Plan {
     }
 }
 
-/// The measured memory of the preconditioners: in proportion to the unknowns, but for a factor in space, which grows like n^(4/3).
+/// The measured memory of the preconditioners. It is proportional to the unknowns, except for a factor in three dimensions, which
+/// grows like n^(4/3).
 fn low_order_bytes(dimension: usize, unknowns: usize, solver: Solver) -> usize {
     let n = unknowns as f64;
     let per_unknown = match (solver, dimension) {
@@ -86,13 +88,13 @@ fn low_order_bytes(dimension: usize, unknowns: usize, solver: Solver) -> usize {
     (per_unknown * n) as usize
 }
 
-/// The middles of the cells.
+/// The centres of the cells.
 fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
     let middle = CellMap::on_grid(mesh.order(), &[0.0]);
     (0..mesh.n_cells()).map(|cell| middle.positions(mesh.cell_coordinates(cell))[0]).collect()
 }
 
-/// K_ff^{-1}, or something near it, prepared.
+/// The prepared K_ff^{-1}, exact or approximate.
 pub(crate) enum Inverse<const D: usize> {
     Direct(Box<Condensation<D>>),
     LowOrder(Box<LowOrder<D>>),
@@ -123,7 +125,7 @@ mod tests {
         }
     }
 
-    /// The estimates hold to a factor of two or so, the count covers what is stored.
+    /// The estimates hold to a factor of about two; the count covers all stored data.
     fn assert_memory<const D: usize>(mesh: &Mesh<D>) {
         for solver in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
             let found = clamped_with(mesh, mesh.order(), Stiffness::Constant, solver).solver_bytes() as f64;

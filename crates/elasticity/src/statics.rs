@@ -1,17 +1,19 @@
 //! The equilibrium of a structure under given loads and supports, without inertia.
 //!
-//! Loads and supports may change with time, which then numbers the steps of the load:
+//! Loads and supports may change with time, which then numbers the load steps:
 //!
 //! ```text
-//! K d(t) = f(t)   at free entries,      d(t) = g(t)   at fixed entries                                         (statics)
+//! R(d(t)) = f(d, t)   at free entries,      d(t) = g(t)   at fixed entries                                     (statics)
 //! ```
 //!
-//! It holds at the time nodes of a slab; in between d is the polynomial through them and the bottom, as (motion) of `slab` has it. Works
-//! and energies are those of `dynamics` without the kinetic terms.
+//! It holds at the time nodes of a slab. In between d is the polynomial through them and the bottom, (motion) of `slab`. Works and
+//! energies are defined as in `structure_slab`, without the kinetic terms.
 
-use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, Slab, TOLERANCE};
+use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, TOLERANCE};
+use crate::large_displacement::{self, Equilibrium};
 use crate::shifted::Shifted;
-use crate::{ElasticityError, Loads, SlabMotion, Structure};
+use crate::structure_slab::{SlabBottom, StructureSlab};
+use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
 use basis::RadauTime;
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
@@ -27,9 +29,10 @@ impl<const D: usize> Statics<D> {
     /// The equilibria of `structure` under `loads` at `time_order` nodes per slab.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] if too little is fixed; a sub-cell between Gauss-Lobatto nodes that is inverted.
+    /// [`ElasticityError::NotDefinite`] if too few entries are fixed; an error if a sub-cell between Gauss-Lobatto nodes
+    /// is inverted.
     pub fn new(structure: Structure<D>, loads: Loads<D>, time_order: usize) -> Result<Self, ElasticityError> {
-        let stiffness = structure.shifted(0.0)?;
+        let stiffness = structure.shifted(0.0, Vec::new(), &[])?;
         Ok(Statics { structure, loads, motion: SlabMotion::new(RadauTime::new(time_order)), stiffness })
     }
 
@@ -42,18 +45,49 @@ impl<const D: usize> Statics<D> {
         &self.motion
     }
 
-    /// (statics) at time `t`: `d` holds the prescribed displacement at fixed entries and a guess at the others. Returns the iterations.
+    /// Solves (statics) at time `t`: `d` holds the prescribed displacement at fixed entries and a guess at the others. Returns the
+    /// iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], or that of a system that cannot be solved.
+    /// [`ElasticityError::Load`], [`ElasticityError::Stalled`], [`ElasticityError::LargeDisplacement`], or the error of a system that
+    /// cannot be solved.
     pub fn equilibrium(&self, t: f64, d: &mut [f64]) -> Result<usize, ElasticityError> {
         let mut f = vec![0.0; d.len()];
         self.structure.load(&self.loads, t, &mut f)?;
-        self.structure.balance(&self.stiffness, t, &f, d)
+        self.balance(t, &f, d)
+    }
+
+    /// The same for the loads `f` at rest.
+    fn balance(&self, t: f64, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
+        if self.structure.law().is_linear() && self.loads.pressures.is_empty() {
+            return self.structure.balance(&self.stiffness, t, f, d);
+        }
+        let (structure, loads) = (&self.structure, &self.loads);
+        let imbalance = |d: &[f64], r: &mut [f64]| self.imbalance(t, f, d, r);
+        let stiffness = |d: &[f64], w: &[f64], out: &mut [f64]| {
+            structure.apply_stiffness_at(d, w, out);
+            structure.add_pressure_stiffness(loads, t, (d, w), -1.0, out);
+        };
+        let mut r = vec![0.0; d.len()];
+        imbalance(d, &mut r)?;
+        // Forces at supports, too: those at free entries may all vanish at rest.
+        let forces = Euclidean.norm(f) + Euclidean.norm(&r);
+        let mut problem = Equilibrium::new(structure, &imbalance, &stiffness);
+        Ok(large_displacement::solve(&mut problem, forces, t, d)?.iterations)
+    }
+
+    /// r = R(d) - f at all entries, with follower pressures.
+    fn imbalance(&self, t: f64, f: &[f64], d: &[f64], r: &mut [f64]) -> Result<(), Inversion> {
+        self.structure.internal_forces(d, r)?;
+        let mut loads = f.to_vec();
+        self.structure.add_pressures(&self.loads, t, d, &mut loads);
+        r.iter_mut().zip(&loads).for_each(|(r, f)| *r -= f);
+        Ok(())
     }
 
     /// The equilibria at the time nodes of the slab of length `dt` above the displacement `bottom` at time `start`. `v`, `[time node][C0
-    /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it becomes the velocities.
+    /// node][component]`, holds the prescribed displacements at fixed entries and a guess at the others; it is replaced by the
+    /// velocities.
     ///
     /// # Errors
     /// As [`Self::equilibrium`].
@@ -65,25 +99,27 @@ impl<const D: usize> Statics<D> {
             let (node, t) = (a * length..(a + 1) * length, start + time.nodes()[a] * dt);
             let (f, r) = (&mut forces[node.clone()], &mut residual[node]);
             self.structure.load(&self.loads, t, f)?;
-            report.iterations += self.structure.balance(&self.stiffness, t, f, d)?;
-            self.structure.apply_stiffness(d, r);
-            r.iter_mut().zip(&*f).for_each(|(r, f)| *r = dt * time.weights()[a] * (*r - f));
+            report.iterations += self.balance(t, f, d)?;
+            self.imbalance(t, f, d, r)?;
+            r.iter_mut().for_each(|r| *r *= dt * time.weights()[a]);
         }
         self.motion.velocities(dt, bottom, v);
-        let slab = Slab { structure: &self.structure, motion: &self.motion, dt, bottom };
-        slab.add_works(&forces, v, &residual, &mut report);
+        // Without inertia the velocity at the bottom is not asked for.
+        let bottom = SlabBottom { time: start, displacement: bottom, velocity: &[] };
+        let slab = StructureSlab { structure: &self.structure, loads: &self.loads, motion: &self.motion, bottom, dt };
+        report.work = slab.work_without_inertia(&forces, v, &residual);
         Ok(report)
     }
 }
 
 impl<const D: usize> Structure<D> {
-    /// The equilibrium K d = f at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
+    /// The equilibrium K d = f of a linear law at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
     /// Returns the CG iterations.
     ///
     /// # Errors
-    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too little is fixed.
+    /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.
     pub fn equilibrium(&self, f: &[f64], d: &mut [f64]) -> Result<usize, ElasticityError> {
-        self.balance(&self.shifted(0.0)?, 0.0, f, d)
+        self.balance(&self.shifted(0.0, Vec::new(), &[])?, 0.0, f, d)
     }
 
     /// The same with the preconditioner of K, at time `t`: corrections until the residual is round-off.

@@ -1,11 +1,11 @@
-//! How stiff the mesh is where.
+//! The variation of the stiffness over the mesh.
 
 /// The factor by which Young's modulus varies over the mesh.
 #[derive(Clone, Copy)]
 pub enum Stiffness<'a, const D: usize> {
     /// 1 everywhere.
     Constant,
-    /// (det J / mean det J)^-power, point by point, with the Jacobian J of the reference mapping and its mean over all cells: small
+    /// (det J / mean det J)^-power, point by point, with the Jacobian J of the reference mapping and its mean over all cells. Small
     /// cells, near walls, move rigidly and large ones take the deformation. Power 1 is the usual choice.
     InverseJacobian {
         /// The power chi.

@@ -1,29 +1,35 @@
 //! An elastic body with mass.
 
-use crate::batches::Batches;
-use crate::geometry::{Sampler, nodal_coordinates};
+mod damping;
+mod systems;
+
+pub use damping::Damping;
+
+use crate::geometry::{StiffnessSampler, nodal_coordinates};
 use crate::loads::{Loads, Surface};
-use crate::low_order::LowOrder;
 use crate::mass::Mass;
 use crate::operator::Operator;
-use crate::shifted::Shifted;
-use crate::{ElasticityError, Lame, Law, Solid};
-use basis::gauss_lobatto;
+use crate::{ElasticityError, FluidLayer, Inversion, Lame, Law, Solid};
+use fem::NodalBatches;
 use mesh::{Mesh, NodeNumbering};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use tensor::Dual;
 
-/// The equations of motion of a linear elastic body at rest in the position of its mesh,
+/// The equations of motion of an elastic body in the coordinates of its mesh, where it is at rest (total Lagrangian),
 ///
 /// ```text
-/// rho d_tt - div sigma(d) = b,    sigma n = q on loaded boundaries,    d = g on supports                       (elastodynamics)
-/// M d_tt + K d = f(t)             at free entries                                                              (motion of nodes)
+/// rho d_tt - div P(grad d) = b,    P n = q on loaded boundaries,    d = g on supports                          (elastodynamics)
+/// M d_tt + C d_t + R(d) = f(t)     at free entries                                                             (motion of nodes)
 /// ```
 ///
-/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`, and an entry is either free or fixed: its
-/// motion then is prescribed. All methods take `&self`.
+/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is their derivative, and
+/// K that at rest.
+///
+/// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`. An entry is either free or fixed; the
+/// motion of a fixed entry is prescribed. All methods take `&self`.
 pub struct Structure<const D: usize> {
     operator: Operator<D>,
-    /// What lambda adds to K beyond `operator`, where Poisson's ratio varies: see `solid`.
+    /// The contribution of lambda to R beyond `operator`, if Poisson's ratio varies: see `solid`.
     excess: Option<Operator<D>>,
     mass: Mass<D>,
     surface: Surface<D>,
@@ -32,16 +38,17 @@ pub struct Structure<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
     solid: Solid<D>,
+    damping: Damping,
     /// A shear modulus of the body.
     shear_modulus: f64,
 }
 
 impl<const D: usize> Structure<D> {
-    /// A body of `solid` (or a `Material`, the same everywhere) and `density` that fills `mesh`, with displacements of the
-    /// order of `numbering`. `fixed[node][component]` says where the motion is prescribed; it may be so nowhere.
+    /// A body of `solid` (or a constant `Material`) and `density` that fills `mesh`, with displacements of the order of
+    /// `numbering`. `fixed[node][component]` tells whether the motion is prescribed; it may be prescribed nowhere.
     ///
     /// # Errors
-    /// A material that is not possible, a density that is not positive, or a `fixed` of the wrong length.
+    /// A material out of range, [`ElasticityError::PlaneStress`], a density that is not positive, or a `fixed` of the wrong length.
     pub fn new(
         mesh: Mesh<D>,
         numbering: NodeNumbering,
@@ -57,22 +64,34 @@ impl<const D: usize> Structure<D> {
             let (constant, accepted) = ("the density", "a positive number");
             return Err(ElasticityError::Material { constant, value: density, accepted });
         }
-        let (order, batches) = (numbering.order(), Batches::new(&mesh, &numbering));
+        let (order, batches) = (numbering.order(), NodalBatches::new(&mesh, &numbering));
         let mass = Mass::new(&mesh, &batches, order, density);
-        let (solid, rule) = (solid.into(), Law::Linear.rule(D, order));
-        let base = solid.base()?;
-        let at_points = Sampler::of_solid(&mesh, &solid, base, &rule.points);
+        let solid = solid.into();
+        let (law, base) = (solid.law()?, solid.base()?);
+        let at_points = StiffnessSampler::of_solid(&mesh, &solid, base, law.rule(D, order));
         let excess = if solid.ratio_varies() {
-            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, Batches::new(&mesh, &numbering));
-            Some(Operator::weighted(Law::Linear, unit, order, batches, &rule, &at_points, |sample| sample.excess)?)
+            let (unit, batches) = (Lame { mu: 0.0, lambda: 1.0 }, NodalBatches::new(&mesh, &numbering));
+            Some(Operator::weighted(law, unit, order, batches, &at_points, |sample| sample.excess)?)
         } else {
             None
         };
-        let operator = Operator::new(Law::Linear, base, order, batches, &rule, &at_points)?;
+        let operator = Operator::new(law, base, order, batches, &at_points)?;
         let shear_modulus = solid.lame(&mesh.position(0, &[0.0; D]))?.mu;
         let surface = Surface::new(&mesh, &numbering);
         let coordinates = nodal_coordinates(&mesh, &numbering);
-        Ok(Structure { operator, excess, mass, surface, fixed, coordinates, mesh, numbering, solid, shear_modulus })
+        Ok(Structure {
+            operator,
+            excess,
+            mass,
+            surface,
+            fixed,
+            coordinates,
+            mesh,
+            numbering,
+            solid,
+            damping: Damping::default(),
+            shear_modulus,
+        })
     }
 
     /// The length of a vector: D times the number of C0 nodes.
@@ -96,20 +115,67 @@ impl<const D: usize> Structure<D> {
         &self.numbering
     }
 
-    /// out = K d on all entries, fixed or not.
-    pub fn apply_stiffness(&self, d: &[f64], out: &mut [f64]) {
-        // A linear K is the same everywhere.
-        self.operator.product(d, d, out);
-        if let Some(excess) = &self.excess {
-            let mut forces = vec![0.0; out.len()];
-            excess.product(d, d, &mut forces);
-            out.iter_mut().zip(&forces).for_each(|(out, force)| *out += force);
+    /// The law.
+    pub fn law(&self) -> Law {
+        self.solid.law
+    }
+
+    /// out = R(d) on all entries, fixed or not.
+    ///
+    /// # Errors
+    /// [`Inversion`] where the law has no stress; `out` then has no meaning.
+    pub fn internal_forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
+        self.operator.forces(d, out)?;
+        self.add_excess(out, |excess, out| excess.forces(d, out))
+    }
+
+    /// out = K(d) w on all entries, fixed or not, for a `d` where R is defined. A linear law does not look at `d`.
+    pub fn apply_stiffness_at(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
+        self.operator.product(d, w, out);
+        // A product has no error.
+        let _ = self.add_excess(out, |excess, out| {
+            excess.product(d, w, out);
+            Ok(())
+        });
+    }
+
+    /// out = K w on all entries, fixed or not.
+    pub fn apply_stiffness(&self, w: &[f64], out: &mut [f64]) {
+        if self.law().is_linear() {
+            return self.apply_stiffness_at(w, w, out);
         }
+        self.apply_stiffness_at(&vec![0.0; w.len()], w, out);
+    }
+
+    /// Adds to `out` what lambda does beyond `operator`.
+    fn add_excess(
+        &self,
+        out: &mut [f64],
+        apply: impl FnOnce(&Operator<D>, &mut [f64]) -> Result<(), Inversion>,
+    ) -> Result<(), Inversion> {
+        let Some(excess) = &self.excess else { return Ok(()) };
+        let mut forces = vec![0.0; out.len()];
+        apply(excess, &mut forces)?;
+        out.iter_mut().zip(&forces).for_each(|(out, force)| *out += force);
+        Ok(())
     }
 
     /// out = M v on all entries, fixed or not.
     pub fn apply_mass(&self, v: &[f64], out: &mut [f64]) {
         self.mass.apply(self.operator.batches(), v, out);
+    }
+
+    /// out = (M + `layer`) v, where the layer is a mass of every node, none if that is empty.
+    pub(crate) fn apply_mass_with(&self, layer: &[[[f64; D]; D]], v: &[f64], out: &mut [f64]) {
+        self.apply_mass(v, out);
+        for ((mass, v), out) in layer.iter().zip(v.chunks_exact(D)).zip(out.chunks_exact_mut(D)) {
+            (0..D).for_each(|i| out[i] += (0..D).map(|j| mass[i][j] * v[j]).sum::<f64>());
+        }
+    }
+
+    /// out = (M + added mass) v, where `fluid` moves along at the rate |lambda| / dt.
+    pub fn apply_mass_beside(&self, fluid: &FluidLayer<D>, rate: f64, v: &[f64], out: &mut [f64]) {
+        self.apply_mass_with(&fluid.masses(rate), v, out);
     }
 
     /// out = f(t), on all entries.
@@ -127,6 +193,29 @@ impl<const D: usize> Structure<D> {
         }
     }
 
+    /// out += the follower pressures of `loads` on the body displaced by `d`.
+    pub fn add_pressures(&self, loads: &Loads<D>, t: f64, d: &[f64], out: &mut [f64]) {
+        loads.add_pressures(&self.surface, t, d, out);
+    }
+
+    /// out += `factor` times the derivative of that along `w`, where d and w are given as a pair.
+    pub fn add_pressure_stiffness(
+        &self,
+        loads: &Loads<D>,
+        t: f64,
+        (d, w): (&[f64], &[f64]),
+        factor: f64,
+        out: &mut [f64],
+    ) {
+        if loads.pressures.is_empty() {
+            return;
+        }
+        let d: Vec<Dual<f64>> = d.iter().zip(w).map(|(d, w)| Dual::new(*d, *w)).collect();
+        let mut forces = vec![Dual::new(0.0, 0.0); out.len()];
+        loads.add_pressures(&self.surface, t, &d, &mut forces);
+        out.iter_mut().zip(&forces).for_each(|(out, force)| *out += factor * force.derivative);
+    }
+
     /// v . M v / 2
     pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
         let mut momentum = vec![0.0; v.len()];
@@ -134,27 +223,14 @@ impl<const D: usize> Structure<D> {
         0.5 * Euclidean.dot(v, &momentum)
     }
 
-    /// d . K d / 2
+    /// The strain energy of the displacement `d`: d . K d / 2 for the linear law.
     pub fn strain_energy(&self, d: &[f64]) -> f64 {
+        if !self.law().is_linear() {
+            return self.operator.energy(d) + self.excess.as_ref().map_or(0.0, |excess| excess.energy(d));
+        }
         let mut forces = vec![0.0; d.len()];
         self.apply_stiffness(d, &mut forces);
         0.5 * Euclidean.dot(d, &forces)
-    }
-
-    /// The preconditioner of K + m M at free entries.
-    pub(crate) fn shifted(&self, m: f64) -> Result<Shifted<D>, ElasticityError> {
-        let (base, cells) = (self.solid.base()?, self.mesh.n_cells());
-        let nodes = gauss_lobatto(self.numbering.order()).points;
-        let at_nodes = Sampler::of_solid(&self.mesh, &self.solid, base, &nodes);
-        let mass = m * self.mass.density();
-        let samples = |cell| at_nodes.cell(cell);
-        let low_order = LowOrder::with_mass(base, mass, cells, &self.numbering, samples, &self.fixed, None)?;
-        Ok(Shifted { m, low_order })
-    }
-
-    /// m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
-    pub(crate) fn typical_shift(&self) -> f64 {
-        self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
     }
 
     /// Sets the fixed entries.

@@ -1,25 +1,36 @@
-//! Meshes, vectors and the assembled K that the tests compare with.
+//! Meshes, vectors and the assembled K for comparison in tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::geometry::{Sampler, quadrature_points};
-use crate::operator::tensor_weights;
+use crate::geometry::{StiffnessSampler, quadrature_points};
 use crate::{ElasticMesh, Lame, Material, Solver, Stiffness};
 use basis::{Lagrange, Matrix, gauss};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
-/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary where `amplitude` is not zero.
+/// A box [0, 1]^D of `cells` cells, curved inside and on the boundary if `amplitude` is not zero.
 pub(crate) fn unit_box<const D: usize>(cells: [usize; D], order: usize, amplitude: f64) -> Mesh<D> {
     let curving = Curving::Wavy { amplitude };
     BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order, curving, periodic: [false; D] }.build().unwrap()
 }
 
-/// Whether each C0 node lies on a boundary.
-pub(crate) fn boundary_nodes<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<bool> {
-    let mut constrained = vec![false; numbering.count];
+/// All components of the C0 nodes on a boundary.
+pub(crate) fn boundary_nodes<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[bool; D]> {
+    let mut constrained = vec![[false; D]; numbering.count];
     for boundary in 0..mesh.boundary_names().len() {
-        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = true);
+        numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| constrained[node] = [true; D]);
+    }
+    constrained
+}
+
+/// The ends of a box along x held in all components, its other walls along their normals only.
+pub(crate) fn between_sliding_walls<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[bool; D]> {
+    let mut constrained = vec![[false; D]; numbering.count];
+    for boundary in 0..mesh.boundary_names().len() {
+        // Boundaries of a box are two for each axis.
+        let axis = boundary / 2;
+        let nodes = numbering.on_boundary(mesh, boundary);
+        nodes.into_iter().for_each(|node| (0..D).for_each(|i| constrained[node][i] |= axis == 0 || axis == i));
     }
     constrained
 }
@@ -45,7 +56,7 @@ pub(crate) fn clamped_with<const D: usize>(
     ElasticMesh::with_solver(mesh, &numbering, material(), stiffness, &constrained, solver).unwrap()
 }
 
-/// Numbers in [-1, 1) that look random: the fractional parts of a quadratic sequence.
+/// Pseudo-random numbers in [-1, 1): the fractional parts of a quadratic sequence.
 pub(crate) fn noise(length: usize) -> Vec<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut next = || {
@@ -81,14 +92,14 @@ pub(crate) fn assembled<const D: usize>(
 ) -> Mat<f64> {
     let numbering = NodeNumbering::new(mesh, order);
     let rule = gauss(quadrature_points(D, order));
-    let sampler = Sampler::new(mesh, stiffness, &rule.points);
+    let sampler = StiffnessSampler::new(mesh, stiffness, rule.clone());
     let lagrange = Lagrange::gauss_lobatto(order);
     let (values, derivatives) = (lagrange.value_matrix(&rule.points), lagrange.derivative_matrix(&rule.points));
     let mut k = Mat::zeros(numbering.count * D, numbering.count * D);
     for cell in 0..mesh.n_cells() {
         let nodes = numbering.cell(cell);
         let samples = sampler.cell(cell).unwrap();
-        for (point, (sample, weight)) in samples.iter().zip(tensor_weights::<D>(&rule.weights)).enumerate() {
+        for (point, (sample, weight)) in samples.iter().zip(rule.tensor_weights(D)).enumerate() {
             let gradients = gradients_at::<D>(&values, &derivatives, point, &sample.inverse_jacobian);
             for (row, grad_row) in nodes.iter().zip(&gradients) {
                 for (column, grad_column) in nodes.iter().zip(&gradients) {
@@ -125,9 +136,9 @@ fn gradients_at<const D: usize>(
 }
 
 /// The solution of K_ff d_f = f_f - K_fc d_c by a dense factorisation; constrained entries of `d` are kept.
-pub(crate) fn solve_densely<const D: usize>(k: &Mat<f64>, constrained: &[bool], f: &[f64], d: &mut [f64]) {
-    let free: Vec<usize> = (0..d.len()).filter(|i| !constrained[i / D]).collect();
-    let given: Vec<usize> = (0..d.len()).filter(|i| constrained[i / D]).collect();
+pub(crate) fn solve_densely(k: &Mat<f64>, constrained: &[bool], f: &[f64], d: &mut [f64]) {
+    let free: Vec<usize> = (0..d.len()).filter(|&i| !constrained[i]).collect();
+    let given: Vec<usize> = (0..d.len()).filter(|&i| constrained[i]).collect();
     let matrix = Mat::from_fn(free.len(), free.len(), |i, j| k[(free[i], free[j])]);
     let boundary = |i: usize| given.iter().map(|&j| k[(i, j)] * d[j]).sum::<f64>();
     let b = Mat::from_fn(free.len(), 1, |i, _| f[free[i]] - boundary(free[i]));

@@ -2,15 +2,15 @@
 
 use mesh::BoundaryDistance;
 
-/// The factor on Young's modulus of Diosady & Murman, AIAA 2018-0919, equation (5), in the Euclidean distances of the mesh at
-/// rest to an inner boundary, which moves, and an outer one, which rests:
+/// The factor of Young's modulus of Diosady & Murman, AIAA 2018-0919, equation (5). It depends on the Euclidean distances in
+/// the mesh at rest to an inner boundary, which moves, and an outer one, which rests:
 ///
 /// ```text
 /// E = 1 + A / (1 + (d / d_0)^2),    d = max(0, min(dist(x, inner) - d_0, dist(x, outer) + 2 d_0))            (5)
 /// ```
 ///
-/// so E = 1 + A up to d_0 from the inner boundary, falling to 1 far from it, but to no less than 1 + A/5 at the outer one,
-/// where d is 2 d_0.
+/// So E = 1 + A up to d_0 from the inner boundary, and it falls to 1 far from it. At the outer boundary, where d is 2 d_0,
+/// it is at least 1 + A/5.
 #[derive(Clone, Debug)]
 pub struct WallDistance<const D: usize> {
     /// A.

@@ -7,7 +7,7 @@ use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The system's allocator, with a count of its calls.
+/// The system's allocator, with a counter of its calls.
 struct Counting;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -41,8 +41,8 @@ fn operator_and_slab_residual_allocate_nothing() {
         .build()
         .unwrap();
     let numbering = NodeNumbering::new(&mesh, 4);
-    let mut constrained = vec![false; numbering.count];
-    numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; 2]; numbering.count];
+    numbering.on_boundary(&mesh, 0).into_iter().for_each(|node| constrained[node] = [true; 2]);
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
     let elastic =
         ElasticMesh::new(&mesh, &numbering, Material::new(1.0, 0.4).unwrap(), stiffness, &constrained).unwrap();
@@ -50,7 +50,7 @@ fn operator_and_slab_residual_allocate_nothing() {
     let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 0.1 };
     let (bottom, field) = (vec![0.1; elastic.length()], vec![0.2; 2 * elastic.length()]);
     let (mut one, mut two) = (bottom.clone(), field.clone());
-    // Within a pool of one thread: a pool of several allocates now and then in its own queues.
+    // Within a pool of one thread: a pool of several threads allocates now and then in its own queues.
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| {
         assert_eq!(allocations(|| elastic.apply(&bottom, &mut one)), 0, "operator");
         assert_eq!(allocations(|| elastic.precondition(&bottom, &mut one)), 0, "preconditioner");

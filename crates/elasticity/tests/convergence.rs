@@ -1,7 +1,7 @@
 //! A manufactured displacement on curved meshes: the error in L2 falls like h^N.
 //!
-//! The displacement is a product of sines and cosines, the stiffness varies smoothly, and the body force that holds it, -div sigma, comes
-//! from the same law by nested dual numbers.
+//! The displacement is a product of sines and cosines, and the stiffness varies smoothly. The body force -div sigma comes from the same
+//! law by nested dual numbers.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -50,7 +50,7 @@ fn load<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, lame: Lame) -
 /// |d_h - d| in L2.
 fn error<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, d: &[f64]) -> f64 {
     let n = numbering.order() + 3;
-    // The map of a cell interpolates any vector that is given at the nodes.
+    // The map of a cell interpolates any vector given at the nodes.
     let map = CellMap::<D>::on_grid(numbering.order(), &gauss(n).points);
     let interpolated = |cell| {
         let nodes: Vec<f64> = numbering.cell(cell).iter().flat_map(|&node| d[node * D..][..D].to_vec()).collect();
@@ -72,16 +72,18 @@ fn solution_error<const D: usize>(cells: usize, order: usize) -> f64 {
         .build()
         .unwrap();
     let numbering = NodeNumbering::new(&mesh, order);
-    let mut constrained = vec![false; numbering.count];
-    (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| constrained[node] = true);
+    let mut constrained = vec![[false; D]; numbering.count];
+    (0..2 * D)
+        .flat_map(|boundary| numbering.on_boundary(&mesh, boundary))
+        .for_each(|node| constrained[node] = [true; D]);
     let material = Material::new(2.0, 0.3).unwrap();
     let modulus = |x: &[f64; D]| stiffness(x);
-    // In space, and for one solution, multigrid is faster than a factor.
+    // In 3-D, and for one solution, multigrid is faster than a factorisation.
     let solver = if D == 2 { Solver::Automatic } else { Solver::Multigrid };
     let stiffness = Stiffness::Function(&modulus);
     let elastic = ElasticMesh::with_solver(&mesh, &numbering, material, stiffness, &constrained, solver).unwrap();
     let mut d: Vec<f64> = elastic.coordinates().iter().flat_map(displacement).collect();
-    d.iter_mut().zip(constrained.iter().flat_map(|c| [*c; D])).for_each(|(d, c)| *d = if c { *d } else { 0.0 });
+    d.iter_mut().zip(constrained.as_flattened()).for_each(|(d, c)| *d = if *c { *d } else { 0.0 });
     elastic.solve(&load(&mesh, &numbering, material.lame()), &mut d, 1e-13).unwrap();
     error(&mesh, &numbering, &d)
 }

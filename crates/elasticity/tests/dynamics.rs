@@ -1,4 +1,4 @@
-//! The motion of structures: orders in time, energy, limits, and what they take.
+//! The motion of structures: orders in time, energy, limits, and iterations.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
@@ -14,8 +14,8 @@ fn distance(a: &[f64], b: impl Iterator<Item = f64>) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// d = phi(t) (x^2, x y) is in the space of order 3, so that the error is that of time alone. With phi'' = -phi, b = -phi (rho d + div
-/// sigma) and div sigma = (5 mu + 3 lambda, 0); traction sigma n on three sides, and the fourth moves with d.
+/// d = phi(t) (x^2, x y) is in the space of order 3, so that only the error in time remains. With phi'' = -phi, b = -phi (rho d + div
+/// sigma) and div sigma = (5 mu + 3 lambda, 0). The traction is sigma n on three sides, and the fourth moves with d.
 fn manufactured(order: usize, step: f64) -> Run<2> {
     let (density, lame) = (1.5, material().lame());
     let body = move |x: &[f64; 2], t: f64| {
@@ -28,7 +28,7 @@ fn manufactured(order: usize, step: f64) -> Run<2> {
     };
     let mesh = box_mesh([1.0, 0.5], [2, 1], 3, 0.0);
     let structure = structure(mesh, material(), density, |name| [name == "right"; 2]);
-    let mut loads = Loads { body_force: Some(Box::new(body)), tractions: Vec::new() };
+    let mut loads = Loads { body_force: Some(Box::new(body)), ..Default::default() };
     for (index, name) in structure.mesh().boundary_names().iter().enumerate() {
         if name != "right" {
             loads.tractions.push((index, Box::new(traction)));
@@ -64,7 +64,7 @@ fn order_at_slab_ends_is_2_n_t_minus_1() {
     }
 }
 
-/// (energy) holds to round-off in every slab, whatever the orders and the length of the slab.
+/// (energy) holds to round-off in every slab, for any orders and length of the slab.
 #[test]
 fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
     for order in 1..=5 {
@@ -72,22 +72,23 @@ fn energy_is_what_loads_and_supports_have_worked_minus_what_jumps_take() {
         for _ in 0..5 {
             let before = run.energy();
             let report = run.advance(0.4, |x, t| [(3.0 * t).cos() * x[0], (2.0 * t).sin() * x[1]]);
-            let gained = report.load_work + report.support_work - report.dissipation;
-            let size = report.load_work.abs() + report.support_work.abs();
+            let gained = report.work.load + report.work.support - report.work.dissipation;
+            let size = report.work.load.abs() + report.work.support.abs();
             assert!(((run.energy() - before) - gained).abs() < 1e-10 * size, "N_t = {order}: {report:?}");
-            assert!(report.dissipation > 0.0);
+            assert!(report.work.dissipation > 0.0);
         }
     }
 }
 
-/// A free body falls as a point does: d = a t^2 / 2 is a polynomial of the slab for N_t >= 2.
+/// A free body falls like a point: d = a t^2 / 2 is a polynomial of the slab for N_t >= 2.
 #[test]
 fn a_free_body_falls_without_deforming() {
     let gravity = [0.3, -9.81, 0.1];
     let density = 2.5;
     for order in [2, 3, 8, 16] {
         let structure = structure(box_mesh([1.0, 2.0, 1.0], [1, 2, 1], 3, 0.02), material(), density, |_| [false; 3]);
-        let loads = Loads { body_force: Some(Box::new(move |_, _| gravity.map(|g| density * g))), tractions: vec![] };
+        let loads =
+            Loads { body_force: Some(Box::new(move |_, _| gravity.map(|g| density * g))), ..Default::default() };
         let mut run = Run::new(structure, loads, order, 0.5);
         (0..2).for_each(|_| {
             run.advance(0.5, |_, _| [0.0; 3]);
@@ -105,7 +106,11 @@ fn the_limit_of_long_slabs_is_the_static_equilibrium() {
     let build = || structure(box_mesh([4.0, 1.0], [4, 1], 5, 0.02), material(), 1.0, |name| [name == "left"; 2]);
     let loads = || {
         let shear: elasticity::Traction<2> = Box::new(|point, _| [0.0, 1e-3 * point.position[1]]);
-        Loads { body_force: Some(Box::new(|x, _| [1e-4 * x[1], 0.0])), tractions: vec![(1, shear)] }
+        Loads {
+            body_force: Some(Box::new(|x, _| [1e-4 * x[1], 0.0])),
+            tractions: vec![(1, shear)],
+            ..Default::default()
+        }
     };
     let static_structure = build();
     let (mut f, mut equilibrium) = (vec![0.0; static_structure.length()], vec![0.0; static_structure.length()]);
@@ -132,8 +137,8 @@ fn same_bits_for_any_number_of_threads() {
     assert!(run(1) == run(2));
 }
 
-/// The iterations of a slab of a cantilever, of all modes and corrections, dt a fifteenth of the first period: counts, not seconds.
-/// They hardly grow with N.
+/// The iterations of a slab of a cantilever, over all modes and corrections, with dt a fifteenth of the first period. They hardly
+/// grow with N.
 #[test]
 fn iterations_of_a_slab() {
     let count = |order: usize, time_order: usize| {

@@ -11,9 +11,9 @@ fn frequencies(modes: &[NaturalMode]) -> Vec<f64> {
     modes.iter().map(|mode| mode.angular_frequency).collect()
 }
 
-/// A box between frictionless walls, normal displacement zero: plane waves fit in, with k = pi (i, j, ..) over the lengths and
-/// omega = c_p |k| once, if all of k or one component may vanish, and c_s |k| for every polarisation across k. In the plane: pressure waves
-/// for all (i, j) != 0, shear waves for i, j >= 1 (curl of sin sin).
+/// A box between frictionless walls, where the normal displacement is zero. Plane waves with k = pi (i, j, ..) over the lengths fit in.
+/// omega = c_p |k| occurs once, and all but one component of k may vanish. omega = c_s |k| occurs for every polarisation across k. In two
+/// dimensions there are pressure waves for all (i, j) != 0 and shear waves for i, j >= 1 (curl of sin sin).
 #[test]
 fn waves_between_frictionless_walls_are_exact() {
     let material = Material::new(2.0, 0.3).unwrap();
@@ -32,7 +32,7 @@ fn waves_between_frictionless_walls_are_exact() {
     }
 }
 
-/// omega_n = (beta_n L)^2 sqrt(E' I / (rho A)) / L^2 of a slender beam of height 1 after Euler and Bernoulli, with rho = 1, I / A = 1/12.
+/// omega_n = (beta_n L)^2 sqrt(E' I / (rho A)) / L^2 of a slender beam of height 1 by Euler-Bernoulli theory, with rho = 1, I / A = 1/12.
 fn euler_bernoulli(n: usize, modulus: f64, length: f64) -> f64 {
     let beta_l = [1.875_104_07_f64, 4.694_091_13, 7.854_757_44][n];
     beta_l.powi(2) * (modulus / 12.0).sqrt() / length.powi(2)
@@ -47,8 +47,8 @@ fn bending(cells: [usize; 2], order: usize) -> Vec<f64> {
     frequencies(&natural_modes(&beam, 4).unwrap().into_iter().filter(across).collect::<Vec<_>>())
 }
 
-/// The first three against a fine mesh, and against beam theory in plane strain, E' = E / (1 - nu^2): Euler and Bernoulli neglect
-/// shear and rotary inertia, so that their frequencies are too high, the more the shorter the wave.
+/// The first three against a fine mesh, and against beam theory in plane strain, E' = E / (1 - nu^2). Euler-Bernoulli theory
+/// neglects shear and rotary inertia, so its frequencies are too high, the more the shorter the wave.
 #[test]
 fn bending_frequencies_of_a_cantilever() {
     let (coarse, fine) = (bending([12, 1], 5), bending([24, 4], 7));
@@ -60,7 +60,7 @@ fn bending_frequencies_of_a_cantilever() {
     }
 }
 
-/// A free body has as many modes of frequency zero as rigid motions, and none more.
+/// A free body has exactly as many modes of frequency zero as rigid motions.
 #[test]
 fn a_free_body_has_its_rigid_motions() {
     let material = Material::new(1.0, 0.3).unwrap();
@@ -72,7 +72,7 @@ fn a_free_body_has_its_rigid_motions() {
     assert!(space[..6].iter().all(|omega| *omega < 1e-5) && space[6] > 0.3, "{space:?}");
 }
 
-/// A beam of square section bends in two directions at one frequency, and shapes of equal frequency are orthogonal all the same.
+/// A beam of square section bends in two directions at one frequency; shapes of equal frequency are nevertheless orthogonal.
 #[test]
 fn a_square_beam_bends_twice() {
     let material = Material::new(1.0, 0.3).unwrap();
@@ -80,7 +80,7 @@ fn a_square_beam_bends_twice() {
     let modes = natural_modes(&beam, 2).unwrap();
     let omega = frequencies(&modes);
     assert!((omega[1] / omega[0] - 1.0).abs() < 1e-8, "{omega:?}");
-    // Not stiffened by plane strain, E' = E: 1 % of shear, 1 % of mesh.
+    // Without plane strain, E' = E: 1 % from shear, 1 % from the mesh.
     assert!((omega[0] / euler_bernoulli(0, 1.0, 8.0) - 1.0).abs() < 0.02, "{omega:?}");
     let mut inertia = vec![0.0; beam.length()];
     beam.apply_mass(&modes[1].shape, &mut inertia);

@@ -1,4 +1,4 @@
-//! What the proof that a mesh stays valid costs, beside the solve that moves it.
+//! The cost of the proof that a mesh stays valid, relative to the solve that moves it.
 //!
 //! `cargo test --release -p elasticity --test proof_share -- --ignored --nocapture` prints it; times are never asserted.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
@@ -9,7 +9,7 @@ use mesh::generate::{AirfoilMesh, RotatingBoxMesh};
 use mesh::{BoxMesh, Curving, Mesh, MotionCheck, NodeNumbering};
 use std::time::Instant;
 
-/// Slabs of length [`STEP`] with two time nodes; the quickest counts.
+/// Slabs of length [`STEP`] with two time nodes; the fastest counts.
 const SLABS: usize = 5;
 const STEP: f64 = 0.05;
 
@@ -25,10 +25,10 @@ struct Turning<const D: usize> {
 impl<const D: usize> Turning<D> {
     fn new(mesh: &Mesh<D>, boundary: &str, stiffness: Stiffness<'_, D>) -> Self {
         let numbering = NodeNumbering::new(mesh, mesh.order());
-        let (mut constrained, mut turns) = (vec![false; numbering.count], vec![false; numbering.count]);
+        let (mut constrained, mut turns) = (vec![[false; D]; numbering.count], vec![false; numbering.count]);
         for (number, name) in mesh.boundary_names().iter().enumerate() {
             for node in numbering.on_boundary(mesh, number) {
-                constrained[node] = true;
+                constrained[node] = [true; D];
                 turns[node] |= name == boundary;
             }
         }
@@ -65,7 +65,7 @@ impl<const D: usize> Turning<D> {
         v.iter_mut().zip(&w).for_each(|(v, w)| *v -= w);
     }
 
-    /// The proved bound and the smallest value seen.
+    /// The proved bound and the smallest sampled value.
     fn prove(&self, bottom: &[f64], v: &[f64]) -> [f64; 2] {
         let times = times(&self.motion);
         let mut displacements = vec![0.0; bottom.len() * times.len()];

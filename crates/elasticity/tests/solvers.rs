@@ -1,4 +1,4 @@
-//! What every solver does on the meshes that it is meant for: iterations, and agreement of all solvers.
+//! Every solver on the meshes it is made for: iterations, and agreement of all solvers.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
@@ -21,7 +21,7 @@ fn solution<const D: usize>(case: &Case<'_, D>, solver: Solver, tolerance: f64) 
     for (boundary, name) in mesh.boundary_names().iter().enumerate() {
         numbering.on_boundary(mesh, boundary).into_iter().for_each(|node| boundary_of[node] = Some(name));
     }
-    let constrained: Vec<bool> = boundary_of.iter().map(Option::is_some).collect();
+    let constrained: Vec<[bool; D]> = boundary_of.iter().map(|boundary| [boundary.is_some(); D]).collect();
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::with_solver(mesh, &numbering, material, case.stiffness, &constrained, solver).unwrap();
     let at_node = |(x, name): (&[f64; D], &Option<&String>)| name.map_or([0.0; D], |name| (case.boundary)(name, x));
@@ -127,8 +127,8 @@ fn cube() {
     }
 }
 
-/// Boundary-layer cells that are 10^5 times longer than high, and stiffer than the far field by ten orders of magnitude: one pass of the
-/// factor is good to 1e-5 there, though its residual is at round-off.
+/// Boundary-layer cells that are 10^5 times longer than high, and stiffer than the far field by ten orders of magnitude. One pass of the
+/// factor is accurate to 1e-5 there, although its residual is at round-off.
 #[test]
 fn extreme_stretching() {
     let airfoil = AirfoilMesh::naca0012(4);

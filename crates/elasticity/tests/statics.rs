@@ -4,7 +4,7 @@
 mod common;
 
 use common::{body_force, box_mesh, displacement, structure};
-use elasticity::{Loads, Material, Plane, Quantity, Solid, Statics, Structure, Traction};
+use elasticity::{Law, Loads, Material, Plane, Quantity, Solid, Statics, Structure, Traction};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use std::sync::Arc;
 use tensor::Transcendental;
@@ -33,7 +33,7 @@ fn traction<const D: usize>(mesh: &Mesh<D>, name: &str, q: Traction<D>) -> (usiz
     (mesh.boundary_names().iter().position(|known| known == name).unwrap(), q)
 }
 
-/// A sheet that is pulled contracts by nu; a slice of a long body by nu / (1 - nu), and it is stiffer.
+/// A stretched sheet contracts by nu; a slice of a long body by nu / (1 - nu), and it is stiffer.
 #[test]
 fn a_sheet_that_is_pulled_contracts_by_poissons_ratio() {
     let (young, nu, pull) = (3.0, 0.3, 0.02);
@@ -45,15 +45,15 @@ fn a_sheet_that_is_pulled_contracts_by_poissons_ratio() {
         let pulled = traction(&mesh, "right", Box::new(move |_, _| [pull, 0.0]));
         let material = Material::new(young, nu).unwrap().in_plane(plane);
         let body = structure(mesh, material, 1.0, |name| [name == "left", name == "bottom"]);
-        let loads = Loads { body_force: None, tractions: vec![pulled] };
+        let loads = Loads { body_force: None, tractions: vec![pulled], ..Default::default() };
         let (statics, d) = equilibrium(body, loads, |_| [0.0; 2]);
         let error = error_at_nodes(statics.structure(), &d, |x| [along * x[0], across * x[1]]);
         assert!(error < 1e-14, "{plane:?}: {error:e}");
     }
 }
 
-/// Timoshenko's cantilever of length L and height H in plane stress, with a parabolic shear stress on its end: cubic, so that order 4 has
-/// it to round-off.
+/// Timoshenko's cantilever of length L and height H in plane stress, with a parabolic shear stress on its end. The solution is cubic, so
+/// order 4 is exact to round-off.
 #[test]
 fn timoshenkos_cantilever_is_exact() {
     let (young, nu, length, height, load) = (200.0, 0.3, 4.0, 1.0, 0.5);
@@ -77,7 +77,7 @@ fn timoshenkos_cantilever_is_exact() {
     let end = traction(&mesh, "right", Box::new(move |point, _| [0.0, shear(point.position[1])]));
     let material = Material::new(young, nu).unwrap().in_plane(Plane::Stress);
     let body = structure(mesh, material, 1.0, |name| [name == "left"; 2]);
-    let (statics, d) = equilibrium(body, Loads { body_force: None, tractions: vec![end] }, exact);
+    let (statics, d) = equilibrium(body, Loads { body_force: None, tractions: vec![end], ..Default::default() }, exact);
     let (error, tip) = (error_at_nodes(statics.structure(), &d, exact), exact(&[length, 0.0])[1]);
     println!("Timoshenko's cantilever: tip {tip:.6}, error {error:.1e}");
     assert!(error < 1e-11 * tip.abs(), "{error:e} of {tip}");
@@ -115,10 +115,11 @@ fn solution_error<const D: usize>(cells: usize, order: usize, plane: Plane) -> f
     let numbering = NodeNumbering::new(&mesh, order);
     let mut fixed = vec![[false; D]; numbering.count];
     (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| fixed[node] = [true; D]);
-    let body = Structure::new(mesh, numbering, Solid { young, poisson, plane }, 1.0, fixed).unwrap();
+    let body = Structure::new(mesh, numbering, Solid { young, poisson, plane, law: Law::Linear }, 1.0, fixed).unwrap();
     let loads = Loads {
         body_force: Some(Box::new(move |x, _| body_force(x, |x, gradient| stress(x, gradient, plane)))),
         tractions: Vec::new(),
+        ..Default::default()
     };
     let (statics, d) = equilibrium(body, loads, displacement);
     error_at_nodes(statics.structure(), &d, displacement)
@@ -144,13 +145,14 @@ fn varying_constants_converge_with_order_n() {
     }
 }
 
-/// A load that grows does the work of the strain; a support that is pulled does so, too.
+/// The work of a growing load equals the strain energy; so does the work of a moving support.
 #[test]
 fn works_of_load_steps_are_the_strain_energy() {
     let mesh = box_mesh([2.0, 1.0], [3, 2], 3, 0.03);
     let pulled = traction(&mesh, "right", Box::new(|_, t| [0.1 * t * t, 0.02 * t]));
     let body = structure(mesh, Material::new(3.0, 0.3).unwrap(), 1.0, |name| [name == "left"; 2]);
-    let statics = Statics::new(body, Loads { body_force: None, tractions: vec![pulled] }, 3).unwrap();
+    let statics =
+        Statics::new(body, Loads { body_force: None, tractions: vec![pulled], ..Default::default() }, 3).unwrap();
     let (length, dt) = (statics.structure().length(), 0.5);
     let mut d = vec![0.0; length];
     let mut balance = 0.0;
@@ -166,8 +168,8 @@ fn works_of_load_steps_are_the_strain_energy() {
         let bottom = d.clone();
         let report = statics.solve(slab as f64 * dt, dt, &bottom, &mut v).unwrap();
         statics.motion().displacement(dt, &bottom, &v, 1.0, &mut d);
-        assert!(report.support_work != 0.0 && report.load_work > 0.0);
-        balance += report.load_work + report.support_work - report.dissipation;
+        assert!(report.work.support != 0.0 && report.work.load > 0.0);
+        balance += report.work.load + report.work.support - report.work.dissipation;
     }
     let energy = statics.structure().strain_energy(&d);
     assert!((balance / energy - 1.0).abs() < 1e-11, "{balance:e} of {energy:e}");
@@ -178,7 +180,7 @@ fn works_of_load_steps_are_the_strain_energy() {
 fn formulas_of_constants_are_the_constants() {
     let field = |value: f64| Quantity::<2>::Field(Arc::new(move |_| value));
     let uniform = Solid::from(Material::new(7.0, 0.3).unwrap());
-    let formulas = Solid { young: field(7.0), poisson: field(0.3), plane: Plane::Strain };
+    let formulas = Solid { young: field(7.0), poisson: field(0.3), plane: Plane::Strain, law: Law::Linear };
     let forces = |solid: Solid<2>| {
         let mesh = box_mesh([2.0, 1.0], [3, 2], 4, 0.04);
         let numbering = NodeNumbering::new(&mesh, 4);

@@ -13,7 +13,7 @@ fn beam(cells: [usize; 2], order: usize) -> Structure<2> {
     structure(mesh, Material::new(1.0, 0.3).unwrap(), 1.0, |name| [name == "left"; 2])
 }
 
-/// A run that starts in `mode`, displaced.
+/// A run that starts at rest, displaced by `mode`.
 fn vibrating(mode: &NaturalMode, time_order: usize, step: f64) -> Run<2> {
     let mut run = Run::new(beam([12, 1], 5), Loads::default(), time_order, step);
     run.displacement.clone_from(&mode.shape);
@@ -70,7 +70,7 @@ fn damping(time_order: usize, z: f64) -> f64 {
     }
 }
 
-/// Over 20 periods of 10 slabs a mode loses the energy that the method takes from an oscillator, and no more.
+/// Over 20 periods of 10 slabs a mode loses the energy that the method dissipates for an oscillator, and no more.
 #[test]
 fn energy_over_twenty_periods() {
     let mode = &natural_modes(&beam([12, 1], 5), 1).unwrap()[0];

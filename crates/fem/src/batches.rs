@@ -1,10 +1,10 @@
-//! Cells and facets in batches of one per SIMD lane, and how facets and cells find each other.
+//! Cells and facets in batches of one per SIMD lane, and the relation of facets and cells.
 
 use mesh::{Mesh, Orientation, Side};
 use std::collections::BTreeMap;
 use tensor::{Pack, WIDTH};
 
-/// How the nodes of the plus side are reordered into the lattice of the minus side: entry i is the plus index of minus node i.
+/// The order of the nodes of the plus side in the lattice of the minus side: entry i is the plus index of minus node i.
 pub struct Permutation {
     /// For the nodes of the flow.
     pub flow: Vec<usize>,
@@ -12,15 +12,15 @@ pub struct Permutation {
     pub mesh: Vec<usize>,
 }
 
-/// Up to [`WIDTH`] facets that are treated alike. Unused lanes repeat the last facet.
+/// Up to [`WIDTH`] facets of the same kind. Unused lanes repeat the last facet.
 pub struct FacetBatch {
     /// Its number.
     pub number: usize,
-    /// Facets in use.
+    /// FacetBatches in use.
     pub count: usize,
     /// Minus sides.
     pub minus: [Side; WIDTH],
-    /// Plus sides and their permutations (index into [`Facets::permutations`]); on a boundary repeats `minus`.
+    /// Plus sides and their permutations (index into [`FacetBatches::permutations`]); on a boundary repeats `minus`.
     pub plus: [(Side, usize); WIDTH],
     /// The boundary, if it is one.
     pub boundary: Option<usize>,
@@ -29,12 +29,13 @@ pub struct FacetBatch {
 }
 
 /// All facets of a mesh in batches.
-pub struct Facets {
+pub struct FacetBatches {
     /// Interior batches first.
     pub batches: Vec<FacetBatch>,
     /// The permutations that occur; number 0 is the identity.
     pub permutations: Vec<Permutation>,
-    /// For `[cell][face]`: the slot of the facet (batch * WIDTH + lane) and the side (0 minus, 1 plus) that the face is.
+    /// For `[cell][face]`: the slot of its facet (batch * WIDTH + lane), and the side of the facet that the face is (0
+    /// minus, 1 plus).
     pub of_face: Vec<(u32, u8)>,
 }
 
@@ -45,8 +46,8 @@ impl FacetBatch {
     }
 }
 
-impl Facets {
-    /// The permutation that leads to the lattice of the plus side of a facet; none where both lattices are the same.
+impl FacetBatches {
+    /// The permutation to the lattice of the plus side of a facet; `None` if both lattices are the same.
     pub fn permutation(&self, batch: &FacetBatch, lane: usize, side: usize) -> Option<&Permutation> {
         let number = if side == 0 { 0 } else { batch.plus[lane].1 };
         (number != 0).then(|| &self.permutations[number])
@@ -73,13 +74,14 @@ impl Facets {
         batches.extend(boundary.chunk_by(|a, b| a.2 == b.2).flat_map(|same| same.chunks(WIDTH)).map(batch::<D>));
         batches.iter_mut().enumerate().for_each(|(number, batch)| batch.number = number);
         let of_face = faces_to_facets(&batches, mesh.n_cells() * 2 * D, 2 * D);
-        Facets { batches, permutations, of_face }
+        FacetBatches { batches, permutations, of_face }
     }
 }
 
 fn batch<const D: usize>(facets: &[(Side, (Side, usize), Option<usize>)]) -> FacetBatch {
     let at = |lane: usize| &facets[lane.min(facets.len() - 1)];
-    // The last column of cofactors is the cross product of the tangents in 3-D and the negative turn of the tangent in 2-D.
+    // The last column of cofactors is the cross product of the tangents in 3-D, and the tangent turned by -90 degrees in
+    // 2-D.
     let turn = if D == 2 { -1.0 } else { 1.0 };
     FacetBatch {
         number: 0,
@@ -106,10 +108,11 @@ fn faces_to_facets(batches: &[FacetBatch], faces: usize, per_cell: usize) -> Vec
     of_face
 }
 
-/// The most batches that a thread takes at a time: so few that no thread waits long for the last one, which would put it to sleep.
+/// The largest number of batches that a thread takes at a time. It is small, so that no thread waits long for the last one and
+/// goes to sleep.
 pub const BATCHES_PER_TASK: usize = 4;
 
-/// The cells of batch `batch`, the last one repeated where there are fewer than [`WIDTH`].
+/// The cells of batch `batch`; the last one is repeated if there are fewer than [`WIDTH`].
 pub fn cells_of(batch: usize, cells: usize) -> [usize; WIDTH] {
     std::array::from_fn(|lane| (batch * WIDTH + lane).min(cells - 1))
 }

@@ -1,47 +1,17 @@
-//! What happens at a boundary: its terms in the residual, and what leaves the domain through it.
+//! Boundary terms of the residual, and the flux through boundaries.
 
-use crate::conservation_law::ConservationLaw;
-use crate::facet::{DataAt, FacetContext, penalty, symmetric_term, times_normal};
-use crate::facet_evaluation::{FacetPoint, facet_point, geometry_to_points, state_to_points, to_instants};
+use crate::conservation_law::{BoundaryPoint, ConservationLaw};
+use crate::facet::{DataAt, FacetContext, times_normal};
+use crate::facet_evaluation::FacetPoint;
 use crate::instants::{InTime, TimePoint, TimePointIndex};
 use crate::mode::{Mode, Values};
-use crate::point::{PointIndex, flag, load, physical_gradient};
+use crate::point::{Kernel, PointIndex, load};
 use crate::scratch::{FacetScratch, through_len};
-use crate::tables::Tables;
-use crate::tensor_product::{EvaluationFlags, Lattice, evaluate};
+use crate::tensor_product::{AtPoints, Lattice, evaluate};
 use basis::Matrix;
+use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
-
-/// Positions at the points, relative to the origin of the cell, and there the states that are prescribed.
-#[inline(always)]
-pub(crate) fn boundary_data<const D: usize, const M: usize, K: Mode, S: Simd>(
-    simd: S,
-    context: &FacetContext<D>,
-    instant: &TimePoint,
-    of: TimePointIndex,
-    data: Option<DataAt>,
-    scratch: &mut FacetScratch,
-) {
-    let Some(data) = data else { return };
-    positions::<D, K, S>(simd, context.tables, of, scratch);
-    data(context.clock.time(instant.s), &scratch.x, &mut scratch.data);
-}
-
-#[inline(always)]
-fn positions<const D: usize, K: Mode, S: Simd>(
-    simd: S,
-    tables: &Tables<D>,
-    of: TimePointIndex,
-    scratch: &mut FacetScratch,
-) {
-    let FacetScratch { sides, x, scratch: room, .. } = scratch;
-    let (lattice, points) = (Lattice::whole(&tables.mesh, D - 1), tables.facet_points());
-    for b in 0..K::GEOMETRY_BLOCKS {
-        let position = of.block(&sides[0].position_at, b, D * lattice.nodes());
-        evaluate(simd, lattice, D, EvaluationFlags::Values, position, &mut x[b * D * points..], &mut [], room);
-    }
-}
 
 /// The numerical flux out of the domain at a point, in its two parts, per area.
 struct PointFlux<T, const D: usize, const M: usize> {
@@ -53,86 +23,109 @@ struct PointFlux<T, const D: usize, const M: usize> {
     jump_flux: [[T; M]; D],
 }
 
-/// The numerical flux of `condition` at a point: (facet) and the second line of (sip).
-#[inline(always)]
-fn point_flux<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    here: &FacetPoint<K::Geometry<S>, D>,
-    minus: &[K::State<S>; M],
-    scratch: &FacetScratch,
-    at: PointIndex,
-) -> PointFlux<K::State<S>, D, M> {
-    let FacetPoint { n, v, .. } = here;
-    let data = load::<M, K::Geometry<S>, S>(simd, &scratch.data, at);
-    let inviscid = law.boundary_flux::<K::State<S>, K::Geometry<S>>(condition, minus, n, v, &data);
-    let mut viscous = [minus[0].zero(); M];
-    let mut jump_flux = [viscous; D];
-    if law.is_viscous() {
-        let state = law.boundary_state::<K::State<S>, K::Geometry<S>>(condition, minus, n, v, &data);
-        let gradients = &scratch.sides[0].gradient;
-        let gradient = physical_gradient::<D, M, K, S>(simd, gradients, at, &here.cof, here.det);
-        let jump = times_normal::<D, M, K::State<S>, K::Geometry<S>>(minus, &state, n);
-        let through = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &gradient, n, v);
-        let penalised = law.boundary_viscous_flux::<K::State<S>, K::Geometry<S>>(condition, &state, &jump, n, v);
-        let sigma = here.area * here.det.recip().abs() * penalty(tables);
-        for m in 0..M {
-            viscous[m] = penalised[m].scale(sigma) - through[m];
-        }
-        jump_flux = law.viscous_flux(&state, &jump);
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+    /// Positions at the points, relative to the origin of the cell, and the prescribed states there.
+    #[inline(always)]
+    pub(crate) fn boundary_data(self, time: f64, of: TimePointIndex, data: Option<DataAt>, scratch: &mut FacetScratch) {
+        let Some(data) = data else { return };
+        self.positions(of, scratch);
+        data(time, &scratch.x, &mut scratch.data);
     }
-    PointFlux { inviscid, viscous, jump_flux }
-}
 
-/// Step 3 of the facet terms on a boundary.
-#[inline(always)]
-pub(crate) fn boundary_points<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    simd: S,
-    law: &L,
-    condition: L::Boundary,
-    tables: &Tables<D>,
-    weight: f64,
-    scratch: &mut FacetScratch,
-) {
-    let points = tables.facet_points();
-    let one = Lanes::<S>::splat(simd, 1.0);
-    for p in 0..points {
-        for part in 0..Lanes::<S>::PARTS {
-            let (at, weight) = (PointIndex { points, p, part }, weight * tables.facet_weights[p]);
-            let here = facet_point::<D, K, S>(simd, scratch, at);
-            let minus = load::<M, K::State<S>, S>(simd, &scratch.sides[0].u, at);
-            let PointFlux { inviscid, viscous, jump_flux } =
-                point_flux::<D, M, L, K, S>(simd, law, condition, tables, &here, &minus, scratch, at);
-            if law.is_viscous() {
-                // Minus: uhat - u- = -(u- - u_b).
-                let scale = here.area * -weight * here.det.recip();
-                symmetric_term::<D, M, K, S>(&jump_flux, &here.cof, scale, at, &mut scratch.sides[0].tested_gradient);
-            }
+    #[inline(always)]
+    fn positions(self, of: TimePointIndex, scratch: &mut FacetScratch) {
+        let FacetScratch { sides, x, scratch: room, .. } = scratch;
+        let (lattice, points) = (Lattice::whole(&self.tables.mesh, D - 1, D), self.tables.facet_points());
+        for b in 0..K::GEOMETRY_BLOCKS {
+            let position = of.block(&sides[0].position_at, b, lattice.len());
+            evaluate(self.simd, lattice, position, AtPoints::Values(&mut x[b * D * points..]), room);
+        }
+    }
+
+    /// The numerical flux of `condition` at a point: (facet) and the second line of (sip).
+    #[inline(always)]
+    fn point_flux(
+        self,
+        condition: L::Boundary,
+        here: &FacetPoint<K::Geometry<S>, D>,
+        minus: &[K::State<S>; M],
+        scratch: &FacetScratch,
+        at: PointIndex,
+    ) -> PointFlux<K::State<S>, D, M> {
+        let (law, FacetPoint { metric, n, v, .. }) = (self.law, here);
+        let data = self.geometry(&scratch.data, at);
+        let point = BoundaryPoint { normal: n, velocity: v, data: &data };
+        let inviscid = law.boundary_flux(condition, minus, point);
+        let mut viscous = [minus[0].zero(); M];
+        let mut jump_flux = [viscous; D];
+        if law.is_viscous() {
+            let state = law.boundary_state(condition, minus, point);
+            let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, metric);
+            let jump = times_normal(minus, &state, n);
+            let through = law.boundary_viscous_flux(condition, &state, &gradient, point);
+            let penalised = law.boundary_viscous_flux(condition, &state, &jump, point);
+            let sigma = here.area * metric.det.recip().abs() * self.penalty();
             for m in 0..M {
-                let term = ((inviscid[m] + viscous[m]).scale(here.area) * weight).result();
-                term.write(&mut scratch.sides[0].tested[at.index(m)], part);
+                viscous[m] = penalised[m].scale(sigma) - through[m];
             }
-            flag::<K::State<S>, S>(simd, law.admissibility(&minus), one, &mut scratch.violated, part);
+            jump_flux = law.viscous_flux(&state, &jump);
+        }
+        PointFlux { inviscid, viscous, jump_flux }
+    }
+
+    /// Step 3 of the facet terms on a boundary.
+    #[inline(always)]
+    pub(crate) fn boundary_points(self, condition: L::Boundary, weight: f64, scratch: &mut FacetScratch) {
+        let (points, law) = (self.tables.facet_points(), self.law);
+        for p in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let at = PointIndex { points, p, part };
+                let here = self.facet_point(scratch, at, weight);
+                let minus = self.state(&scratch.sides[0].u, at);
+                let PointFlux { inviscid, viscous, jump_flux } = self.point_flux(condition, &here, &minus, scratch, at);
+                if law.is_viscous() {
+                    // Minus: uhat - u- = -(u- - u_b).
+                    let (scale, tested) = (here.area * -here.weight, &mut scratch.sides[0].tested_gradient);
+                    self.symmetric_term(&jump_flux, &here.metric, scale, at, tested);
+                }
+                for m in 0..M {
+                    let term = ((inviscid[m] + viscous[m]).scale(here.area) * here.weight).result();
+                    term.write(&mut scratch.sides[0].tested[at.index(m)], part);
+                }
+                if scratch.with_loads {
+                    self.keep_momentum(scratch, at);
+                }
+                self.flag(law.admissibility(&minus), &mut scratch.violated, part);
+            }
+        }
+    }
+
+    /// The momentum of the flux that is tested at a point, for the loads.
+    #[inline(always)]
+    fn keep_momentum(self, scratch: &mut FacetScratch, at: PointIndex) {
+        let flux: [Lanes<S>; M] = load(self.simd, &scratch.sides[0].tested, at);
+        let momentum = self.law.momentum(&flux);
+        for d in 0..D {
+            momentum[d].write(&mut scratch.momentum[at.index(d)], at.part);
         }
     }
 }
 
-/// What leaves through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
+/// The flux through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
 ///
 /// ```text
-/// int_f Fhat ds  and  int_f x x Fhat_m ds,   Fhat_m the flux of momentum                                     (through)
+/// int_f Fhat ds,   int_f Fhat_m ds   and   int_f x x Fhat_m ds,   Fhat_m the flux of momentum                   (through)
 /// ```
 ///
-/// the second about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
+/// the last about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
 /// the momentum that leaves and the heat that is conducted, per time,
 ///
 /// ```text
 /// int_f Fhat_m . w ds  and  int_f (Fhat_v,E - Fhat_v,m . w_b) ds                                                (power)
 /// ```
 ///
-/// with w_b the velocity of the boundary as the mesh moves, and w the same or the velocity that the boundary should have then.
+/// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
+/// time.
 pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>> {
     /// The conservation law.
     pub law: &'c L,
@@ -141,15 +134,22 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     /// Shared data.
     pub context: &'c FacetContext<'a, D>,
     /// The time.
-    pub instant: &'c TimePoint,
-    /// The row of positions then.
-    pub position_row: &'c Matrix,
-    /// Prescribed states, where the condition takes any.
+    pub time: FluxTime<'c>,
+    /// Prescribed states, if the condition takes any.
     pub data: Option<DataAt<'a>>,
-    /// Whether w comes from `boundary_velocity` of the scratch instead of from the mesh.
-    pub velocity_is_given: bool,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
+}
+
+/// A time at which fluxes through boundaries are integrated.
+#[derive(Clone, Copy)]
+pub struct FluxTime<'a> {
+    /// The time.
+    pub instant: &'a TimePoint,
+    /// The row of positions at that time.
+    pub position_row: &'a Matrix,
+    /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
+    pub velocity_is_given: bool,
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for FacetFlux<'_, '_, D, M, L> {
@@ -157,89 +157,101 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let FacetFlux { law, condition, context, instant, position_row, data, velocity_is_given, scratch } = self;
-        let tables = context.tables;
-        let points = tables.facet_points();
-        let (viscous, of) = (law.is_viscous(), TimePointIndex::ALONE);
+        let FacetFlux { law, condition, context, time, data, scratch } = self;
+        let FluxTime { instant, position_row, velocity_is_given } = time;
+        let kernel = Kernel { simd, law, tables: context.tables, mode: PhantomData::<Values> };
+        let of = TimePointIndex::ALONE;
         let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
-        to_instants::<D, M, Values, S>(simd, tables, in_time, viscous, 1, scratch);
-        let FacetScratch { sides, scratch: room, .. } = &mut *scratch;
-        state_to_points::<D, M, Values, S>(simd, tables, of, viscous, &mut sides[0], room);
-        geometry_to_points::<D, M, Values, S>(simd, tables, of, viscous, 1, scratch);
-        velocity_of_work::<D, S>(simd, tables, velocity_is_given, scratch);
-        positions::<D, Values, S>(simd, tables, of, scratch);
-        boundary_data::<D, M, Values, S>(simd, context, instant, of, data, scratch);
+        kernel.traces_to_instants(in_time, 1, scratch);
+        kernel.traces_to_points(of, 1, scratch);
+        kernel.velocity_of_work(velocity_is_given, scratch);
+        kernel.positions(of, scratch);
+        kernel.boundary_data(context.clock.time(instant.s), of, data, scratch);
+        kernel.flux_through(condition, scratch);
+    }
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'_, D, M, L, Values, S> {
+    /// (through) and (power) from what is at the points.
+    #[inline(always)]
+    fn flux_through(self, condition: L::Boundary, scratch: &mut FacetScratch) {
+        let (points, law) = (self.tables.facet_points(), self.law);
         scratch.through.fill(Pack::ZERO);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let here = facet_point::<D, Values, S>(simd, scratch, at);
-                let minus = load::<M, Lanes<S>, S>(simd, &scratch.sides[0].u, at);
-                let flux = point_flux::<D, M, L, Values, S>(simd, law, condition, tables, &here, &minus, scratch, at);
-                let area = here.area * tables.facet_weights[p];
-                let x = load::<D, Lanes<S>, S>(simd, &scratch.x, at);
-                let v = load::<D, Lanes<S>, S>(simd, &scratch.v[D * points..], at);
-                let at_work = law.boundary_velocity(condition, &here.n, &v);
+                let here = self.facet_point(scratch, at, 1.0);
+                let minus = self.state(&scratch.sides[0].u, at);
+                let flux = self.point_flux(condition, &here, &minus, scratch, at);
+                let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
+                let at_work = law.boundary_velocity(condition, &here.n, &self.geometry(&scratch.v[D * points..], at));
                 let moving = law.boundary_velocity(condition, &here.n, &here.v);
-                let work = power::<D, M, S>(&flux.inviscid, &at_work) + power::<D, M, S>(&flux.viscous, &at_work);
-                let heat = flux.viscous[M - 1] - power::<D, M, S>(&flux.viscous, &moving);
+                let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
+                let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
+                let heat = law.energy(&flux.viscous) - power(&rubbing, &moving);
                 let (fluxes, powers) = scratch.through.split_at_mut(2 * through_len(M));
                 let (inviscid, viscous) = fluxes.split_at_mut(through_len(M));
-                add_through::<D, M, S>(simd, &flux.inviscid, area, &x, inviscid, part);
-                add_through::<D, M, S>(simd, &flux.viscous, area, &x, viscous, part);
-                (Lanes::read(simd, &powers[0], part) + work * area).write(&mut powers[0], part);
-                (Lanes::read(simd, &powers[1], part) + heat * area).write(&mut powers[1], part);
+                self.add_part(&flux.inviscid, &pushing, &Arm { x, area, part }, inviscid);
+                self.add_part(&flux.viscous, &rubbing, &Arm { x, area, part }, viscous);
+                self.add(work * area, &mut powers[0], part);
+                self.add(heat * area, &mut powers[1], part);
             }
         }
     }
-}
 
-/// The velocity at which forces do work, to the points: the second block of `v`, which no derivative needs here.
-#[inline(always)]
-fn velocity_of_work<const D: usize, S: Simd>(
-    simd: S,
-    tables: &Tables<D>,
-    velocity_is_given: bool,
-    scratch: &mut FacetScratch,
-) {
-    let (lattice, len) = (Lattice::whole(&tables.mesh, D - 1), D * tables.facet_points());
-    let FacetScratch { v, boundary_velocity, scratch: room, .. } = scratch;
-    let (of_mesh, of_work) = v.split_at_mut(len);
-    if velocity_is_given {
-        evaluate(simd, lattice, D, EvaluationFlags::Values, boundary_velocity, of_work, &mut [], room);
-    } else {
-        of_work[..len].copy_from_slice(&of_mesh[..len]);
-    }
-}
-
-/// f_m . w, the momentum f_m being components 1 to D of f.
-#[inline(always)]
-fn power<const D: usize, const M: usize, S: Simd>(f: &[Lanes<S>; M], w: &[Lanes<S>; D]) -> Lanes<S> {
-    let mut sum = f[1] * w[0];
-    for i in 1..D {
-        sum += f[1 + i] * w[i];
-    }
-    sum
-}
-
-/// sums += area (f, x x f_m), the momentum f_m being components 1 to D of f.
-#[inline(always)]
-fn add_through<const D: usize, const M: usize, S: Simd>(
-    simd: S,
-    f: &[Lanes<S>; M],
-    area: Lanes<S>,
-    x: &[Lanes<S>; D],
-    sums: &mut [Pack],
-    part: usize,
-) {
-    for m in 0..M {
-        (Lanes::read(simd, &sums[m], part) + f[m] * area).write(&mut sums[m], part);
-    }
-    for i in 0..3 {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        if j < D && k < D {
-            let turning = x[j] * f[1 + k] - x[k] * f[1 + j];
-            (Lanes::read(simd, &sums[M + i], part) + turning * area).write(&mut sums[M + i], part);
+    /// The velocity at which forces do work, at the points: the second block of `v`, whose derivatives are not needed here.
+    #[inline(always)]
+    fn velocity_of_work(self, velocity_is_given: bool, scratch: &mut FacetScratch) {
+        let lattice = Lattice::whole(&self.tables.mesh, D - 1, D);
+        let len = D * self.tables.facet_points();
+        let FacetScratch { v, boundary_velocity, scratch: room, .. } = scratch;
+        let (of_mesh, of_work) = v.split_at_mut(len);
+        if velocity_is_given {
+            evaluate(self.simd, lattice, boundary_velocity, AtPoints::Values(of_work), room);
+        } else {
+            of_work[..len].copy_from_slice(&of_mesh[..len]);
         }
     }
+
+    /// sums += area (f, f_m, x x f_m) with the momentum f_m of the flux f.
+    #[inline(always)]
+    fn add_part(self, f: &[Lanes<S>; M], force: &[Lanes<S>; D], here: &Arm<S, D>, sums: &mut [Pack]) {
+        let Arm { x, area, part } = *here;
+        for m in 0..M {
+            self.add(f[m] * area, &mut sums[m], part);
+        }
+        for i in 0..D {
+            self.add(force[i] * area, &mut sums[M + i], part);
+        }
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            if j < D && k < D {
+                let moment = x[j] * force[k] - x[k] * force[j];
+                self.add(moment * area, &mut sums[M + 3 + i], part);
+            }
+        }
+    }
+
+    /// sum += term
+    #[inline(always)]
+    fn add(self, term: Lanes<S>, sum: &mut Pack, part: usize) {
+        (Lanes::read(self.simd, sum, part) + term).write(sum, part);
+    }
+}
+
+/// Where a force acts: the position relative to the origin of the cell, the area, and the part of the packs.
+struct Arm<S: Simd, const D: usize> {
+    x: [Lanes<S>; D],
+    area: Lanes<S>,
+    part: usize,
+}
+
+/// The power f_m . w of a force at a velocity.
+#[inline(always)]
+fn power<const D: usize, S: Simd>(force: &[Lanes<S>; D], w: &[Lanes<S>; D]) -> Lanes<S> {
+    let mut sum = force[0] * w[0];
+    for i in 1..D {
+        sum += force[i] * w[i];
+    }
+    sum
 }

@@ -1,32 +1,40 @@
-//! What leaves the domain through its boundaries, by the scheme's own fluxes in the scheme's own quadrature.
+//! The flux through the boundaries of the domain, by the numerical fluxes and the quadrature of the scheme.
 
 use crate::batches::FacetBatch;
+use crate::boundary::FluxTime;
 use crate::kernels::Differentiate;
 use crate::operator::SlabOperator;
 use crate::scratch::{FacetScratch, through_len};
 use std::ops::AddAssign;
 use tensor::Pack;
 
-/// What leaves through a boundary at one time, or during some time: of the inviscid and of the viscous flux relative to
-/// the moving boundary, (through).
+/// The flux through a boundary at one time, or its integral over some time: inviscid and viscous flux relative to the
+/// moving boundary, (through).
 ///
-/// Moments are taken about a point near the boundary: about the origin of coordinates, far away, they would lose digits.
+/// Moments are taken about a point near the boundary, because far from the origin of coordinates they would lose digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryFlux<const M: usize> {
     /// The point that moments are taken about; in 2-D its last component is zero.
     pub centre: [f64; 3],
-    /// Mass, momentum and energy, of the inviscid flux.
-    pub inviscid: [f64; M],
-    /// Angular momentum about the centre, of the inviscid flux. In 2-D only the last component is not zero.
-    pub inviscid_moment: [f64; 3],
-    /// Mass, momentum and energy, of the viscous flux.
-    pub viscous: [f64; M],
-    /// Angular momentum about the centre, of the viscous flux.
-    pub viscous_moment: [f64; 3],
-    /// Of a wall, the work of both fluxes of momentum on it, (power).
+    /// The inviscid flux.
+    pub inviscid: FluxPart<M>,
+    /// The viscous flux.
+    pub viscous: FluxPart<M>,
+    /// For a wall, the power of both momentum fluxes on it, (power).
     pub work: f64,
-    /// Of a wall, the heat that it takes up, (power).
+    /// For a wall, the heat that it takes up, (power).
     pub heat: f64,
+}
+
+/// One part of the flux through a boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FluxPart<const M: usize> {
+    /// Of every component.
+    pub components: [f64; M],
+    /// Of momentum: a force. In 2-D the last component is zero.
+    pub force: [f64; 3],
+    /// Of angular momentum about the centre. In 2-D only the last component is not zero.
+    pub moment: [f64; 3],
 }
 
 /// The fluxes through every boundary at one time of a slab.
@@ -42,91 +50,97 @@ pub struct FluxesAt<const M: usize> {
 
 impl<const M: usize> Default for BoundaryFlux<M> {
     fn default() -> Self {
-        BoundaryFlux {
-            centre: [0.0; 3],
-            inviscid: [0.0; M],
-            inviscid_moment: [0.0; 3],
-            viscous: [0.0; M],
-            viscous_moment: [0.0; 3],
-            work: 0.0,
-            heat: 0.0,
+        let (inviscid, viscous) = (FluxPart::default(), FluxPart::default());
+        BoundaryFlux { centre: [0.0; 3], inviscid, viscous, work: 0.0, heat: 0.0 }
+    }
+}
+
+impl<const M: usize> Default for FluxPart<M> {
+    fn default() -> Self {
+        FluxPart { components: [0.0; M], force: [0.0; 3], moment: [0.0; 3] }
+    }
+}
+
+impl<const M: usize> FluxPart<M> {
+    /// One lane of what the kernel leaves.
+    fn of_lane(through: &[Pack], lane: usize) -> Self {
+        let at = |i: usize| through[i].0[lane];
+        FluxPart {
+            components: std::array::from_fn(at),
+            force: std::array::from_fn(|i| at(M + i)),
+            moment: std::array::from_fn(|i| at(M + 3 + i)),
         }
+    }
+
+    /// The moment about the point from which the centre is `arm` away: (x - p) x f = (x - c) x f + (c - p) x f.
+    fn moment_at(&self, arm: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.moment[i] + (arm[j] * self.force[k] - arm[k] * self.force[j])
+        })
+    }
+
+    fn scaled(&self, factor: f64) -> Self {
+        FluxPart {
+            components: self.components.map(|f| factor * f),
+            force: self.force.map(|f| factor * f),
+            moment: self.moment.map(|f| factor * f),
+        }
+    }
+
+    /// Adds `other`, whose centre is `arm` away from this one.
+    fn add(&mut self, other: &Self, arm: &[f64; 3]) {
+        let add = |sums: &mut [f64], terms: &[f64]| sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        add(&mut self.components, &other.components);
+        add(&mut self.force, &other.force);
+        add(&mut self.moment, &other.moment_at(arm));
     }
 }
 
 impl<const M: usize> BoundaryFlux<M> {
-    /// Mass, momentum and energy, of both fluxes.
+    /// Every component, of both fluxes.
     pub fn total(&self) -> [f64; M] {
-        std::array::from_fn(|m| self.inviscid[m] + self.viscous[m])
+        std::array::from_fn(|m| self.inviscid.components[m] + self.viscous.components[m])
     }
 
     /// The moments of both fluxes about `point`.
     pub fn moment_about(&self, point: &[f64; 3]) -> [f64; 3] {
-        let [inviscid, viscous] = self.moments_about(point);
+        let arm = self.arm_from(point);
+        let [inviscid, viscous] = [&self.inviscid, &self.viscous].map(|flux| flux.moment_at(&arm));
         std::array::from_fn(|i| inviscid[i] + viscous[i])
     }
 
-    /// The moments of the inviscid and of the viscous flux about `point`: (x - p) x f = (x - c) x f + (c - p) x f.
-    fn moments_about(&self, point: &[f64; 3]) -> [[f64; 3]; 2] {
-        let arm: [f64; 3] = std::array::from_fn(|i| self.centre[i] - point[i]);
-        // Components 1 to M - 2 are momentum.
-        let momentum = |f: &[f64; M], i: usize| if i + 2 < M { f[1 + i] } else { 0.0 };
-        let shifted = |f: &[f64; M], moment: &[f64; 3]| {
-            std::array::from_fn(|i| {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                moment[i] + (arm[j] * momentum(f, k) - arm[k] * momentum(f, j))
-            })
-        };
-        [shifted(&self.inviscid, &self.inviscid_moment), shifted(&self.viscous, &self.viscous_moment)]
+    /// From `point` to the centre.
+    fn arm_from(&self, point: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| self.centre[i] - point[i])
     }
 
     /// The fluxes of a facet, one lane of what the kernel leaves, with moments about the origin of its cell.
     fn of_lane(scratch: &FacetScratch, lane: usize, centre: [f64; 3]) -> Self {
-        let at = |i: usize| scratch.through[i].0[lane];
-        let second = through_len(M);
-        BoundaryFlux {
-            centre,
-            inviscid: std::array::from_fn(at),
-            inviscid_moment: std::array::from_fn(|i| at(M + i)),
-            viscous: std::array::from_fn(|m| at(second + m)),
-            viscous_moment: std::array::from_fn(|i| at(second + M + i)),
-            work: at(2 * second),
-            heat: at(2 * second + 1),
-        }
+        let [inviscid, viscous] = [0, 1].map(|part| FluxPart::of_lane(&scratch.through[part * through_len(M)..], lane));
+        let [work, heat] = [0, 1].map(|i| scratch.through[2 * through_len(M) + i].0[lane]);
+        BoundaryFlux { centre, inviscid, viscous, work, heat }
     }
 
     /// The fluxes times `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
-        BoundaryFlux {
-            centre: self.centre,
-            inviscid: self.inviscid.map(|f| factor * f),
-            inviscid_moment: self.inviscid_moment.map(|f| factor * f),
-            viscous: self.viscous.map(|f| factor * f),
-            viscous_moment: self.viscous_moment.map(|f| factor * f),
-            work: factor * self.work,
-            heat: factor * self.heat,
-        }
+        let (inviscid, viscous) = (self.inviscid.scaled(factor), self.viscous.scaled(factor));
+        BoundaryFlux { centre: self.centre, inviscid, viscous, work: factor * self.work, heat: factor * self.heat }
     }
 }
 
-/// The centre stays where it is.
+/// The centre does not change.
 impl<const M: usize> AddAssign for BoundaryFlux<M> {
     fn add_assign(&mut self, other: Self) {
-        let [inviscid_moment, viscous_moment] = other.moments_about(&self.centre);
-        for (sums, terms) in [
-            (&mut self.inviscid[..], &other.inviscid[..]),
-            (&mut self.inviscid_moment[..], &inviscid_moment[..]),
-            (&mut self.viscous[..], &other.viscous[..]),
-            (&mut self.viscous_moment[..], &viscous_moment[..]),
-        ] {
-            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-        }
+        let arm = other.arm_from(&self.centre);
+        self.inviscid.add(&other.inviscid, &arm);
+        self.viscous.add(&other.viscous, &arm);
         self.work += other.work;
         self.heat += other.heat;
     }
 }
 
-/// What leaves the domain during a slab through all boundaries: the integral of `fluxes`.
+/// The amount that leaves the domain during a slab through all boundaries: the integral of `fluxes`.
 pub fn left_during_slab<const M: usize>(fluxes: &[FluxesAt<M>]) -> [f64; M] {
     let mut sum = BoundaryFlux::default();
     for at in fluxes {
@@ -136,15 +150,15 @@ pub fn left_during_slab<const M: usize>(fluxes: &[FluxesAt<M>]) -> [f64; M] {
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// What leaves through the boundaries at the Gauss points of the slab in time, and last at its top, in the state and on the
+    /// The fluxes through the boundaries at the Gauss points of the slab in time, and last at its top, in the state and on the
     /// mesh last set.
     ///
-    /// Test functions sum to one in space and in time, so that the integral over the slab is what the residual takes from
-    /// the cells.
+    /// Test functions sum to one in space and in time. So the integral over the slab equals the amount that the residual
+    /// takes from the cells.
     ///
     /// Work is done at the velocity of the mesh, so that work and heat are the energy that leaves through a wall. That velocity is a
-    /// polynomial in time, and at an instant less exact than the positions: a wall that turns seems to breathe, and pressure works on
-    /// that. Therefore the work at the top is done at `velocity_at_top`, `[C0 node][component]`, where it is given.
+    /// polynomial in time, and at a given time less accurate than the positions. The volume of a body that turns seems to oscillate,
+    /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
     pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
@@ -168,9 +182,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                     self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
                 }
                 for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
-                    let is_given = number == top && velocity_at_top.is_some();
+                    let velocity_is_given = number == top && velocity_at_top.is_some();
+                    let time = FluxTime { instant, position_row: row, velocity_is_given };
                     self.across(Differentiate::Nothing, batch, |context, across| {
-                        self.problem.kernels.boundary_flux(context, instant, row, across, is_given, scratch);
+                        self.problem.kernels.boundary_flux(context, time, across, scratch);
                     });
                     let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));
                     lanes.for_each(|flux| at.boundaries[boundary] += flux);
@@ -190,7 +205,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// For every boundary no flux, with moments about the origin of a cell there.
+    /// Zero flux for every boundary, with moments about the origin of one of its cells.
     fn no_boundary_flux(&self) -> Vec<BoundaryFlux<M>> {
         let mut nothing = vec![BoundaryFlux::default(); self.problem.kernels.boundaries()];
         for batch in self.facets.batches.iter().rev() {
@@ -202,7 +217,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// A point of the plane or of space as one of space.
+/// A point in two or three dimensions as three coordinates.
 fn in_space(x: &[f64]) -> [f64; 3] {
     std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0))
 }

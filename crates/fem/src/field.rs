@@ -1,11 +1,11 @@
-//! Functions of position and time that a case prescribes.
+//! Prescribed functions of position and time.
 
 use tensor::Dual;
 
 /// A state of `M` components prescribed at points: initial values, exact solutions, boundary values, sources.
 ///
-/// Evaluated point by point in plain numbers, and with the derivative along a motion of the point, so that the Jacobian
-/// with respect to the mesh is exact where prescribed values vary in space.
+/// It is evaluated point by point in plain numbers, and with the derivative along a motion of the point. So the
+/// Jacobian with respect to the mesh is exact even if prescribed values vary in space.
 pub trait StateField<const D: usize, const M: usize>: Send + Sync {
     /// The state at `x` and time `t`.
     fn value(&self, x: &[f64; D], t: f64) -> [f64; M];

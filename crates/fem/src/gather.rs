@@ -32,7 +32,7 @@ fn write_lane(packs: &[Pack], lane: usize, out: &mut [f64]) {
     }
 }
 
-/// Reads the traces of 8 sides, nodes reordered by the permutation of each lane where there is one.
+/// Reads the traces of 8 sides; nodes are reordered by the permutation of each lane, if there is one.
 pub(crate) fn gather_traces(
     sources: [&[f64]; WIDTH],
     permutations: [Option<&[usize]>; WIDTH],
@@ -52,8 +52,8 @@ pub(crate) fn gather_traces(
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`: one
-    /// block per entry of `state` and of `mesh`. The position of the facet is read from the minus side alone.
+    /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`.
+    /// There is one block per entry of `state` and of `mesh`. The position of the facet is read only from the minus side.
     pub(crate) fn gather_sides(
         &self,
         along: Differentiate,
@@ -89,11 +89,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// The terms of a batch of facets, `[facet][side][kind][a][m][face node]`, every side in its own lattice; not a number where a trace
+    /// The terms of a batch of facets, `[facet][side][kind][a][m][face node]`, every side in its own lattice. They are NaN if a trace
     /// was inadmissible.
     pub(crate) fn scatter_terms(&self, batch: &FacetBatch, scratch: &FacetScratch, viscous: bool, terms: &mut [f64]) {
         if scratch.violated != Pack::ZERO {
-            // A number that no admissible residual has: the cells that read it see the violation.
+            // No admissible residual is NaN, so the cells that read it see the violation.
             return terms.fill(f64::NAN);
         }
         let layout = self.state_traces.layout;

@@ -3,7 +3,7 @@
 use basis::{Matrix, RadauTime};
 use tensor::Pack;
 
-/// The times at which a slab takes data that depend on time: boundary states, sources.
+/// The times at which a slab evaluates time-dependent data: boundary states, sources.
 ///
 /// ```text
 /// t(s) = start + rate s,   s in [0, 1],   rate = dt in a march, 0 in a steady flow                                     (clock)
@@ -31,7 +31,7 @@ impl Clock {
     }
 }
 
-/// The time basis seen from one time of the slab.
+/// The time basis at one time of the slab.
 pub struct TimePoint {
     /// Position in the slab, in [0, 1].
     pub s: f64,
@@ -59,8 +59,8 @@ impl TimePoint {
         }
     }
 
-    /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state that is given
-    /// at this time only.
+    /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state at this time
+    /// only.
     pub fn of_space(time: &RadauTime, s: f64) -> Self {
         TimePoint { values: Matrix::identity(1), ..TimePoint::new(time, s, 1.0) }
     }
@@ -71,7 +71,7 @@ impl TimePoint {
     }
 }
 
-/// Instant `number` of `count`.
+/// Time `number` of `count`.
 #[derive(Clone, Copy)]
 pub(crate) struct TimePointIndex {
     pub(crate) number: usize,
@@ -79,17 +79,17 @@ pub(crate) struct TimePointIndex {
 }
 
 impl TimePointIndex {
-    /// An instant that is the only one.
+    /// The only time.
     pub(crate) const ALONE: TimePointIndex = TimePointIndex { number: 0, count: 1 };
 
-    /// What `array[b][instant][..]` has of this instant in block `b`, `len` packs.
+    /// The part of `array[b][time][..]` for this time in block `b`, `len` packs.
     #[inline(always)]
     pub(crate) fn block<'a>(&self, array: &'a [Pack], b: usize, len: usize) -> &'a [Pack] {
         &array[(b * self.count + self.number) * len..][..len]
     }
 }
 
-/// How traces at some times follow from those at the time nodes and slots of a slab: `[time][node]`, `[time][slot]`.
+/// The map from time nodes and slots of a slab to traces at some times: `[time][node]`, `[time][slot]`.
 #[derive(Clone, Copy)]
 pub struct InTime<'a> {
     /// States.

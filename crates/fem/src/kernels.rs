@@ -1,12 +1,12 @@
 //! The kernels of a conservation law behind one object.
 //!
-//! They are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are compiled
-//! once, in the crate that knows the law, and whatever works with slabs knows dimension and components only.
+//! The kernels are large, and there is one of each for every number type and instruction set. Behind [`Kernels`] they are
+//! compiled once, in the crate that knows the law. Code that works with slabs knows only dimension and components.
 
-use crate::boundary::FacetFlux;
-use crate::cell::{CellContext, CellMoments, Coefficients, SlabCells, SpaceCells};
+use crate::boundary::{FacetFlux, FluxTime};
+use crate::cell::{CellCoefficients, CellContext, CellMoments, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
-use crate::facet::{Across, FacetContext, Facets};
+use crate::facet::{Across, FacetContext, FacetTerms};
 use crate::instants::{InTime, TimePoint};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
@@ -17,7 +17,7 @@ use tensor::Arch;
 use tensor::count_operations;
 use tensor::pulp::{Scalar, WithSimd};
 
-/// What a run of the kernels differentiates.
+/// The quantity that a run of the kernels differentiates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differentiate {
     /// Nothing: the residual itself.
@@ -43,7 +43,7 @@ impl Differentiate {
 pub struct Times<'a> {
     /// The times.
     pub instants: &'a [TimePoint],
-    /// From time nodes and slots to them.
+    /// The map from time nodes and slots to these times.
     pub in_time: InTime<'a>,
     /// phi_a at these times, `[a][time]`.
     pub test: &'a Matrix,
@@ -68,7 +68,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     );
     /// The terms of space alone, along a direction of the state.
@@ -84,15 +84,15 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         across: &Across,
         scratch: &mut FacetScratch,
     );
-    /// Operations at points of one run of [`Self::slab_cells`], in all lanes: counted by running it in scalars.
+    /// Operations at points of one run of [`Self::slab_cells`], in all lanes, counted by a run in scalars.
     fn count_cells(
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) -> u64;
-    /// The same of [`Self::facets`] between cells. The mesh is not differentiated in either.
+    /// The same for [`Self::facets`] between cells. The mesh is not differentiated in either.
     fn count_facets(
         &self,
         along: Differentiate,
@@ -101,16 +101,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         scratch: &mut FacetScratch,
     ) -> u64;
     /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch. Forces do work at the
-    /// velocity of the mesh, or where `velocity_is_given` at `boundary_velocity` of the scratch.
-    fn boundary_flux(
-        &self,
-        context: &FacetContext<D>,
-        instant: &TimePoint,
-        position_row: &Matrix,
-        across: &Across,
-        velocity_is_given: bool,
-        scratch: &mut FacetScratch,
-    );
+    /// velocity of the mesh, or at `boundary_velocity` of the scratch where `time` says so.
+    fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch);
 }
 
 /// The kernels of the law `L`.
@@ -148,7 +140,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) {
         let law = &self.law;
@@ -174,7 +166,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
     }
 
     fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
-        self.arch.dispatch(CellMoments::<D, M> { tables, scratch });
+        self.arch.dispatch(CellMoments { law: &self.law, tables, scratch });
     }
 
     fn facets(
@@ -188,7 +180,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         let (law, conditions) = (&self.law, &self.conditions[..]);
         match along {
             Differentiate::Nothing => {
-                self.arch.dispatch(Facets {
+                self.arch.dispatch(FacetTerms {
                     law,
                     conditions,
                     context,
@@ -199,7 +191,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 });
             }
             Differentiate::State => {
-                self.arch.dispatch(Facets {
+                self.arch.dispatch(FacetTerms {
                     law,
                     conditions,
                     context,
@@ -211,7 +203,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
             }
             Differentiate::StateAndMesh => {
                 let mode = PhantomData::<AlongStateAndMesh>;
-                self.arch.dispatch(Facets { law, conditions, context, times, across, scratch, mode });
+                self.arch.dispatch(FacetTerms { law, conditions, context, times, across, scratch, mode });
             }
         }
     }
@@ -220,7 +212,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         &self,
         along: Differentiate,
         context: &CellContext<D>,
-        coefficients: Coefficients,
+        coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) -> u64 {
         let law = &self.law;
@@ -244,35 +236,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         count_operations(|| match along {
             Differentiate::Nothing => {
                 let mode = PhantomData::<CountedValues>;
-                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+                FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
             _ => {
                 let mode = PhantomData::<CountedAlongState>;
-                Facets { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
+                FacetTerms { law, conditions, context, times, across, scratch, mode }.with_simd(Scalar);
             }
         })
     }
 
-    fn boundary_flux(
-        &self,
-        context: &FacetContext<D>,
-        instant: &TimePoint,
-        position_row: &Matrix,
-        across: &Across,
-        velocity_is_given: bool,
-        scratch: &mut FacetScratch,
-    ) {
+    fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch) {
         let Across::Boundary(number, data) = across else { return };
         let (law, condition, data) = (&self.law, self.conditions[*number], *data);
-        self.arch.dispatch(FacetFlux {
-            law,
-            condition,
-            context,
-            instant,
-            position_row,
-            data,
-            velocity_is_given,
-            scratch,
-        });
+        self.arch.dispatch(FacetFlux { law, condition, context, time, data, scratch });
     }
 }

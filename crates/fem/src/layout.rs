@@ -1,11 +1,11 @@
-//! The layout of unknowns: the one place that turns (cell, time node, component, space node) into an index.
+//! The layout of unknowns: all code that turns (cell, time node, component, space node) into an index.
 
 use std::ops::Range;
 
 /// Coefficients of the flow in one slab, `u[cell][time node][component][space node]`; with one time node also a state at
 /// one time, `u[cell][component][space node]`.
 ///
-/// Every cell has the same orders today. All indices go through this type, so that cells can carry their own later.
+/// Every cell has the same orders. All indices go through this type, so that cells can have their own orders later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Cells of the mesh.

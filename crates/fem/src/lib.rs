@@ -2,19 +2,21 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `conservation_law` | what the kernels ask of a physics |
+//! | `conservation_law` | the interface of a physics to the kernels |
 //! | `field` | prescribed functions of position and time |
 //! | `layout` | the layout of unknowns |
 //! | `tables` | one-dimensional matrices, quadrature that conserves |
 //! | `tensor_product` | values and gradients at points, and their transposes |
-//! | `mode` | what is differentiated |
-//! | `cell`, `facet`, `boundary`, `point` | the kernels |
-//! | `scratch`, `gather` | their packs, and how vectors get there |
+//! | `mode` | the choice of derivatives |
+//! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
+//! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
-//! | `traces`, `batches`, `moving_mesh` | how cells, facets and the mesh meet in packs |
+//! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
+//! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
 //! | `operator` | the residual of a slab and its derivatives |
-//! | `boundary_flux` | what leaves through boundaries: forces, power |
-//! | `sampler` | cells seen from any grid of points: output, errors |
+//! | `boundary_flux` | fluxes through boundaries: forces, power |
+//! | `wall_loads` | nodal forces on walls that respond to the flow |
+//! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 
 mod batches;
@@ -34,9 +36,10 @@ mod linearisation;
 mod mesh_traces;
 mod mode;
 mod moving_mesh;
+mod nodal_batches;
 mod operator;
+mod per_thread;
 mod point;
-mod pool;
 mod prescribed;
 mod sampler;
 mod scratch;
@@ -45,10 +48,12 @@ mod tables;
 mod tensor_product;
 mod traces;
 mod violation;
+mod volume_terms;
+mod wall_loads;
 mod work;
 
-pub use boundary_flux::{BoundaryFlux, FluxesAt, left_during_slab};
-pub use conservation_law::ConservationLaw;
+pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
+pub use conservation_law::{BoundaryPoint, ConservationLaw};
 pub use field::{StateField, VectorField};
 pub use instants::{Clock, InTime, TimePoint};
 pub use kernels::{Differentiate, Kernels, LawKernels};
@@ -56,8 +61,9 @@ pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use moving_mesh::MovingMesh;
+pub use nodal_batches::NodalBatches;
 pub use operator::{Problem, SlabOperator, Violation};
-pub use pool::Pool;
+pub use per_thread::PerThread;
 pub use sampler::{Sampler, squared_errors};
 pub use tables::{Orders, Quadrature, Shape1d, Tables};
 

@@ -1,7 +1,7 @@
-//! The Jacobian of the operator of space along the lines of each cell: what preconditioners by directions are made of.
+//! The Jacobian of the operator of space along the lines of each cell, for preconditioners by directions.
 //!
-//! Restricted to functions of one reference coordinate, constant along the others, the volume terms of a cell and the terms of the two
-//! faces that end its lines make an operator of one dimension:
+//! Consider functions of one reference coordinate, constant along the others. The volume terms of a cell and the terms of the two
+//! faces at the ends of its lines form a one-dimensional operator:
 //!
 //! ```text
 //! L_k = P_k^T (A_cell + A_2k + A_2k+1) P_k,    m_k = P_k^T M P_k,    (P_k c)(xi) = sum_i c_i phi_i(xi_k)             (lines)
@@ -48,8 +48,8 @@ fn part(matrices: &[f64], number: usize, n: usize) -> &[f64] {
     &matrices[number * n * n..(number + 1) * n * n]
 }
 
-/// A facet's derivatives with respect to the mean of each trace of one side, tested with the mean of that side: `[column][row]` over
-/// kinds and components; of the minus and of the plus side.
+/// The derivatives of a facet with respect to the mean of each trace of one side, tested with the mean of that side: `[column][row]`
+/// over kinds and components; for the minus and the plus side.
 type OwnBlocks = [Vec<f64>; 2];
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -81,7 +81,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         LineJacobian { dimension: D, nodes, block, operators, masses }
     }
 
-    /// The place on its line along `axis` of node `node` of a cell.
+    /// The position on its line along `axis` of node `node` of a cell.
     fn on_line(&self, axis: usize, node: usize) -> usize {
         node / self.tables.orders.flow.pow(axis as u32) % self.tables.orders.flow
     }
@@ -112,7 +112,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Tests with functions of one coordinate: sums over the nodes of equal place, as column `column` of every cell.
+    /// Tests with functions of one coordinate: sums over the nodes with the same position, as column `column` of every
+    /// cell.
     fn add_sums(&self, axis: usize, tested: &[Pack], column: usize, matrices: &mut [f64]) {
         let (n, nodes) = (self.tables.orders.flow, self.layout.nodes);
         let rows = tested.len() / nodes * n;
@@ -144,7 +145,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         blocks
     }
 
-    /// Runs the facet kernel along trace `column[1]` of side `column[0]`, the same at all nodes of the face.
+    /// Runs the facet kernel along trace `column[1]` of side `column[0]`, with the same value at all nodes of the face.
     fn along_mean_trace(
         &self,
         batch: &FacetBatch,

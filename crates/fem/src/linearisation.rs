@@ -1,10 +1,10 @@
-//! Blocks of the Jacobian of the operator of space alone at one time of the slab: what flow preconditioners are made of.
+//! Blocks of the Jacobian of the operator of space alone at one time of the slab, for flow preconditioners.
 //!
-//! The residual of a cell depends on a neighbour only through the traces on their facet, so that an off-diagonal block is
-//! A_ik = T_f^T B T_g with T_g the traces of cell k and B a small square matrix: rows and columns are traces
+//! The residual of a cell depends on a neighbour only through the traces on their facet. So an off-diagonal block is A_ik
+//! = T_f^T B T_g with the traces T_g of cell k and a small square matrix B. Its rows and columns are traces
 //! `[kind][component][face node]`, each side in its own lattice.
 //!
-//! All entries are derivatives by duals along unit directions, of the kernels that make the residual.
+//! All entries are derivatives by dual numbers along unit directions, computed by the kernels of the residual.
 
 use crate::batches::{FacetBatch, cells_of};
 use crate::cell::{CellContext, SourceAt};
@@ -45,7 +45,7 @@ pub struct SpaceJacobian {
     pub traces: TraceSpace,
 }
 
-/// The traces of a cell on a face: which they are, and how they are taken from the cell's coefficients.
+/// The traces of a cell on a face, as functionals of the cell's coefficients.
 pub struct TraceSpace {
     kinds: usize,
     components: usize,
@@ -111,7 +111,7 @@ impl TraceSpace {
     }
 }
 
-/// What is fixed while blocks are computed.
+/// Data that are fixed while blocks are computed.
 pub(crate) struct FrozenPoint {
     instant: TimePoint,
     row: Matrix,
@@ -135,7 +135,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         jacobian
     }
 
-    /// [`Self::space_jacobian`] in the memory of an earlier one of this operator: pages that are new cost as much as what is written there.
+    /// [`Self::space_jacobian`] in the memory of an earlier one of this operator: new pages cost as much as computing their contents.
     pub fn update_space_jacobian(&self, s: f64, jacobian: &mut SpaceJacobian) {
         let frozen = self.freeze(s);
         let SpaceJacobian { block, diagonal, mass, couplings, traces } = jacobian;
@@ -223,7 +223,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Runs the cell kernel on a batch that has been gathered, along the direction `[m][node]` that `set` makes of zeros.
+    /// Runs the cell kernel on a gathered batch, along the direction `[m][node]` that `set` writes over zeros.
     pub(crate) fn along_cells(&self, frozen: &FrozenPoint, scratch: &mut CellScratch, set: impl FnOnce(&mut [Pack])) {
         let (block, (_, dt)) = (self.layout.time_len(), self.interval());
         let direction = &mut scratch.state_at[block..2 * block];
@@ -258,7 +258,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         blocks
     }
 
-    /// The permutation that carries a trace of the batch's common lattice to the lattice of one side.
+    /// The permutation from the batch's common lattice to the lattice of one side.
     fn own_lattice(&self, batch: &FacetBatch, lane: usize, side: usize) -> &[usize] {
         &self.facets.permutations[if side == 0 { 0 } else { batch.plus[lane].1 }].flow
     }
@@ -279,8 +279,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
-    /// Runs the facet kernel on a batch that has been gathered, along the direction that `set` makes of zeros: `[kind][b][m][face node]`
-    /// with b = 1 in the state of each side.
+    /// Runs the facet kernel on a gathered batch, along the direction that `set` writes over zeros: `[kind][b][m][face node]` with b = 1
+    /// in the state of each side.
     pub(crate) fn along_facets(
         &self,
         batch: &FacetBatch,
@@ -289,7 +289,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         set: impl FnOnce(&mut [SideScratch; 2]),
     ) {
         let len = frozen.traces.layout.kind_len();
-        // Of each kind, the values and then the direction.
+        // For each kind, the values and then the direction.
         for kind in scratch.sides.iter_mut().flat_map(|side| side.state.chunks_exact_mut(2 * len).take(2)) {
             kind[len..].fill(Pack::ZERO);
         }
@@ -327,7 +327,7 @@ impl FacetBlocks {
         FacetBlocks { own: [square(), if coupling.is_some() { square() } else { Vec::new() }], coupling }
     }
 
-    /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` lead to each side's own lattice.
+    /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` map to each side's own lattice.
     fn write(
         &mut self,
         lane: usize,

@@ -1,14 +1,15 @@
-//! Traces of the mesh, ready for the kernels of cells and facets: a mesh serves many evaluations.
+//! Traces of the mesh in the layout of the kernels of cells and facets, since a mesh serves many evaluations.
 
-use crate::batches::{BATCHES_PER_TASK, Facets};
+use crate::batches::{BATCHES_PER_TASK, FacetBatches};
 use crate::gather::gather_traces;
-use crate::pool::Pool;
+use crate::per_thread::PerThread;
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use rayon::prelude::*;
 use std::array::from_fn;
 use tensor::{Pack, WIDTH, zeroed};
 
-/// What a batch of facets reads: kinds 0 and 1 of the minus side, from which position and tangents are taken, and kind 1 of the plus side.
+/// The traces that a batch of facets reads: kinds 0 and 1 of the minus side, which give position and tangents, and kind 1 of the plus
+/// side.
 const PARTS: [(usize, usize); 3] = [(0, 0), (0, 1), (1, 1)];
 
 /// Coefficients of the mesh by batches of cells, and their traces by batches of facets.
@@ -17,19 +18,19 @@ pub(crate) struct MeshTraces {
     /// `[batch][part][slot][d][face node]`, see [`PARTS`], in the lattice of minus.
     on_facets: Vec<Pack>,
     /// One trace of every lane in another order of nodes.
-    reordered: Pool<Vec<f64>>,
+    reordered: PerThread<Vec<f64>>,
 }
 
 impl MeshTraces {
-    /// Room for the traces of `cells` cells on `batches` batches of facets.
+    /// Memory for the traces of `cells` cells on `batches` batches of facets.
     pub(crate) fn new(layout: TraceLayout, cells: usize, batches: usize) -> Self {
         let on_facets = zeroed(batches * PARTS.len() * layout.kind_len());
-        let reordered = Pool::new(|| vec![0.0; WIDTH * layout.kind_len()]);
+        let reordered = PerThread::new(|| vec![0.0; WIDTH * layout.kind_len()]);
         MeshTraces { traces: Traces::new(layout, cells), on_facets, reordered }
     }
 
-    /// Takes the traces of `coefficients[cell][slot][d][node]`.
-    pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &Facets) {
+    /// Computes the traces of `coefficients[cell][slot][d][node]`.
+    pub(crate) fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], facets: &FacetBatches) {
         self.traces.take(maps, coefficients, true);
         let (traces, len) = (&self.traces, self.traces.layout.kind_len());
         let batches = self.on_facets.par_chunks_mut(PARTS.len() * len).zip(&facets.batches);

@@ -1,4 +1,4 @@
-//! What a kernel differentiates: nothing, the state, or the state and the mesh.
+//! The derivative that a kernel computes: none, by the state, or by the state and the mesh.
 
 use tensor::pulp::Simd;
 use tensor::{Counted, Dual, LaneNumber, Lanes, Over};

@@ -1,13 +1,14 @@
-//! The mesh in a slab: where every cell is at the bottom and how it moves.
+//! The mesh in a slab: the position of every cell at the bottom, and its motion.
 //!
 //! ```text
 //! x(xi, s) = x0(xi) + d_n(xi) + dt sum_b Phi_b(s) V_b(xi),   v(xi, s) = sum_b phi_b(s) V_b(xi)                     (motion)
 //! ```
 //!
-//! The positions of a cell are kept relative to its **origin**, the position of its first node at the bottom of the slab. Derivatives
-//! of positions lose the digits that all nodes of the cell have in common: with a cell of size h at x, an error of eps |x| / h becomes
-//! one of eps. Neighbours share their nodes to the bit, and the difference of near numbers is exact, so both sides of a facet still
-//! see the same tangents. What needs places in space (prescribed states, sources, moments) adds the origin.
+//! The positions of a cell are stored relative to its **origin**, the position of its first node at the bottom of the slab.
+//! Derivatives of absolute positions would lose the digits that all nodes of the cell have in common: with a cell of size h at x, an
+//! error of eps |x| / h becomes one of eps. Neighbours share their nodes to the bit, and differences of close numbers are exact, so
+//! both sides of a facet have the same tangents. Functions of the position in space (prescribed states, sources, moments) add the
+//! origin.
 
 use mesh::{Mesh, NodeNumbering};
 use tensor::Pack;
@@ -74,7 +75,7 @@ impl MovingMesh {
         self.origins.copy_from_slice(&self.first_nodes);
         for (cell, data) in self.data.chunks_exact_mut(cell_len).enumerate() {
             let (position, velocities) = data.split_at_mut(slot_len);
-            // Sums over slots take them times zero: what a failed slab has left there must be a number.
+            // Sums over slots multiply them by zero, so values left by a failed slab must not be NaN.
             velocities.fill(0.0);
             position.copy_from_slice(&self.reference[cell * slot_len..(cell + 1) * slot_len]);
             if let Some(displacement) = displacement {
@@ -104,7 +105,7 @@ impl MovingMesh {
         }
     }
 
-    /// A direction in which the motion may vary: velocities only, the bottom is fixed.
+    /// A direction of variation of the motion: velocities only, the bottom is fixed.
     pub fn set_direction(&mut self, v: &[f64]) {
         let (cell_len, slot_len) = (self.cell_len(), self.slot_len());
         for data in self.data.chunks_exact_mut(cell_len) {

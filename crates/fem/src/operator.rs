@@ -1,7 +1,7 @@
 //! The space-time operator of a slab: residual and Jacobian products of all cells.
 
-use crate::batches::{BATCHES_PER_TASK, FacetBatch, Facets, cells_of};
-use crate::cell::{CellContext, Coefficients};
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, FacetBatches, cells_of};
+use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::{Across, DataAt, FacetContext};
 use crate::field::StateField;
 use crate::gather::{gather, scatter};
@@ -10,11 +10,12 @@ use crate::kernels::{Differentiate, Kernels, Times};
 use crate::layout::Layout;
 use crate::mesh_traces::MeshTraces;
 use crate::moving_mesh::MovingMesh;
-use crate::pool::Pool;
-use crate::prescribed;
+use crate::per_thread::PerThread;
+use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
+use crate::wall_loads::{WallLoads, scatter_loads};
 use basis::Matrix;
 use mesh::{Mesh, NodeNumbering};
 use rayon::prelude::*;
@@ -22,20 +23,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use tensor::WIDTH;
 
-/// What a slab operator is made of.
+/// The data of a slab operator.
 pub struct Problem<const D: usize, const M: usize> {
     /// The law with its boundary conditions.
     pub kernels: Box<dyn Kernels<D, M>>,
-    /// For every boundary the states that its condition prescribes, where it takes any.
+    /// For every boundary the states that its condition prescribes, if it takes any.
     pub data: Vec<Option<Arc<dyn StateField<D, M>>>>,
     /// The source s.
     pub source: Option<Arc<dyn StateField<D, M>>>,
 }
 
-/// A state that no gas can have, or a cell turned inside out.
+/// An inadmissible state, or a cell turned inside out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// The quantity: "density", "pressure", "det J".
+    /// The quantity: "det J", or one that the law names.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
@@ -61,13 +62,13 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub layout: Layout,
     /// The mesh in this slab.
     pub mesh: MovingMesh,
-    pub(crate) facets: Facets,
+    pub(crate) facets: FacetBatches,
     pub(crate) flow_faces: FaceMaps,
     mesh_faces: FaceMaps,
     start: f64,
     dt: f64,
     clock: Clock,
-    /// The time at which all data are taken, if that is always the same.
+    /// The fixed time at which all data are evaluated, if set.
     held_time: Option<f64>,
     pub(crate) position_rows: Vec<Matrix>,
     /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
@@ -81,8 +82,9 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     mesh_direction: MovingMesh,
     mesh_direction_traces: MeshTraces,
     terms: Vec<f64>,
-    pub(crate) cells: Pool<CellScratch>,
-    pub(crate) facet_scratch: Pool<FacetScratch>,
+    pub(crate) cells: PerThread<CellScratch>,
+    pub(crate) facet_scratch: PerThread<FacetScratch>,
+    pub(crate) wall_loads: WallLoads,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -99,10 +101,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
-        let tables = Tables::<D>::new(orders, quadrature);
+        let tables = Tables::<D>::new(orders, M, quadrature);
         let cells = mesh.n_cells();
         let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
-        let facets = Facets::new(mesh, orders.flow, orders.mesh);
+        let facets = FacetBatches::new(mesh, orders.flow, orders.mesh);
         let moving = MovingMesh::new(mesh, numbering, orders.time);
         let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
         let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
@@ -125,8 +127,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
-            cells: Pool::new(|| CellScratch::new::<D, M>(&tables)),
-            facet_scratch: Pool::new(|| FacetScratch::new::<D, M>(&tables)),
+            cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
+            facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
+            wall_loads: WallLoads::unloaded(facets.batches.len()),
             problem,
             mesh: moving,
             facets,
@@ -140,12 +143,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (self.start, self.dt)
     }
 
-    /// When the slab takes data that depend on time.
+    /// The times at which the slab evaluates time-dependent data.
     pub(crate) fn clock(&self) -> Clock {
         self.clock
     }
 
-    /// Takes all data of this and of later slabs at `time`: a steady flow is that of one time, however long its slab is.
+    /// Evaluates all data of this and of later slabs at `time`: a steady flow depends on one time, although its slab is
+    /// long.
     pub fn hold_time(&mut self, time: f64) {
         self.held_time = Some(time);
         self.clock = Clock::stopped(time);
@@ -156,8 +160,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.tables.top.position_row(self.dt)
     }
 
-    /// Moves to the slab [`start`, `start + dt`], on top of the state `bottom` (laid out at one time) and the displacement
-    /// `displacement` of the C0 nodes.
+    /// Moves to the slab [`start`, `start + dt`], with the state `bottom` (laid out at one time) and the displacement
+    /// `displacement` of the C0 nodes at its bottom.
     pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
         (self.start, self.dt) = (start, dt);
         self.clock = self.held_time.map_or(Clock::running(start, dt), Clock::stopped);
@@ -188,7 +192,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (0..self.layout.cells).flat_map(|cell| self.state_traces.coefficients_of(cell)).collect()
     }
 
-    /// The residual R(U; V) at the mesh last set. The first violation in the order of cells is returned; `out` is then undefined.
+    /// The residual R(U; V) at the mesh last set. An error is the first violation in the order of cells; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
         match self.run(Differentiate::Nothing, out) {
@@ -244,15 +248,17 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell whose result is
-    /// not a number: violations are passed on this way, and arithmetic may make its own.
+    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell with a NaN in
+    /// its result: violations are passed on as NaN, and arithmetic may produce it.
     fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
-        let mut terms = std::mem::take(&mut self.terms);
+        let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
         let facet_len = 2 * self.state_traces.layout.face_len();
-        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&self.facets.batches);
-        facets.with_max_len(BATCHES_PER_TASK).for_each(|(terms, batch)| {
-            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms));
+        let facets = terms.par_chunks_mut(WIDTH * facet_len).zip(&mut loads).zip(&self.facets.batches);
+        facets.with_max_len(BATCHES_PER_TASK).for_each(|((terms, loads), batch)| {
+            self.facet_scratch.with(|scratch| self.facet_batch(along, batch, scratch, terms, loads));
         });
+        self.wall_loads.terms = loads;
+        self.sum_loads();
         let (cell_len, first) = (self.layout.cell_len(), AtomicUsize::new(usize::MAX));
         let cells = out.par_chunks_mut(WIDTH * cell_len).enumerate();
         cells.with_max_len(BATCHES_PER_TASK).for_each(|(batch, out)| {
@@ -268,18 +274,28 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.
-    fn facet_batch(&self, along: Differentiate, batch: &FacetBatch, scratch: &mut FacetScratch, terms: &mut [f64]) {
+    fn facet_batch(
+        &self,
+        along: Differentiate,
+        batch: &FacetBatch,
+        scratch: &mut FacetScratch,
+        terms: &mut [f64],
+        loads: &mut [f64],
+    ) {
         let viscous = self.problem.kernels.is_viscous();
         let state = &self.state_and_direction()[..along.state_blocks()];
         let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
         self.gather_sides(along, state, mesh, batch, scratch);
         let (instants, test) = (&self.tables.instants[..], &self.tables.test);
         let times = Times { instants, in_time: self.in_time(), test, weight: self.dt };
+        scratch.with_loads = !loads.is_empty();
         self.facet_kernel(along, batch, &times, scratch);
+        scatter_loads(&scratch.loads, loads);
+        scratch.with_loads = false;
         self.scatter_terms(batch, scratch, viscous, terms);
     }
 
-    /// From time nodes and slots to the Gauss points in time.
+    /// The map from time nodes and slots to the Gauss points in time.
     pub(crate) fn in_time(&self) -> InTime<'_> {
         InTime { values: &self.tables.values, velocities: &self.tables.velocities, positions: &self.positions }
     }
@@ -297,7 +313,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
-    /// Hands what lies across the facets of a batch to `kernel`.
+    /// Passes the data on the other side of the facets of a batch to `kernel`.
     pub(crate) fn across(
         &self,
         along: Differentiate,
@@ -307,8 +323,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
         let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = field {
-                let origins = self.facet_origins(batch);
-                prescribed::fill(field, along.geometry_blocks(), time, self.tables.facet_points(), origins, x, data);
+                let (blocks, origins) = (along.geometry_blocks(), self.facet_origins(batch));
+                Prescribed { field, blocks, origins }.fill(time, self.tables.facet_points(), x, data);
             }
         };
         let data = field.is_some().then_some(&fill as DataAt);
@@ -316,7 +332,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock }, &across);
     }
 
-    /// The origins to which the positions of a batch of facets are relative, those of the minus cells.
+    /// The origins of the positions of a batch of facets, those of the minus cells.
     pub(crate) fn facet_origins(&self, batch: &FacetBatch) -> [&[f64]; WIDTH] {
         batch.minus.map(|side| self.mesh.origin(side.cell))
     }
@@ -337,7 +353,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
-                prescribed::fill(field, along.geometry_blocks(), time, points, origins, x, data);
+                Prescribed { field, blocks: along.geometry_blocks(), origins }.fill(time, points, x, data);
             }
         };
         let context = CellContext {
@@ -347,7 +363,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
         };
-        self.problem.kernels.slab_cells(along, &context, Coefficients { state, mesh }, scratch);
+        self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
         self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
         for (lane, out) in out.chunks_exact_mut(cell_len).enumerate() {
@@ -394,7 +410,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// Whether all of `r` is finite: then, and short of overflow only then, so are sums of it. Several, so that none waits for another.
+/// Whether all of `r` is finite: sums of it are then finite too, except for overflow. Several independent sums, so that none waits
+/// for another.
 fn sums_to_a_number(r: &[f64]) -> bool {
     let mut sums = [0.0; WIDTH];
     let (chunks, rest) = r.as_chunks::<WIDTH>();

@@ -1,9 +1,10 @@
-//! Cells seen from any tensor grid of reference points: output, errors, integrals. Plain numbers, one cell at a time.
+//! Values in cells on any tensor grid of reference points, for output, errors and integrals. Plain numbers, one cell at
+//! a time.
 
 use crate::StateField;
 use crate::moving_mesh::MovingMesh;
 use crate::operator::SlabOperator;
-use basis::{Lagrange, Matrix, Rule, gauss};
+use basis::{Lagrange, Matrix, gauss};
 use rayon::prelude::*;
 use tensor::{cofactor, determinant};
 
@@ -75,7 +76,7 @@ impl<const D: usize> Sampler<D> {
     }
 }
 
-/// Positions `[component][node]` relative to the first node: what all have in common would cost digits.
+/// Positions `[component][node]` relative to the first node: a common offset would cost digits.
 fn relative<const D: usize>(nodal: &[f64]) -> Vec<f64> {
     nodal.chunks_exact(nodal.len() / D).flat_map(|x| x.iter().map(move |value| value - x[0])).collect()
 }
@@ -108,7 +109,7 @@ fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a M
 
 /// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
 ///
-/// `state` is laid out at one time, at which the mesh has position row `row` (see `TimePoint::position_row`).
+/// `state` is laid out at one time; at this time the mesh has the position row `row` (see `TimePoint::position_row`).
 pub fn squared_errors<const D: usize, const M: usize>(
     operator: &SlabOperator<D, M>,
     state: &[f64],
@@ -119,34 +120,40 @@ pub fn squared_errors<const D: usize, const M: usize>(
     let orders = operator.tables.orders;
     let rule = gauss(2 * orders.flow.max(orders.mesh));
     let sampler = Sampler::<D>::new(orders.flow, orders.mesh, &rule.points);
-    let (layout, moving) = (operator.layout.at_one_time(), &operator.mesh);
-    let cell = |cell: usize| cell_error(&sampler, &rule, moving, cell, &state[layout.cell(cell)], row, exact, t);
-    let errors: Vec<[f64; M]> = (0..layout.cells).into_par_iter().map(cell).collect();
+    let errors = CellErrors { sampler, weights: rule.tensor_weights(D), moving: &operator.mesh, row, exact, t };
+    let layout = operator.layout.at_one_time();
+    let of_cell = |cell: usize| errors.squared(cell, &state[layout.cell(cell)]);
+    let errors: Vec<[f64; M]> = (0..layout.cells).into_par_iter().map(of_cell).collect();
     errors.iter().fold([0.0; M], |sum, e| std::array::from_fn(|m| sum[m] + e[m]))
 }
 
-fn cell_error<const D: usize, const M: usize>(
-    sampler: &Sampler<D>,
-    rule: &Rule,
-    moving: &MovingMesh,
-    cell: usize,
-    state: &[f64],
-    row: &[f64],
-    exact: &dyn StateField<D, M>,
+/// An exact state at a time, and the grid on which cells are compared with it.
+struct CellErrors<'a, const D: usize, const M: usize> {
+    sampler: Sampler<D>,
+    /// Quadrature weights of the grid.
+    weights: Vec<f64>,
+    moving: &'a MovingMesh,
+    /// The row of positions of the mesh.
+    row: &'a [f64],
+    exact: &'a dyn StateField<D, M>,
     t: f64,
-) -> [f64; M] {
-    let mut nodal = vec![0.0; moving.slot_len()];
-    moving.relative_positions(cell, row, &mut nodal);
-    let (x, det, u) = (sampler.positions(&nodal), sampler.determinants(&nodal), sampler.state(state));
-    let origin = moving.origin(cell);
-    let (n, q) = (sampler.points(), rule.points.len());
-    let mut sum = [0.0; M];
-    for p in 0..n {
-        let weight: f64 = (0..D).map(|d| rule.weights[p / q.pow(d as u32) % q]).product();
-        let exact = exact.value(&std::array::from_fn(|d| origin[d] + x[d * n + p]), t);
-        for m in 0..M {
-            sum[m] += weight * det[p] * (u[m * n + p] - exact[m]).powi(2);
+}
+
+impl<const D: usize, const M: usize> CellErrors<'_, D, M> {
+    /// The squared errors in one cell with the coefficients `state`.
+    fn squared(&self, cell: usize, state: &[f64]) -> [f64; M] {
+        let CellErrors { sampler, moving, .. } = self;
+        let mut nodal = vec![0.0; moving.slot_len()];
+        moving.relative_positions(cell, self.row, &mut nodal);
+        let (x, det, u) = (sampler.positions(&nodal), sampler.determinants(&nodal), sampler.state(state));
+        let (origin, n) = (moving.origin(cell), sampler.points());
+        let mut sum = [0.0; M];
+        for p in 0..n {
+            let exact = self.exact.value(&std::array::from_fn(|d| origin[d] + x[d * n + p]), self.t);
+            for m in 0..M {
+                sum[m] += self.weights[p] * det[p] * (u[m * n + p] - exact[m]).powi(2);
+            }
         }
+        sum
     }
-    sum
 }

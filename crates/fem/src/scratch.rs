@@ -10,11 +10,11 @@ use tensor::{Pack, WIDTH, zeroed};
 pub struct CellScratch {
     /// Residual, `[a][m][i]`.
     pub residual: Vec<Pack>,
-    /// State, `[b][instant, last the top][m][i]`; of the operator of space alone and of moments at one instant.
+    /// State, `[b][time, last the top][m][i]`; for the operator of space alone and for moments at one time.
     pub state_at: Vec<Pack>,
     /// Position, `[b][instant, last the top][d][i]`.
     pub position_at: Vec<Pack>,
-    /// Velocity, `[b][instant, last the top][d][i]`: that of the top is not used.
+    /// Velocity, `[b][time, last the top][d][i]`; its top is not used.
     pub velocity_at: Vec<Pack>,
     /// Flux terms, `[instant][m][i]`.
     pub flux_at: Vec<Pack>,
@@ -38,7 +38,7 @@ pub struct CellScratch {
 }
 
 impl CellScratch {
-    /// Room for any mode.
+    /// Memory for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
         let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
@@ -69,7 +69,7 @@ impl CellScratch {
 /// Packs of one side of a batch of facets, in the lattice of the minus face.
 ///
 /// Traces have two kinds: 0 the values, 1 the derivative along the reference axis that leaves the facet. Gradients and Jacobian matrices
-/// `[b][direction][..][p]` are ordered tangential directions first, the leaving axis last.
+/// `[b][direction][..][p]` have the tangential directions first and the leaving axis last.
 pub struct SideScratch {
     /// State traces, `[kind][b][a][m][i]`.
     pub state: Vec<Pack>,
@@ -100,8 +100,14 @@ pub struct FacetScratch {
     pub x: Vec<Pack>,
     /// Prescribed states at points, `[b][m][p]`.
     pub data: Vec<Pack>,
-    /// What leaves through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
+    /// The flux through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
     pub through: Vec<Pack>,
+    /// Whether the facets of the batch leave loads, see [`crate::wall_loads`].
+    pub(crate) with_loads: bool,
+    /// The momentum of the flux through boundary facets with loads, `[d][p]`.
+    pub(crate) momentum: Vec<Pack>,
+    /// Loads of boundary facets, `[time point][d][face node of the mesh]`.
+    pub(crate) loads: Vec<Pack>,
     /// The velocity at which forces on a boundary do work, `[d][face node]`, see [`crate::boundary::FacetFlux`].
     pub boundary_velocity: Vec<Pack>,
     /// One where a trace of the lane was inadmissible.
@@ -137,7 +143,7 @@ impl SideScratch {
 }
 
 impl FacetScratch {
-    /// Room for any mode.
+    /// Memory for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
         let points = tables.facet_points();
         let Orders { flow, mesh, time } = tables.orders;
@@ -149,6 +155,9 @@ impl FacetScratch {
             x: zeroed(2 * D * points),
             data: zeroed(2 * M * points),
             through: zeroed(2 * through_len(M) + 2),
+            with_loads: false,
+            momentum: zeroed(D * points),
+            loads: zeroed(tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
@@ -159,7 +168,7 @@ impl FacetScratch {
     }
 }
 
-/// Numbers of one part of a flux through a boundary: M fluxes and the flux of angular momentum.
+/// Numbers of one part of a flux through a boundary: M fluxes, and those of momentum and of angular momentum.
 pub(crate) const fn through_len(components: usize) -> usize {
-    components + 3
+    components + 6
 }

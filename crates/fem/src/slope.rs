@@ -1,55 +1,56 @@
-//! The penalty on jumps of slope between two cells, for what the viscous flux does not diffuse.
+//! The penalty on jumps of slope between two cells, for quantities that the viscous flux does not diffuse.
 //!
 //! ```text
 //! R_a += int_I int_f phi_a [w_,n] delta s({u}, [u_,n]) ds,   delta = 2 h^2 / N_s^5 = 8 / (N_s sigma^2)             (slope)
 //! ```
 //!
 //! h = 2 N_s^2 / sigma is the smaller height of the two cells, s the law's [`ConservationLaw::slope_flux`]. The term vanishes for a
-//! smooth state, and where the test is constant: nothing is created.
+//! smooth state, and for constant test functions, so it is conservative.
 //!
-//! Where N_s is odd, the Legendre polynomial of the highest degree has the same value at both ends of a cell. Repeated
-//! from cell to cell it does not jump, and no numerical flux damps it; its slope jumps. Where N_s is even it is the value that jumps, and
-//! the penalty is not needed. With N_s^5 the rate at which that polynomial decays, about speed / h, does not depend on N_s.
+//! For odd N_s, the Legendre polynomial of the highest degree has the same value at both ends of a cell. Repeated from cell to cell it
+//! does not jump, and no numerical flux damps it; but its slope jumps. For even N_s its value jumps, and the penalty is not needed. With
+//! N_s^5 the decay rate of that polynomial, about speed / h, does not depend on N_s.
 
 use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
-use crate::tables::Tables;
+use crate::point::Kernel;
 use tensor::pulp::Simd;
 use tensor::{Over, Real};
 
-/// Whether the order of the flow is one that needs the penalty.
-#[inline(always)]
-pub(crate) fn is_penalised<const D: usize>(tables: &Tables<D>) -> bool {
-    tables.orders.flow % 2 == 1
-}
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+    /// Whether the order of the flow needs the penalty.
+    #[inline(always)]
+    pub(crate) fn penalises_slopes(self) -> bool {
+        self.tables.orders.flow % 2 == 1
+    }
 
-/// delta s({u}, [u_,n]) between the states and the gradients `[direction][component]` of minus and plus.
-#[inline(always)]
-pub(crate) fn flux<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>(
-    law: &L,
-    tables: &Tables<D>,
-    [minus, plus]: [&[K::State<S>; M]; 2],
-    [gradient_minus, gradient_plus]: [&[[K::State<S>; M]; D]; 2],
-    n: &[K::Geometry<S>; D],
-    sigma: K::Geometry<S>,
-) -> [K::State<S>; M] {
-    let (mut mean, mut slope) = (*minus, *minus);
-    for m in 0..M {
-        mean[m] = (minus[m] + plus[m]) * 0.5;
-        slope[m] = (gradient_minus[0][m] - gradient_plus[0][m]).scale(n[0]);
-        for k in 1..D {
-            slope[m] = (gradient_minus[k][m] - gradient_plus[k][m]).scale_add(n[k], slope[m]);
+    /// delta s({u}, [u_,n]) between the states and the gradients `[direction][component]` of minus and plus.
+    #[inline(always)]
+    pub(crate) fn slope_penalty(
+        self,
+        [minus, plus]: [&[K::State<S>; M]; 2],
+        [gradient_minus, gradient_plus]: [&[[K::State<S>; M]; D]; 2],
+        n: &[K::Geometry<S>; D],
+        sigma: K::Geometry<S>,
+    ) -> [K::State<S>; M] {
+        let (mut mean, mut slope) = (*minus, *minus);
+        for m in 0..M {
+            mean[m] = (minus[m] + plus[m]) * 0.5;
+            slope[m] = (gradient_minus[0][m] - gradient_plus[0][m]).scale(n[0]);
+            for k in 1..D {
+                slope[m] = (gradient_minus[k][m] - gradient_plus[k][m]).scale_add(n[k], slope[m]);
+            }
         }
+        let mut flux = self.law.slope_flux(&mean, &slope, sigma);
+        let delta = (sigma * sigma).recip() * (8.0 / self.tables.orders.flow as f64);
+        for m in 0..M {
+            flux[m] = flux[m].scale(delta);
+        }
+        flux
     }
-    let mut flux = law.slope_flux::<K::State<S>, K::Geometry<S>>(&mean, &slope, sigma);
-    let delta = (sigma * sigma).recip() * (8.0 / tables.orders.flow as f64);
-    for m in 0..M {
-        flux[m] = flux[m].scale(delta);
-    }
-    flux
 }
 
-/// Joins (slope) to the fluxes that (sip) tests with gradients of minus and plus, -1/2 times each.
+/// Adds (slope) to the fluxes that (sip) tests with gradients of minus and plus, -1/2 times each.
 #[inline(always)]
 pub(crate) fn join<const D: usize, const M: usize, T: Over<G>, G: Real>(
     flux: &[T; M],

@@ -1,10 +1,10 @@
-//! One-dimensional matrices of a slab space: what the kernels contract with.
+//! One-dimensional matrices of a slab space, which the kernels contract with.
 
 use crate::instants::TimePoint;
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss};
 use tensor::Pack;
 
-/// How many quadrature points the flow takes.
+/// The number of quadrature points of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quadrature {
     /// The fewest Gauss points that satisfy the geometric conservation law exactly.
@@ -29,8 +29,9 @@ pub struct Orders {
 impl Quadrature {
     /// Gauss points per direction in space.
     ///
-    /// Free stream is kept on any motion when `int grad w . v cof` and `int w_t J` are exact, of degree (N_s - 1) + D (N_m - 1) - 1
-    /// per direction: 3p - 1 in 2-D and 4p - 1 in 3-D for equal degrees p. A rule of n points is exact to degree 2n - 1.
+    /// A free stream is preserved on any motion if `int grad w . v cof` and `int w_t J` are exact. Their degree is (N_s - 1) + D
+    /// (N_m - 1) - 1 per direction: 3p - 1 in 2-D and 4p - 1 in 3-D for equal degrees p. A rule of n points is exact to degree 2n -
+    /// 1.
     pub fn space_points(self, dimension: usize, orders: Orders) -> usize {
         match self {
             Quadrature::Conserving => {
@@ -42,7 +43,7 @@ impl Quadrature {
         }
     }
 
-    /// Gauss points in time: the cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
+    /// Gauss points in time. The cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
     /// function N_t - 1 each.
     pub fn time_points(self, dimension: usize, orders: Orders) -> usize {
         match self {
@@ -55,7 +56,7 @@ impl Quadrature {
     }
 }
 
-/// Nodal polynomials of one order, seen from the quadrature points of one direction.
+/// Nodal polynomials of one order at the quadrature points of one direction.
 pub struct Shape1d {
     /// Nodes per direction.
     pub order: usize,
@@ -88,8 +89,8 @@ impl Shape1d {
     }
 }
 
-/// Planes of volume points, normal to the last axis, that a cell kernel treats at a time: so many that its arrays stay in the
-/// second cache.
+/// Planes of volume points, normal to the last axis. A cell kernel treats as many at a time as its arrays fit into the
+/// second-level cache.
 pub struct Planes {
     /// Flow polynomials at these points of the last axis.
     pub flow: Shape1d,
@@ -99,16 +100,16 @@ pub struct Planes {
     pub weights: Vec<f64>,
 }
 
-/// Bytes of the arrays at the points of a block of planes, at most if one plane takes no more: they share a second cache of 1 MB or
-/// less with the nodal ones.
+/// The largest size in bytes of the arrays at the points of a block, unless a single plane takes more. They share a second-level
+/// cache of 1 MB or less with the nodal arrays.
 const BLOCK_BYTES: usize = 1 << 18;
 
 impl Planes {
-    /// The blocks of a rule in `dimension` directions, for `packs` packs at every point: at least one plane each, and as
-    /// equal as can be.
+    /// The blocks of a rule in `dimension` directions, for `packs` packs at every point. Each has at least one plane,
+    /// and their sizes are as equal as possible.
     fn blocks(rule: &Rule, dimension: usize, orders: Orders, packs: usize) -> Vec<Planes> {
         let q = rule.points.len();
-        let in_plane = tensor_weights(&rule.weights, dimension - 1);
+        let in_plane = rule.tensor_weights(dimension - 1);
         let plane_bytes = in_plane.len() * packs * size_of::<Pack>();
         let count = q.div_ceil((BLOCK_BYTES / plane_bytes).max(1));
         let block = |number: usize| {
@@ -145,8 +146,8 @@ pub struct Tables<const D: usize> {
     pub velocities: Matrix,
     /// phi_a(s) at the Gauss points, `[a][instant]`: sends terms there to the test functions.
     pub test: Matrix,
-    /// -phi_a'(s) at the Gauss points, the sign from integration by parts, and last phi_a(1), `[a][instant or top]`: the test of the
-    /// conserved quantity.
+    /// -phi_a'(s) at the Gauss points, with the sign from integration by parts, and last phi_a(1), `[a][time or top]`: the test of
+    /// the conserved quantity.
     pub test_rate: Matrix,
     /// The volume points, plane by plane.
     pub planes: Vec<Planes>,
@@ -155,8 +156,8 @@ pub struct Tables<const D: usize> {
 }
 
 impl<const D: usize> Tables<D> {
-    /// Tables for `orders`, each in 1..=16 (2..=16 in space).
-    pub fn new(orders: Orders, quadrature: Quadrature) -> Self {
+    /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.
+    pub fn new(orders: Orders, components: usize, quadrature: Quadrature) -> Self {
         let rule = gauss(quadrature.space_points(D, orders));
         let time = RadauTime::new(orders.time);
         let time_rule = gauss(quadrature.time_points(D, orders));
@@ -166,8 +167,8 @@ impl<const D: usize> Tables<D> {
         let (n_t, count) = (orders.time, instants.len());
         let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
         rates.push(time.values(1.0).iter().map(|phi| -phi).collect());
-        // Of a state with D + 2 components: values, gradients, fluxes, moments; of the mesh: Jacobian matrix, velocity.
-        let packs = (D + 2) * (2 * D + 2) + D * D + D;
+        // Of the state: values and gradients, moments and fluxes; of the mesh: velocity and Jacobian matrix.
+        let packs = (2 * components + D) * (1 + D);
         Tables {
             orders,
             planes: Planes::blocks(&rule, D, orders, packs),
@@ -183,12 +184,12 @@ impl<const D: usize> Tables<D> {
             test_rate: Matrix::from_fn(n_t, count + 1, |a, q| -rates[q][a]),
             instants,
             time,
-            facet_weights: tensor_weights(&rule.weights, D - 1),
+            facet_weights: rule.tensor_weights(D - 1),
             rule,
         }
     }
 
-    /// The row of positions of a slab at its bottom, which is also that of a mesh at rest.
+    /// The row of positions of a slab at its bottom, which also holds for a mesh at rest.
     pub fn bottom_row(&self) -> Matrix {
         Matrix::from_fn(1, self.orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 })
     }
@@ -196,7 +197,7 @@ impl<const D: usize> Tables<D> {
     pub fn volume_points(&self) -> usize {
         self.rule.points.len().pow(D as u32)
     }
-    /// The most quadrature points that the planes of a block have.
+    /// The largest number of quadrature points of a block.
     pub fn block_points(&self) -> usize {
         self.planes.iter().map(|planes| planes.weights.len()).max().unwrap_or(0)
     }
@@ -204,13 +205,4 @@ impl<const D: usize> Tables<D> {
     pub fn facet_points(&self) -> usize {
         self.facet_weights.len()
     }
-}
-
-/// Products of one-dimensional weights, lexicographic.
-fn tensor_weights(weights: &[f64], dimension: usize) -> Vec<f64> {
-    let mut product = vec![1.0];
-    for _ in 0..dimension {
-        product = weights.iter().flat_map(|w| product.iter().map(move |p| p * w)).collect();
-    }
-    product
 }

@@ -5,17 +5,17 @@ use basis::{Matrix, contract};
 use tensor::Pack;
 use tensor::pulp::Simd;
 
-/// Room for the intermediate tensors of [`evaluate`] and [`integrate`].
+/// Memory for the intermediate tensors of [`evaluate`] and [`integrate`].
 #[derive(Default)]
 pub struct Scratch {
     even: Vec<Pack>,
     odd: Vec<Pack>,
-    /// Multiplications of packs so far, in all that was contracted by way of this scratch.
+    /// The number of multiplications of packs so far, in all contractions with this scratch.
     pub multiplications: usize,
 }
 
 impl Scratch {
-    /// Room for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
+    /// Memory for `components` tensors with gradients in `dimension` directions, up to `n` entries per direction.
     pub fn new(dimension: usize, components: usize, n: usize) -> Self {
         let len = (dimension + 1) * components * n.pow(dimension as u32);
         Scratch { even: tensor::zeroed(len), odd: tensor::zeroed(len), multiplications: 0 }
@@ -26,16 +26,23 @@ impl Scratch {
     pub(crate) fn contract<S: Simd>(
         &mut self,
         simd: S,
-        matrix: &Matrix,
-        outer: usize,
-        inner: usize,
+        axis: AlongAxis,
         input: &[Pack],
         output: &mut [Pack],
         add: bool,
     ) {
+        let AlongAxis { matrix, outer, inner } = axis;
         self.multiplications += multiplications(matrix, outer, inner);
         contract(simd, matrix, outer, inner, input, output, add);
     }
+}
+
+/// A matrix along one axis of a tensor, with so many entries outside and inside of the axis.
+#[derive(Clone, Copy)]
+pub(crate) struct AlongAxis<'a> {
+    pub(crate) matrix: &'a Matrix,
+    pub(crate) outer: usize,
+    pub(crate) inner: usize,
 }
 
 /// Multiplications of packs in one contraction.
@@ -43,20 +50,38 @@ fn multiplications(matrix: &Matrix, outer: usize, inner: usize) -> usize {
     matrix.rows() * matrix.cols() * outer * inner
 }
 
-/// What to evaluate or to integrate against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EvaluationFlags {
+/// Fields at the quadrature points: `values[component][point]`, `gradients[direction][component][point]`, or both. A kernel reads or
+/// writes no others.
+pub enum AtPoints<P> {
     /// Values only.
-    Values,
-    /// Derivatives only.
-    Gradients,
-    /// Both.
-    Both,
+    Values(P),
+    /// Derivatives along the reference axes only.
+    Gradients(P),
+    /// Values and gradients.
+    Both(P, P),
 }
 
-/// One-dimensional matrices along the axes of a tensor product.
+impl<P: Default> AtPoints<P> {
+    /// Both where `with_gradients`, else values only.
+    #[inline(always)]
+    pub fn new(values: P, gradients: P, with_gradients: bool) -> Self {
+        if with_gradients { AtPoints::Both(values, gradients) } else { AtPoints::Values(values) }
+    }
+
+    /// Whether there are values and gradients, then these.
+    #[inline(always)]
+    fn parts(self) -> ([bool; 2], P, P) {
+        match self {
+            AtPoints::Values(values) => ([true, false], values, P::default()),
+            AtPoints::Gradients(gradients) => ([false, true], P::default(), gradients),
+            AtPoints::Both(values, gradients) => ([true, true], values, gradients),
+        }
+    }
+}
+
+/// One-dimensional matrices along the axes of a tensor product, for fields of some components.
 ///
-/// The points may be part of a lattice: planes of it, so many as fit into the cache. Then `last` holds the rows of the last
+/// The points may be part of a lattice: as many planes of it as fit into the cache. Then `last` holds the rows of the last
 /// axis that belong to them.
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
@@ -66,30 +91,32 @@ pub struct Lattice<'a> {
     pub last: &'a Shape1d,
     /// Number of axes.
     pub dimension: usize,
+    /// Components of a field.
+    pub components: usize,
 }
 
 impl<'a> Lattice<'a> {
     /// The same matrices along all axes.
     #[inline(always)]
-    pub fn whole(line: &'a Shape1d, dimension: usize) -> Self {
-        Lattice { line, last: line, dimension }
+    pub fn whole(line: &'a Shape1d, dimension: usize, components: usize) -> Self {
+        Lattice { line, last: line, dimension, components }
     }
 
-    /// Nodes of a tensor.
+    /// Coefficients of a field.
     #[inline(always)]
-    pub fn nodes(&self) -> usize {
-        self.line.order.pow(self.dimension as u32)
+    pub fn len(&self) -> usize {
+        self.components * self.line.order.pow(self.dimension as u32)
     }
 
-    /// The pass along `axis` for `components`: its matrices, entries outside and inside of the axis, packs before and after.
-    /// Axes above are at the points already, axes below at the nodes still.
+    /// The pass along `axis`: its matrices, entries outside and inside of the axis, packs before and after. Axes above are at the points
+    /// already, axes below at the nodes still.
     #[inline(always)]
-    fn pass(&self, axis: usize, components: usize) -> Pass<'a> {
+    fn pass(&self, axis: usize) -> Pass<'a> {
         let (n, q) = (self.line.order, self.line.values.rows());
         let is_last = axis + 1 == self.dimension;
         let above = if is_last { 1 } else { self.last.values.rows() * q.pow((self.dimension - 2 - axis) as u32) };
         let line = if is_last { self.last } else { self.line };
-        let (outer, inner) = (components * above, n.pow(axis as u32));
+        let (outer, inner) = (self.components * above, n.pow(axis as u32));
         Pass { line, outer, inner, nodal: outer * n * inner, at_points: outer * line.values.rows() * inner }
     }
 }
@@ -104,33 +131,23 @@ struct Pass<'a> {
     at_points: usize,
 }
 
-/// Values and reference derivatives at the quadrature points.
-///
-/// `nodal[component][node]` gives `values[component][point]` and `gradients[direction][component][point]`; a slice that `parts`
-/// leaves out is not touched and may be empty.
+/// Values and reference derivatives at the quadrature points, of `nodal[component][node]`.
 #[inline(always)]
-pub fn evaluate<S: Simd>(
-    simd: S,
-    lattice: Lattice,
-    components: usize,
-    parts: EvaluationFlags,
-    nodal: &[Pack],
-    values: &mut [Pack],
-    gradients: &mut [Pack],
-    scratch: &mut Scratch,
-) {
-    let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
-    // Tensors so far: number 0 holds values, the others derivatives, the one along the axis just passed last.
+pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints<&mut [Pack]>, scratch: &mut Scratch) {
+    let dimension = lattice.dimension;
+    let ([with_values, with_gradients], values, gradients) = to.parts();
+    // Number 0 of the present tensors holds values, the others hold derivatives; the derivative along the axis just
+    // passed is the last.
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
     for axis in (0..dimension).rev() {
-        let Pass { line, outer, inner, nodal: size_in, at_points: size_out } = lattice.pass(axis, components);
+        let Pass { line, outer, inner, nodal: size_in, at_points: size_out } = lattice.pass(axis);
         let (passed, last) = (dimension - 1 - axis, axis == 0);
         for tensor in 0..=(if with_gradients { passed + 1 } else { 0 }) {
             let differentiated = tensor == passed + 1;
             let source = if differentiated { 0 } else { tensor };
             let matrix = if differentiated { &line.derivatives } else { &line.values };
-            if last && tensor == 0 && parts == EvaluationFlags::Gradients {
+            if last && tensor == 0 && !with_values {
                 continue;
             }
             let input = if passed == 0 { &nodal[..size_in] } else { &from[source * size_in..(source + 1) * size_in] };
@@ -147,37 +164,36 @@ pub fn evaluate<S: Simd>(
     }
 }
 
-/// The transpose of [`evaluate`]: `nodal[component][node]` is the sum over points of `values[component][point]` times the test function
-/// and of `gradients[direction][component][point]` times its reference derivative in that direction; with `add`, that is added to it.
+/// The transpose of [`evaluate`]: `nodal[component][node]` is the sum over points of the values times the test function and of the
+/// gradients times its reference derivatives; with `add`, that is added to it.
 #[inline(always)]
 pub fn integrate<S: Simd>(
     simd: S,
     lattice: Lattice,
-    components: usize,
-    parts: EvaluationFlags,
-    values: &[Pack],
-    gradients: &[Pack],
+    from: AtPoints<&[Pack]>,
     nodal: &mut [Pack],
     scratch: &mut Scratch,
     add: bool,
 ) {
-    let (dimension, with_gradients) = (lattice.dimension, parts != EvaluationFlags::Values);
+    let dimension = lattice.dimension;
+    let ([with_values, with_gradients], values, gradients) = from.parts();
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
-    // From the first axis to the last: derivative tensors of the axes beyond stay apart, the one of `axis` joins the values.
+    // From the first axis to the last: derivative tensors of higher axes stay separate; the derivative along `axis` is added
+    // to the values.
     for axis in 0..dimension {
-        let Pass { line, outer, inner, nodal: size_out, at_points: size_in } = lattice.pass(axis, components);
+        let Pass { line, outer, inner, nodal: size_out, at_points: size_in } = lattice.pass(axis);
         let (first, last) = (axis == 0, axis + 1 == dimension);
         let derivative = |tensor: usize| &gradients[(axis + tensor) * size_in..(axis + tensor + 1) * size_in];
         for tensor in 0..=(if with_gradients { dimension - 1 - axis } else { 0 }) {
             let output =
                 if last { &mut nodal[..size_out] } else { &mut to[tensor * size_out..(tensor + 1) * size_out] };
             let mut joins = last && add;
-            if !(first && tensor == 0 && parts == EvaluationFlags::Gradients) {
+            if !first || tensor > 0 || with_values {
                 let input = match (first, tensor) {
                     (true, 0) => &values[..size_in],
                     (true, _) => derivative(tensor),
-                    // What was tensor 1 before the pass along the axis below has joined tensor 0 there.
+                    // Tensor 1 before the pass along the axis below was added to tensor 0 there.
                     (false, 0) => &from[..size_in],
                     (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };

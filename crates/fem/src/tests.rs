@@ -1,7 +1,7 @@
 //! Identities of the parts from which kernels are made.
 
 use crate::tables::{Orders, Quadrature, Shape1d, Tables};
-use crate::tensor_product::{EvaluationFlags, Lattice, Scratch, evaluate, integrate};
+use crate::tensor_product::{AtPoints, Lattice, Scratch, evaluate, integrate};
 use crate::traces::FaceMaps;
 use basis::gauss;
 use tensor::Arch;
@@ -31,9 +31,9 @@ impl WithSimd for BothSides<'_> {
         let (u, f, g) = (packs(components * n, 0.1), packs(components * q, 0.2), packs(d * components * q, 0.3));
         let mut room = Scratch::new(d, components, self.line.values.rows().max(self.line.order));
         let (mut values, mut gradients, mut back) = (zeroed(f.len()), zeroed(g.len()), zeroed(u.len()));
-        let lattice = Lattice::whole(self.line, d);
-        evaluate(simd, lattice, components, EvaluationFlags::Both, &u, &mut values, &mut gradients, &mut room);
-        integrate(simd, lattice, components, EvaluationFlags::Both, &f, &g, &mut back, &mut room, false);
+        let lattice = Lattice::whole(self.line, d, components);
+        evaluate(simd, lattice, &u, AtPoints::Both(&mut values, &mut gradients), &mut room);
+        integrate(simd, lattice, AtPoints::Both(&f[..], &g[..]), &mut back, &mut room, false);
         let (value, gradient) = (inner_product(&values, &f), inner_product(&gradients, &g));
         [std::array::from_fn(|lane| value[lane] + gradient[lane]), inner_product(&u, &back)]
     }
@@ -72,7 +72,7 @@ fn lifting_is_the_transpose_of_taking_traces() {
     }
 }
 
-/// The functionals are the preconditioner's view of the same traces.
+/// The functionals give the preconditioner the same traces.
 #[test]
 fn traces_are_the_functionals_of_the_nodes() {
     for dimension in [2, 3] {
@@ -100,13 +100,13 @@ impl WithSimd for InBlocks<'_> {
         let (u, mut whole, mut in_blocks) = (packs(nodes, 0.4), zeroed(4 * points), zeroed(4 * points));
         let mut room = Scratch::new(3, 1, tables.rule.points.len());
         let (values, gradients) = whole.split_at_mut(points);
-        evaluate(simd, Lattice::whole(&tables.flow, 3), 1, EvaluationFlags::Both, &u, values, gradients, &mut room);
+        evaluate(simd, Lattice::whole(&tables.flow, 3, 1), &u, AtPoints::Both(values, gradients), &mut room);
         let mut first = 0;
         for planes in &tables.planes {
             let n = planes.weights.len();
-            let lattice = Lattice { line: &tables.flow, last: &planes.flow, dimension: 3 };
+            let lattice = Lattice { line: &tables.flow, last: &planes.flow, dimension: 3, components: 1 };
             let (mut values, mut gradients) = (zeroed(n), zeroed(3 * n));
-            evaluate(simd, lattice, 1, EvaluationFlags::Both, &u, &mut values, &mut gradients, &mut room);
+            evaluate(simd, lattice, &u, AtPoints::Both(&mut values, &mut gradients), &mut room);
             for (part, packs) in values.chunks(n).chain(gradients.chunks(n)).enumerate() {
                 in_blocks[part * points + first..][..n].copy_from_slice(packs);
             }
@@ -118,7 +118,7 @@ impl WithSimd for InBlocks<'_> {
 
 #[test]
 fn blocks_of_planes_hold_every_point_once() {
-    let tables = Tables::<3>::new(Orders { flow: 6, mesh: 6, time: 2 }, Quadrature::Conserving);
+    let tables = Tables::<3>::new(Orders { flow: 6, mesh: 6, time: 2 }, 5, Quadrature::Conserving);
     assert!(tables.planes.len() > 1, "the test needs several blocks");
     let weights: f64 = tables.planes.iter().flat_map(|planes| &planes.weights).sum();
     assert!((weights - 8.0).abs() < 1e-13, "{weights}");

@@ -1,8 +1,8 @@
-//! Traces of cell coefficients on faces, and the way back.
+//! Traces of cell coefficients on faces, and the transposed map.
 
 use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
-use crate::pool::Pool;
+use crate::per_thread::PerThread;
 use crate::tables::Shape1d;
 use basis::{Matrix, contract};
 use mesh::{axis_and_side, face_nodes};
@@ -11,9 +11,9 @@ use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, zeroed};
 
-/// Where the traces of a set of cell coefficients lie: `[cell][face][kind][slot][component][face node]`.
+/// The layout of the traces of a set of cell coefficients: `[cell][face][kind][slot][component][face node]`.
 ///
-/// Kind 0 are values on the face's lattice, kind 1 derivatives along the reference axis that leaves the face. Slots are
+/// Kind 0 is values on the face's lattice, kind 1 derivatives along the reference axis that leaves the face. Slots are
 /// time nodes of the flow, or bottom position and velocities of the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceLayout {
@@ -52,10 +52,10 @@ impl TraceLayout {
     }
 }
 
-/// How traces are taken from the nodes of a cell, for one order and dimension.
+/// The map from the nodes of a cell to its traces, for one order and dimension.
 ///
-/// The trace on face 2 axis + side is a contraction along that axis: with the unit vector of the end, or with the derivatives
-/// there of the nodal polynomials.
+/// The trace on face 2 axis + side is a contraction along that axis, with the unit vector of the end, or with the derivatives
+/// of the nodal polynomials there.
 pub struct FaceMaps {
     dimension: usize,
     order: usize,
@@ -75,7 +75,7 @@ impl FaceMaps {
     }
 
     /// The functionals on the nodal values of one component whose values are the traces on `face`: kind 0 then kind 1, each
-    /// in the order of the face's lattice; a functional is a list of (cell node, weight).
+    /// in the order of the face's lattice. A functional is a list of (cell node, weight).
     pub fn functionals(&self, face: usize, both: bool) -> Vec<Vec<(usize, f64)>> {
         let (axis, side) = axis_and_side(face);
         let stride = self.order.pow(axis as u32);
@@ -87,7 +87,7 @@ impl FaceMaps {
     }
 
     /// The traces of the tensors `coefficients[slot and component][node]` on all faces, `[face][kind][slot and component][face
-    /// node]`; kind 1 only where `both`.
+    /// node]`; kind 1 only if `both`.
     pub fn extract(&self, tensors: usize, coefficients: &[Pack], both: bool, traces: &mut [Pack]) {
         self.arch.dispatch(Extract { maps: self, tensors, both, coefficients, traces });
     }
@@ -108,14 +108,14 @@ impl FaceMaps {
     }
 }
 
-/// One face seen from the tensors of a cell: lines that leave it, `outer` times `inner` of `n` nodes.
+/// One face and the lines of a cell's tensors that leave it: `outer` times `inner` lines of `n` nodes.
 struct Face<'a> {
     n: usize,
-    /// Where the lines meet the face.
+    /// The end of the lines at the face.
     end: usize,
     outer: usize,
     inner: usize,
-    /// Where its traces begin, and how many there are of a kind.
+    /// The start of its traces, and the number of traces of a kind.
     start: usize,
     kind_len: usize,
     row: &'a Matrix,
@@ -183,7 +183,7 @@ impl WithSimd for Lift<'_> {
 
 /// Traces of all cells for one set of coefficients.
 pub struct Traces {
-    /// Where they lie.
+    /// Their layout.
     pub layout: TraceLayout,
     /// The numbers.
     pub data: Vec<f64>,
@@ -191,18 +191,18 @@ pub struct Traces {
     /// The coefficients, `[batch][slot][component][node]`.
     packs: Vec<Pack>,
     /// Traces of one batch.
-    scratch: Pool<Vec<Pack>>,
+    scratch: PerThread<Vec<Pack>>,
 }
 
 impl Traces {
-    /// Room for the traces of `cells` cells.
+    /// Memory for the traces of `cells` cells.
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
         let packs = zeroed(cells.div_ceil(WIDTH) * layout.coefficients());
-        let scratch = Pool::new(|| zeroed(layout.cell_len()));
+        let scratch = PerThread::new(|| zeroed(layout.cell_len()));
         Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, packs, scratch }
     }
 
-    /// Takes the traces of `coefficients[cell][slot][component][node]`; derivatives only where `both`.
+    /// Computes the traces of `coefficients[cell][slot][component][node]`; derivatives only if `both`.
     pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], both: bool) {
         let Traces { layout, ref mut data, cells, ref mut packs, ref scratch } = *self;
         let len = layout.coefficients();

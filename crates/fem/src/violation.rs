@@ -1,11 +1,11 @@
-//! Where and how a state is inadmissible.
+//! Location and quantity of an inadmissible state.
 
 use crate::operator::{SlabOperator, Violation};
 use crate::tables::Shape1d;
 use tensor::{WIDTH, cofactor, determinant};
 
-/// The polynomials of mesh and flow, seen from the quadrature points and from the ends of a direction: in a cell that is every
-/// point at which kernels evaluate the state, on its faces too.
+/// The polynomials of mesh and flow at the quadrature points and the ends of a direction. In a cell these are all points at
+/// which kernels evaluate the state, including its faces.
 struct Points {
     mesh: Shape1d,
     flow: Shape1d,
@@ -13,8 +13,8 @@ struct Points {
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Looks for the first inadmissible quantity that has made the residual of `cell` no number: in the cell itself, then in those
-    /// across its faces.
+    /// Finds the first inadmissible quantity behind a NaN in the residual of `cell`: in the cell itself, then in those across its
+    /// faces.
     pub(crate) fn describe_violation(&self, cell: usize) -> Violation {
         let points = self.points();
         let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face)));
@@ -30,7 +30,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         Points { mesh: line(orders.mesh), flow: line(orders.flow), per_direction: points.len() }
     }
 
-    /// The cell on the other side of a face; on a boundary the same.
+    /// The cell on the other side of a face; on a boundary the cell itself.
     fn across_face(&self, cell: usize, face: usize) -> usize {
         let (slot, side) = self.facets.of_face[cell * 2 * D + face];
         let (batch, lane) = (&self.facets.batches[slot as usize / WIDTH], slot as usize % WIDTH);

@@ -1,15 +1,15 @@
-//! How many floating-point operations the kernels do.
+//! The number of floating-point operations of the kernels.
 
-use crate::cell::{CellContext, Coefficients};
+use crate::cell::{CellCoefficients, CellContext};
 use crate::facet::FacetContext;
 use crate::kernels::{Differentiate, Times};
 use crate::operator::SlabOperator;
 use tensor::WIDTH;
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Operations of one evaluation of the residual or, with [`Differentiate::State`], of one Jacobian product: those of a batch of cells
-    /// and of a batch of facets between cells, for all cells and for all facets between cells, in the state and on the mesh last
-    /// set. Traces, sources and boundaries are left out.
+    /// Operations of one evaluation of the residual or, with [`Differentiate::State`], of one Jacobian product. A batch of cells and a
+    /// batch of interior facets are counted and scaled to all cells and interior facets, in the state and on the mesh last set. Traces,
+    /// sources and boundaries are left out.
     pub fn operations(&self, along: Differentiate) -> u64 {
         let facets: usize = self.facets.batches.iter().filter(|batch| batch.boundary.is_none()).map(|b| b.count).sum();
         let of_all = |number: usize, of_batch: u64| of_batch * number as u64 / WIDTH as u64;
@@ -24,7 +24,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {
             let before = scratch.scratch.multiplications;
-            let at_points = self.problem.kernels.count_cells(along, &context, Coefficients { state, mesh }, scratch);
+            let at_points =
+                self.problem.kernels.count_cells(along, &context, CellCoefficients { state, mesh }, scratch);
             at_points + in_lanes(scratch.scratch.multiplications - before)
         })
     }

@@ -1,4 +1,4 @@
-//! The geometry of a boundary at its C0 nodes: normals, and the place along a closed curve.
+//! The geometry of a boundary at its C0 nodes: normals, axes, and arc length along a closed curve.
 
 use crate::facet::{axis_and_side, face_nodes, outward_sign, tangent_sign};
 use crate::{BoundaryFacet, CellMap, Mesh, MeshError, NodeNumbering, Side};
@@ -7,8 +7,11 @@ use std::array::from_fn;
 use std::collections::BTreeMap;
 use tensor::{cofactor, norm};
 
-/// A mean of unit normals shorter than this has no direction.
+/// A mean of unit normals shorter than this has no usable direction.
 const NO_DIRECTION: f64 = 1e-8;
+
+/// A facet is plane if its nodes are within this part of the diameter of the mesh: files carry about ten digits.
+const PLANE: f64 = 1e-9;
 
 impl<const D: usize> Mesh<D> {
     /// The unit normal, out of the domain, at every C0 node of `boundary`:
@@ -17,12 +20,12 @@ impl<const D: usize> Mesh<D> {
     /// n = sum_f n_f / |sum_f n_f|,    n_f = +-cof(J) e_a / |cof(J) e_a|                                       (normal)
     /// ```
     ///
-    /// over the facets f of this boundary that meet in the node, face 2 a + side of their cells. Each facet counts once. On
-    /// a smooth boundary all n_f agree up to the accuracy of the geometry; at an edge or a corner n is between them. Facets
-    /// of other boundaries do not count.
+    /// over the facets f of this boundary that meet in the node, face 2 a + side of their cells. Each facet counts once;
+    /// facets of other boundaries do not count. On a smooth boundary all n_f agree up to the accuracy of the geometry; at
+    /// an edge or a corner n lies between them.
     ///
     /// # Errors
-    /// [`MeshError::NoNormal`] where facets are back to back, as at a cusp.
+    /// [`MeshError::NoNormal`] if facets are back to back, as at a cusp.
     pub fn boundary_normals(
         &self,
         numbering: &NodeNumbering,
@@ -50,10 +53,33 @@ impl<const D: usize> Mesh<D> {
         sums.into_iter().map(normalised).collect()
     }
 
-    /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to there
-    /// over its whole length, in [0, 1). The curve begins at the end of a facet with the largest x, of several the one
-    /// with the smallest y, and leaves the domain on its right: it runs counter-clockwise around a body. `None` if the
-    /// boundary is anything else.
+    /// The C0 nodes of `boundary`, and the axes that it is normal to there: one in a plane, several where planes meet.
+    ///
+    /// # Errors
+    /// [`MeshError::NoAxis`] where a facet is not in a plane normal to an axis.
+    pub fn normal_axes(
+        &self,
+        numbering: &NodeNumbering,
+        boundary: usize,
+    ) -> Result<BTreeMap<usize, [bool; D]>, MeshError> {
+        let tolerance = PLANE * self.diameter();
+        let mut axes: BTreeMap<usize, [bool; D]> = BTreeMap::new();
+        for side in self.sides_of(boundary) {
+            let positions = self.face_positions(side);
+            let is_plane = |axis: &usize| positions.iter().all(|x| (x[*axis] - positions[0][*axis]).abs() <= tolerance);
+            let Some(axis) = (0..D).find(is_plane) else {
+                let (name, position) = (self.boundary_names[boundary].clone(), self.face_centre(side));
+                return Err(MeshError::NoAxis { name, position });
+            };
+            numbering.face::<D>(side).into_iter().for_each(|node| axes.entry(node).or_insert([false; D])[axis] = true);
+        }
+        Ok(axes)
+    }
+
+    /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to the
+    /// node over its whole length, in [0, 1). The curve begins at the end of a facet with the largest x; among several,
+    /// at the one with the smallest y. The domain lies on its right, so it runs counter-clockwise around a body. `None`
+    /// if the boundary is not one closed curve.
     pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
         let (mut arcs, mut first) = (BTreeMap::new(), None::<([f64; D], usize)>);
         for side in self.sides_of(boundary).filter(|_| D == 2) {
@@ -62,7 +88,7 @@ impl<const D: usize> Mesh<D> {
             if first.as_ref().is_none_or(|(position, _)| before(&arc.start, position)) {
                 first = Some((arc.start, arc.nodes[0]));
             }
-            // Two facets that begin in one node: no curve.
+            // Two facets that begin in one node do not form a curve.
             if arcs.insert(arc.nodes[0], arc).is_some() {
                 return None;
             }
@@ -83,7 +109,7 @@ impl<const D: usize> Mesh<D> {
         let mut nodes = numbering.face::<D>(side);
         let mut lengths = lengths(&positions, numbering.order());
         let mut start = positions[0];
-        // (t_x, t_y) has its right at (t_y, -t_x): with the sign + that is out of the domain.
+        // The right of (t_x, t_y) is (t_y, -t_x); with the sign + it points out of the domain.
         if tangent_sign(side.face) > 0.0 {
             let whole = lengths[lengths.len() - 1];
             nodes.reverse();
@@ -95,14 +121,14 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// A face in two dimensions: its C0 nodes, the length of the curve up to each of them, and where it starts.
+/// A face in two dimensions: its C0 nodes, the length of the curve up to each of them, and its first position.
 struct Arc<const D: usize> {
     nodes: Vec<usize>,
     lengths: Vec<f64>,
     start: [f64; D],
 }
 
-/// The arcs, by their first nodes, one after the other from node `first` until it is met again; as fractions of the whole.
+/// The arcs, by their first nodes, joined from node `first` until it is reached again; as fractions of the whole.
 fn follow<const D: usize>(mut arcs: BTreeMap<usize, Arc<D>>, first: usize) -> Option<BTreeMap<usize, f64>> {
     let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first);
     loop {
@@ -133,8 +159,8 @@ fn lengths<const D: usize>(positions: &[[f64; D]], n: usize) -> Vec<f64> {
     gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
 }
 
-/// The outward normal of a face where dx/dxi is `jacobian`, cof(dx/dxi) e_axis with the sign of the side: as long as the area of the face
-/// per area of the reference face.
+/// The outward normal of a face, where dx/dxi is `jacobian`: cof(dx/dxi) e_axis with the sign of the side. Its length is the area of the
+/// face per area of the reference face.
 pub fn outward_area<const D: usize>(jacobian: &[[f64; D]; D], face: usize) -> [f64; D] {
     let (axis, _) = axis_and_side(face);
     let cofactor = cofactor(jacobian);
@@ -178,12 +204,12 @@ mod tests {
         let normals = mesh.boundary_normals(&numbering, wall).unwrap();
         assert_eq!(normals.keys().copied().collect::<Vec<_>>(), numbering.on_boundary(&mesh, wall));
         for (node, normal) in &normals {
-            // Out of the domain is into the body.
+            // The direction out of the domain points into the body.
             assert!((0..2).all(|i| (normal[i] + places[node][i]).abs() < 1e-7), "{normal:?} at {:?}", places[node]);
         }
         let fractions = mesh.arc_fractions(&numbering, wall).unwrap();
         assert_eq!(fractions.len(), normals.len());
-        // Around the far field the domain is inside: clockwise.
+        // For the far field the domain is inside, so the curve runs clockwise.
         let far = mesh.arc_fractions(&numbering, named(&mesh, "far")).unwrap();
         for (fractions, sense) in [(fractions, 1.0), (far, -1.0)] {
             for (node, s) in fractions {
@@ -192,6 +218,22 @@ mod tests {
                 assert!((apart - apart.round()).abs() < 1e-9 && (0.0..1.0).contains(&s), "{s} at {x} {y}");
             }
         }
+    }
+
+    #[test]
+    fn a_plane_boundary_is_normal_to_an_axis_and_its_corners_to_two() {
+        let mesh = RotatingBoxMesh::unit(5, 3).build().unwrap().scrambled(2);
+        let numbering = NodeNumbering::new(&mesh, 3);
+        let (places, inner) = (places(&mesh, &numbering), named(&mesh, "inner"));
+        let axes = mesh.normal_axes(&numbering, inner).unwrap();
+        assert_eq!(axes.keys().copied().collect::<Vec<_>>(), numbering.on_boundary(&mesh, inner));
+        for (node, axes) in axes {
+            let on_side = places[&node].map(|x| (x.abs() - 0.1).abs() < 1e-12);
+            assert_eq!(axes, on_side, "{:?}", places[&node]);
+        }
+        let (round, numbering) = (annulus(), NodeNumbering::new(&annulus(), 3));
+        let error = round.normal_axes(&numbering, named(&round, "wall")).unwrap_err();
+        assert!(matches!(error, MeshError::NoAxis { name, .. } if name == "wall"));
     }
 
     #[test]
@@ -237,7 +279,7 @@ mod tests {
         let fractions = mesh.arc_fractions(&numbering, airfoil).unwrap();
         let (first, _) = fractions.iter().find(|(_, s)| **s == 0.0).unwrap();
         assert!((places[first][0] - 1.0).abs() < 1e-12);
-        // Symmetric: the nose is half-way, the upper side comes first.
+        // By symmetry the nose is half-way; the upper side comes first.
         for (node, s) in &fractions {
             assert!((places[node][1] >= -1e-12) == (*s <= 0.5 + 1e-12), "{s} at {:?}", places[node]);
         }

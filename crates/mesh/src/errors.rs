@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh.
+//! Errors of meshes.
 
 use thiserror::Error;
 
@@ -8,17 +8,17 @@ pub enum MeshError {
     /// The order is outside 2..=16.
     #[error("order {order} of the mesh is not supported: choose 2 to 16 nodes per direction")]
     Order {
-        /// The order asked for.
+        /// The requested order.
         order: usize,
     },
-    /// An array does not have the length that the others imply.
+    /// An array does not have the length that the other arrays imply.
     #[error("{array} has {found} entries, expected {expected}")]
     Length {
         /// Which array.
         array: &'static str,
         /// Its length.
         found: usize,
-        /// What the order and the number of cells imply.
+        /// The length that the order and the number of cells imply.
         expected: usize,
     },
     /// A node is infinite or not a number.
@@ -29,28 +29,28 @@ pub enum MeshError {
         /// The coordinate.
         value: f64,
     },
-    /// A number that the box generator cannot use.
+    /// A number that the box generator does not accept.
     #[error("box mesh: {quantity} along axis {axis} is {value}, expected {accepted}")]
     Box {
-        /// What is wrong.
+        /// The name of the quantity.
         quantity: &'static str,
-        /// Along which axis.
+        /// The axis.
         axis: usize,
         /// Its value.
         value: f64,
-        /// What would do.
+        /// The accepted values.
         accepted: &'static str,
     },
-    /// A number that another generator cannot use.
+    /// A number that another generator does not accept.
     #[error("{mesh} mesh: {quantity} is {value}, expected {accepted}")]
     Parameter {
-        /// Which generator.
+        /// The generator.
         mesh: &'static str,
-        /// What is wrong.
+        /// The name of the quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// What would do.
+        /// The accepted values.
         accepted: &'static str,
     },
     /// The reference map of a cell is not orientation-preserving everywhere.
@@ -68,7 +68,7 @@ pub enum MeshError {
         /// The Jacobian determinant there.
         determinant: f64,
     },
-    /// The determinant comes so close to zero that its sign cannot be proved.
+    /// The determinant is so close to zero that its sign cannot be proved.
     #[error("cell {cell} is degenerate: det J >= {lower:e} is all that can be proved, smallest value seen {sampled:e}")]
     Degenerate {
         /// The cell.
@@ -85,7 +85,7 @@ pub enum MeshError {
         cell: usize,
         /// Its face.
         face: usize,
-        /// How many faces have these vertices.
+        /// The number of faces with these vertices.
         count: usize,
         /// Centre of the face.
         position: Vec<f64>,
@@ -147,6 +147,95 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
+    /// Segments do not fill an axis of a box.
+    #[error("box mesh: segment {segment} along axis {axis} {problem}")]
+    Segments {
+        /// Along which axis.
+        axis: usize,
+        /// The segment, counted from 0.
+        segment: usize,
+        /// What is wrong with it, and what would do.
+        problem: String,
+    },
+    /// A face of a region goes through cells.
+    #[error(
+        "region \"{name}\" ends at {value} along axis {axis}, which is not between cells; the nearest line between cells is at {nearest}"
+    )]
+    Unaligned {
+        /// The region.
+        name: String,
+        /// Along which axis.
+        axis: usize,
+        /// Where its face is.
+        value: f64,
+        /// The nearest end of a cell.
+        nearest: f64,
+    },
+    /// A region lists a cell that does not exist.
+    #[error("region \"{name}\" lists cell {cell}: there are {cells} cells")]
+    NoSuchCell {
+        /// The region.
+        name: String,
+        /// The cell listed.
+        cell: usize,
+        /// Cells in the mesh.
+        cells: usize,
+    },
+    /// Two regions have the same name.
+    #[error("region name \"{name}\" is given twice")]
+    RegionTwice {
+        /// The name.
+        name: String,
+    },
+    /// A region has no cells.
+    #[error("region \"{name}\" has no cells")]
+    EmptyRegion {
+        /// The region.
+        name: String,
+    },
+    /// A cell is in two regions, and a part of the mesh is to be made of one of them.
+    #[error(
+        "cell {cell} is in region \"{first}\" and in region \"{second}\": a mesh in parts needs every cell in one region"
+    )]
+    TwoRegions {
+        /// The cell.
+        cell: usize,
+        /// A region that contains it.
+        first: String,
+        /// Another one.
+        second: String,
+    },
+    /// There is no region of that name.
+    #[error("the mesh has no region \"{name}\"; its regions are {known:?}")]
+    NoRegion {
+        /// The name.
+        name: String,
+        /// The names that exist.
+        known: Vec<String>,
+    },
+    /// Regions leave nothing of the mesh.
+    #[error("the regions {names:?} fill the whole mesh: no cell is left outside of them")]
+    NothingLeft {
+        /// The regions.
+        names: Vec<String>,
+    },
+    /// Two parts of a mesh have no node in common.
+    #[error("the regions {first:?} and {second:?} do not touch: they have no node in common")]
+    Apart {
+        /// The regions of one part.
+        first: Vec<String>,
+        /// The regions of the other part.
+        second: Vec<String>,
+    },
+    /// A boundary of a part would be both outside and towards another region.
+    #[error(
+        "boundary \"{name}\" lies on the outside of the mesh, and between two regions: give the facets between regions, or their \
+         region, another name"
+    )]
+    InterfaceName {
+        /// The name.
+        name: String,
+    },
     /// A periodic pair refers to a boundary that does not exist, to one twice, or to one of another pair.
     #[error(
         "periodic pair {pair} refers to boundary {boundary}: expected two different boundaries of 0..{count}, \
@@ -172,7 +261,7 @@ pub enum MeshError {
         /// Faces of the second.
         plus_faces: usize,
     },
-    /// Two periodic boundaries do not lie on each other after translation.
+    /// Two periodic boundaries do not coincide after translation.
     #[error(
         "periodic boundaries \"{minus}\" and \"{plus}\" do not match: the point {position:?} of \"{plus}\" is \
          {distance:e} away from the translated \"{minus}\" (tolerance {tolerance:e})"
@@ -180,13 +269,13 @@ pub enum MeshError {
     PeriodicMismatch {
         /// The boundary that is translated.
         minus: String,
-        /// The boundary it should fall on.
+        /// The boundary with which it should coincide.
         plus: String,
         /// A point of `plus` that has no counterpart.
         position: Vec<f64>,
-        /// How far it is from the nearest candidate.
+        /// Its distance from the nearest candidate.
         distance: f64,
-        /// The distance accepted.
+        /// The accepted distance.
         tolerance: f64,
     },
     /// The normals of the facets that meet in a node of a boundary cancel.
@@ -195,6 +284,14 @@ pub enum MeshError {
         /// The boundary.
         name: String,
         /// The node.
+        position: Vec<f64>,
+    },
+    /// A facet of a boundary is not in a plane normal to an axis.
+    #[error("boundary \"{name}\" is not in a plane normal to an axis at {position:?}")]
+    NoAxis {
+        /// The boundary.
+        name: String,
+        /// The centre of the facet.
         position: Vec<f64>,
     },
     /// Two neighbours do not have the same nodes on the face between them.
@@ -207,11 +304,11 @@ pub enum MeshError {
         minus: usize,
         /// The other cell.
         plus: usize,
-        /// Where, on the face of `plus`.
+        /// The location, on the face of `plus`.
         position: Vec<f64>,
         /// The distance of the two nodes.
         distance: f64,
-        /// The distance accepted.
+        /// The accepted distance.
         tolerance: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Faces of a cell, and how the lattices of two cells meet on a facet.
+//! Faces of a cell, and the relation of the lattices of two cells on a facet.
 
 /// One face of one cell. `face` = 2 axis + side, side 0 at xi_axis = -1 and side 1 at xi_axis = +1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -12,11 +12,11 @@ pub struct Side {
 /// A facet between two cells. Its normal points from `minus` to `plus`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorFacet {
-    /// The side that the normal leaves.
+    /// The side that the normal points away from.
     pub minus: Side,
-    /// The side that the normal enters.
+    /// The side that the normal points to.
     pub plus: Side,
-    /// How the lattice of `plus` lies on that of `minus`.
+    /// The lattice of `plus` relative to that of `minus`.
     pub orientation: Orientation,
     /// Whether the two sides are a translation apart.
     pub periodic: bool,
@@ -31,18 +31,18 @@ pub struct BoundaryFacet {
     pub boundary: usize,
 }
 
-/// The axis that face `face` is normal to, and its side: 0 low, 1 high.
+/// The axis normal to face `face`, and its side: 0 low, 1 high.
 pub const fn axis_and_side(face: usize) -> (usize, usize) {
     (face / 2, face % 2)
 }
 
-/// The indices, in the lattice of a cell with `n` nodes per direction, of the nodes on `face`, in the order of the
+/// The lattice indices of the nodes on `face`, for a cell with `n` nodes per direction. They come in the order of the
 /// face's own lattice: the remaining axes in increasing order, the first one fastest. `n` = 2 gives the corners.
 pub fn face_nodes(dimension: usize, n: usize, face: usize) -> Vec<usize> {
     let (axis, side) = axis_and_side(face);
     let stride = n.pow(axis as u32);
     let fixed = side * (n - 1) * stride;
-    // The digits of i below `axis` keep their place, those above move up by one.
+    // The digits of i below `axis` keep their position, higher digits move up by one.
     (0..n.pow(dimension as u32 - 1)).map(|i| i % stride + i / stride * stride * n + fixed).collect()
 }
 
@@ -52,23 +52,22 @@ pub fn corner_node(dimension: usize, n: usize, k: usize) -> usize {
     (0..dimension).map(|a| (k >> a & 1) * (n - 1) * n.pow(a as u32)).sum()
 }
 
-/// +1 where the outward normal of `face` points along its axis, -1 where it points against it.
+/// +1 if the outward normal of `face` points along its axis, -1 if it points against it.
 pub const fn outward_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// +1 where the tangents along the axes of the face's lattice make the outward normal, -1 where they make the inward
-/// one.
+/// +1 if the tangents along the axes of the face's lattice give the outward normal, -1 if they give the inward one.
 ///
-/// "Make" is the cross product in 3-D, the turn (t_x, t_y) -> (t_y, -t_x) in 2-D: both give +e_0 for axis 0 and -e_1
-/// for axis 1, and the cross product gives +e_2 for axis 2.
+/// The normal from tangents is the cross product in 3-D, and (t_x, t_y) -> (t_y, -t_x) in 2-D. Both give +e_0 for axis
+/// 0 and -e_1 for axis 1. The cross product gives +e_2 for axis 2.
 pub const fn tangent_sign(face: usize) -> f64 {
     let parity = if face / 2 == 1 { -1.0 } else { 1.0 };
     parity * outward_sign(face)
 }
 
-/// How the face lattice of the plus side lies on that of the minus side: (i_0, i_1) becomes (i_1, i_0) if `swap`, and
-/// then index k is counted from the other end if `flip[k]`. In 2-D only `flip[0]` is used.
+/// The face lattice of the plus side relative to that of the minus side. (i_0, i_1) becomes (i_1, i_0) if `swap`; then
+/// index k is counted from the other end if `flip[k]`. In 2-D only `flip[0]` is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Orientation {
     swap: bool,
@@ -88,8 +87,8 @@ impl Orientation {
         turned(0, j0) + n * turned(1, j1)
     }
 
-    /// The orientation that carries the vertices `minus` of a face (2 or 4, in the order of the face's lattice) to the
-    /// same vertices as the other side lists them. `None` if there is none.
+    /// The orientation that maps the vertices `minus` of a face (2 or 4, in the order of the face's lattice) to the
+    /// same vertices in the order of the other side. `None` if there is none.
     pub fn from_corners(minus: &[usize], plus: &[usize]) -> Option<Self> {
         let facet_dimension = match (minus.len(), plus.len()) {
             (2, 2) => 1,

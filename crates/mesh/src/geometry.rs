@@ -45,7 +45,7 @@ impl<const D: usize> CellMap<D> {
         self.relative_positions(nodes).into_iter().map(|x| from_fn(|i| nodes[i] + x[i])).collect()
     }
 
-    /// x - x_0 at the points, with x_0 the position of the first node: all digits, however far the cell is from the origin.
+    /// x - x_0 at the points, with the position x_0 of the first node: full accuracy at any distance from the origin.
     pub fn relative_positions(&self, nodes: &[f64]) -> Vec<[f64; D]> {
         let x = self.apply(self.lattice(nodes), |axis| &self.values[axis]);
         (0..x.values.len() / D).map(|q| point(&x.values, q)).collect()
@@ -71,7 +71,7 @@ impl<const D: usize> CellMap<D> {
         (0..columns[0].len() / D).map(|q| from_fn(|i| from_fn(|j| columns[j][q * D + i]))).collect()
     }
 
-    /// The positions relative to the first node: what all nodes have in common would cost derivatives digits.
+    /// The positions relative to the first node: a common offset would cost digits of the derivatives.
     fn lattice(&self, nodes: &[f64]) -> Lattice {
         let shape = std::iter::once(D).chain([self.order; D]).collect();
         Lattice::new(shape, nodes.iter().enumerate().map(|(i, x)| x - nodes[i % D]).collect())
@@ -93,7 +93,8 @@ impl<const D: usize> Mesh<D> {
         CellMap::at(self.order, xi).jacobians(self.cell_coordinates(cell))[0]
     }
 
-    /// Volume (area) and centroid of every cell, exact: det J has degree D (N-1) - 1 per direction, x det J N - 1 more.
+    /// Volume (area) and centroid of every cell, exact: det J has degree D (N-1) - 1 per direction, x det J has N - 1
+    /// more.
     pub fn volumes_and_centroids(&self) -> Vec<(f64, [f64; D])> {
         let n = ((D + 1) * (self.order - 1)).div_ceil(2);
         let rule = gauss(n);
@@ -108,8 +109,8 @@ impl<const D: usize> Mesh<D> {
         self.volumes_and_centroids().iter().map(|(volume, _)| volume).sum()
     }
 
-    /// The aspect ratio of `cell`: of the D lines through its centre that join the centres of opposite faces, the longest over
-    /// the shortest, by the distances of their ends.
+    /// The aspect ratio of `cell`: the longest over the shortest of the D lines that join the centres of opposite faces,
+    /// measured between their ends.
     pub fn aspect_ratio(&self, cell: usize) -> f64 {
         let centre = |axis: usize, side: f64| self.position(cell, &from_fn(|a| if a == axis { side } else { 0.0 }));
         let length = |axis: usize| {
@@ -156,7 +157,7 @@ pub(crate) fn interpolated_coordinates<const D: usize>(mesh: &Mesh<D>, order: us
     (0..mesh.n_cells()).flat_map(|cell| map.positions(mesh.cell_coordinates(cell))).flatten().collect()
 }
 
-/// The error that names where a cell is inverted.
+/// The error that names the place where a cell is inverted.
 pub(crate) fn inverted<const D: usize>(mesh: &Mesh<D>, cell: usize, xi: &[f64; D], determinant: f64) -> MeshError {
     MeshError::Inverted { cell, reference: xi.to_vec(), position: mesh.position(cell, xi).to_vec(), determinant }
 }
@@ -205,7 +206,8 @@ mod tests {
         }
     }
 
-    /// The nodes of both boxes are exact, so that their Jacobians are the same to the bit; they once lost six digits.
+    /// The nodes of both boxes are exact, so their Jacobians must have the same bits. A common offset once cost six
+    /// digits.
     #[test]
     fn jacobians_lose_nothing_far_from_the_origin() {
         let at = |lower: f64| -> Mesh<3> {

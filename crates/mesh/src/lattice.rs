@@ -38,7 +38,7 @@ impl Lattice {
         Lattice { shape, values }
     }
 
-    /// `matrix(axis)` applied along every axis, the last first: that is the cheapest order where lattices shrink.
+    /// `matrix(axis)` applied along every axis, the last first, which is the cheapest order for lattices that shrink.
     pub(crate) fn apply_each<'a>(&self, matrix: impl Fn(usize) -> &'a Matrix) -> Lattice {
         let last = self.shape.len() - 1;
         (0..last).rev().fold(self.apply(last, matrix(last)), |lattice, axis| lattice.apply(axis, matrix(axis)))

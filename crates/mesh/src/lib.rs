@@ -1,14 +1,15 @@
 //! Topology and curved geometry of quadrilateral and hexahedral meshes.
 //!
-//! A [`Mesh`] is a list of cells, each with the numbers of its 2^D vertices (who is whose neighbour) and the positions
-//! of its N^D Gauss-Lobatto nodes (where it is). Everything else follows: facets with the [`Orientation`] in which two
-//! lattices meet, the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that it
+//! A [`Mesh`] is a list of cells. Each cell has the numbers of its 2^D vertices, which define its neighbours, and the
+//! positions of its N^D Gauss-Lobatto nodes. Everything else follows: facets with the [`Orientation`] of the two
+//! lattices, the C0 [`NodeNumbering`] of nodes of any order, the map of a cell ([`CellMap`]), and a proof that the map
 //! is invertible.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `facet` | faces of a cell, their lattices and signs; orientation of two lattices |
 //! | `mesh` | the mesh |
+//! | `region`, `part` | named sets of cells; the mesh that some of them make, and the nodes that two such meshes share |
 //! | `topology` | facets from vertex numbers and names |
 //! | `periodic` | boundaries that are translates of each other |
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
@@ -32,8 +33,10 @@ mod lattice;
 mod locate;
 mod mesh;
 mod numbering;
+mod part;
 mod periodic;
 mod random;
+mod region;
 mod scramble;
 mod topology;
 mod validity;
@@ -49,5 +52,7 @@ pub use geometry::CellMap;
 pub use gmsh::{GmshError, Place};
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
+pub use part::Part;
 pub use periodic::PeriodicPair;
+pub use region::{REST, Region};
 pub use validity::{Bound, MotionCheck, SlabPoint, Validity, ValidityCheck};

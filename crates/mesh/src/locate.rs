@@ -4,13 +4,15 @@ use crate::Mesh;
 use crate::geometry::CellMap;
 use tensor::{cofactor, determinant, dot, norm};
 
-/// Newton steps from the centre of a cell: a point in a cell that is fit for use takes less than ten.
+/// Newton steps from the centre of a cell: in a usable cell fewer than ten are needed.
 const MAX_STEPS: usize = 30;
-/// Positions agree when they differ by less than this part of the extent of the cell, reference coordinates by less than this.
+/// Positions agree if they differ by less than this fraction of the extent of the cell, reference coordinates by less than
+/// this.
 const TOLERANCE: f64 = 1e-10;
 
 impl<const D: usize> Mesh<D> {
-    /// The first cell that contains `x`, its boundary included, and the reference point xi there; `None` if no cell does.
+    /// The first cell that contains `x`, including its boundary, and the reference point xi there; `None` if no cell
+    /// does.
     pub fn locate(&self, x: &[f64; D]) -> Option<(usize, [f64; D])> {
         (0..self.n_cells()).filter(|&cell| self.is_near(cell, x)).find_map(|cell| Some((cell, self.invert(cell, x)?)))
     }
@@ -39,7 +41,7 @@ impl<const D: usize> Mesh<D> {
             }
             let cofactor = cofactor(&jacobian);
             let determinant = determinant(&jacobian, &cofactor);
-            // cofactor / det is J^{-T}. Far outside a cell its map is of no use.
+            // cofactor / det is J^{-T}. Far outside a cell its map is meaningless.
             xi = std::array::from_fn(|a| {
                 let column = std::array::from_fn(|i| cofactor[i][a]);
                 (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
@@ -80,7 +82,7 @@ mod tests {
         finds_what_it_maps::<3>();
     }
 
-    /// The tolerance is below the distance of numbers there: positions relative to the cell reach it.
+    /// The tolerance is below the spacing of numbers there; positions relative to the cell reach it.
     #[test]
     fn points_are_found_far_from_the_origin() {
         let curving = Curving::None;

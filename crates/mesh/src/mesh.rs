@@ -2,7 +2,10 @@
 
 use crate::facet::{corner_node, face_nodes};
 use crate::numbering::unite_nodes;
-use crate::{BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Side, geometry, topology, validity};
+use crate::region::NamedSides;
+use crate::{
+    BoundaryFacet, InteriorFacet, MeshError, PeriodicPair, Region, Side, geometry, region, topology, validity,
+};
 use tensor::norm;
 
 /// Orders that a mesh may have.
@@ -18,17 +21,19 @@ pub struct Mesh<const D: usize> {
     pub(crate) interior_facets: Vec<InteriorFacet>,
     pub(crate) boundary_facets: Vec<BoundaryFacet>,
     pub(crate) boundary_names: Vec<String>,
+    pub(crate) regions: Vec<Region>,
+    pub(crate) interfaces: NamedSides,
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Builds a mesh and checks it: every face is matched once, named or periodic; neighbours share the nodes of their
-    /// facet; det J > 0 is proved in every cell.
+    /// Builds a mesh and checks it. Every face has one partner, a name or a periodic twin. Neighbours share the nodes
+    /// of their facet. det J > 0 is proved in every cell.
     ///
     /// * `order`: N, nodes per direction of the geometry, 2..=16
     /// * `corners`: vertex numbers, `[cell][2^D]`; bit a of the local number is the side along axis a
     /// * `coordinates`: `[cell][Gauss-Lobatto node, axis 0 fastest][D]`
-    /// * `boundaries`: names, and the faces that bear them
-    /// * `periodic`: pairs of boundaries, by index, that become one; they lose their names
+    /// * `boundaries`: names, and the faces that belong to them
+    /// * `periodic`: pairs of boundaries, by index, that are joined; they lose their names
     pub fn new(
         order: usize,
         corners: Vec<usize>,
@@ -36,9 +41,23 @@ impl<const D: usize> Mesh<D> {
         boundaries: Vec<(String, Vec<Side>)>,
         periodic: Vec<PeriodicPair<D>>,
     ) -> Result<Self, MeshError> {
+        Self::of_regions(order, corners, coordinates, boundaries, periodic, Vec::new())
+    }
+
+    /// The same with named sets of cells. `boundaries` may list facets between cells of different regions, by a side of each.
+    pub fn of_regions(
+        order: usize,
+        corners: Vec<usize>,
+        coordinates: Vec<f64>,
+        boundaries: Vec<(String, Vec<Side>)>,
+        periodic: Vec<PeriodicPair<D>>,
+        regions: Vec<Region>,
+    ) -> Result<Self, MeshError> {
         check_arrays::<D>(order, &corners, &coordinates)?;
-        let (interior_facets, boundary_facets, boundary_names) = Default::default();
-        let mut mesh = Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names };
+        let regions = region::complete(corners.len() >> D, regions)?;
+        let (interior_facets, boundary_facets, boundary_names, interfaces) = Default::default();
+        let mut mesh =
+            Mesh { order, corners, coordinates, interior_facets, boundary_facets, boundary_names, regions, interfaces };
         topology::connect(&mut mesh, boundaries, &periodic)?;
         unite_nodes(&mut mesh);
         validity::check_cells(&mesh)?;
@@ -83,8 +102,7 @@ impl<const D: usize> Mesh<D> {
         &self.boundary_names
     }
 
-    /// The same cells with the geometry interpolated to `order` nodes per direction: exact where `order` is not
-    /// smaller.
+    /// The same cells with the geometry interpolated to `order` nodes per direction; exact if `order` is not smaller.
     ///
     /// # Panics
     /// If `order` is outside [`ORDERS`].
@@ -113,7 +131,7 @@ impl<const D: usize> Mesh<D> {
         face_nodes(D, 2, side.face).into_iter().map(|k| point(cell, corner_node(D, self.order, k))).collect()
     }
 
-    /// The mean of the corners of a face, to say where it is.
+    /// The mean of the corners of a face, as its location.
     pub(crate) fn face_centre(&self, side: Side) -> Vec<f64> {
         let corners = self.face_corner_positions(side);
         (0..D).map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64).collect()

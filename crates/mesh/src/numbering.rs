@@ -4,10 +4,10 @@ use crate::facet::{corner_node, face_nodes};
 use crate::{InteriorFacet, Mesh, Side};
 use std::collections::BTreeMap;
 
-/// Global numbers of the Gauss-Lobatto nodes of order N of all cells: nodes at the same place, or at places that
-/// periodicity identifies, have the same number.
+/// Global numbers of the Gauss-Lobatto nodes of order N of all cells. Nodes at the same position, or at positions
+/// identified by periodicity, have the same number.
 ///
-/// Built from topology alone. Numbers increase in the order in which the cells first meet their nodes.
+/// Built from topology alone. Numbers increase in the order in which nodes first occur in the cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NodeNumbering {
     /// The number of different nodes.
@@ -28,6 +28,11 @@ impl NodeNumbering {
     /// N, the number of nodes per direction in a cell.
     pub fn order(&self) -> usize {
         self.order
+    }
+
+    /// The number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.cells.len() / self.nodes_per_cell
     }
 
     /// The global numbers of the N^D nodes of `cell`, axis 0 fastest.
@@ -51,8 +56,8 @@ impl NodeNumbering {
     }
 }
 
-/// Gives nodes of `mesh` that are at the same place the same position, to the bit: that of the first cell that has them. Geometry is
-/// exact where neighbours agree on it; they may have computed it in different orders of operations.
+/// Gives coincident nodes of `mesh` identical positions: the position in the first cell that has them. Neighbours agree on the
+/// geometry, but may have computed it in different orders of operations.
 pub(crate) fn unite_nodes<const D: usize>(mesh: &mut Mesh<D>) {
     let (count, numbers) = numbered(mesh, mesh.order, |facet| !facet.periodic);
     let mut places: Vec<Option<[f64; D]>> = vec![None; count];
@@ -62,8 +67,8 @@ pub(crate) fn unite_nodes<const D: usize>(mesh: &mut Mesh<D>) {
     }
 }
 
-/// The number of different nodes of order `order`, and the number of every node of every cell, when nodes on the facets of which `joins`
-/// holds, and on edges with the same vertices, are one.
+/// The number of different nodes of order `order`, and the number of every node of every cell. Nodes on facets for which `joins` holds,
+/// and on edges with the same vertices, are identified.
 fn numbered<const D: usize>(
     mesh: &Mesh<D>,
     order: usize,
@@ -75,7 +80,7 @@ fn numbered<const D: usize>(
     classes.numbers()
 }
 
-/// Joins the nodes on the two sides of every facet of which `joins` holds.
+/// Identifies the nodes on the two sides of every facet for which `joins` holds.
 fn join_facets<const D: usize>(
     mesh: &Mesh<D>,
     order: usize,
@@ -93,8 +98,8 @@ fn join_facets<const D: usize>(
     }
 }
 
-/// Joins nodes on edges with the same two vertices, running from the smaller number to the larger, and with them the
-/// vertices: cells may touch in an edge without a chain of facets that connects them.
+/// Identifies nodes on edges with the same two vertices, running from the smaller vertex number to the larger, and the
+/// vertices. Cells may touch in an edge without a chain of facets that connects them.
 fn join_edges<const D: usize>(mesh: &Mesh<D>, order: usize, classes: &mut Classes) {
     let nodes_per_cell = order.pow(D as u32);
     let mut edges = BTreeMap::new();
@@ -117,7 +122,7 @@ fn join_edges<const D: usize>(mesh: &Mesh<D>, order: usize, classes: &mut Classe
     }
 }
 
-/// The edges of a cell: the corner where each starts, and the axis it follows.
+/// The edges of a cell: first corner and axis.
 fn cell_edges(dimension: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..dimension).flat_map(move |axis| (0..1 << dimension).filter(move |k| k >> axis & 1 == 0).map(move |k| (k, axis)))
 }
@@ -128,7 +133,7 @@ fn edge_nodes(dimension: usize, n: usize, start: usize, axis: usize) -> Vec<usiz
     (0..n).map(|i| corner_node(dimension, n, start) + i * n.pow(axis as u32)).collect()
 }
 
-/// Sets of nodes that are one node (union-find). The representative of a set is its smallest member.
+/// Sets of identified nodes (union-find). The representative of a set is its smallest member.
 struct Classes {
     parent: Vec<usize>,
 }
@@ -181,8 +186,8 @@ mod tests {
         BoxMesh { lower: [0.0; D], upper: [1.0; D], cells, order: 3, curving, periodic }.build().unwrap()
     }
 
-    /// Nodes of order n with the same number are at the same place, up to periods of 1 along the periodic axes, and
-    /// different numbers are at different places.
+    /// Nodes of order n with the same number have the same position, up to periods of 1 along the periodic axes. Nodes
+    /// with different numbers have different positions.
     fn assert_numbers_are_places<const D: usize>(mesh: &Mesh<D>, n: usize, periodic: [bool; D]) {
         let numbering = NodeNumbering::new(mesh, n);
         let fine = mesh.with_order(n);
@@ -231,7 +236,7 @@ mod tests {
         every_pair_of_rotations::<3>(&[2, 3, 4]);
     }
 
-    /// Neighbours interpolate in different orders of operations, and once differed in their last bits.
+    /// Neighbours interpolate in different orders of operations, and their last bits once differed.
     #[test]
     fn nodes_that_are_shared_are_the_same_to_the_bit() {
         let cells = [2, 2, 2];
@@ -271,7 +276,7 @@ mod tests {
         }
     }
 
-    /// Of a 2 x 2 (x 2) box only two opposite cells are kept, turned: they touch in a vertex; in 3-D also in an edge.
+    /// Only two opposite cells of a 2 x 2 (x 2) box are kept, turned: they touch in a vertex; in 3-D also in an edge.
     fn two_touching_cells<const D: usize>(cells: [usize; D], keep: [usize; 2]) -> Mesh<D> {
         let whole = wavy_box(cells, [false; D]).scrambled(9);
         let corners = keep.iter().flat_map(|&cell| whole.corners(cell).to_vec()).collect();

@@ -5,16 +5,16 @@ use crate::{InteriorFacet, Mesh, MeshError, Orientation, Side};
 use std::collections::BTreeMap;
 use tensor::norm;
 
-/// Two nodes coincide if they are closer than this times the diameter of the mesh: files carry about ten digits.
+/// Two nodes coincide if they are closer than this times the diameter of the mesh, since files have about ten digits.
 const TOLERANCE: f64 = 1e-9;
 
 /// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of
-/// boundaries that [`Mesh::new`] receives.
+/// boundaries passed to [`Mesh::new`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodicPair<const D: usize> {
     /// The boundary that is translated.
     pub minus: usize,
-    /// The boundary it falls on.
+    /// The boundary with which it coincides.
     pub plus: usize,
     /// x_plus - x_minus.
     pub translation: [f64; D],
@@ -73,8 +73,8 @@ pub(crate) fn match_pair<const D: usize>(
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Pairs of boundaries, by index, that are translates of each other: they could be joined. The translation is the one
-    /// between the means of their vertices.
+    /// Pairs of boundaries, by index, that are translates of each other and could be joined. The translation is the
+    /// difference of the means of their vertices.
     pub fn translated_boundaries(&self) -> Vec<PeriodicPair<D>> {
         let sides = |boundary: usize| {
             let facets = self.boundary_facets.iter().filter(move |facet| facet.boundary == boundary);
@@ -108,7 +108,8 @@ fn twin_facet<const D: usize>(
     Ok(InteriorFacet { minus, plus, orientation, periodic: true })
 }
 
-/// For each vertex of `plus` the vertex of `minus` that the translation carries there: the nearest, if near enough.
+/// For each vertex of `plus` the vertex of `minus` that coincides with it after translation: the nearest one, if near
+/// enough.
 fn twin_vertices<const D: usize>(
     mesh: &Mesh<D>,
     minus: &[Side],
@@ -130,7 +131,7 @@ fn twin_vertices<const D: usize>(
     Ok(twin)
 }
 
-/// The vertices of some faces and where they are.
+/// The vertices of some faces and their positions.
 fn vertex_positions<const D: usize>(mesh: &Mesh<D>, sides: &[Side]) -> BTreeMap<usize, [f64; D]> {
     sides.iter().flat_map(|&side| mesh.face_corners(side).into_iter().zip(mesh.face_corner_positions(side))).collect()
 }
@@ -186,7 +187,7 @@ mod tests {
         };
         let pair = |minus, plus, translation| PeriodicPair { minus, plus, translation };
         assert_eq!(translated(Curving::None), [pair(0, 1, [2.0, 0.0]), pair(2, 3, [0.0, 1.0])]);
-        // Inside the nodes move, on the boundary they stay.
+        // Inside the box nodes move, on the boundary they do not.
         assert_eq!(translated(Curving::Random { amplitude: 0.02, seed: 1 }).len(), 2);
     }
 }

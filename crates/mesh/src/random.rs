@@ -1,6 +1,6 @@
 //! A small generator of reproducible random numbers for test meshes.
 
-/// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): every seed is good, the sequence is the same everywhere.
+/// SplitMix64 (Steele, Lea & Flood, OOPSLA 2014): every seed is good, and the sequence is the same on every machine.
 pub(crate) struct SplitMix64 {
     state: u64,
 }

@@ -59,8 +59,8 @@ impl<const D: usize> Turn<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// The same mesh with the axes of every reference cell turned by a random rotation. A tool of tests: whatever is
-    /// computed on it must be as on the original, up to round-off.
+    /// The same mesh with the axes of every reference cell turned by a random rotation, for tests: every result must
+    /// agree with the original, up to round-off.
     pub fn scrambled(&self, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let rotations: Vec<Turn<D>> = Turn::all().into_iter().filter(Turn::is_rotation).collect();
@@ -75,6 +75,10 @@ impl<const D: usize> Mesh<D> {
         mesh.coordinates = (0..self.n_cells()).flat_map(|cell| self.turned_coordinates(cell, turns[cell])).collect();
         mesh.interior_facets.iter_mut().for_each(|facet| *facet = turned_facet(facet, turns));
         mesh.boundary_facets.iter_mut().for_each(|facet| facet.side = Turn::new_side(turns, facet.side));
+        for side in mesh.interfaces.iter_mut().flat_map(|(_, sides)| sides) {
+            *side = Turn::new_side(turns, *side);
+        }
+        mesh.interfaces.iter_mut().for_each(|(_, sides)| sides.sort_unstable());
         mesh.interior_facets.sort_unstable_by_key(|facet| facet.minus);
         mesh.boundary_facets.sort_unstable_by_key(|facet| (facet.boundary, facet.side));
         mesh

@@ -1,25 +1,41 @@
-//! Which faces meet: facets from vertex numbers, boundaries from names.
+//! Connectivity: facets from vertex numbers, boundaries from names.
 
+use crate::region::{NamedSides, regions_of_cells, split_interfaces};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, PeriodicPair, Side, periodic};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Finds the facets of `mesh`, which has cells only so far.
+/// Finds the facets of `mesh`, which so far has only cells and regions.
 pub(crate) fn connect<const D: usize>(
     mesh: &mut Mesh<D>,
-    boundaries: Vec<(String, Vec<Side>)>,
+    boundaries: NamedSides,
     pairs: &[PeriodicPair<D>],
 ) -> Result<(), MeshError> {
     let owner = boundary_of_sides(mesh, &boundaries)?;
-    mesh.interior_facets = match_faces(mesh, &owner, &boundaries)?;
+    let (facets, between_regions) = match_faces(mesh, &owner, &boundaries)?;
+    mesh.interior_facets = facets;
     periodic::check_gaps(mesh)?;
     for (number, pair) in pairs.iter().enumerate() {
         periodic::check_pair(number, pairs, boundaries.len())?;
+        check_outside(mesh, [&boundaries[pair.minus], &boundaries[pair.plus]], &between_regions)?;
         let facets = periodic::match_pair(mesh, &boundaries, pair)?;
         mesh.interior_facets.extend(facets);
     }
     mesh.interior_facets.sort_unstable_by_key(|facet| facet.minus);
-    keep_named(mesh, boundaries, pairs);
+    keep_named(mesh, boundaries, pairs, &between_regions);
     Ok(())
+}
+
+/// A boundary that is joined with another one has no facets between regions.
+fn check_outside<const D: usize>(
+    mesh: &Mesh<D>,
+    joined: [&(String, Vec<Side>); 2],
+    between_regions: &BTreeSet<Side>,
+) -> Result<(), MeshError> {
+    let mut sides = joined.into_iter().flat_map(|(name, sides)| sides.iter().map(move |side| (name, *side)));
+    match sides.find(|(_, side)| between_regions.contains(side)) {
+        Some((name, side)) => Err(inside(mesh, name, side)),
+        None => Ok(()),
+    }
 }
 
 /// The boundary that lists each side.
@@ -53,18 +69,19 @@ pub(crate) fn face_key(mut vertices: Vec<usize>) -> Vec<usize> {
     vertices
 }
 
-/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, one with a partner must
-/// not.
+/// Pairs the faces that have the same vertices. A face without a partner must be in `owner`, a face with a partner must
+/// not, unless it lies between regions: returns the facets, and the listed sides of such faces.
 fn match_faces<const D: usize>(
     mesh: &Mesh<D>,
     owner: &BTreeMap<Side, usize>,
     boundaries: &[(String, Vec<Side>)],
-) -> Result<Vec<InteriorFacet>, MeshError> {
+) -> Result<(Vec<InteriorFacet>, BTreeSet<Side>), MeshError> {
+    let regions = regions_of_cells(mesh.n_cells(), &mesh.regions);
     let sides = (0..mesh.n_cells()).flat_map(|cell| (0..2 * D).map(move |face| Side { cell, face }));
     let mut faces: Vec<(Vec<usize>, Side)> = sides.map(|side| (face_key(mesh.face_corners(side)), side)).collect();
     faces.sort_unstable();
 
-    let mut facets = Vec::new();
+    let (mut facets, mut between_regions) = (Vec::new(), BTreeSet::new());
     for group in faces.chunk_by(|a, b| a.0 == b.0) {
         let side = group[0].1;
         let Side { cell, face } = side;
@@ -72,15 +89,21 @@ fn match_faces<const D: usize>(
         match (group, named) {
             ([_], Some(_)) => {}
             ([_], None) => return Err(MeshError::Unnamed { cell, face, position: mesh.face_centre(side) }),
-            ([_, _], Some(&boundary)) => {
-                let name = boundaries[boundary].0.clone();
-                return Err(MeshError::Inside { cell, face, name, position: mesh.face_centre(side) });
+            ([(_, minus), (_, plus)], Some(_)) if regions[minus.cell] != regions[plus.cell] => {
+                facets.push(conforming_facet(mesh, *minus, *plus)?);
+                between_regions.extend([minus, plus].into_iter().filter(|side| owner.contains_key(side)));
             }
+            ([_, _], Some(&boundary)) => return Err(inside(mesh, &boundaries[boundary].0, side)),
             ([(_, minus), (_, plus)], None) => facets.push(conforming_facet(mesh, *minus, *plus)?),
             _ => return Err(not_manifold(mesh, side, group.len())),
         }
     }
-    Ok(facets)
+    Ok((facets, between_regions))
+}
+
+fn inside<const D: usize>(mesh: &Mesh<D>, name: &str, side: Side) -> MeshError {
+    let (name, position) = (name.to_owned(), mesh.face_centre(side));
+    MeshError::Inside { cell: side.cell, face: side.face, name, position }
 }
 
 fn conforming_facet<const D: usize>(mesh: &Mesh<D>, minus: Side, plus: Side) -> Result<InteriorFacet, MeshError> {
@@ -93,13 +116,19 @@ pub(crate) fn not_manifold<const D: usize>(mesh: &Mesh<D>, side: Side, count: us
     MeshError::NonManifold { cell: side.cell, face: side.face, count, position: mesh.face_centre(side) }
 }
 
-/// Keeps the boundaries that no periodic pair has joined, in the order given, their sides in increasing order.
-fn keep_named<const D: usize>(mesh: &mut Mesh<D>, boundaries: Vec<(String, Vec<Side>)>, pairs: &[PeriodicPair<D>]) {
+/// Keeps the boundaries that are not joined by a periodic pair, in the given order, their sides in increasing order; those between
+/// regions apart from the others.
+fn keep_named<const D: usize>(
+    mesh: &mut Mesh<D>,
+    boundaries: NamedSides,
+    pairs: &[PeriodicPair<D>],
+    between_regions: &BTreeSet<Side>,
+) {
     let joined = |boundary| pairs.iter().any(|pair| pair.minus == boundary || pair.plus == boundary);
-    for (number, (name, mut sides)) in boundaries.into_iter().enumerate() {
-        if joined(number) {
-            continue;
-        }
+    let kept = boundaries.into_iter().enumerate().filter(|(number, _)| !joined(*number)).map(|(_, named)| named);
+    let (outer, interfaces) = split_interfaces(kept.collect(), between_regions);
+    mesh.interfaces = interfaces;
+    for (name, mut sides) in outer {
         let boundary = mesh.boundary_names.len();
         sides.sort_unstable();
         mesh.boundary_facets.extend(sides.into_iter().map(|side| BoundaryFacet { side, boundary }));
@@ -215,7 +244,7 @@ mod tests {
             p.boundaries[1].1[0].face = 0;
         });
         assert!(matches!(error, MeshError::Inverted { cell: 1, determinant: -0.25, .. }), "{error}");
-        // Cell 1 moved away from the vertices that it claims.
+        // Cell 1 moved away from its vertices.
         let error = two_squares().refused(|p| p.coordinates[9] -= 0.125);
         assert!(matches!(error, MeshError::Gap { minus: 0, plus: 1, distance: 0.125, .. }), "{error}");
         // A third cell on the facet between the two.

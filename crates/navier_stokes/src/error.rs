@@ -1,6 +1,6 @@
-//! What can be wrong with the numbers that describe a gas, a boundary condition or an exact state.
+//! Errors in the numbers that describe a gas, a boundary condition or an exact state.
 
-/// A parameter outside its range: what it is, its value, and what is accepted.
+/// A parameter outside its range: its name, its value, and the accepted range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidParameter {
     /// A quantity that must be positive is not.
@@ -11,7 +11,7 @@ pub enum InvalidParameter {
         /// Its value.
         value: f64,
     },
-    /// A ratio of specific heats of a gas that cannot exist.
+    /// An impossible ratio of specific heats.
     #[error("the ratio of specific heats is {value}, but it must be finite and above 1 (air: 1.4)")]
     Gamma {
         /// The value given.
@@ -27,13 +27,13 @@ pub enum InvalidParameter {
         /// Its value.
         value: f64,
     },
-    /// A direction that points nowhere.
+    /// A direction of length zero.
     #[error("the {quantity} has length 0, but it must point somewhere")]
     NoDirection {
         /// The name of the direction.
         quantity: &'static str,
     },
-    /// A vortex whose centre would be colder than absolute zero.
+    /// A vortex with a negative absolute temperature at its centre.
     #[error("the vortex strength is {strength}, but at Mach number {mach} its size must stay below {limit}")]
     VortexTooStrong {
         /// The strength given.
@@ -51,12 +51,12 @@ pub enum InvalidParameter {
     },
 }
 
-/// `value` where it is positive and finite.
+/// `value` if it is positive and finite.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, InvalidParameter> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(InvalidParameter::NotPositive { quantity, value }) }
 }
 
-/// `vector` where all its components are finite.
+/// `vector` if all its components are finite.
 pub(crate) fn finite<const D: usize>(quantity: &'static str, vector: [f64; D]) -> Result<[f64; D], InvalidParameter> {
     match vector.iter().position(|c| !c.is_finite()) {
         Some(axis) => Err(InvalidParameter::NotFinite { quantity, axis, value: vector[axis] }),

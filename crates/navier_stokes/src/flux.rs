@@ -9,8 +9,8 @@
 //! tau_ij = mu (w_i,j + w_j,i) - 2/3 mu w_k,k delta_ij                                                         (tau)
 //! ```
 //!
-//! after Diosady & Murman, AIAA 2018-0919, (7) and (8). In two dimensions w_k,k has two terms and the factor stays 2/3:
-//! plane flow of a three-dimensional gas.
+//! after Diosady & Murman, AIAA 2018-0919, (7) and (8). In two dimensions w_k,k has two terms and the factor is still
+//! 2/3: two-dimensional flow of a three-dimensional gas.
 
 use crate::gas::Gas;
 use crate::state::{Conserved, Primitive, along, components, scaled};
@@ -57,7 +57,7 @@ pub(crate) fn inviscid_normal<T: Over<G>, G: Real, const D: usize, const M: usiz
     flux
 }
 
-/// F_v(u, gradient), indexed `[direction][component]`; `gradient` is that of the conserved variables.
+/// F_v(u, gradient), indexed `[direction][component]`; `gradient` is the gradient of the conserved variables.
 #[inline(always)]
 pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
     gas: &Gas,
@@ -77,13 +77,13 @@ pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
     flux
 }
 
-/// Gas of the state `u` that is exchanged between two cells where the slope of the density jumps: it takes its momentum and its energy along,
+/// Gas of the state `u` that is exchanged between two cells if the slope of the density jumps. It carries its momentum and its energy along,
 ///
 /// ```text
 /// s = a [rho_,n] [1 ; w ; E],   1 / a = 1 / c + rho / (sigma mu)                                                   (exchange)
 /// ```
 ///
-/// with a speed a that is near c where viscosity governs the cell, and near that of viscosity, sigma mu / rho, where it does not.
+/// with a speed a. Where viscosity dominates in the cell, a is near c; elsewhere it is near the viscous speed sigma mu / rho.
 #[inline(always)]
 pub(crate) fn mass_exchange<T: Over<G>, G: Real, const D: usize, const M: usize>(
     gas: &Gas,
@@ -109,7 +109,7 @@ pub(crate) struct Stresses<T, const D: usize> {
     pub(crate) velocity: [T; D],
     /// tau_ij, symmetric
     pub(crate) tau: [[T; D]; D],
-    /// kappa T_,i: the heat that flows against direction i
+    /// kappa T_,i: the heat flux against direction i
     pub(crate) heat: [T; D],
 }
 

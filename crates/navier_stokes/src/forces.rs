@@ -1,24 +1,24 @@
 //! Forces on walls, the power of these forces, and heat.
 //!
-//! **The sign** of all of them: what the fluid does to the wall. Momentum and energy that leave the domain through a wall are
-//! taken up by it, so that
+//! **The sign** of all of them refers to the action of the fluid on the wall. The wall takes up the momentum and energy that
+//! leave the domain through it, so that
 //!
 //! ```text
 //! F = int (p n - tau n) ds,   M = int (x - x_p) x (p n - tau n) ds,   P = int (p n - tau n) . w_b ds,
 //! Q = - int kappa T_,n ds                                                                                     (force)
 //! ```
 //!
-//! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F and M are what the
-//! scheme takes from the momentum of the gas, P + Q is what it takes from its energy. The impulse, the work and the heat of a time
-//! are the integrals in the quadrature of the scheme.
+//! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F and M are what the scheme
+//! takes from the momentum of the gas; P + Q is taken from its energy. The impulse, the work and the heat over some time are the
+//! integrals in the quadrature of the scheme.
 //!
-//! At the top of a slab w_b is the velocity that is prescribed then: there P = F . h' + M . theta' of a rigid body to round-off. During a
-//! slab it is that of the mesh, a polynomial in time, so that work and heat are the energy that leaves the gas, to round-off.
+//! At the top of a slab w_b is the prescribed velocity: there P = F . h' + M . theta' of a rigid body to round-off. During a slab it is
+//! the velocity of the mesh, a polynomial in time, so that work and heat are the energy that leaves the gas, to round-off.
 
-use fem::{BoundaryFlux, FluxesAt};
+use fem::{BoundaryFlux, FluxPart, FluxesAt};
 use std::ops::AddAssign;
 
-/// What a wall feels at one time; or the integral over some time, an impulse.
+/// Force, moment, power and heat of a wall at one time; or their integral over some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallForce<const D: usize> {
     /// The part of F that pressure exerts.
@@ -40,10 +40,10 @@ impl<const D: usize> Default for WallForce<D> {
 }
 
 impl<const D: usize> WallForce<D> {
-    /// The force of what leaves through the wall, with the moment about `point`.
+    /// The force of the flux through the wall, with the moment about `point`.
     pub fn new<const M: usize>(flux: &BoundaryFlux<M>, point: &[f64; D]) -> Self {
-        let momentum = |flux: &[f64; M]| std::array::from_fn(|i| flux[1 + i]);
-        let (pressure, friction) = (momentum(&flux.inviscid), momentum(&flux.viscous));
+        let force = |flux: &FluxPart<M>| std::array::from_fn(|i| flux.force[i]);
+        let (pressure, friction) = (force(&flux.inviscid), force(&flux.viscous));
         let mut wall = WallForce { pressure, friction, moment: [0.0; 3], power: flux.work, heat: flux.heat };
         wall.moment = flux.moment_about(&std::array::from_fn(|i| point.get(i).copied().unwrap_or(0.0)));
         wall
@@ -88,14 +88,14 @@ fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
     std::array::from_fn(|i| at(a, i + 1) * at(b, i + 2) - at(a, i + 2) * at(b, i + 1))
 }
 
-/// What makes forces dimensionless:
+/// The reference values that make forces dimensionless:
 ///
 /// ```text
 /// C_D = F . e_D / (q A),   C_L = F . (e_z x e_D) / (q A),   C_M = M . a / (q A L),   q = rho U^2 / 2            (coefficients)
 /// ```
 ///
-/// Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise; one about a = -e_z where it raises the nose,
-/// which is upstream, towards the lift.
+/// Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise. A moment about a = -e_z is positive if it
+/// raises the nose, which is upstream, towards the lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceScales<const D: usize> {
     /// q.
@@ -144,14 +144,10 @@ mod tests {
     use super::*;
 
     fn flux(momentum: [f64; 2], at: [f64; 2]) -> BoundaryFlux<4> {
-        let moment = at[0] * momentum[1] - at[1] * momentum[0];
-        BoundaryFlux {
-            inviscid: [0.0, momentum[0], momentum[1], 3.5],
-            inviscid_moment: [0.0, 0.0, moment],
-            work: 3.0,
-            heat: 0.5,
-            ..BoundaryFlux::default()
-        }
+        let components = [0.0, momentum[0], momentum[1], 3.5];
+        let moment = [0.0, 0.0, at[0] * momentum[1] - at[1] * momentum[0]];
+        let inviscid = FluxPart { components, force: [momentum[0], momentum[1], 0.0], moment };
+        BoundaryFlux { inviscid, work: 3.0, heat: 0.5, ..BoundaryFlux::default() }
     }
 
     #[test]
@@ -183,7 +179,7 @@ mod tests {
         assert!((drag - 1.0).abs() < 1e-15 && (lift - 1.0).abs() < 1e-15 && moment == 0.5);
     }
 
-    /// A force along the lift that acts upstream of the point raises the nose, whatever the stream.
+    /// A force along the lift that acts upstream of the point raises the nose, for any stream.
     #[test]
     fn a_moment_about_minus_z_raises_the_nose() {
         for along in [[1.0, 0.0], [0.6, 0.8], [-1.0, 0.0], [0.0, -1.0]] {

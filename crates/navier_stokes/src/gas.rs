@@ -4,12 +4,12 @@ use crate::error::{InvalidParameter, positive};
 use crate::state::Conserved;
 use tensor::{Real, dot};
 
-/// How the dynamic viscosity mu depends on the temperature T.
+/// The dependence of the dynamic viscosity mu on the temperature T.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viscosity {
     /// mu = 0: the Euler equations.
     Inviscid,
-    /// The same mu everywhere.
+    /// A constant mu.
     Constant(f64),
     /// Sutherland's law, mu = mu_0 (T / T_0)^(3/2) (T_0 + S) / (T + S).
     Sutherland {

@@ -6,10 +6,10 @@ use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
 use crate::riemann::Riemann;
 use crate::state::{Conserved, Primitive};
-use fem::{ConservationLaw, Kernels, LawKernels};
+use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
 use tensor::{Over, Real};
 
-/// The law in `D` dimensions: the gas, the choice of the numerical flux, and what is large and small.
+/// The law in `D` dimensions: the gas, the numerical flux, and the reference state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavierStokes<const D: usize> {
     /// The gas.
@@ -67,11 +67,9 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         &self,
         condition: Boundary<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        condition.state(self, minus, n, v, data)
+        condition.state(self, minus, at)
     }
 
     #[inline(always)]
@@ -79,11 +77,9 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         &self,
         condition: Boundary<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        condition.flux(self, minus, n, v, data)
+        condition.flux(self, minus, at)
     }
 
     #[inline(always)]
@@ -92,15 +88,24 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         condition: Boundary<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        condition.viscous_flux(self, state, gradient, n, v)
+        condition.viscous_flux(self, state, gradient, at)
     }
 
     #[inline(always)]
     fn boundary_velocity<G: Real>(&self, condition: Boundary<D>, n: &[G; D], v: &[G; D]) -> [G; D] {
         condition.velocity(n, v)
+    }
+
+    #[inline(always)]
+    fn momentum<T: Real>(&self, u: &[T; M]) -> [T; D] {
+        Conserved::unpack(u).momentum
+    }
+
+    #[inline(always)]
+    fn energy<T: Real>(&self, u: &[T; M]) -> T {
+        Conserved::<T, D>::unpack(u).energy
     }
 
     /// The smaller of density and pressure.

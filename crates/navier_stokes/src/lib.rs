@@ -1,17 +1,17 @@
 //! Pointwise physics of a compressible perfect gas: fluxes, boundary conditions, exact states.
 //!
-//! [`NavierStokes`] is the conservation law that the kernels of `fem` integrate. Nothing here knows a mesh or loops over
-//! cells. Every point function is generic in the number type and in the dimension, and inlined: it runs in SIMD lanes, and
-//! on dual numbers it gives the exact action of the Jacobian.
+//! [`NavierStokes`] is the conservation law that the kernels of `fem` integrate. This crate contains no mesh and no loops
+//! over cells. Every point function is generic in the number type and in the dimension, and inlined. It runs in SIMD
+//! lanes, and with dual numbers it gives exact products with the Jacobian.
 //!
-//! Loops over directions are kept short, one statement each where there are two indices: a longer body is not unrolled for
-//! duals in three dimensions, and the arrays that it indexes then go through memory, at twice the cost.
+//! Loops over directions are kept short, with one statement each if there are two indices. A longer body is not unrolled
+//! for duals in three dimensions; the arrays that it indexes then go through memory, at twice the cost.
 //!
 //! * [`Gas`], [`Viscosity`]: the equation of state; [`Reference`]: scales and dimensionless numbers.
-//! * [`Conserved`], [`Primitive`]: a state in names.
+//! * [`Conserved`], [`Primitive`]: states with named components.
 //! * [`Riemann`]: numerical fluxes on moving facets.
 //! * [`Boundary`] and its conditions.
-//! * [`WallForce`]: what the fluid does to walls.
+//! * [`WallForce`]: forces, power and heat of walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
 
 mod boundary;

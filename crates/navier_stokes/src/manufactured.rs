@@ -1,4 +1,4 @@
-//! Sources that make a given state a solution.
+//! Sources that make a given state an exact solution.
 
 use crate::exact::ExactState;
 use crate::law::NavierStokes;
@@ -11,10 +11,10 @@ use tensor::{Dual, Transcendental};
 /// s = d/dt u + d/dx_i ( F_c(u) - F_v(u, grad u) )_i                                                  (manufactured)
 /// ```
 ///
-/// Nothing is derived by hand: all derivatives are those of nested dual numbers, through the flux that the scheme uses.
+/// Nothing is derived by hand: all derivatives are computed by nested dual numbers through the flux of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manufactured<E, const D: usize> {
-    /// The law that the state shall satisfy.
+    /// The law that the state satisfies with the source.
     pub law: NavierStokes<D>,
     /// The state.
     pub exact: E,
@@ -61,14 +61,14 @@ pub(crate) fn gradient<E: ExactState<D, M>, T: Transcendental, const D: usize, c
     std::array::from_fn(|k| derivatives(exact.state(&along_axis(x, k), Dual::new(t, t.zero()))))
 }
 
-/// The point `x`, to be differentiated along `axis`.
+/// The point `x` as dual numbers, differentiated along `axis`.
 fn along_axis<T: Transcendental, const D: usize>(x: &[T; D], axis: usize) -> [Dual<T>; D] {
     let mut moving = constants(x);
     moving[axis].derivative = x[axis].constant(1.0);
     moving
 }
 
-/// `x`, not to be differentiated.
+/// `x` as constants.
 fn constants<T: Transcendental, const D: usize>(x: &[T; D]) -> [Dual<T>; D] {
     x.map(|x| Dual::new(x, x.zero()))
 }

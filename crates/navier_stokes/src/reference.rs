@@ -1,13 +1,13 @@
-//! The reference state: what is small and what is large in a flow.
+//! The reference state, which sets the scales of a flow.
 
 use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 
 /// A density, a flow speed and a sound speed that are typical of a flow.
 ///
-/// In slow flow the state is a small disturbance of a uniform one: a velocity of the size U comes with an acoustic pressure
-/// d p = rho c U, hence with d rho = d p / c^2 and d(rho E) = d p / (gamma - 1). These, not rho and rho E themselves, make
-/// the components of a residual comparable:
+/// In slow flow the state is a small disturbance of a uniform one. A velocity of the size U comes with an acoustic pressure
+/// d p = rho c U, hence with d rho = d p / c^2 and d(rho E) = d p / (gamma - 1). These, not rho and rho E themselves, are
+/// the scales that make the components of a residual comparable:
 ///
 /// ```text
 /// scales = ( rho U / c, rho U, ..., rho c U / (gamma - 1) )                                              (scales)
@@ -23,12 +23,17 @@ impl Reference {
     /// The scales of a flow of the given `density` rho, `speed` U (of the free stream or of a moving wall) and `pressure`.
     ///
     /// # Errors
-    /// A number that is not positive. Where nothing is known to move, choose the speed that the flow is expected to reach.
+    /// A number that is not positive. If nothing is known to move, choose the speed that the flow is expected to reach.
     pub fn new(gas: &Gas, density: f64, speed: f64, pressure: f64) -> Result<Self, InvalidParameter> {
         positive("reference density", density)?;
         positive("reference speed", speed)?;
         positive("reference pressure", pressure)?;
         Ok(Reference { density, speed, sound_speed: gas.sound_speed(density, pressure) })
+    }
+
+    /// The density.
+    pub fn density(&self) -> f64 {
+        self.density
     }
 
     /// The pressure, rho c^2 / gamma.

@@ -1,4 +1,4 @@
-//! The state of the gas at a point, in names.
+//! The state of the gas at a point, with named components.
 //!
 //! Kernels carry the conserved state as an array `[T; M]`, M = D + 2: density, momentum, total energy per volume.
 
@@ -86,7 +86,7 @@ impl<const D: usize> Primitive<f64, D> {
         finite("velocity", self.velocity)?;
         Ok(self)
     }
-    /// The same constants in the kind of `like`.
+    /// The same constants in the number type of `like`.
     #[inline(always)]
     pub fn constant<T: Real>(&self, like: T) -> Primitive<T, D> {
         let mut velocity = [like; D];

@@ -26,18 +26,18 @@ impl Default for Settings {
     }
 }
 
-/// What a solve has done.
+/// The report of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
-    /// The number of iterations: of products with A, but for one with a non-zero initial guess.
+    /// The number of iterations. Each takes one product with A; a non-zero initial guess takes one more.
     pub iterations: usize,
     /// |b - A x| at the start.
     pub initial_norm: f64,
-    /// |b - A x| at the end, by its recursion.
+    /// |b - A x| at the end, from the recursion.
     pub final_norm: f64,
 }
 
-/// Why a solve stopped short of its tolerance.
+/// Why a solve did not reach its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The number of iterations is used up; x holds the last iterate.
@@ -48,7 +48,7 @@ pub enum Error {
     IndefiniteOperator {
         /// (p, A p), not positive, or not a number.
         curvature: f64,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Report,
     },
     /// P is not positive definite.
@@ -56,12 +56,12 @@ pub enum Error {
     IndefinitePreconditioner {
         /// (r, P^-1 r), not positive, or not a number.
         product: f64,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Report,
     },
 }
 
-/// The memory of [`solve`]: after a first solve no later one of the same size allocates.
+/// The work memory of [`solve`]: after the first solve, later ones of the same size do not allocate.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     r: Vec<f64>,
@@ -77,7 +77,7 @@ impl Workspace {
         &self.history
     }
 
-    /// Makes room for a solve of the given length.
+    /// Allocates memory for a solve of the given length.
     fn prepare(&mut self, length: usize) {
         for vector in [&mut self.r, &mut self.z, &mut self.p, &mut self.a_p] {
             vector.resize(length, 0.0);
@@ -91,7 +91,7 @@ impl Workspace {
 /// A and P are symmetric positive definite in the inner product of the system.
 ///
 /// # Errors
-/// [`Error`] if the tolerance is not reached, or if A or P turns out not to be positive definite.
+/// [`Error`] if the tolerance is not reached, or if A or P proves not to be positive definite.
 pub fn solve(
     system: &mut (impl LinearSystem + ?Sized),
     b: &[f64],
@@ -121,7 +121,7 @@ pub fn solve(
     }
 }
 
-/// r := b - A x; returns |r|. No product is spent on x = 0.
+/// r := b - A x; returns |r|. For x = 0 no product is computed.
 fn start(system: &mut (impl LinearSystem + ?Sized), b: &[f64], x: &[f64], workspace: &mut Workspace) -> f64 {
     if x.iter().all(|&x_i| x_i == 0.0) {
         copy(b, &mut workspace.r);
@@ -133,7 +133,7 @@ fn start(system: &mut (impl LinearSystem + ?Sized), b: &[f64], x: &[f64], worksp
     system.inner_product().norm(&workspace.r)
 }
 
-/// z := P^-1 r and p := z + (r, z) / (r, z)_old p; returns (r, z), as the error if it is not positive.
+/// z := P^-1 r and p := z + (r, z) / (r, z)_old p; returns (r, z), as an error if it is not positive.
 fn next_direction(
     system: &mut (impl LinearSystem + ?Sized),
     workspace: &mut Workspace,
@@ -145,7 +145,7 @@ fn next_direction(
     Ok(r_z)
 }
 
-/// x := x + alpha p and r := r - alpha A p; returns (p, A p) as the error if it is not positive.
+/// x := x + alpha p and r := r - alpha A p; returns (p, A p) as an error if it is not positive.
 fn advance(
     system: &mut (impl LinearSystem + ?Sized),
     x: &mut [f64],
@@ -196,7 +196,7 @@ mod tests {
             let x = (i + 1) as f64 * h;
             assert!((u_i - 0.5 * x * (1.0 - x)).abs() <= 1e-11);
         }
-        // The right-hand side is symmetric about the middle: half of the eigenvectors do not occur.
+        // The right-hand side is symmetric about the middle, so half of the eigenvectors do not occur.
         assert_eq!(result.unwrap().iterations, 50);
     }
 

@@ -5,8 +5,7 @@
 //! (fgmres)    x := x + Z_m y,        y = argmin | |r_0| e_1 - H_m y |
 //! ```
 //!
-//! The preconditioner acts from the right, so the norm that is minimised is that of the true residual; it may change in
-//! every iteration.
+//! The preconditioner acts from the right, so the true residual is minimised. It may change in every iteration.
 
 mod least_squares;
 
@@ -14,12 +13,13 @@ use crate::inner_product::{InnerProduct, add_combination, copy, scale, scaled_co
 use crate::operator::LinearSystem;
 use least_squares::LeastSquares;
 
-/// The recursive estimate of a residual that has met the tolerance is trusted as long as it is more than this part of the residual at
-/// the start of its cycle: the basis is orthogonal to some 1e-14, which is then no part of its digits. Below, one more product tells.
+/// The recursive estimate of a converged residual is trusted while it is more than this fraction of the residual at the start of its
+/// cycle. The basis is orthogonal to some 1e-14, which does not affect the digits of such an estimate. Below, one more product
+/// computes the residual.
 const TRUSTED: f64 = 1e-6;
 
-/// A vector is made orthogonal once more where this part of it, or less, is left: otherwise what is left is orthogonal to ten times
-/// the round-off. A good preconditioner leaves less than 1 / sqrt(2), the usual bar, in most iterations.
+/// A vector is orthogonalised once more if this fraction of it, or less, is left. Otherwise the rest is orthogonal to ten times the
+/// round-off. The usual threshold is 1 / sqrt(2), but a good preconditioner leaves less than that in most iterations.
 const CANCELLED: f64 = 0.1;
 
 /// The settings of [`solve`].
@@ -29,11 +29,11 @@ pub struct Settings {
     pub relative_tolerance: f64,
     /// ... or at |b - A x| <= absolute_tolerance.
     pub absolute_tolerance: f64,
-    /// m, the number of iterations from one restart to the next: two vectors are stored for each.
+    /// m, the number of iterations between restarts; each stores two vectors.
     pub restart: usize,
     /// The total number of iterations after which the solver gives up.
     pub max_iterations: usize,
-    /// A cycle that leaves more than this part of the residual is stagnation.
+    /// A cycle that leaves more than this fraction of the residual is stagnation.
     pub stagnation: f64,
 }
 
@@ -43,11 +43,11 @@ impl Default for Settings {
     }
 }
 
-/// What a solve has done. Norms are of the true residual; of its recursive estimate where that is as good: where a cycle has
-/// reduced it by less than 10^6.
+/// The report of a solve. Norms are of the true residual, or of its recursive estimate if a cycle has reduced the residual
+/// by less than 10^6; the estimate is then as good.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
-    /// The number of iterations: of preconditioner applications.
+    /// The number of iterations, that is, of preconditioner applications.
     pub iterations: usize,
     /// The number of cycles after the first one.
     pub restarts: usize,
@@ -59,7 +59,7 @@ pub struct Report {
     pub final_norm: f64,
 }
 
-/// Why a solve stopped short of its tolerance. x holds the best iterate in all cases.
+/// Why a solve did not reach its tolerance. x holds the best iterate in all cases.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The number of iterations is used up.
@@ -74,14 +74,15 @@ pub enum Error {
 }
 
 impl Error {
-    /// What was done until then.
+    /// The report up to the failure.
     pub fn report(&self) -> &Report {
         let (Self::MaxIterations(report) | Self::Stagnated(report) | Self::NotFinite(report)) = self;
         report
     }
 }
 
-/// The memory of [`solve`]: after a first solve no later one of the same size and course allocates.
+/// The work memory of [`solve`]: after the first solve, later ones of the same size and number of iterations do not
+/// allocate.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     /// v_j, orthonormal.
@@ -101,14 +102,14 @@ impl Workspace {
         &self.history
     }
 
-    /// Makes room for a solve of the given length.
+    /// Allocates memory for a solve of the given length.
     fn prepare(&mut self, length: usize) {
         self.residual.resize(length, 0.0);
         self.history.clear();
         self.prepare_columns(0);
     }
 
-    /// Makes room for z_j and v_j up to the given number of iterations: most solves need few.
+    /// Allocates z_j and v_j up to the given number of iterations, since most solves need few.
     fn prepare_columns(&mut self, iterations: usize) {
         let length = self.residual.len();
         resize_columns(&mut self.basis, iterations + 1, length);
@@ -129,7 +130,8 @@ fn resize_columns(columns: &mut Vec<Vec<f64>>, count: usize, length: usize) {
 /// Solves A x = b. x holds the initial guess on entry, the solution on return.
 ///
 /// # Errors
-/// [`Error`] if the tolerance is not reached; x then is the best iterate, and the caller decides whether it will do.
+/// [`Error`] if the tolerance is not reached. Then x is the best iterate, and the caller decides whether it is good
+/// enough.
 pub fn solve(
     system: &mut (impl LinearSystem + ?Sized),
     b: &[f64],
@@ -162,7 +164,7 @@ pub fn solve(
     Ok(report)
 }
 
-/// Whether another cycle makes sense, if one is needed.
+/// Whether another cycle is useful, if one is needed.
 fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Report) -> Result<(), Error> {
     if !finite || !report.final_norm.is_finite() {
         Err(Error::NotFinite(report))
@@ -177,7 +179,7 @@ fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Re
     }
 }
 
-/// r := b - A x; returns |r|. No product is spent on x = 0.
+/// r := b - A x; returns |r|. For x = 0 no product is computed.
 fn true_residual(
     system: &mut (impl LinearSystem + ?Sized),
     b: &[f64],
@@ -196,7 +198,7 @@ fn true_residual(
     system.inner_product().norm(r)
 }
 
-/// One cycle of (arnoldi), from the residual in the workspace. Returns false if it met a vector that is not finite.
+/// One cycle of (arnoldi), from the residual in the workspace. Returns false if a vector is not finite.
 fn cycle(
     system: &mut (impl LinearSystem + ?Sized),
     settings: &Settings,
@@ -231,11 +233,11 @@ fn cycle(
     true
 }
 
-/// w := (w - V h) / |w - V h| with h = (V, w), which goes to the new column of H. Returns |w - V h|: zero if w lies in the
-/// span of V up to round-off, `None` if it is not finite.
+/// w := (w - V h) / |w - V h| with h = (V, w), which becomes the new column of H. Returns |w - V h|. It is zero if w lies
+/// in the span of V up to round-off, and `None` if it is not finite.
 ///
-/// Classical Gram-Schmidt, repeated where it cancelled much (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976), see
-/// [`CANCELLED`].
+/// Classical Gram-Schmidt, repeated after strong cancellation (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976),
+/// see [`CANCELLED`].
 fn orthonormalise(
     inner_product: &dyn InnerProduct,
     v: &[Vec<f64>],

@@ -1,4 +1,4 @@
-//! The action of the Jacobian by differences of the residual: an oracle for the exact action, and a setting.
+//! Jacobian products by differences of the residual: a reference for exact products, and a setting.
 //!
 //! ```text
 //! (one-sided)   dR/dz d = ( R(z + h d) - R(z) ) / h + O(h)              h = sqrt(eps) (1 + |z|) / |d|
@@ -8,7 +8,7 @@
 use crate::inner_product::{InnerProduct, axpy, copy, scale};
 use crate::problem::{Field, Inadmissible, NonlinearProblem};
 
-/// Which difference quotient.
+/// The difference quotient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// (one-sided): one residual per product, about eight digits.
@@ -134,7 +134,7 @@ mod tests {
     use crate::newton;
     use crate::test_problems::{Bratu, Small, scattered};
 
-    /// The relative difference of the quotient from the exact action, at a state and in a direction without structure.
+    /// The relative difference between the quotient and the exact product, for a pseudo-random state and direction.
     fn error(scheme: Scheme) -> f64 {
         let (z, d) = (scattered(30), scattered(60)[30..].to_vec());
         let mut exact = vec![0.0; 30];

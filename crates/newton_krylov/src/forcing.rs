@@ -1,4 +1,4 @@
-//! How exactly a Newton step solves its linear system: Eisenstat & Walker (SIAM J. Sci. Comput. 17, 1996), choice 2.
+//! The accuracy of the linear solve of a Newton step: Eisenstat & Walker (SIAM J. Sci. Comput. 17, 1996), choice 2.
 //!
 //! ```text
 //! (forcing)   eta = gamma (|F| / |F_old|)^2
@@ -11,7 +11,7 @@ pub struct Settings {
     pub initial: f64,
     /// gamma of (forcing), in (0, 1].
     pub gamma: f64,
-    /// The smallest eta. 1e-6 shows quadratic convergence; 1e-3 costs less.
+    /// The smallest eta. 1e-6 gives quadratic convergence; 1e-3 costs less.
     pub minimum: f64,
     /// The largest eta, below 1.
     pub maximum: f64,
@@ -23,7 +23,7 @@ impl Default for Settings {
     }
 }
 
-/// The step before the one that eta is wanted for.
+/// The step before the one for which eta is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Previous {
     /// |F_old|, where that step started.
@@ -35,8 +35,8 @@ pub struct Previous {
 impl Settings {
     /// eta of the step that starts at |F| = `norm`; `tolerance` is the |F| at which Newton stops, 0 < tolerance < norm.
     ///
-    /// A single good step must not tighten eta at once: eta >= gamma eta_old^2 while that exceeds 0.1. And no step solves more
-    /// exactly than Newton needs in the end: eta >= tolerance / (2 |F|).
+    /// A single good step must not tighten eta at once: eta >= gamma eta_old^2 while that exceeds 0.1. And no step is solved
+    /// more accurately than Newton's tolerance requires: eta >= tolerance / (2 |F|).
     pub fn next(&self, norm: f64, previous: Option<Previous>, tolerance: f64) -> f64 {
         let eta = previous.map_or(self.initial, |old| {
             let eta = self.gamma * (norm / old.norm).powi(2);

@@ -1,24 +1,25 @@
 //! Inner products and the few vector operations of the solvers.
 //!
-//! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends on the length alone,
-//! so the result has the same bits for any number of threads; and nothing is allocated.
+//! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends only on the length,
+//! so the result has the same bits for any number of threads. Nothing is allocated.
 
 use rayon::prelude::*;
 use std::ops::Range;
 use tensor::Arch;
 
-/// The number of entries that one thread sums up or updates at a time.
+/// The number of entries that one thread sums or updates at a time.
 pub const CHUNK: usize = 4096;
 
-/// The number of partial sums within a chunk: independent, so that they vectorise.
+/// The number of partial sums within a chunk. They are independent, so that they vectorise.
 const LANES: usize = 8;
 
-/// The number of columns that are read at the same time: memory delivers several streams faster than one.
+/// The number of columns that are read at the same time: several streams give more memory bandwidth than one.
 pub const AT_ONCE: usize = 4;
 
 /// An inner product (x, y) of vectors, possibly with weights that make several fields comparable.
 pub trait InnerProduct: Sync {
-    /// sums_j := (x_j, y) for parts of one to [`AT_ONCE`] vectors that begin with entry `start`, as long as y: a chunk at most.
+    /// sums_j := (x_j, y) for parts of one to [`AT_ONCE`] vectors that begin at entry `start` and are as long as y, at most a
+    /// chunk.
     fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]);
 
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
@@ -31,7 +32,7 @@ pub trait InnerProduct: Sync {
     }
 
     /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]; returns |y|. y is read once
-    /// for all of them. `partial` is memory for the sums of the chunks.
+    /// for all of them. `partial` holds the sums of the chunks.
     fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) -> f64 {
         let (count, chunks) = (products.len(), y.len().div_ceil(CHUNK));
         partial.resize((count + 1) * chunks, 0.0);
@@ -90,7 +91,8 @@ impl InnerProduct for Euclidean {
 /// (x, y) = sum_i w_i x_i y_i
 #[derive(Clone, Debug)]
 pub struct Weighted {
-    /// w_i >= 0, one per entry of the vectors; zero for entries that only pad the layout (which must be finite all the same).
+    /// w_i >= 0, one per entry of the vectors. It is zero for padding of the layout; those entries must be finite
+    /// nevertheless.
     pub weights: Vec<f64>,
 }
 
@@ -101,7 +103,7 @@ impl InnerProduct for Weighted {
     }
 }
 
-/// Where a vector of more than one chunk is split in two: at the chunk in its middle.
+/// The position where a vector of more than one chunk is split in two: the chunk in its middle.
 fn middle(length: usize) -> usize {
     length.div_ceil(CHUNK) / 2 * CHUNK
 }
@@ -128,7 +130,7 @@ fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 
     }
 }
 
-/// sums_j := sum_i w_i x_ij y_i over a chunk; all w_i are one where there are no weights.
+/// sums_j := sum_i w_i x_ij y_i over a chunk; without weights all w_i are one.
 #[inline(always)]
 fn chunk_dots(weights: Option<&[f64]>, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
     match *x {
@@ -140,7 +142,7 @@ fn chunk_dots(weights: Option<&[f64]>, x: &[&[f64]], y: &[f64], sums: &mut [f64]
     }
 }
 
-/// [`chunk_dots`] of C columns. What a chunk has beyond whole packs is a pack with zeros.
+/// [`chunk_dots`] for C columns. The remainder of a chunk after whole packs is padded with zeros.
 #[inline(always)]
 fn group_dots<const C: usize>(weights: Option<&[f64]>, x: [&[f64]; C], y: &[f64]) -> [f64; C] {
     let whole = y.len() / LANES;
@@ -168,7 +170,7 @@ fn group_dots<const C: usize>(weights: Option<&[f64]>, x: [&[f64]; C], y: &[f64]
     totals
 }
 
-/// sums_c += w y x_c for one pack, which `at` takes of a vector.
+/// sums_c += w y x_c for one pack, which `at` takes from a vector.
 #[inline(always)]
 fn add_products<const C: usize>(
     weights: Option<[f64; LANES]>,
@@ -209,7 +211,7 @@ pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
     add_combination_from(0, c, columns, y);
 }
 
-/// [`add_combination`] for the part of the vectors that begins at `start` and that `y` holds.
+/// [`add_combination`] for the part of the vectors that begins at `start` and is held in `y`.
 fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
     if y.len() <= CHUNK {
         return Arch::new().dispatch(|| {
@@ -284,7 +286,7 @@ mod tests {
     use super::*;
     use crate::test_problems::{bits, scattered, with_threads};
 
-    /// Longer than one chunk, and neither a multiple of a chunk nor of a pack.
+    /// Longer than one chunk, and a multiple neither of a chunk nor of a pack.
     const LENGTH: usize = 100_003;
 
     #[test]

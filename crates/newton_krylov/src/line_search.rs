@@ -1,4 +1,4 @@
-//! How far to go along a Newton increment: backtracking guarded by admissibility.
+//! The step length along a Newton increment: backtracking guarded by admissibility.
 //!
 //! ```text
 //! (decrease)   |G(a)| <= (1 - c a) |G(0)|     or     |G(a)| <= round-off
@@ -39,7 +39,7 @@ pub struct Report {
 /// No step was accepted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Every trial was admissible or the last one was, but the norm did not fall enough.
+    /// The last trial was admissible, but the norm did not fall enough.
     #[error(
         "the norm did not fall below {initial:e} along the increment: it is {norm:e} at step length {step_length:e}"
     )]
@@ -60,7 +60,7 @@ pub enum Error {
         step_length: f64,
         /// The number of evaluations of G.
         trials: usize,
-        /// What is wrong with that state.
+        /// Why that state is inadmissible.
         source: Inadmissible,
     },
 }
@@ -76,11 +76,11 @@ impl Error {
 
 /// Finds a step a = `largest`, `largest` x shrink, ... that satisfies (decrease).
 ///
-/// `norm_at(a)` is |G(a)|, `initial` is |G(0)|, `round_off()` the level at which no decrease is asked for; it is called only after a
-/// trial without a decrease. A norm that is not a number never satisfies (decrease).
+/// `norm_at(a)` is |G(a)| and `initial` is |G(0)|. `round_off()` is the level below which no decrease is required; it is called only
+/// after a trial without a decrease. A norm that is not a number never satisfies (decrease).
 ///
 /// # Errors
-/// [`Error`] after `max_trials` trials, by what was wrong with the last one.
+/// [`Error`] after `max_trials` trials, according to the last one.
 pub fn search(
     settings: &Settings,
     initial: f64,

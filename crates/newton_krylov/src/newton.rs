@@ -4,20 +4,20 @@
 //! (newton-step)   | R + (dR/dz + T) dz | <= eta |R|,     z := z + a dz
 //! ```
 //!
-//! eta by [`crate::forcing`], T by [`crate::pseudo_time`], a by [`crate::line_search`]. The search looks at
+//! eta is chosen by [`crate::forcing`], T by [`crate::pseudo_time`], a by [`crate::line_search`]. The line search uses
 //!
 //! ```text
 //! (merit)         G(a) = R(z + a dz) + a T dz
 //! ```
 //!
-//! the residual of one implicit Euler step in pseudo-time: dz is a direction of descent of |G| for any T, and G = R without
+//! the residual of one implicit Euler step in pseudo-time. dz is a descent direction of |G| for any T, and G = R without
 //! damping. While fields are damped |R| itself may grow.
 //!
-//! A solve also ends where only rounding is left: a step has brought less than its linear solve promised, or failed, and the norm is
-//! within what the problem estimates for its rounding ([`NonlinearProblem::round_off`]).
+//! A solve also ends when only rounding is left. That is the case if a step made less progress than its linear solve predicted, or
+//! failed, and the norm is within the problem's estimate of its rounding ([`NonlinearProblem::round_off`]).
 //!
-//! A step is rejected if the linear solver makes no use of the increment or the search finds no a. It is then repeated with
-//! more damping, until that has no effect.
+//! A step is rejected if the linear solver finds no useful increment or the line search finds no a. It is then repeated
+//! with more damping, until more damping has no effect.
 
 mod driver;
 mod report;
@@ -34,37 +34,37 @@ use driver::Driver;
 pub struct Settings {
     /// The tolerance relative to the reference norms, for the total norm and for each field.
     pub relative_tolerance: f64,
-    /// The tolerance for the total norm and for each field, whatever the reference norms.
+    /// The absolute tolerance for the total norm and for each field.
     pub absolute_tolerance: f64,
-    /// The level of round-off, relative to the reference norm: no decrease is asked for below.
+    /// The level of round-off, relative to the reference norm: below it no decrease is required.
     pub round_off: f64,
-    /// The norm below which a step that falls short of its linear solve may have met rounding: the problem is then asked for an estimate.
+    /// Below this norm, a step that falls short of its linear solve may have met rounding. Then the problem is asked for an estimate.
     pub quiet: f64,
     /// The number of steps after which the driver gives up.
     pub max_steps: usize,
-    /// Diverged is what exceeds the reference and the initial norm by this factor.
+    /// The solve has diverged if the residual exceeds the reference and the initial norm by this factor.
     pub divergence: f64,
-    /// When the driver gives up because the residual no longer falls; `None`: never. With it, a failed solve ends at the
-    /// iterate with the least residual.
+    /// When the driver gives up because the residual has stopped falling; `None`: never. If set, a failed solve ends at
+    /// the iterate with the least residual.
     pub stall: Option<Stall>,
-    /// A linear solve that fails is still used if it leaves at most this part of the residual.
+    /// A linear solve that fails is still used if it leaves at most this fraction of the residual.
     pub usable_linear_residual: f64,
-    /// How exactly the linear systems are solved.
+    /// The accuracy of the linear solves.
     pub forcing: forcing::Settings,
     /// The linear solver; its tolerances are set by the driver.
     pub krylov: fgmres::Settings,
-    /// How the step length is found.
+    /// The line search.
     pub line_search: line_search::Settings,
-    /// How fields are damped.
+    /// The damping of fields.
     pub pseudo_time: pseudo_time::Settings,
 }
 
-/// What counts as a stall.
+/// The definition of a stall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stall {
     /// The number of steps without progress.
     pub steps: usize,
-    /// Progress is a residual that is at most this factor of the least one before.
+    /// A step makes progress if its residual is at most this factor of the least one before.
     pub factor: f64,
 }
 
@@ -87,7 +87,7 @@ impl Default for Settings {
     }
 }
 
-/// The memory of [`solve`]: after a first solve no later one of the same size allocates vectors of that size.
+/// The work memory of [`solve`]: after the first solve, later ones of the same size allocate no vectors of that size.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     residual: Vec<f64>,
@@ -104,7 +104,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// R at the state where the last solve has ended.
+    /// R at the state where the last solve ended.
     pub fn residual(&self) -> &[f64] {
         &self.residual
     }
@@ -127,15 +127,15 @@ impl Workspace {
 
 /// Solves R(z) = 0. z holds the initial guess on entry, the solution on return.
 ///
-/// `references` are the norms that the relative tolerance refers to, one per field; without them those at the initial
-/// guess, which a good guess makes hard to meet.
+/// `references` are the norms for the relative tolerance, one per field. Without them the norms at the initial guess
+/// are used; a good guess makes these hard to meet.
 ///
 /// # Errors
-/// [`Error`] if the tolerances are not met; z then is an admissible iterate: with [`Settings::stall`] that with the least residual,
-/// otherwise the last accepted one.
+/// [`Error`] if the tolerances are not met. Then z is an admissible iterate: the one with the least residual if [`Settings::stall`]
+/// is set, otherwise the last accepted one.
 ///
 /// # Panics
-/// If the number of references is not that of the fields.
+/// If the number of references differs from the number of fields.
 pub fn solve<P: NonlinearProblem + ?Sized>(
     problem: &mut P,
     z: &mut [f64],

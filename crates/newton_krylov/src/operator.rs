@@ -1,4 +1,4 @@
-//! What a linear solver needs to know of A x = b.
+//! The interface of linear systems A x = b.
 
 use crate::inner_product::{InnerProduct, copy};
 
@@ -8,8 +8,8 @@ pub trait LinearOperator {
     fn apply(&mut self, x: &[f64], y: &mut [f64]);
 }
 
-/// An approximate inverse of a linear map, known by its action. It may change from one call to the next under FGMRES, not
-/// under CG.
+/// An approximate inverse of a linear map, known by its action. With FGMRES it may change from one call to the next, with
+/// CG it may not.
 pub trait Preconditioner {
     /// z := P^-1 r
     fn apply(&mut self, r: &[f64], z: &mut [f64]);
@@ -27,7 +27,7 @@ impl Preconditioner for Identity {
 
 /// An operator with its preconditioner and the inner product in which residuals are measured.
 ///
-/// One trait, not three arguments, because operator and preconditioner often are one object: a linearised problem.
+/// One trait, not three arguments, because operator and preconditioner are often one object: a linearised problem.
 pub trait LinearSystem {
     /// y := A x
     fn multiply(&mut self, x: &[f64], y: &mut [f64]);
@@ -37,7 +37,7 @@ pub trait LinearSystem {
     fn inner_product(&self) -> &dyn InnerProduct;
 }
 
-/// A [`LinearSystem`] put together from its parts.
+/// A [`LinearSystem`] composed of its parts.
 pub struct Preconditioned<'a> {
     /// A
     pub operator: &'a mut dyn LinearOperator,

@@ -4,17 +4,16 @@
 //! (ser)   dtau_k = dtau_0 (|R_k0| / |R_k|)^power        for each field k
 //! ```
 //!
-//! |R_k0| and dtau_0 are those of the last start of the rule: of the solve, or of the last rejected step. The code holds
-//! 1/dtau_k, zero for a field that is not damped.
+//! |R_k0| and dtau_0 belong to the last start of the rule: the start of the solve, or the last rejected step. The code stores 1/dtau_k, which is zero for an undamped field.
 //!
-//! A residual may grow on the way to a solution: a flow that starts at once passes through waves. After a rejection (ser) would
-//! then keep dtau as short as that one step needed. With a recovery factor above 1, dtau grows by at least this factor in every full step:
+//! A residual may grow on the way to a solution: a flow that starts suddenly passes through waves. After a rejection (ser) would then keep
+//! dtau as short as that one step needed. With a recovery factor above 1, dtau grows by at least this factor in every full step:
 //!
 //! ```text
 //! (recovery)   dtau_k >= recovery dtau_k of the step before,   after a rejection, where the step length was 1
 //! ```
 
-/// The settings of [`PseudoTime`], the same for every field: a problem scales its M_k so that they compare.
+/// The settings of [`PseudoTime`], the same for every field: a problem scales its M_k to make them comparable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// 1/dtau_0 of the first step; zero starts with plain Newton.
@@ -27,11 +26,11 @@ pub struct Settings {
     pub growth: f64,
     /// dtau_k is divided by this factor after a rejected step.
     pub shrink: f64,
-    /// A field is no longer damped once |R_k| <= switch_off |R_k0|.
+    /// Damping of a field ends once |R_k| <= switch_off |R_k0|.
     pub switch_off: f64,
     /// The number of rejected steps in a row after which the driver gives up.
     pub max_rejections: usize,
-    /// The factor of (recovery); 1 leaves it out.
+    /// The factor of (recovery); 1 disables it.
     pub recovery: f64,
 }
 
@@ -60,7 +59,7 @@ pub struct PseudoTime {
     rejected: bool,
 }
 
-/// Where (ser) of one field started.
+/// The start of (ser) for one field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FieldState {
     norm: f64,
@@ -104,7 +103,8 @@ impl PseudoTime {
         }
     }
 
-    /// Damps more after a rejected step that started at `field_norms`. A field within its tolerance is left alone.
+    /// Increases the damping after a rejected step that started at `field_norms`. A field within its tolerance is not
+    /// changed.
     ///
     /// Returns whether anything changed: if not, the same step would be rejected again.
     pub fn reject(&mut self, field_norms: &[f64], tolerances: &[f64]) -> bool {

@@ -15,7 +15,7 @@ pub(crate) fn bits(x: &[f64]) -> Vec<u64> {
     x.iter().map(|x_i| x_i.to_bits()).collect()
 }
 
-/// A vector without structure: entries in [-1/2, 1/2) by a linear congruence.
+/// A vector of pseudo-random entries in [-1/2, 1/2) by a linear congruence.
 pub(crate) fn scattered(length: usize) -> Vec<f64> {
     let mut state = 1_u64;
     let mut next = || {
@@ -38,7 +38,7 @@ impl LinearOperator for Dense {
 }
 
 impl Dense {
-    /// A x = b by Gaussian elimination with row exchanges: the oracle of the Krylov methods.
+    /// A x = b by Gaussian elimination with row exchanges: the reference for the Krylov methods.
     pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let n = b.len();
         let mut rows: Vec<Vec<f64>> = self.0.iter().zip(b).map(|(row, &b_i)| [&row[..], &[b_i]].concat()).collect();
@@ -59,7 +59,7 @@ impl Dense {
     }
 }
 
-/// A diagonal matrix; as a preconditioner its entries are those of P^-1.
+/// A diagonal matrix; as a preconditioner, the entries are those of P^-1.
 pub(crate) struct Diagonal(pub(crate) Vec<f64>);
 
 impl LinearOperator for Diagonal {
@@ -95,9 +95,9 @@ pub(crate) struct Small {
     inner_product: Weighted,
     matrix: Dense,
     inverse_pseudo_time: Vec<f64>,
-    /// What `largest_step` returns.
+    /// The result of `largest_step`.
     pub(crate) largest_step: f64,
-    /// What `round_off` returns.
+    /// The result of `round_off`.
     pub(crate) rounding: Option<Vec<f64>>,
 }
 

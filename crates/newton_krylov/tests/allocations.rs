@@ -1,5 +1,5 @@
-//! A solver keeps its memory: from the second solve on a linear solver does not allocate, and Newton allocates nothing but its
-//! report.
+//! Solvers keep their memory. From the second solve on a linear solver does not allocate, and Newton's method allocates only
+//! its report.
 #![allow(clippy::unwrap_used)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -16,7 +16,7 @@ struct Counting;
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 static BYTES: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: both functions pass their arguments on to the system's allocator, whose contract is the same.
+// SAFETY: both functions pass their arguments to the system's allocator, which has the same contract.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
@@ -90,8 +90,8 @@ impl NonlinearProblem for Cubic {
     }
 }
 
-/// The number of allocations, and of their bytes, of a piece of work that has been done before: the fewest of several times, for a
-/// thread that goes to sleep or wakes up may allocate for itself.
+/// The number of allocations, and of their bytes, of a piece of work that has been done before. It is the least of several trials,
+/// since a thread that goes to sleep or wakes up may allocate for itself.
 fn allocations_of_second(mut work: impl FnMut()) -> (usize, usize) {
     let now = || (ALLOCATIONS.load(Ordering::Relaxed), BYTES.load(Ordering::Relaxed));
     work();
@@ -136,7 +136,7 @@ fn newton_solver() {
     assert!(bytes < LENGTH, "Newton allocated {bytes} bytes, a vector has eight times {LENGTH}");
 }
 
-// One test, so that no other thread allocates meanwhile; within the pool, as entering it may allocate.
+// One test, so that no other thread allocates meanwhile; within the pool, because entering it may allocate.
 #[test]
 fn the_second_solve_does_not_allocate() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();

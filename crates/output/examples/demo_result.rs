@@ -1,4 +1,4 @@
-//! Writes results of known polynomials, and beside them what a reader must find, for `scripts/check_vtk.py`:
+//! Writes results of known polynomials and the values that a reader must find, for `scripts/check_vtk.py`:
 //!
 //! ```text
 //! cargo run -p output --example demo_result -- DIRECTORY
@@ -89,7 +89,7 @@ impl Demo {
         Ok(result.append(&Step { time: t, points: &points, fields: &fields, exact: &[("density", &density)] })?)
     }
 
-    /// What a reader must find at the lattice points and inside of every cell.
+    /// The values that a reader must find at the lattice points and inside every cell.
     fn expected(&self) -> Value {
         let steps = TIMES.map(|t| json!({ "time": t, "samples": self.samples(t) }));
         json!({ "steps": steps, "node_orders": node_orders(self.grid.dimension) })
@@ -105,7 +105,7 @@ impl Demo {
         (0..self.grid.cells).flat_map(|cell| points.iter().map(move |&r| sample(cell, r))).collect()
     }
 
-    /// Writes the steps with a checkpoint after every second one, and what is expected.
+    /// Writes the steps with a checkpoint after every second one, and the expected values.
     fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
         let directory = RunDirectory::open(path)?;
         let metadata =

@@ -4,8 +4,8 @@ use std::fmt;
 
 /// FNV-1a over 64-bit words: x <- (x xor word) * prime (Fowler, Noll and Vo, 1991).
 ///
-/// Each step is a bijection of x, so a single damaged word always changes the result.
-/// It guards against torn files and tells cases apart; it does not resist forgery.
+/// Each step is a bijection of x, so a single damaged word always changes the result. The checksum detects incomplete
+/// files and distinguishes cases; it does not resist forgery.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Checksum(u64);
 
@@ -25,7 +25,7 @@ impl Checksum {
         Self((self.0 ^ word).wrapping_mul(PRIME))
     }
 
-    /// The checksum with a text: its length, then its bytes, so that neighbouring texts do not run together.
+    /// The checksum with a text: its length, then its bytes, so that consecutive texts stay distinct.
     #[must_use]
     pub fn text(self, text: &str) -> Self {
         text.bytes().fold(self.word(text.len() as u64), |sum, byte| sum.word(u64::from(byte)))

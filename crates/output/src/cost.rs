@@ -1,4 +1,4 @@
-//! What a run cost, and on which machine: parts of `summary.json`.
+//! Cost and machine of a run: parts of `summary.json`.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
-    /// What the processor calls itself.
+    /// The name that the processor reports.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub processor: Option<String>,
     /// Processors that the run may use.
@@ -17,13 +17,13 @@ pub struct Machine {
     pub system: String,
 }
 
-/// What the run cost.
+/// The cost of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cost {
     /// Seconds from start to end.
     pub wall_seconds: f64,
-    /// Seconds of these before the first slab.
+    /// Seconds before the first slab, included above.
     pub setup_seconds: f64,
     /// Largest memory of the process.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,7 +34,7 @@ pub struct Cost {
     pub residual_evaluations: u64,
     /// Jacobian-vector products.
     pub jacobian_products: u64,
-    /// Where the seconds went, by name: they add up to `wall_seconds`.
+    /// Seconds and calls of the parts, by name; the seconds add up to `wall_seconds`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub parts: BTreeMap<String, Part>,
 }
@@ -45,6 +45,6 @@ pub struct Cost {
 pub struct Part {
     /// Seconds spent in it.
     pub seconds: f64,
-    /// How often it was called.
+    /// The number of its calls.
     pub calls: u64,
 }

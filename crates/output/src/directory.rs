@@ -45,24 +45,23 @@ fn seconds_since_1970() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
-/// The output directory of a run, made if need be and locked until this value is dropped.
+/// The output directory of a run, created if need be and locked until this value is dropped.
 ///
-/// The lock is the operating system's on the file `run.lock`: it vanishes with the process however that ends, so there
-/// are no stale locks to judge. The file only names the owner. Directories that were made here and are still empty at
-/// the end are removed again.
+/// The operating system locks the file `run.lock` and unlocks it when the process ends in any way, so there are no
+/// stale locks. The file only names the owner. Directories created here that are empty at the end are removed again.
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
-    /// Directories made here, innermost first.
+    /// Directories created here, innermost first.
     made: Vec<PathBuf>,
     lock: Option<File>,
 }
 
 impl RunDirectory {
-    /// Makes the directory if need be and locks it.
+    /// Creates the directory if need be and locks it.
     ///
     /// # Errors
-    /// [`OutputError::Directory`] if it cannot be made or written, [`OutputError::Busy`] if another run holds it.
+    /// [`OutputError::Directory`] if it cannot be created or written, [`OutputError::Busy`] if another run holds it.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let absent = path.ancestors().filter(|ancestor| !ancestor.as_os_str().is_empty() && !ancestor.exists());
         let mut directory = Self { path: path.to_owned(), made: absent.map(Path::to_owned).collect(), lock: None };
@@ -90,11 +89,11 @@ impl RunDirectory {
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(self.busy(&path)),
-            // A file system without locks: the run is allowed, a second one is not noticed.
+            // A file system without locks: the run is allowed, and a second run is not detected.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::Error(source)) => return Err(self.error(source)),
         }
-        // From here on the file is ours to remove, also if its disk is full.
+        // From here on the file belongs to this process and is removed at the end, even if the disk is full.
         let file = self.lock.insert(file);
         let owner = format!("{}\n", serde_json::json!(LockOwner::this_process()));
         let written = file.set_len(0).and_then(|()| file.write_all(owner.as_bytes()));
@@ -113,7 +112,7 @@ impl RunDirectory {
     }
 }
 
-/// The owner that a lock file names. It is locked before it is written: the owner is given a moment to do so.
+/// The owner named in a lock file. The file is locked before it is written, so the owner is given a moment.
 fn owner_of(lock: &Path) -> Option<LockOwner> {
     for _ in 0..100 {
         match fs::read(lock).map(|bytes| serde_json::from_slice(&bytes)) {
@@ -126,7 +125,7 @@ fn owner_of(lock: &Path) -> Option<LockOwner> {
 }
 
 impl Drop for RunDirectory {
-    /// Nothing can be reported from here, and nothing is lost if it fails: an unlocked lock file does no harm.
+    /// Errors cannot be reported from here and do no harm: an unlocked lock file is ignored.
     fn drop(&mut self) {
         if self.lock.is_some() {
             let _ = fs::remove_file(self.path.join(LOCK_FILE));

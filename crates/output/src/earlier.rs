@@ -1,4 +1,4 @@
-//! What an earlier run has left in a directory.
+//! The files of an earlier run in a directory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,17 +12,17 @@ use crate::history::{HISTORY_FILE, HistoryTable};
 use crate::result_file::RESULT_FILE;
 use crate::summary::SUMMARY_FILE;
 
-/// An earlier run: its end, as far as its files tell it.
+/// An earlier run, as described by its files.
 ///
-/// A run has no `summary.json` until it ends, so a directory without one holds a run that was killed. A run that was killed before its
-/// first checkpoint leaves nothing that could be continued, and counts as none.
+/// A run has no `summary.json` until it ends, so a directory without one holds a run that was killed. A run killed before its first
+/// checkpoint leaves nothing to continue, and is ignored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlierRun {
-    /// Whether it has reached its end.
+    /// Whether it reached its end.
     pub completed: bool,
-    /// Why it stopped before its end, if it has told.
+    /// Why it stopped before its end, if known.
     pub reason: Option<String>,
-    /// The time that it has reached, if a file tells.
+    /// The time that it reached, if known.
     pub time: Option<f64>,
     /// Whether there is a result file, and with it a checkpoint.
     pub has_checkpoint: bool,
@@ -52,7 +52,7 @@ impl EarlierRun {
     }
 }
 
-/// Whether there is something at `path`, be it a link that leads nowhere.
+/// Whether there is something at `path`, including a dangling link.
 fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
@@ -63,7 +63,7 @@ fn last_time(directory: &Path) -> Option<f64> {
 }
 
 impl RunDirectory {
-    /// A file in the directory that has the name of one of a run and was written by another program, so that a run would destroy it.
+    /// A file in the directory with the name of a run's file that another program has written; a run would destroy it.
     pub fn foreign_history(path: &Path) -> Option<PathBuf> {
         let history = path.join(HISTORY_FILE);
         let text = fs::read(&history).ok()?;
@@ -71,8 +71,8 @@ impl RunDirectory {
         (!is_ours).then_some(history)
     }
 
-    /// Removes what would be mistaken for the work of the run that now begins: the summary of the run before, and unless that run is
-    /// resumed its result and the `others` that were made of it.
+    /// Removes files that would be mistaken for the work of the new run: the old summary and, unless the run is resumed, the old
+    /// result and the `others` made from it.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.

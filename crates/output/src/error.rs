@@ -1,4 +1,4 @@
-//! What can go wrong with files, each with the path, the cause and what to do.
+//! Errors of files, each with the path, the cause and the remedy.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,34 +9,34 @@ use crate::directory::LockOwner;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The output directory cannot be made or written. Found before any work; nothing is left behind.
+    /// The output directory cannot be created or written. This is detected before any work; nothing is left behind.
     #[error("cannot write into the output directory `{path}`: {source}; choose another one or make it writable")]
     Directory {
-        /// The directory asked for.
+        /// The requested directory.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// Another process runs in the output directory.
     #[error("the output directory `{path}` is in use by {}; stop it or choose another directory", who(.owner))]
     Busy {
-        /// The directory asked for.
+        /// The requested directory.
         path: PathBuf,
-        /// Who holds it; absent if it has not told yet.
+        /// The process that holds it; absent if it has not been written yet.
         owner: Option<LockOwner>,
     },
     /// There is nothing to resume from.
     #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
     NoCheckpoint {
-        /// The result file looked for.
+        /// The missing result file.
         path: PathBuf,
     },
-    /// A result file is torn: truncated, overwritten, or not a result file at all.
+    /// A result file is truncated, overwritten, or not a result file at all.
     #[error("`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming")]
     Damaged {
         /// The file read.
         path: PathBuf,
-        /// What does not fit.
+        /// The mismatch.
         reason: String,
     },
     /// A checkpoint belongs to another case.
@@ -47,7 +47,7 @@ pub enum OutputError {
     OtherCase {
         /// The file read.
         path: PathBuf,
-        /// What differs.
+        /// The difference.
         difference: String,
     },
     /// A result file has a format that this program does not read.
@@ -59,10 +59,10 @@ pub enum OutputError {
         path: PathBuf,
         /// Its format version.
         found: i64,
-        /// The version understood here.
+        /// The version that this program reads.
         supported: i64,
     },
-    /// An array or a row does not have the length that was announced.
+    /// An array or a row does not have the declared length.
     #[error("`{name}` has {found} values, {expected} were announced")]
     Length {
         /// Name of the array.
@@ -72,7 +72,7 @@ pub enum OutputError {
         /// Length given.
         found: usize,
     },
-    /// An announced array was not given.
+    /// A declared array was not given.
     #[error("`{name}` was announced and is missing in the step")]
     Absent {
         /// Name of the array.
@@ -83,10 +83,10 @@ pub enum OutputError {
     Hdf5 {
         /// The file written.
         path: PathBuf,
-        /// What HDF5 said.
+        /// The error of HDF5.
         source: hdf5::Error,
     },
-    /// A row of the history is none.
+    /// A row of the history is invalid.
     #[error("`{path}`, line {line}: {found} numbers, {expected} were expected; restore it from a copy")]
     Row {
         /// The file read.
@@ -103,7 +103,7 @@ pub enum OutputError {
     File {
         /// The file concerned.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! Files that are either the old one or the new one, never a part.
+//! Files that are replaced as a whole: a reader finds the old or the new one, never a part.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -18,13 +18,13 @@ pub(crate) fn publish(partial: &Path, path: &Path) -> Result<(), OutputError> {
     let replace = || {
         File::open(partial)?.sync_all()?;
         fs::rename(partial, path)?;
-        // The new name is safe once the directory is on the disk too.
+        // The new name is safe only after the directory is on the disk too.
         File::open(path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")))?.sync_all()
     };
     replace().map_err(|source| file_error(path, source))
 }
 
-/// Replaces the file at `path` by `contents`: a reader sees the old or the new contents, whenever the writer dies.
+/// Replaces the file at `path` by `contents`. A reader sees the old or the new contents, even if the writer dies.
 ///
 /// # Errors
 /// [`OutputError::File`] if the system refuses.

@@ -1,4 +1,4 @@
-//! The group `/stsolve`: who wrote the file, for which case, with which layout, and the exact coefficients.
+//! The group `/stsolve`: program, case, layout, and the exact coefficients.
 
 use hdf5::{Group, Result};
 
@@ -21,7 +21,7 @@ const CASE: &str = "case";
 /// Name of the axis along which an array of coefficients grows.
 const STEP_LABEL: &str = "step";
 
-/// What a result file says about itself.
+/// The description of a result file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Metadata {
     /// Name and version of the program that wrote the file, for instance `stsolve 0.1.0`.
@@ -30,7 +30,7 @@ pub struct Metadata {
     pub case_name: String,
     /// The resolved case, as it could be run again.
     pub case_text: String,
-    /// A checksum of everything in the case that the numbers depend on; a checkpoint of another one is refused.
+    /// A checksum of all parts of the case that influence the numbers; a checkpoint with another checksum is refused.
     pub case_fingerprint: String,
     /// A checksum of the mesh, so that coefficients are not combined with another mesh.
     pub mesh_id: String,
@@ -74,7 +74,7 @@ pub(crate) fn replace_case(group: &Group, text: &str) -> Result<()> {
     write_text(group, CASE, text)
 }
 
-/// Reads what the file says about itself.
+/// Reads the description of the file.
 pub(crate) fn read_metadata(group: &Group) -> Result<Metadata> {
     Ok(Metadata {
         creator: read_text(group, "creator")?,
@@ -107,7 +107,7 @@ fn read_grid(group: &Group) -> Result<Grid> {
     })
 }
 
-/// Reads what the file holds at each step.
+/// Reads the layout of the steps.
 pub(crate) fn read_layout(group: &Group, vtkhdf: &Group) -> Result<Layout> {
     let (point_data, exact) = (vtkhdf.group("PointData")?, group.group("exact")?);
     let field = |name: String| {

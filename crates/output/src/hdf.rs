@@ -6,16 +6,16 @@ use hdf5::{
 };
 use ndarray::ArrayViewD;
 
-/// Chunks of a step are at most this many bytes, so that reading a part of one step touches little else.
+/// Chunks of a step have at most this many bytes, so that reading a part of one step reads little else.
 const CHUNK_BYTES: usize = 1 << 20;
 
 /// Steps below this many bytes share a chunk.
 const SMALL_STEP_BYTES: usize = 1 << 12;
 
-/// Effort of the lossless compression of indices; level 4 gains nothing more.
+/// Effort of the lossless compression of indices; level 4 saves nothing more.
 const DEFLATE_LEVEL: u8 = 1;
 
-/// Files in the format of HDF5 1.10, whichever library writes them: every reader of that or a later version opens them.
+/// Files in the format of HDF5 1.10, for any version of the library: that and later versions open them.
 pub(crate) fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|access| access.libver_v110());
@@ -24,8 +24,8 @@ pub(crate) fn options() -> FileBuilder {
 
 /// Creates an array of shape (0, `row`...) that grows along axis 0 by `rows` at each step.
 ///
-/// It is not compressed: a smooth flow in two dimensions shrinks to 0.78 of its size, at 50 MB/s on one core, while all
-/// others would wait.
+/// It is not compressed: a smooth flow in two dimensions shrinks to 0.78 of its size, at 50 MB/s on one core, and all
+/// other threads would wait.
 pub(crate) fn growing<T: H5Type>(group: &Group, name: &str, rows: usize, row: &[usize]) -> Result<Dataset> {
     let bytes = rows * row.iter().product::<usize>() * size_of::<T>();
     let builder = group.new_dataset::<T>().obj_track_times(false).chunk(chunk(rows, row, bytes));
@@ -63,7 +63,7 @@ pub(crate) fn constant<T: H5Type>(group: &Group, name: &str, values: &[T]) -> Re
     group.new_dataset_builder().obj_track_times(false).with_data(values).create(name).map(drop)
 }
 
-/// Writes an array of indices that does not grow; they follow a pattern and nearly vanish when compressed.
+/// Writes an array of indices that does not grow. Indices follow a pattern and compress to almost nothing.
 pub(crate) fn indices(group: &Group, name: &str, values: &[i64]) -> Result<()> {
     let builder = group.new_dataset_builder().obj_track_times(false).shuffle().deflate(DEFLATE_LEVEL);
     builder.with_data(values).create(name).map(drop)
@@ -79,7 +79,7 @@ pub(crate) fn write_text(location: &Location, name: &str, text: &str) -> Result<
 /// Reads a text from an attribute.
 pub(crate) fn read_text(location: &Location, name: &str) -> Result<String> {
     let value: VarLenUnicode = location.attr(name)?.read_scalar()?;
-    // `as_str` would take for granted that the bytes are UTF-8.
+    // `as_str` would assume that the bytes are UTF-8.
     let text = std::str::from_utf8(value.as_bytes());
     text.map(str::to_owned).map_err(|_| Error::from(format!("`{name}` is not a UTF-8 text")))
 }

@@ -22,8 +22,8 @@ pub struct History {
 }
 
 impl History {
-    /// Starts a history that begins with `rows` (one after the other): none for a new run, those of the checkpoint for
-    /// a resumed one. Rows of the file that were written after the checkpoint are thereby dropped.
+    /// Starts a history that begins with `rows` (one after the other): empty for a new run, the rows of the checkpoint
+    /// for a resumed one. Rows of the file that were written after the checkpoint are dropped.
     ///
     /// # Errors
     /// [`OutputError::Length`] if `rows` does not consist of whole rows, [`OutputError::File`] if the system refuses.
@@ -52,7 +52,7 @@ impl History {
         Ok(())
     }
 
-    /// All rows so far, one after the other, to be kept in the checkpoint.
+    /// All rows so far, one after the other, for the checkpoint.
     pub fn rows(&self) -> &[f64] {
         &self.rows
     }
@@ -63,7 +63,7 @@ impl History {
     }
 }
 
-/// What `history.csv` holds.
+/// The contents of `history.csv`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HistoryTable {
     /// Names of the columns.
@@ -73,11 +73,10 @@ pub struct HistoryTable {
 }
 
 impl HistoryTable {
-    /// Reads the history of the run in `directory`, of which the run may be writing more. A last row that is not whole is
-    /// left out.
+    /// Reads the history of the run in `directory`, which may still be writing. An incomplete last row is left out.
     ///
     /// # Errors
-    /// [`OutputError::File`] if the file cannot be read, [`OutputError::Row`] if it has a row that is none.
+    /// [`OutputError::File`] if the file cannot be read, [`OutputError::Row`] if a row is invalid.
     pub fn read(directory: &Path) -> Result<Self, OutputError> {
         let path = directory.join(HISTORY_FILE);
         let text = fs::read_to_string(&path).map_err(|source| file_error(&path, source))?;

@@ -1,4 +1,4 @@
-//! What a result file holds.
+//! The contents of a result file.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub struct ResultInfo {
     pub case_fingerprint: String,
     /// Checksum of the mesh.
     pub mesh_id: String,
-    /// What is stored at each step.
+    /// The layout of each step.
     pub layout: Layout,
     /// Number of space nodes per direction.
     pub space_nodes: usize,
@@ -49,7 +49,7 @@ pub struct CheckpointInfo {
     pub texts: Vec<(String, String)>,
 }
 
-/// Reads what the result file at `path` holds, and checks it on the way.
+/// Reads the contents of the result file at `path`, and checks them.
 ///
 /// # Errors
 /// As [`crate::read_checkpoint`].

@@ -6,8 +6,8 @@
 
 use crate::layout::Grid;
 
-/// Where VTK stores each lattice point of a cell: entry q is the VTK number of the point with lexicographic number q
-/// (axis 0 fastest).
+/// The VTK number of each lattice point of a cell: entry q belongs to the point with lexicographic number q (axis 0
+/// fastest).
 pub fn vtk_order(grid: &Grid) -> Vec<usize> {
     let n = grid.points_per_direction;
     let lattice = |q: usize| [q % n, q / n % n, q / (n * n)];

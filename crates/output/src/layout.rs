@@ -1,8 +1,8 @@
-//! What a result file holds at each step: the grid, the fields drawn on it, the exact coefficients.
+//! The contents of a result file at each step: the grid, the displayed fields, the exact coefficients.
 
 use serde::{Deserialize, Serialize};
 
-/// The cells as a viewer sees them: each cell has its own equidistant lattice of points on the reference cell.
+/// The cells for a viewer: each cell has its own equidistant lattice of points on the reference cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
     /// 2 (quadrilaterals) or 3 (hexahedra).
@@ -25,7 +25,7 @@ impl Grid {
     }
 }
 
-/// A field drawn on the lattice points.
+/// A displayed field, with values at the lattice points.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FieldSpec {
     /// Name shown by a viewer, without `/`.
@@ -49,7 +49,7 @@ impl FieldSpec {
 /// One axis of an array of coefficients.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Axis {
-    /// What the axis counts, for instance `cell`.
+    /// The meaning of the axis, for instance `cell`.
     pub label: String,
     /// Number of entries.
     pub length: usize,
@@ -82,7 +82,7 @@ impl ArraySpec {
     }
 }
 
-/// Everything that is written at each step.
+/// The contents of each step.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
     /// The lattice of points.

@@ -1,21 +1,21 @@
 //! Results on disk: VTKHDF, exact coefficients, checkpoint, history, summary.
 //!
-//! This crate is the only link to libhdf5 and holds no formula: it stores arrays, it does not compute them.
-//! What lies where in `result.vtkhdf` is documented in `FORMAT.md` beside this crate's manifest.
+//! This crate is the only link to libhdf5. It stores arrays and computes nothing. `FORMAT.md` beside this crate's
+//! manifest documents the contents of `result.vtkhdf`.
 //!
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;
-//! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state a restart needs;
+//! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state for a restart;
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
-//! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] is what a reader finds in it;
-//! * [`Summary`] is `summary.json`, what a script reads when the run is over;
-//! * [`EarlierRun`] is what a run finds in its directory of one before it;
-//! * [`inspect`] tells what a result file holds.
+//! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] holds its contents for a reader;
+//! * [`Summary`] is `summary.json`, for scripts after the run;
+//! * [`EarlierRun`] describes an earlier run in the same directory;
+//! * [`inspect`] lists the contents of a result file.
 //!
 //! # A run killed at any moment
 //!
-//! A reader never sees a file that is being written. Steps are appended to a private copy, `result.vtkhdf.partial`;
-//! a checkpoint closes the copy, forces it to the disk and renames it over `result.vtkhdf`, which is atomic. A killed
-//! run therefore leaves the result of its last checkpoint, whole, and at most one unfinished copy that the next run
+//! A reader never sees a file that is being written. Steps are appended to a private copy, `result.vtkhdf.partial`. A
+//! checkpoint closes the copy, forces it to the disk and renames it to `result.vtkhdf`, which is atomic. A killed run
+//! therefore leaves the complete result of its last checkpoint, and at most one unfinished copy, which the next run
 //! removes. A program that already reads the old file keeps reading the old file.
 
 mod checksum;
@@ -54,6 +54,6 @@ pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
 pub use state::SolverState;
 pub use summary::{
-    Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, SUMMARY_FILE, Steady,
-    SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
+    Steady, SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };

@@ -10,14 +10,14 @@ use crate::layout::Layout;
 use crate::result_file::{damaged, open};
 use crate::vtkhdf;
 
-/// A published result file, open for reading. It stays whole when a running program publishes a newer one meanwhile.
+/// A published result file, open for reading. It remains readable when a running program publishes a newer one.
 #[derive(Debug)]
 pub struct ResultReader {
     path: PathBuf,
     file: File,
-    /// What the file says about itself.
+    /// Creator, case and mesh of the file.
     pub metadata: Metadata,
-    /// What it holds at each step.
+    /// The contents of each step.
     pub layout: Layout,
     /// Time of each step.
     pub times: Vec<f64>,

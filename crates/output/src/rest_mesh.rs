@@ -1,4 +1,4 @@
-//! The group `/stsolve/mesh`: the mesh at rest, for readers that need more of it than the positions at each step.
+//! The group `/stsolve/mesh`: the mesh at rest, for readers that need more than the positions at each step.
 
 use hdf5::types::VarLenUnicode;
 use hdf5::{Error, Group, Result};
@@ -6,14 +6,14 @@ use ndarray::ArrayView2;
 
 use crate::hdf::constant;
 
-/// The mesh at rest. Empty in files of programs that did not write it.
+/// The mesh at rest. Empty for files of programs that did not write it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RestMesh {
     /// Positions of the nodes, `[cell][component][mesh node]`, as `exact/position` has them at each step.
     pub position: Vec<f64>,
     /// Names of the boundaries.
     pub boundary_names: Vec<String>,
-    /// Facets on a boundary: cell, face (2 axis + side), place of the boundary in `boundary_names`.
+    /// Facets on a boundary: cell, face (2 axis + side), index of the boundary in `boundary_names`.
     pub boundary_facets: Vec<[i64; 3]>,
 }
 

@@ -1,4 +1,4 @@
-//! `result.vtkhdf`: written step by step, published whole.
+//! `result.vtkhdf`: written step by step, published as a whole.
 
 use std::fs;
 use std::mem;
@@ -32,7 +32,7 @@ pub struct Step<'a> {
     pub exact: &'a [(&'a str, &'a [f64])],
 }
 
-/// The result file of a run. What is appended becomes visible with the next checkpoint.
+/// The result file of a run. Appended steps become visible with the next checkpoint.
 #[derive(Debug)]
 pub struct ResultFile {
     published: PathBuf,
@@ -41,17 +41,17 @@ pub struct ResultFile {
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
     copy: WorkingCopy,
-    /// The case with which a resumed run goes on, until it has replaced that in the file.
+    /// The case of a resumed run, until it has replaced the case in the file.
     new_case: Option<String>,
 }
 
 /// The private file to which steps are appended.
 #[derive(Debug)]
 enum WorkingCopy {
-    /// There is none: everything is published.
+    /// No private file: everything is published.
     None,
     Open(File),
-    /// Something could not be written. What the copy holds is unknown, so it is never published.
+    /// A write has failed. The content of the copy is unknown, so it is never published.
     Failed,
 }
 
@@ -73,12 +73,12 @@ impl ResultFile {
         Ok(result)
     }
 
-    /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in it that cannot go on as
-    /// `case`, a text that replaces the one in the file.
+    /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in it that prevents a
+    /// continuation as `case`. The text `case` replaces the one in the file.
     ///
     /// # Errors
-    /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`], or [`OutputError::OtherCase`] with what
-    /// `accept` says.
+    /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`], or [`OutputError::OtherCase`] with the
+    /// answer of `accept`.
     pub fn resume(
         directory: &RunDirectory,
         case: &str,
@@ -103,7 +103,7 @@ impl ResultFile {
         &self.published
     }
 
-    /// What is written at each step.
+    /// The contents of each step.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
@@ -158,8 +158,8 @@ impl ResultFile {
 
     /// Publishes everything appended so far together with the state to continue from.
     ///
-    /// The copy is forced to the disk before it takes the name of the result, so the cost grows with the file: space
-    /// checkpoints such that this is a small part of the run.
+    /// The copy is forced to the disk before it takes the name of the result, so the cost grows with the file. Choose
+    /// the checkpoint interval such that this is a small part of the run.
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] or [`OutputError::File`]; the last published file is then still in place.
@@ -176,7 +176,7 @@ impl ResultFile {
         Ok(())
     }
 
-    /// The working copy, made from the published file if there is none. It counts as failed until it is put back.
+    /// The working copy, made from the published file if there is none. It counts as failed until it is returned.
     fn take_working_copy(&mut self) -> Result<File, OutputError> {
         match mem::replace(&mut self.copy, WorkingCopy::Failed) {
             WorkingCopy::Open(file) => Ok(file),
@@ -229,11 +229,11 @@ fn checked<'a>(name: &str, values: &'a [f64], expected: usize) -> Result<&'a [f6
     }
 }
 
-/// Reads the checkpoint of a result file, of whatever case.
+/// Reads the checkpoint of a result file, for any case.
 ///
 /// # Errors
-/// [`OutputError::NoCheckpoint`] if there is no file, [`OutputError::Damaged`] if it cannot be trusted,
-/// [`OutputError::Version`] if its format is not ours.
+/// [`OutputError::NoCheckpoint`] if there is no file, [`OutputError::Damaged`] if it is damaged,
+/// [`OutputError::Version`] if its format is not supported.
 pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputError> {
     read(path).map(|(metadata, state, _)| (metadata, state))
 }
@@ -248,8 +248,8 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
     read().map_err(|error: hdf5::Error| damaged(path, &error))
 }
 
-/// Opens a result file for reading, once its seal and the version of its format are right: libhdf5 may crash on
-/// damaged bytes and is not asked to judge them.
+/// Opens a result file for reading after a check of its seal and of its format version, because libhdf5 may crash on
+/// damaged bytes.
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
         return Err(OutputError::NoCheckpoint { path: path.to_owned() });

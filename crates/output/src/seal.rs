@@ -1,6 +1,6 @@
-//! The last bytes of a result file, by which a damaged one is found before it is believed.
+//! The last bytes of a result file, by which damage is detected before the file is used.
 //!
-//! HDF5 ignores what follows its own end of file. There the seal lies: 8 bytes of name, then the length of the file
+//! HDF5 ignores bytes after its own end of file. There the seal lies: 8 bytes of name, then the length of the file
 //! before the seal and its checksum, each 64 bits, lowest byte first. HDF5 drops the seal when it writes to the file.
 
 use std::fs::{File, OpenOptions};
@@ -56,7 +56,7 @@ fn seal(length: u64, sum: Checksum) -> [u8; LENGTH] {
     seal
 }
 
-/// Checksum of the next `length` bytes, taken as words, the last one filled up with zeros.
+/// The checksum of the next `length` bytes, taken as words, the last one filled up with zeros.
 fn checksum(file: &File, length: u64) -> io::Result<Checksum> {
     let mut sum = Checksum::default();
     let mut block = Vec::with_capacity(BLOCK as usize);

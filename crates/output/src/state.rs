@@ -1,4 +1,4 @@
-//! The solver state: everything a restart needs beyond the case, in names and numbers.
+//! The solver state: all data besides the case that a restart needs, by names.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use hdf5::{Group, Result};
 
 use crate::hdf::{constant, read_integer, read_text, write_integer, write_text};
 
-/// What a restart needs. What the names mean is the solver's affair; here they are stored bit by bit.
+/// The data for a restart. The solver defines the names; here they are stored bit by bit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SolverState {
     /// Arrays, for instance the flow coefficients of the last slab. Names without `/`.

@@ -44,7 +44,7 @@ pub struct Summary {
     /// Quality of the moving mesh over the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_quality: Option<MeshQuality>,
-    /// What must be conserved.
+    /// Errors of conserved quantities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conservation: Option<Conservation>,
     /// Distance to the exact solution at the end.
@@ -59,13 +59,16 @@ pub struct Summary {
     /// Forces on the walls, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub walls: BTreeMap<String, Wall>,
-    /// What passes inflows and outflows, by name.
+    /// Rigid bodies that the flow moves, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub bodies: BTreeMap<String, Body>,
+    /// Mass flow and warnings of inflows and outflows, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub openings: BTreeMap<String, Opening>,
     /// The machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
-    /// What the run cost.
+    /// The cost of the run.
     pub cost: Cost,
 }
 
@@ -102,7 +105,7 @@ pub struct Unknowns {
 pub struct Newton {
     /// Over the run.
     pub total: u64,
-    /// The most that a slab took.
+    /// The largest number in a slab.
     pub max: u64,
     /// Mean over the slabs.
     pub per_slab: f64,
@@ -114,7 +117,7 @@ pub struct Newton {
 pub struct Krylov {
     /// Over the run.
     pub total: u64,
-    /// The most that a Newton step took.
+    /// The largest number in a Newton step.
     pub max_per_newton: u64,
     /// Mean over the Newton steps.
     pub mean_per_newton: f64,
@@ -130,7 +133,7 @@ pub struct MeshQuality {
     /// Proven lower bound of det J, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_lower_bound: Option<f64>,
-    /// Smallest det J met at a point, relative to the mesh at rest.
+    /// Smallest det J at a sampled point, relative to the mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub det_j_sampled_min: Option<f64>,
     /// Smallest scaled Jacobian.
@@ -144,7 +147,7 @@ pub struct MeshQuality {
     pub first_invalid_time_sampled: Option<f64>,
 }
 
-/// Errors in what must be conserved.
+/// Errors of conserved quantities.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conservation {
@@ -154,6 +157,9 @@ pub struct Conservation {
     /// Energy gained minus energy flown in, relative to the energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
+    /// Of the energy of gas and bodies together, relative to that of the gas at the start: what is there more than came in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupled_energy_error: Option<f64>,
     /// Largest deviation from a free stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub free_stream_error: Option<f64>,
@@ -193,13 +199,63 @@ pub struct StructureSummary {
     pub support_work: f64,
     /// Energy lost in the jumps between slabs.
     pub dissipation: f64,
-    /// Energy that all this does not explain.
+    /// Imbalance of the energy: the part of its change that work and dissipation do not explain.
     pub energy_error: f64,
     /// Iterations of the linear solvers over the run.
     pub iterations: u64,
 }
 
-/// What passes an inflow or outflow, and what was seen there that its condition is not made for.
+/// A rigid body.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// How far it has moved along each axis.
+    pub displacement: Vec<f64>,
+    /// How far it has turned, in radians.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<f64>,
+    /// Its velocity.
+    pub velocity: Vec<f64>,
+    /// Its angular velocity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<f64>,
+    /// The amplitude of the coordinate that oscillates most, over the last ten periods at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Its frequency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
+    /// Every coordinate: "x", "y", "z", "rotation".
+    pub coordinates: BTreeMap<String, Oscillation>,
+    /// The work of the flow on it.
+    pub work: f64,
+    /// Its kinetic energy.
+    pub kinetic_energy: f64,
+    /// The energy in its springs.
+    pub spring_energy: f64,
+    /// The work of what drives coordinates.
+    pub drive_work: f64,
+    /// The work of the outer force.
+    pub force_work: f64,
+    /// What its dampers have taken.
+    pub damped: f64,
+    /// What the time integration has taken.
+    pub numerical_dissipation: f64,
+}
+
+/// The oscillation of a coordinate.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Oscillation {
+    /// Half of the distance between turning points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude: Option<f64>,
+    /// Periods per time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency: Option<f64>,
+}
+
+/// The mass flow through an inflow or outflow, and observed flow that its condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Opening {
@@ -220,29 +276,29 @@ pub struct Opening {
     pub subsonic: Option<Misused>,
 }
 
-/// Where a condition met what it is not made for.
+/// An observation of flow that a condition is not made for.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Misused {
-    /// The time at which it was seen first.
+    /// The time of the first observation.
     pub since: f64,
-    /// The part of the area of the boundary, at the end.
+    /// The fraction of the area of the boundary, at the end.
     pub share: f64,
-    /// The largest part over the run.
+    /// The largest fraction over the run.
     pub largest_share: f64,
 }
 
-/// What a wall received over the run.
+/// Impulse, work and heat that a wall received over the run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Time integral of the force, one entry per direction.
     pub impulse: Vec<f64>,
-    /// The part of pressure in it.
+    /// Its part due to pressure.
     pub pressure_impulse: Vec<f64>,
-    /// The part of friction in it.
+    /// Its part due to friction.
     pub friction_impulse: Vec<f64>,
-    /// Time integral of the moment, one entry per axis of rotation: one in the plane, three in space.
+    /// Time integral of the moment, one entry per axis of rotation: one in two dimensions, three in three.
     pub moment_impulse: Vec<f64>,
     /// Work of the force on the wall.
     pub work: f64,
@@ -267,7 +323,7 @@ pub struct Steady {
     pub newton: u64,
     /// Krylov iterations.
     pub krylov: u64,
-    /// The residual, relative to that of the initial state.
+    /// The residual, relative to the residual of the initial state.
     pub residual: f64,
     /// The residual at the next higher order, relative to its inertial terms.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -307,7 +363,7 @@ pub struct SteadyWall {
 }
 
 impl Summary {
-    /// Writes `summary.json`, replacing an older one whole.
+    /// Writes `summary.json`; an older file is replaced as a whole.
     ///
     /// # Errors
     /// [`OutputError::File`] if the system refuses.
@@ -347,6 +403,7 @@ mod tests {
             conservation: Some(Conservation {
                 mass_error: Some(1e-15),
                 energy_error: Some(3e-15),
+                coupled_energy_error: None,
                 free_stream_error: Some(2e-14),
             }),
             error: Some(ErrorNorms {
@@ -376,6 +433,7 @@ mod tests {
                 energy_error: 1e-16,
                 iterations: 99,
             }),
+            bodies: BTreeMap::new(),
             walls: BTreeMap::from([(
                 "foil".to_owned(),
                 Wall {
@@ -415,7 +473,7 @@ mod tests {
         }
     }
 
-    /// Written out in full: these names are a contract with scripts.
+    /// Written out in full, because scripts rely on these names.
     fn contract() -> Value {
         json!({
             "case": "box", "version": "0.1.0", "completed": false, "reason": "stopped by a signal",

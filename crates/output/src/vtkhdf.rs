@@ -1,8 +1,8 @@
 //! The group `/VTKHDF`: a transient unstructured grid of Lagrange cells whose points move.
 //!
-//! One part, its topology written once; each step appends its points and fields and the offsets at which they start.
-//! VTK 9.3 (ParaView 5.12) and later read it. Three things that older readers insist on: `Type` is an ASCII string of
-//! exactly its 16 bytes, all index arrays are 64 bits wide, and points and vectors have three components.
+//! The grid has one part and its topology is written once. Each step appends its points and fields and the offsets at
+//! which they start. VTK 9.3 (ParaView 5.12) and later read it. Older readers require three things: `Type` is an ASCII
+//! string of exactly its 16 bytes, all index arrays are 64 bits wide, and points and vectors have three components.
 
 use hdf5::types::FixedAscii;
 use hdf5::{Error, Group, Result};
@@ -36,7 +36,7 @@ pub(crate) fn create(root: &Group, layout: &Layout) -> Result<()> {
     Ok(())
 }
 
-/// A scalar field is an array with one axis, any other has a second axis of its components.
+/// A scalar field is an array with one axis; any other field has a second axis for its components.
 fn components(field: &FieldSpec) -> Vec<usize> {
     if field.components == 1 { vec![] } else { vec![field.components] }
 }
@@ -47,7 +47,7 @@ fn write_type(root: &Group) -> Result<()> {
     root.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&name)
 }
 
-/// Each cell owns its points, numbered one cell after the other: neighbours may differ, as the scheme allows.
+/// Each cell owns its points, numbered one cell after the other, because the solution jumps between neighbours.
 fn write_topology(root: &Group, grid: &Grid) -> Result<()> {
     let connectivity: Vec<i64> = (0..grid.points() as i64).collect();
     let offsets: Vec<i64> = (0..=grid.cells).map(|cell| (cell * grid.points_per_cell()) as i64).collect();
@@ -86,7 +86,7 @@ pub(crate) fn append_field(root: &Group, field: &FieldSpec, values: &[f64]) -> R
     append(&root.group("PointData")?.dataset(&field.name)?, values.len() / field.components, values)
 }
 
-/// Makes the appended points and fields a step: nothing counts before its number is raised here.
+/// Makes the appended points and fields a step: they become valid when its number is raised here.
 pub(crate) fn close_step(root: &Group, time: f64, layout: &Layout) -> Result<()> {
     let steps = root.group("Steps")?;
     let values = steps.dataset("Values")?;

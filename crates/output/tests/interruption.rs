@@ -1,4 +1,4 @@
-//! A run killed at any moment leaves a whole result; a run directory belongs to one process at a time.
+//! A run killed at any moment leaves a complete result; a run directory belongs to one process at a time.
 //!
 //! The killed process is this test program itself, started again with the name of one ignored test.
 
@@ -19,7 +19,7 @@ use output::{OutputError, RESULT_FILE, ResultFile, RunDirectory, inspect, read_c
 const DIRECTORY: &str = "STSOLVE_TEST_DIRECTORY";
 const INTERVAL: u64 = 3;
 
-/// Runs until it is killed and tells each slab on its standard output.
+/// Runs until it is killed and prints each slab on its standard output.
 #[test]
 #[ignore = "the process that the other tests kill"]
 #[allow(clippy::print_stdout)]

@@ -1,4 +1,4 @@
-//! What is written comes back bit by bit; a resumed run writes the same file; what is damaged is refused.
+//! Files return their contents bit by bit; a resumed run writes the same file; damaged files are refused.
 
 #![allow(clippy::unwrap_used)]
 
@@ -72,7 +72,7 @@ fn resuming_writes_the_same_file_as_running_through() {
     let (through, resumed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     run(through.path(), 0, 6, 6);
     run(resumed.path(), 0, 2, 1);
-    // Slab 3 is computed and not published: it must leave no trace.
+    // Slab 3 is computed but not published: it must leave no trace.
     run(resumed.path(), 2, 3, 2);
     run(resumed.path(), 2, 4, 2);
     run(resumed.path(), 4, 6, 2);

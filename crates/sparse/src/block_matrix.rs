@@ -20,8 +20,8 @@ pub struct BlockMatrix<T> {
 }
 
 impl<T: Scalar> BlockMatrix<T> {
-    /// The zero matrix with `block` rows per node and the couplings `neighbours`: for each node the nodes that it is coupled with, in any
-    /// order, with repetitions, with or without itself. For [`Kind::Cholesky`] nodes of smaller number may be missing.
+    /// The zero matrix with `block` rows per node and the couplings `neighbours`. For each node these are the nodes coupled with it, in
+    /// any order; repetitions and the node itself may be included. For [`Kind::Cholesky`] nodes of smaller number may be missing.
     pub fn new(kind: Kind, block: usize, mut neighbours: Vec<Vec<usize>>) -> Self {
         for (node, rows) in neighbours.iter_mut().enumerate() {
             rows.push(node);
@@ -45,7 +45,7 @@ impl<T: Scalar> BlockMatrix<T> {
         self.values.fill(T::zero_impl());
     }
 
-    /// Adds `entry(i, j)` to the block of two coupled nodes. A block above the diagonal is left out where only the lower triangle is stored.
+    /// Adds `entry(i, j)` to the block of two coupled nodes. If only the lower triangle is stored, a block above the diagonal is ignored.
     ///
     /// # Panics
     /// If the nodes are not coupled.
@@ -61,7 +61,7 @@ impl<T: Scalar> BlockMatrix<T> {
         }
     }
 
-    /// The stored rows and blocks of a column; a block lies by its columns.
+    /// The stored rows and blocks of a column; each block is stored by columns.
     pub fn column(&self, column: usize) -> impl Iterator<Item = (usize, &[T])> {
         let length = self.block.pow(2);
         let blocks = self.values[self.first[column] * length..].chunks_exact(length);
@@ -109,7 +109,7 @@ impl<T: Scalar> BlockMatrix<T> {
         Factorisation::new(tree, self.block, self.kind, |front| self.assemble(&order, &by_rows, front))
     }
 
-    /// For every row the columns that store a block of it.
+    /// For every row, the columns that store a block of it.
     fn columns_of_rows(&self) -> Vec<Vec<usize>> {
         let mut columns = vec![Vec::new(); self.nodes()];
         for (column, rows) in self.rows.iter().enumerate() {
@@ -134,7 +134,7 @@ impl<T: Scalar> BlockMatrix<T> {
         }
     }
 
-    /// Adds a stored block at two positions. In a Cholesky factorisation the later position is that of the row.
+    /// Adds a stored block at two positions. In a Cholesky factorisation the later position is the row's.
     fn place(&self, front: &mut FrontMatrix<'_, T>, [row, column]: [usize; 2], block: &[T]) {
         if self.kind == Kind::Lu || row >= column {
             return front.add_block(row, column, block);
@@ -155,7 +155,7 @@ mod tests {
     const BLOCK: usize = 3;
     const SIDE: usize = 8;
 
-    /// A matrix on the nodes of a square, made of `entry(row, column)` for rows and columns of the whole, and its product with a vector.
+    /// A matrix on the nodes of a square with the global entries `entry(row, column)`, and its product with a vector.
     fn matrix<T: Scalar>(kind: Kind, entry: impl Fn(usize, usize) -> T) -> BlockMatrix<T> {
         let neighbours = square(SIDE);
         let mut matrix = BlockMatrix::new(kind, BLOCK, neighbours.clone());
@@ -186,7 +186,7 @@ mod tests {
         distances.map(|d| format!("{d:?}").parse::<f64>().unwrap()).fold(0.0, f64::max)
     }
 
-    /// Without symmetry; the first diagonal entry of every block is zero, so that rows must be interchanged.
+    /// No symmetry; the first diagonal entry of every block is zero, so that rows must be interchanged.
     fn general(i: usize, j: usize) -> f64 {
         let own = i / BLOCK == j / BLOCK;
         let diagonal =

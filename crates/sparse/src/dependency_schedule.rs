@@ -1,16 +1,18 @@
-//! Parallel work on items that depend on each other. Every thread takes the next item in order and waits for those that it needs.
+//! Parallel work on items that depend on each other. Every thread takes the next item in order and waits for the items that it
+//! needs.
 //!
-//! The items that a thread waits for are already taken, and the first item that is not done waits for nothing. So no number of threads can
-//! block all of them. A barrier after each level of the graph would cost more than the work on short items.
+//! The items that a thread waits for are already taken, and the first unfinished item waits for nothing. So there is no deadlock for any
+//! number of threads. A barrier after each level of the graph would cost more than the work on short items.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// A thread checks a flag this many times before it yields its core.
 const SPINS: usize = 1000;
 
-/// Does `work(k)` for all k in 0..`count`, each after the items `needs(k)`, which are less than k. At most `width` threads take part.
+/// Does `work(k)` for all k in 0..`count`, each after the items `needs(k)`, which are smaller than k. At most `width` threads take
+/// part.
 ///
-/// `work` must not run parallel loops. A thread that waits for such a loop may begin another item, which may need the one that the thread
+/// `work` must not run parallel loops. A thread that waits in such a loop may begin another item, which may need the item that the thread
 /// has not finished.
 pub fn dependency_schedule<N: IntoIterator<Item = usize>>(
     count: usize,
@@ -38,7 +40,7 @@ pub fn dependency_schedule<N: IntoIterator<Item = usize>>(
     });
 }
 
-/// Sets the flag of an item at the end of its work, also where the work panics, so that no thread waits for ever.
+/// Sets the flag of an item at the end of its work, even if the work panics, so that no thread waits for ever.
 struct Done<'a>(&'a AtomicBool);
 
 impl Drop for Done<'_> {

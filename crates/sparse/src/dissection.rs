@@ -1,12 +1,12 @@
 //! Fronts by nested dissection of a mesh (George 1973).
 //!
-//! The cells are cut into two halves of equal number, these again, down to single cells. **A node is eliminated with the smallest part
-//! of the mesh that holds all its cells**: by then no other part needs it. Several cuts are tried, halves along each axis and halves of the
-//! list of cells. The cut on which the fewest nodes lie is taken.
+//! The cells are cut into two halves of equal number, and these again, down to single cells. **A node is eliminated with the smallest part
+//! of the mesh that holds all its cells**, because no other part needs it. Several cuts are tried: halves along each axis and halves of the
+//! list of cells. The cut with the fewest nodes on it is taken.
 
 use crate::elimination_tree::Front;
 
-/// The node at each position, and the fronts: one for each part, behind those of its halves. See
+/// The node at each position, and the fronts: one for each part, after the fronts of its halves. See
 /// [`crate::EliminationTree::by_dissection`].
 pub(crate) fn fronts<const D: usize>(
     cells: &[Vec<usize>],
@@ -38,14 +38,14 @@ fn to_positions(fronts: &mut [Front], order: &[usize], count: usize) {
     }
 }
 
-/// Work space of the recursion.
+/// The work space of the recursion.
 struct Cutter<'a> {
     cells: &'a [Vec<usize>],
-    /// In how many places of cells each node lies.
+    /// The number of places of cells in which each node lies.
     multiplicity: Vec<usize>,
-    /// By what cells may be sorted before the cut through the middle.
+    /// Sort keys of the cells for the cut through the middle.
     keys: Vec<Vec<f64>>,
-    /// The mark that a node has got last.
+    /// The last mark of each node.
     seen: Vec<usize>,
     marks: usize,
     order: Vec<usize>,
@@ -85,7 +85,7 @@ impl Cutter<'_> {
         self.halve(part, best.1);
     }
 
-    /// Brings the half of the part with the smaller keys to the front; equal keys in the order of the cells.
+    /// Moves the half of the part with the smaller keys to the front; equal keys in the order of the cells.
     fn halve(&self, part: &mut [usize], key: usize) {
         let key = &self.keys[key];
         part.select_nth_unstable_by(part.len() / 2, |a, b| key[*a].total_cmp(&key[*b]).then(a.cmp(b)));

@@ -1,7 +1,7 @@
 //! The order of elimination as a tree of fronts (the multifrontal method, Duff & Reid 1983).
 //!
-//! A front is a set of nodes that are eliminated together, and the later nodes that their elimination changes. It needs what its
-//! children have left, and leaves its own Schur complement to its parent.
+//! A front is a set of nodes that are eliminated together, and the later nodes that their elimination changes. It needs the
+//! Schur complements of its children, and passes its own to its parent.
 
 use crate::{Error, dissection, minimum_degree};
 use std::ops::Range;
@@ -13,9 +13,9 @@ pub struct Front {
     pub eliminated: Range<usize>,
     /// The later nodes that their elimination changes, increasing.
     pub boundary: Vec<usize>,
-    /// The fronts whose Schur complements enter here. All of them come earlier.
+    /// The fronts whose Schur complements are added here. All of them come earlier.
     pub children: Vec<usize>,
-    /// The cell whose matrix enters here: a leaf of a dissection.
+    /// The cell whose matrix is added here, for a leaf of a dissection.
     pub cell: Option<usize>,
 }
 
@@ -30,7 +30,7 @@ impl Front {
         self.len() == 0
     }
 
-    /// The place in this front of the node at `position`.
+    /// The index in this front of the node at `position`.
     pub fn place(&self, position: usize) -> usize {
         match position.checked_sub(self.eliminated.end) {
             None => position - self.eliminated.start,
@@ -44,15 +44,15 @@ impl Front {
 pub struct EliminationTree {
     /// The node at each position.
     pub nodes: Vec<usize>,
-    /// The position of each node; none where a node takes no part.
+    /// The position of each node; `None` for a node that is not in the matrix.
     pub positions: Vec<Option<usize>>,
     /// The fronts, children before parents.
     pub fronts: Vec<Front>,
 }
 
 impl EliminationTree {
-    /// The approximate minimum degree ordering for a matrix whose node i is coupled with the nodes `neighbours[i]`, and they with it.
-    /// A node stands for `block` rows.
+    /// The approximate minimum degree ordering for a matrix whose node i is coupled with the nodes `neighbours[i]`, symmetrically. A
+    /// node stands for `block` rows.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -61,8 +61,9 @@ impl EliminationTree {
         Ok(Self::new(nodes, neighbours.len(), fronts))
     }
 
-    /// Nested dissection of a mesh whose cells hold the nodes `cells[cell]`, in which a node may occur twice. The cells lie around
-    /// `centres`. Nodes are below `count`; those of no cell take no part. Every leaf is the front of one cell.
+    /// Nested dissection of a mesh whose cells hold the nodes `cells[cell]`, in which a node may occur twice. `centres` are the
+    /// centres of the cells. Nodes are below `count`; nodes without a cell are not in the matrix. Every leaf is the front of one
+    /// cell.
     pub fn by_dissection<const D: usize>(cells: &[Vec<usize>], centres: &[[f64; D]], count: usize) -> Self {
         let (nodes, fronts) = dissection::fronts(cells, centres, count);
         Self::new(nodes, count, fronts)
@@ -86,12 +87,12 @@ impl EliminationTree {
     }
 }
 
-/// Multiplications that eliminate `count` of `rows` rows of a symmetric matrix, one after the other.
+/// The number of multiplications to eliminate `count` of `rows` rows of a symmetric matrix, one after the other.
 pub fn eliminations(rows: usize, count: usize) -> f64 {
     (rows - count..rows).map(|left| 0.5 * (left as f64).powi(2)).sum()
 }
 
-/// For every front in an order of elimination, the front that eliminates the first node of its boundary.
+/// Adds every front to the children of the front that eliminates the first node of its boundary.
 pub(crate) fn connect_to_parents(fronts: &mut [Front]) {
     let parent = |front: &Front| {
         let first = *front.boundary.first()?;
@@ -109,7 +110,7 @@ pub(crate) mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Nodes of a square, coupled with those beside them.
+    /// The nodes of a square, coupled with their neighbours.
     pub(crate) fn square(n: usize) -> Vec<Vec<usize>> {
         let beside = |a: usize, b: usize| (a % n).abs_diff(b % n) + (a / n).abs_diff(b / n) == 1;
         (0..n * n).map(|a| (0..n * n).filter(|&b| beside(a, b)).collect()).collect()
@@ -150,7 +151,7 @@ pub(crate) mod tests {
         assert_eq!(quadrilaterals(8).fronts.last().map(|whole| whole.eliminated.len()), Some(9));
     }
 
-    /// 31/4 n^2 log2 n entries of George (1973) for n^2 nodes; his method knows the best cuts.
+    /// 31/4 n^2 log2 n entries of George (1973) for n^2 nodes, with the best cuts.
     #[test]
     fn the_factor_is_as_small_as_theory_says() {
         let theory = |n: f64| 31.0 / 4.0 * n.powi(2) * n.log2();

@@ -1,4 +1,4 @@
-//! The factors of a sparse matrix, and solutions by them.
+//! The factors of a sparse matrix, and solutions with them.
 
 use crate::elimination_tree::{EliminationTree, Front};
 use crate::front::{Factors, Kind};
@@ -16,8 +16,8 @@ pub struct FrontMatrix<'a, T> {
 }
 
 impl<T: Scalar> FrontMatrix<'_, T> {
-    /// Adds a matrix of blocks whose node k is at `positions[k]`; rows and columns without a position are left out. A Cholesky
-    /// factorisation takes the lower triangle only.
+    /// Adds a matrix of blocks whose node k is at `positions[k]`. Rows and columns without a position are left out. A Cholesky
+    /// factorisation uses only the lower triangle.
     pub fn add(&mut self, positions: impl Iterator<Item = Option<usize>>, matrix: &Mat<T>) {
         let n = self.block;
         let places: Vec<_> = positions.map(|position| position.map(|p| self.front.place(p) * n)).collect();
@@ -33,7 +33,8 @@ impl<T: Scalar> FrontMatrix<'_, T> {
         }
     }
 
-    /// Adds `block`, by columns, at the rows of the node at position `row` and the columns of the node at position `column`.
+    /// Adds `block`, stored by columns, at the rows of the node at position `row` and the columns of the node at position
+    /// `column`.
     pub fn add_block(&mut self, row: usize, column: usize, block: &[T]) {
         let n = self.block;
         let (row, column) = (self.front.place(row) * n, self.front.place(column) * n);
@@ -54,10 +55,10 @@ pub struct Factorisation<T> {
 }
 
 impl<T: Scalar> Factorisation<T> {
-    /// Factors the matrix with `block` rows per node of `tree`, to which `assemble` adds what enters at each front.
+    /// Factors the matrix with `block` rows per node of `tree`. `assemble` adds the entries that belong to each front.
     ///
     /// # Errors
-    /// [`Error::NotDefinite`] or [`Error::Singular`], of the first front that fails.
+    /// [`Error::NotDefinite`] or [`Error::Singular`] of the first front that fails.
     pub fn new(
         tree: Arc<EliminationTree>,
         block: usize,
@@ -78,7 +79,7 @@ impl<T: Scalar> Factorisation<T> {
             assemble(&mut f);
             for child in children(number) {
                 let complement = exchange(child, Mat::new());
-                // A child that has failed leaves nothing.
+                // A child that has failed leaves no complement.
                 if complement.nrows() > 0 {
                     f.add(fronts[child].boundary.iter().map(|&position| Some(position)), &complement);
                 }
@@ -95,7 +96,7 @@ impl<T: Scalar> Factorisation<T> {
         Ok(Factorisation { tree, block, factors, largest })
     }
 
-    /// The order of elimination, for the factors of another matrix of the same pattern.
+    /// The order of elimination, for another matrix of the same pattern.
     pub fn tree(&self) -> &Arc<EliminationTree> {
         &self.tree
     }
@@ -105,8 +106,8 @@ impl<T: Scalar> Factorisation<T> {
         self.factors.iter().map(Factors::bytes).sum()
     }
 
-    /// x := A^{-1} x for `count` right-hand sides, `[right-hand side][node][row of the block]`. Entries of nodes that take no part are
-    /// neither read nor written. After a first call with as many right-hand sides and the same `work` nothing is allocated.
+    /// x := A^{-1} x for `count` right-hand sides, `[right-hand side][node][row of the block]`. Entries of nodes without a position
+    /// are neither read nor written. After a first call with the same `count` and `work` nothing is allocated.
     pub fn solve(&self, x: &mut [T], count: usize, work: &mut Vec<T>) {
         let local = self.largest * self.block * count;
         work.resize(2 * local, T::zero_impl());
@@ -142,7 +143,7 @@ impl<T: Scalar> Factorisation<T> {
         self.scatter(front.eliminated.clone(), x_e, x, count, |x, new| *x = new);
     }
 
-    /// The rows that a front eliminates, and those of its boundary.
+    /// The numbers of rows that a front eliminates and of rows of its boundary.
     fn rows(&self, front: &Front) -> [usize; 2] {
         [front.eliminated.len(), front.boundary.len()].map(|nodes| nodes * self.block)
     }
@@ -162,7 +163,7 @@ impl<T: Scalar> Factorisation<T> {
         }
     }
 
-    /// Changes the entries of the nodes at `positions` of every right-hand side by those of `local`.
+    /// Changes the entries of the nodes at `positions` of every right-hand side by the entries of `local`.
     fn scatter(
         &self,
         positions: impl Iterator<Item = usize> + Clone,

@@ -22,19 +22,19 @@ use faer::reborrow::ReborrowMut;
 use faer::traits::ext::ComplexFieldExt;
 use faer::{Accum, Mat, MatMut, Par, Spec};
 
-/// The bits of faer's kernels depend on the number of threads that share one product.
+/// The bits of faer's kernels depend on the number of threads that share one product, so each product is sequential.
 const SEQUENTIAL: Par = Par::Seq;
 
-/// Which factors are made.
+/// The kind of the factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// (front-llh), for Hermitian positive definite matrices. Only the lower triangle is read.
     Cholesky,
-    /// (front-lu), for any regular matrix. Rows are interchanged within F_ee alone.
+    /// (front-lu), for any regular matrix. Rows are interchanged only within F_ee.
     Lu,
 }
 
-/// What is kept of a front.
+/// The stored factors of a front.
 pub(crate) enum Factors<T> {
     /// L_ee above L_be.
     Cholesky(Mat<T>),
@@ -65,7 +65,7 @@ impl<T: Scalar> Factors<T> {
         }
     }
 
-    /// The forward sweep: x_e := L_ee^{-1} x_e or F_ee^{-1} x_e. Returns in `change` what is to be subtracted from x_b. `scratch` has the
+    /// The forward sweep: x_e := L_ee^{-1} x_e or F_ee^{-1} x_e. Writes the amount to subtract from x_b into `change`. `scratch` has the
     /// size of x_e.
     pub(crate) fn forward(&self, mut x_e: MatMut<'_, T>, change: MatMut<'_, T>, scratch: &mut [T]) {
         let below = match self {
@@ -98,7 +98,7 @@ impl<T: Scalar> Factors<T> {
     }
 }
 
-/// (front-llh). A pivot that is round-off of its diagonal entry is refused: rounding alone decides whether it is positive.
+/// (front-llh). A pivot at round-off of its diagonal entry is refused, because rounding alone decides its sign.
 fn cholesky<T: Scalar>(mut f: Mat<T>, e: usize) -> Result<(Factors<T>, Mat<T>), Error> {
     let (mut f_ee, _, f_be, f_bb) = f.as_mut().split_at_mut(e, e);
     let diagonal: Vec<T> = (0..e).map(|k| f_ee[(k, k)]).collect();
@@ -117,7 +117,7 @@ fn cholesky<T: Scalar>(mut f: Mat<T>, e: usize) -> Result<(Factors<T>, Mat<T>), 
     Ok(split(f, e, |own, _| Factors::Cholesky(own)))
 }
 
-/// Whether a pivot is more than round-off of the entry of which it is left.
+/// Whether a pivot is more than round-off of the diagonal entry from which it was computed.
 fn check_pivot<R: faer::traits::RealField>(pivot: R, entry: R, rows: usize) -> Result<(), Error> {
     let round_off = R::from_f64_impl(10.0 * rows as f64) * R::epsilon_impl() * entry.clone();
     if pivot > round_off {
@@ -126,7 +126,7 @@ fn check_pivot<R: faer::traits::RealField>(pivot: R, entry: R, rows: usize) -> R
     Err(Error::NotDefinite { cause: format!("the pivot {pivot:?} is round-off of the diagonal entry {entry:?}") })
 }
 
-/// (front-lu). A zero pivot makes entries that are not finite.
+/// (front-lu). A zero pivot leads to entries that are not finite.
 fn lu<T: Scalar>(mut f: Mat<T>, e: usize) -> Result<(Factors<T>, Mat<T>), Error> {
     let (mut pivots, mut inverse) = (vec![0_usize; e], vec![0; e]);
     let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, T>(e, e, SEQUENTIAL, Spec::default()));
@@ -153,7 +153,7 @@ fn interchange<T: Scalar>(pivots: &[usize], mut x: MatMut<'_, T>, scratch: &mut 
     }
 }
 
-/// The factors that `keep` makes of the first `e` columns and of the block beside them, and the Schur complement.
+/// The factors, which `keep` makes of the first `e` columns and of the block beside them, and the Schur complement.
 fn split<T: Scalar>(f: Mat<T>, e: usize, keep: impl FnOnce(Mat<T>, Mat<T>) -> Factors<T>) -> (Factors<T>, Mat<T>) {
     let b = f.nrows() - e;
     let factors = keep(f.subcols(0, e).to_owned(), f.submatrix(0, e, e, b).to_owned());

@@ -1,8 +1,9 @@
 //! Direct solution of sparse linear systems with dense square blocks.
 //!
-//! 1. [`EliminationTree`]: in which order the nodes are eliminated, by minimum degree or by nested dissection of a mesh.
+//! 1. [`EliminationTree`]: the order of elimination, by minimum degree or by nested dissection of a mesh.
 //! 2. [`Factorisation`]: A = L L^H or P A = L U along that tree, real or complex, in single or double precision.
-//! 3. [`dependency_schedule`]: fronts, or the rows of an incomplete factorisation, in parallel, each after those that it needs.
+//! 3. [`dependency_schedule`]: parallel work on fronts, or on the rows of an incomplete factorisation, each after those that it
+//!    needs.
 //!
 //! The bits of a factorisation and of a solution do not depend on the number of threads.
 
@@ -28,10 +29,10 @@ pub trait Scalar: ComplexField + Copy + AddAssign + SubAssign + Neg<Output = Sel
 
 impl<T: ComplexField + Copy + AddAssign + SubAssign + Neg<Output = T> + Send + Sync> Scalar for T {}
 
-/// Why a matrix is not factored.
+/// Why a factorisation fails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A pivot of a Cholesky factorisation is not positive, or is round-off of its diagonal entry.
+    /// A pivot of a Cholesky factorisation is not positive, or is at round-off of its diagonal entry.
     #[error("the matrix is not positive definite: {cause}")]
     NotDefinite {
         /// The pivot.
@@ -40,7 +41,7 @@ pub enum Error {
     /// An LU factorisation has entries that are not finite.
     #[error("the matrix is singular")]
     Singular,
-    /// The ordering needs more memory than there is.
+    /// The ordering needs more memory than is available.
     #[error("the memory does not suffice to order the matrix")]
     OutOfMemory,
 }

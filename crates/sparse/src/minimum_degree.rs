@@ -1,7 +1,7 @@
 //! Fronts by the approximate minimum degree ordering (Amestoy, Davis & Duff 1996).
 //!
-//! Nodes that change the same later ones make a front. A front joins its parent where the dense kernels gain more than the zeros cost
-//! that this stores (relaxed supernodes, Ashcraft & Grimes 1989).
+//! Nodes that change the same later nodes form a front. A front joins its parent if the dense kernels gain more than the additional
+//! stored zeros cost (relaxed supernodes, Ashcraft & Grimes 1989).
 
 use crate::Error;
 use crate::elimination_tree::{Front, connect_to_parents};
@@ -9,13 +9,14 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::amd;
 use faer::sparse::{Pair, SymbolicSparseColMat};
 
-/// Two fronts are joined if they eliminate fewer rows than this, and zeros are a smaller part of their factor than that.
+/// Two fronts are joined if they eliminate fewer rows than the first number, and the fraction of zeros in their factor
+/// is below the second.
 const RELAXED: [(usize, f64); 4] = [(4, 1.0), (16, 0.8), (48, 0.1), (usize::MAX, 0.05)];
 
 /// The node at each position, and the fronts.
 pub(crate) fn fronts(neighbours: &[Vec<usize>], block: usize) -> Result<(Vec<usize>, Vec<Front>), Error> {
     let nodes = order(neighbours)?;
-    // Nodes of one front are to follow one another: each node comes just after all that it is a parent of.
+    // Nodes of one front must be consecutive: each node comes just after all its children.
     let sorted = postorder(&later_nodes(neighbours, &nodes));
     let nodes: Vec<usize> = sorted.into_iter().map(|position| nodes[position]).collect();
     let mut fronts = relaxed(equal_columns(later_nodes(neighbours, &nodes)), block);
@@ -37,7 +38,8 @@ fn order(neighbours: &[Vec<usize>]) -> Result<Vec<usize>, Error> {
     Ok(order)
 }
 
-/// For every position the later ones that its elimination changes: its neighbours, and those of what was eliminated before it.
+/// For every position the later positions that its elimination changes: its neighbours, and those of the nodes eliminated
+/// before it.
 fn later_nodes(neighbours: &[Vec<usize>], order: &[usize]) -> Vec<Vec<usize>> {
     let mut positions = vec![0; order.len()];
     order.iter().enumerate().for_each(|(position, &node)| positions[node] = position);
@@ -55,7 +57,8 @@ fn later_nodes(neighbours: &[Vec<usize>], order: &[usize]) -> Vec<Vec<usize>> {
     later_nodes
 }
 
-/// The positions in an order in which each comes just after its children. The parent of a position is the first that it changes.
+/// The positions in an order in which each comes just after its children. The parent of a position is the first one that it
+/// changes.
 fn postorder(later_nodes: &[Vec<usize>]) -> Vec<usize> {
     let mut children = vec![Vec::new(); later_nodes.len()];
     let mut open: Vec<usize> = Vec::new();
@@ -65,7 +68,7 @@ fn postorder(later_nodes: &[Vec<usize>]) -> Vec<usize> {
             None => open.push(k),
         }
     }
-    // From the last to the first: parents ahead of their children.
+    // From the last to the first: parents before their children.
     let mut order = Vec::with_capacity(later_nodes.len());
     while let Some(k) = open.pop() {
         order.push(k);
@@ -75,7 +78,7 @@ fn postorder(later_nodes: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// Joins positions that follow one another and change the same later ones.
+/// Joins consecutive positions that change the same later ones.
 fn equal_columns(later_nodes: Vec<Vec<usize>>) -> Vec<Front> {
     let mut fronts: Vec<Front> = Vec::new();
     for (k, later) in later_nodes.into_iter().enumerate() {
@@ -90,7 +93,7 @@ fn equal_columns(later_nodes: Vec<Vec<usize>>) -> Vec<Front> {
     fronts
 }
 
-/// Joins a front with the child just before it, again and again, where [`RELAXED`] allows it. A node stands for `block` rows.
+/// Joins a front with the child just before it, repeatedly, while [`RELAXED`] allows it. A node stands for `block` rows.
 fn relaxed(fronts: Vec<Front>, block: usize) -> Vec<Front> {
     let mut joined: Vec<(Front, usize)> = Vec::with_capacity(fronts.len());
     for mut front in fronts {
@@ -110,7 +113,7 @@ fn relaxed(fronts: Vec<Front>, block: usize) -> Vec<Front> {
     joined.into_iter().map(|(front, _)| front).collect()
 }
 
-/// Whether it pays to join two fronts into one that stores so many `zeros`.
+/// Whether it pays to join two fronts into one that stores the given number of `zeros`.
 fn pays(front: &Front, child: &Front, zeros: usize, block: usize) -> bool {
     let eliminated = front.eliminated.len() + child.eliminated.len();
     let share = zeros as f64 / (eliminated * (eliminated + front.boundary.len())) as f64;

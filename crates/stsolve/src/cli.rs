@@ -36,7 +36,7 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t = Probe::Auto, value_name = "WHEN")]
         probe: Probe,
     },
-    /// Tell what a result file, or a mesh file of Gmsh, holds.
+    /// Describe a result file or a Gmsh file.
     Info {
         /// The file.
         file: PathBuf,
@@ -64,14 +64,14 @@ pub enum Command {
     },
 }
 
-/// When `check` tries what a run will do.
+/// When `check` makes trial computations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Probe {
-    /// If that takes some seconds at most.
+    /// If they take some seconds at most.
     Auto,
-    /// However long it takes.
+    /// Always, even if they take long.
     Always,
-    /// Not at all.
+    /// Never.
     Never,
 }
 
@@ -80,12 +80,12 @@ pub enum Probe {
 pub struct CaseArguments {
     /// The case file (TOML).
     pub case: PathBuf,
-    /// Write a value over that of the case file, for instance `--set flow.order=6`.
+    /// Replace a value of the case file, for instance `--set flow.order=6`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
 
-/// What `run` and `motion` take.
+/// The options of `run` and `motion`.
 #[derive(Clone, Debug, Args)]
 pub struct RunArguments {
     /// The case.
@@ -109,17 +109,12 @@ pub struct RunArguments {
 }
 
 impl RunArguments {
-    /// What to do next to see the run in `directory`.
+    /// The command that shows the run in `directory`.
     pub fn to_report(directory: &Path) -> String {
         format!("look at it: stsolve report {}", quoted(&directory.to_string_lossy()))
     }
 
-    /// The command line that continues this run, as a shell takes it.
-    pub fn to_resume(&self, command: &str, directory: &Path) -> String {
-        self.again(command, directory, "--resume")
-    }
-
-    /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, as a shell takes it.
+    /// The command line that calls `command` again with this case and its changes, for `directory` and with `option`, quoted for a shell.
     pub fn again(&self, command: &str, directory: &Path, option: &str) -> String {
         let set = self.case.set.iter().flat_map(|change| ["--set".into(), quoted(change)]);
         let words =
@@ -135,7 +130,7 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
-/// What `bench` takes.
+/// The options of `bench`.
 #[derive(Clone, Debug, Args)]
 pub struct BenchArguments {
     /// Print one JSON object.
@@ -153,7 +148,7 @@ pub struct BenchArguments {
     /// About how many nodes per direction, in 3-D at most 64 [default: 128 in 2-D, 32 in 3-D; 226 and 33 for elasticity].
     #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u16).range(4..=256))]
     pub nodes: Option<u16>,
-    /// Order of the mesh under the flow [default: that of the flow].
+    /// Order of the mesh under the flow [default: the order of the flow].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=16))]
     pub mesh_order: Option<u16>,
     /// For how many seconds to repeat each kernel; the shortest time counts.
@@ -161,7 +156,7 @@ pub struct BenchArguments {
     pub seconds: f64,
 }
 
-/// A duration that ends: at most an hour.
+/// A finite duration of at most an hour.
 fn seconds(text: &str) -> Result<f64, String> {
     let accepted = |seconds: &f64| (0.0..=3600.0).contains(seconds);
     text.parse().ok().filter(accepted).ok_or_else(|| "a number of seconds from 0 to 3600 is expected".into())
@@ -211,7 +206,7 @@ mod tests {
         let Command::Run(arguments) = Arguments::parse_from(line).command else { panic!("not a run") };
         assert_eq!(RunArguments::to_report(Path::new("a b")), "look at it: stsolve report 'a b'");
         assert_eq!(
-            arguments.to_resume("run", Path::new("runs/a")),
+            arguments.again("run", Path::new("runs/a"), "--resume"),
             r"stsolve run 'my case.toml' --set time.end=2 --set 'title=it'\''s' --output runs/a --resume"
         );
     }

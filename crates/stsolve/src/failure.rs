@@ -1,49 +1,23 @@
-//! How a command fails: what is printed, and the exit code.
+//! Failures of a command: message and exit code.
 
-use crate::case::CaseError;
+use simulation::Failure;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Why a command did not do what it was asked to.
-#[derive(Debug, thiserror::Error)]
-pub enum Failure {
-    /// The input is wrong; nothing was done. Exit code 2.
-    #[error(transparent)]
-    BadInput(anyhow::Error),
-    /// The solve failed; the last good state is written. Exit code 1.
-    #[error(transparent)]
-    Solve(anyhow::Error),
-    /// A signal stopped the run before its end; a checkpoint is written, and the user has been told. Exit code 3.
-    #[error("a signal stopped the run before its end")]
-    Stopped,
+/// Prints the chain of errors, once. Returns the exit code: 2 for bad input, 1 for a failed solve, 3 after a signal.
+pub fn report(failure: &Failure) -> ExitCode {
+    let (error, code) = match failure {
+        Failure::BadInput(error) => (error, 2),
+        Failure::Solve(error) => (error, 1),
+        Failure::Stopped => return ExitCode::from(3),
+    };
+    // If stderr is closed, the message cannot be shown.
+    let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));
+    ExitCode::from(code)
 }
 
-impl Failure {
-    /// Bad input.
-    pub fn bad_input(error: impl Into<anyhow::Error>) -> Self {
-        Failure::BadInput(error.into())
-    }
-
-    /// A failed solve.
-    pub fn solve(error: impl Into<anyhow::Error>) -> Self {
-        Failure::Solve(error.into())
-    }
-
-    /// Prints the chain of errors, once, and returns the exit code.
-    pub fn report(&self) -> ExitCode {
-        let (error, code) = match self {
-            Failure::BadInput(error) => (error, 2),
-            Failure::Solve(error) => (error, 1),
-            Failure::Stopped => return ExitCode::from(3),
-        };
-        // If stderr is closed there is nobody to tell.
-        let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));
-        ExitCode::from(code)
-    }
-}
-
-/// The message of `error` and of its causes, but for those that the message above them contains already.
+/// The message of `error` and of its causes, without those that the message above them already contains.
 fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut next = error.source();
@@ -55,28 +29,6 @@ fn chain(error: &(dyn Error + 'static)) -> String {
         next = cause.source();
     }
     text
-}
-
-impl From<Box<CaseError>> for Failure {
-    fn from(error: Box<CaseError>) -> Self {
-        Failure::bad_input(error)
-    }
-}
-
-impl From<output::OutputError> for Failure {
-    fn from(error: output::OutputError) -> Self {
-        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, OtherCase, Version};
-        match error {
-            Directory { .. }
-            | Busy { .. }
-            | NoCheckpoint { .. }
-            | Damaged { .. }
-            | OtherCase { .. }
-            | Version { .. } => Failure::bad_input(error),
-            // The rest happens while results are written.
-            _ => Failure::solve(error),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,54 +1,35 @@
-//! The stsolve command: case files, progress, reports.
+//! The stsolve command: check, info, bench, progress, logging, signals.
 //!
-//! This crate is the only one that reads TOML, prints or exits; it holds no numerics.
+//! This crate is the only one that prints, exits, handles signals or has a command line; it holds no numerics.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `cli` | the command line |
-//! | `case` | the case file: what the user writes, and what the program needs |
-//! | `expression` | formulas in a case file |
-//! | `any_mesh` | a mesh whose dimension is known only when it is read |
-//! | `bench` | the kernels against what the machine can do |
-//! | `commands` | what each command does |
-//! | `run` | from a checked case to files |
-//! | `report` | a page that shows a run |
-//! | `input_file` | files that the user names, read whole |
-//! | `mesh_file` | a mesh file, if it fits |
-//! | `memory` | the memory that is there |
-//! | `progress`, `terminal`, `logging`, `signals` | what the user sees of a run, and how it is stopped |
-//! | `clock` | where the time of a run goes |
-//! | `excerpt` | a piece of a line with carets below it |
+//! | `commands` | the commands |
+//! | `bench` | the kernels relative to the peak of the machine |
+//! | `observer` | progress and interruption of a run for the user |
+//! | `progress`, `terminal`, `logging`, `signals` | its parts |
 //! | `failure` | error messages and exit codes |
 
-mod any_mesh;
 pub mod bench;
-pub mod case;
 pub mod cli;
-pub mod clock;
 pub mod commands;
-mod excerpt;
-pub mod expression;
 pub mod failure;
-mod input_file;
 pub mod logging;
-mod memory;
-mod mesh_file;
-mod nearest;
+pub mod observer;
 pub mod progress;
-pub mod report;
-pub mod run;
 pub mod signals;
 pub mod terminal;
 
 use case::AnyCase;
-use cli::{Arguments, CaseArguments, Command, RunArguments};
-use failure::Failure;
+use cli::{Arguments, Command};
+use simulation::Failure;
 
 /// A program for one instruction set, on a machine that lacks it.
 const OTHER_MACHINE: &str = "this program was compiled for the instruction set of another machine alone (feature `this-machine`): compile it \
                              here, `cargo build --release`";
 
-/// Does what the command line asks for.
+/// Executes the command line.
 ///
 /// # Errors
 /// Bad input, or a solve that failed.
@@ -57,38 +38,13 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::bad_input(anyhow::anyhow!(OTHER_MACHINE)));
     }
     match &arguments.command {
-        Command::Check { case, json, probe } => {
-            let case = read(case)?;
-            in_pool(|| commands::check(&case, *json, *probe))
-        }
+        Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
-        Command::Report { directory } => report::report(directory),
+        Command::Report { directory } => commands::report(directory),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),
-        Command::Run(arguments) => {
-            let case = read_for(arguments)?;
-            in_pool(|| run::run(&case, arguments))
-        }
-        Command::Motion(arguments) => {
-            let case = read_for(arguments)?;
-            in_pool(|| run::motion(&case, arguments))
-        }
+        Command::Run(arguments) => commands::run(arguments),
+        Command::Motion(arguments) => commands::motion(arguments),
     }
-}
-
-/// Does `work` on a thread of the pool. From outside every parallel loop would wake one of them and wait for it to wake this one, which
-/// costs some loops as much as they do.
-fn in_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
-    rayon::scope(|_| work())
-}
-
-/// The case of a command that computes. Its mesh is made by the threads asked for, so they come first.
-fn read_for(arguments: &RunArguments) -> Result<AnyCase, Failure> {
-    commands::set_threads(arguments)?;
-    read(&arguments.case)
-}
-
-fn read(arguments: &CaseArguments) -> Result<AnyCase, Failure> {
-    Ok(AnyCase::read(&arguments.case, &arguments.set)?)
 }

@@ -1,8 +1,8 @@
-//! Where log records go: all to `log.jsonl`, for machines; those that the user asked for to stderr.
+//! Destinations of log records: all go to `log.jsonl`, for machines; the requested ones go to stderr.
 
 use crate::cli::Verbosity;
-use crate::clock::Clock;
 use crate::terminal::Terminal;
+use simulation::clock::Clock;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -17,10 +17,10 @@ use tracing_subscriber::{Layer, Registry};
 /// Name of the log in the output directory.
 pub const LOG_FILE: &str = "log.jsonl";
 
-/// Starts logging into `directory`, behind the log that is there if `append` says so, else anew; and has the spans of the numerics drive `clock`.
+/// Starts logging into `directory`. With `append` the log continues, otherwise it starts anew. The spans of the numerics drive `clock`.
 ///
 /// # Errors
-/// If logging was started before.
+/// If logging has been started before.
 pub fn start(
     directory: &Path,
     append: bool,
@@ -37,7 +37,7 @@ pub fn start(
     Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
 }
 
-/// A file that is opened when the first record is written: until then, a run that is refused leaves no trace.
+/// A file that is opened when the first record is written, so that a refused run leaves no trace.
 #[derive(Debug)]
 struct LogFile {
     path: PathBuf,

@@ -1,26 +1,11 @@
-//! How far a run is: a bar where somebody watches, lines otherwise, nothing if asked.
+//! Progress of a run: a bar on a terminal, otherwise lines, nothing with `--quiet`.
 
-use crate::case::Time;
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::cell::Cell;
+use simulation::{SlabDone, rounded};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
-
-/// A slab that is done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlabDone {
-    /// Its number in the run, from 1.
-    pub number: usize,
-    /// The time at its end.
-    pub time: f64,
-    /// Newton steps that it took.
-    pub newton: usize,
-    /// Krylov iterations that it took.
-    pub krylov: usize,
-    /// Its residual in the end, relative to the first one.
-    pub residual: f64,
-}
 
 /// Reports the progress of a run.
 #[derive(Debug)]
@@ -31,8 +16,8 @@ pub struct Progress {
     start: f64,
     end: f64,
     begun: Instant,
-    /// What has passed before the first slab.
-    before_slabs: Cell<Duration>,
+    /// The time that passed before the first slab.
+    before_slabs: OnceLock<Duration>,
 }
 
 #[derive(Debug)]
@@ -42,12 +27,12 @@ enum Display {
     Nothing,
 }
 
-/// The bar counts time in these parts: slabs may be halved, so their number is not known.
+/// The number of parts in which the bar counts time. Slabs may be halved, so their number is not known.
 const PARTS: u64 = 10_000;
 
 impl Progress {
-    /// Of a run that covers `time` from `start`, which is later than the case's own start if it is resumed.
-    pub fn new(time: &Time, start: f64, verbosity: Verbosity, terminal: &Terminal) -> Self {
+    /// Of a run from time `start`, which is later than the case's own start if it is resumed, to `end`.
+    pub fn new(start: f64, end: f64, verbosity: Verbosity, terminal: &Terminal) -> Self {
         let display = if verbosity.quiet {
             Display::Nothing
         } else if terminal.is_interactive() {
@@ -59,15 +44,15 @@ impl Progress {
             display,
             terminal: terminal.clone(),
             start,
-            end: rounded(time.end),
+            end: rounded(end),
             begun: Instant::now(),
-            before_slabs: Cell::default(),
+            before_slabs: OnceLock::new(),
         }
     }
 
-    /// The slabs begin now: what came before them says nothing of how long they take.
+    /// Marks the begin of the slabs: the time before them does not enter the estimate.
     pub fn begin_slabs(&self) {
-        self.before_slabs.set(self.begun.elapsed());
+        self.before_slabs.get_or_init(|| self.begun.elapsed());
         if let Display::Bar(bar) = &self.display {
             bar.reset_eta();
         }
@@ -87,7 +72,7 @@ impl Progress {
             }
             Display::Lines => self
                 .terminal
-                .print(&format!("{text}  {}", remaining(self.begun.elapsed(), self.before_slabs.get(), fraction))),
+                .print(&format!("{text}  {}", remaining(self.begun.elapsed(), self.before_slabs(), fraction))),
             Display::Nothing => {}
         }
     }
@@ -108,11 +93,15 @@ impl Progress {
         self.show(time, text);
     }
 
-    /// Says something above the bar, unless asked to be quiet.
+    /// Prints a line above the bar, unless `--quiet` is set.
     pub fn say(&self, line: &str) {
         if !matches!(self.display, Display::Nothing) {
             self.terminal.print(line);
         }
+    }
+
+    fn before_slabs(&self) -> Duration {
+        self.before_slabs.get().copied().unwrap_or_default()
     }
 
     /// Removes the bar.
@@ -133,11 +122,6 @@ fn bar() -> ProgressBar {
 fn describe(slab: &SlabDone, end: f64) -> String {
     let SlabDone { number, time, newton, krylov, residual } = slab;
     format!("slab {number}  t = {time:.6} of {end}  newton {newton}  krylov {krylov}  residual {residual:.1e}")
-}
-
-/// A time for reading, without the last digits that round-off may have spoiled.
-pub(crate) fn rounded(time: f64) -> f64 {
-    format!("{time:.11e}").parse().unwrap_or(time)
 }
 
 /// 12 s elapsed, 48 s left
@@ -162,11 +146,6 @@ mod tests {
         assert_eq!(left(12, 10, 0.2), "12 s elapsed, 8 s left");
         assert_eq!(left(3, 0, 0.0), "3 s elapsed");
         assert_eq!(left(5, 0, 1.0), "5 s elapsed, 0 s left");
-    }
-
-    #[test]
-    fn times_are_told_without_round_off() {
-        assert_eq!([0.1 * 3.0, 125_f64.sqrt(), 0.0].map(|t| rounded(t).to_string()), ["0.3", "11.1803398875", "0"]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How a run is interrupted.
+//! The interruption of a run by signals.
 
 use crate::terminal::Terminal;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct StopFlag(Arc<AtomicBool>);
 
 impl StopFlag {
-    /// Whether to stop after the slab in hand.
+    /// Whether to stop after the current slab.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// From now on the first Ctrl-C or SIGTERM sets the flag, the second one ends the process at once.
+    /// Installs handlers: the first Ctrl-C or SIGTERM sets the flag, the second one ends the process at once.
     ///
     /// # Errors
     /// If the system refuses to install the handlers.
@@ -28,7 +28,7 @@ impl StopFlag {
         std::thread::spawn(move || {
             for signal in signals.forever() {
                 if flag.0.swap(true, Ordering::Relaxed) {
-                    // Does not return: the process ends as if it had not caught the signal.
+                    // Does not return: the process ends as if the signal had not been caught.
                     let _ = emulate_default_handler(signal);
                 }
                 terminal.print("finishing this slab, then writing a checkpoint; press again to stop at once");

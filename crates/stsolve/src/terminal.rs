@@ -1,4 +1,4 @@
-//! stderr, shared by messages, log lines and the progress bar so that they do not overwrite each other.
+//! stderr, shared by messages, log lines and the progress bar, so that they do not overwrite each other.
 
 use indicatif::MultiProgress;
 use std::io::{self, IsTerminal, Write};
@@ -10,7 +10,7 @@ pub struct Terminal {
 }
 
 impl Terminal {
-    /// Whether somebody watches.
+    /// Whether stderr is a terminal.
     pub fn is_interactive(&self) -> bool {
         io::stderr().is_terminal()
     }
@@ -25,7 +25,7 @@ impl Terminal {
         self.write(format!("{line}\n").as_bytes());
     }
 
-    /// If stderr is closed there is nobody to tell, and a run goes on without.
+    /// If stderr is closed, the output is dropped and the run continues.
     fn write(&self, bytes: &[u8]) {
         let _ = self.bars.suspend(|| io::stderr().write_all(bytes));
     }

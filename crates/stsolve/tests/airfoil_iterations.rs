@@ -1,6 +1,6 @@
-//! Counted work on the heaving airfoil, on a coarse mesh: how iterations depend on the slab and on the order.
+//! Counted work on the heaving airfoil, on a coarse mesh: the dependence of iterations on the slab and on the order.
 //!
-//! The bars are those of the production setting, slabs of 0.1 with three nodes in time. `cargo test --release -p stsolve --test
+//! The limits hold for the production setting, slabs of 0.1 with three nodes in time. `cargo test --release -p stsolve --test
 //! airfoil_iterations -- --ignored --nocapture` measures the shipped case itself.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
@@ -32,7 +32,7 @@ fn mean(counts: &[f64]) -> f64 {
     counts.iter().sum::<f64>() / counts.len() as f64
 }
 
-/// Runs with slabs of `step`, halved again and again, from the same state in motion: Krylov iterations must not grow.
+/// Runs with slabs of `step`, halved repeatedly, from the same state in motion: Krylov iterations must not grow.
 fn assert_shorter_slabs_cost_no_more_iterations(set: &[&str], step: f64) {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
@@ -53,7 +53,8 @@ fn assert_shorter_slabs_cost_no_more_iterations(set: &[&str], step: f64) {
     }
 }
 
-/// Goes on with N_s = 4 and 8 from the same state in motion to `end`: Krylov iterations must not grow by more than half.
+/// Continues with N_s = 4 and 8 from the same state in motion to `end`: Krylov iterations must not grow by more than
+/// half.
 fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
@@ -70,7 +71,7 @@ fn assert_a_higher_order_costs_few_more_iterations(set: &[&str], end: f64) {
     assert!(means[1] <= 1.5 * means[0], "{means:?}");
 }
 
-/// 76 by its coarse level in the undamped steps; the sweeps alone need some 180.
+/// 76 with the coarse level in the undamped steps; the sweeps alone need some 180.
 #[test]
 fn a_steady_flow_takes_few_iterations() {
     let directory = TempDir::new().unwrap();
@@ -80,8 +81,8 @@ fn a_steady_flow_takes_few_iterations() {
     assert!(steady["newton"].as_u64().unwrap() <= 9 && steady["krylov"].as_u64().unwrap() <= 85, "{steady}");
 }
 
-/// With a coarse level in damped steps, too, this start ended in a solution of the discrete equations that no flow has, of drag 0.043 and
-/// lift -0.06. On 484 cells; the mesh of the case gives 0.05253.
+/// With a coarse level also in damped steps, this start once ended in a spurious solution of the discrete equations, with drag 0.043 and
+/// lift -0.06, on 484 cells. The mesh of the case gives 0.05253.
 #[test]
 fn the_steady_flow_at_re_5000_is_the_one_that_finer_meshes_have() {
     let mesh = "mesh.generate.airfoil={ first_cell = 0.01, trailing_edge_cell = 0.02, surface_cells = 14, wake_cells = 8, normal_cells = 11, \

@@ -1,4 +1,4 @@
-//! Checkpoints that cannot be continued: exit code 2, the file and what to do named, nothing overwritten.
+//! Checkpoints that cannot be continued: exit code 2, the file and the remedy named, nothing overwritten.
 
 #![allow(clippy::unwrap_used)]
 
@@ -17,7 +17,7 @@ fn finished() -> TempDir {
     directory
 }
 
-/// Continuing `directory` with `command` and `changes` is refused, with all `parts` in the message; no file changes.
+/// `command` with `changes` refuses to continue `directory`, with all `parts` in the message; no file changes.
 fn assert_refused(directory: &TempDir, command: &str, changes: &[&str], parts: &[&str]) {
     let run = directory.path().join("run");
     let before = contents(&run);
@@ -69,7 +69,7 @@ fn a_run_of_the_mesh_alone_does_not_continue_one_with_a_flow() {
     assert_refused(&finished(), "motion", &[], &["is the checkpoint of another case", "moved alone"]);
 }
 
-/// The end, the solver and what is written when may change; the result then holds the case with which it went on.
+/// The end, the solver and the intervals of output may change; the result then holds the new case.
 #[test]
 fn a_run_goes_on_with_another_solver() {
     let directory = finished();

@@ -47,7 +47,7 @@ fn check_as_json_has_the_numbers() {
     assert!((json["flow"]["Mach number"].as_f64().unwrap() - 0.5).abs() < 1e-14);
 }
 
-/// The smallest measurement of every group: what is counted is there and positive, seconds are what they are.
+/// The smallest measurement of every group: counted quantities are present and positive; seconds are not tested.
 #[test]
 fn bench_as_json_has_the_roofs_and_a_row_per_kernel() {
     let arguments = ["bench", "--json", "--orders", "2", "--dimension", "2", "--nodes", "8", "--seconds", "0"];
@@ -92,7 +92,7 @@ fn check_tries_what_the_run_will_do() {
     for part in ["residual", "Krylov iteration", "making the preconditioner", "a slab", "the run"] {
         assert!(json["seconds, measured"][part].as_f64().unwrap() > 0.0, "{part}");
     }
-    // The square travels by 2.5, of which its deformation takes or adds 0.5.
+    // The square travels by 2.5, changed by up to 0.5 by its deformation.
     assert!((json["motion"]["amplitude A"].as_f64().unwrap() - 1.25).abs() < 0.3, "{}", json["motion"]);
     assert_eq!(json["warnings"]["none"], "");
 }
@@ -113,7 +113,7 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
             "Sutherland's law",
             "`flow.gas.gas_constant`",
         ),
-        // This one starts from rest, however fast it is within the first slab.
+        // This one starts from rest, although it is fast within the first slab.
         (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
         (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),
         (&["flow.initial.uniform.mach=0.05", "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
@@ -139,7 +139,7 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
         assert_eq!(warnings.keys().collect::<Vec<_>>(), [subject], "{settings:?}");
         assert!(warnings[subject].as_str().unwrap().contains(remedy), "{settings:?}: {warnings:?}");
     }
-    // Cells alone serve it well.
+    // Cells alone suffice for it.
     let (_, stdout, _) =
         outcome(Path::new("."), &["check", "--json", "--probe", "never", &shipped("vortex_period.toml")]);
     assert!(stdout.contains("\"none\":\"\"") && !stdout.contains("sound crosses"), "{stdout}");
@@ -322,7 +322,7 @@ fn a_pipe_or_an_endless_file_blocked() {
     assert!(!at.join("new").exists());
 }
 
-/// A mesh or a run that cannot fit is refused with the memory that it needs, before it takes it.
+/// A mesh or a run that cannot fit is refused with the memory that it needs, before it is allocated.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_is_too_large_aborted_without_naming_the_memory() {

@@ -1,13 +1,13 @@
-//! Where the time of a run goes.
+//! The wall time of the parts of a run.
 
 #![allow(clippy::unwrap_used)]
 
 mod common;
 
 use common::{number, on_case, shipped, stsolve, summary};
+use simulation::clock::{Clock, table};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
-use stsolve::clock::{Clock, table};
 use tempfile::TempDir;
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::filter_fn;
@@ -46,7 +46,7 @@ fn the_summary_has_the_parts_of_a_run() {
     let (sum, wall) = (parts.values().map(|part| part.0).sum::<f64>(), number(&summary, "cost.wall_seconds"));
     assert!((sum - wall).abs() < 1e-9, "{sum} of {wall}");
     assert!(parts.values().all(|part| part.0 > 0.0), "{parts:?}");
-    // Beside those of slabs, residuals are evaluated nowhere.
+    // Only slabs evaluate residuals.
     assert_eq!(parts["residual"].1, number(&summary, "cost.residual_evaluations"));
     assert_eq!(parts["product"].1, number(&summary, "cost.jacobian_products"));
     assert_eq!(parts["preconditioner"].1, number(&summary, "krylov.total"));
@@ -86,7 +86,7 @@ fn parts_add_up_to_the_wall_time() {
     let parts = clock.parts();
     let wall = begun.elapsed().as_secs_f64();
     let sum: f64 = parts.values().map(|part| part.seconds).sum();
-    // Time that was counted twice would make more than the wall time.
+    // Time counted twice would exceed the wall time.
     assert!((0.04..=wall).contains(&sum), "{sum} of {wall}");
     let calls: Vec<_> = parts.iter().map(|(name, part)| (name.as_str(), part.calls)).collect();
     assert_eq!(calls, [("orthogonalisation", 1), ("product", 2), ("rest", 0), ("setup", 1)]);

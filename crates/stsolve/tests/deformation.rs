@@ -1,4 +1,4 @@
-//! The deformation cases of the paper: how far a mesh can be moved, and how well it keeps its shape.
+//! The deformation cases of the paper: the largest motion of a mesh, and the quality of its cells.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -8,15 +8,15 @@ use common::{column, number, on_case, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// The summary of `stsolve motion` on a shipped case, and what it reported; it must end with `code`.
+/// The summary of `stsolve motion` on a shipped case, and its output; it must end with `code`.
 fn motion(directory: &Path, name: &str, set: &[&str], code: i32) -> (serde_json::Value, String) {
     let outcome = on_case(directory, "motion", name, set, name, &["--force"]);
     outcome.expect(code, &[]);
     (summary(&directory.join(name)), outcome.stderr)
 }
 
-/// N, the angle up to which the mesh is valid at 2N Gauss points and at 4N Gauss-Lobatto points, by equation (5) and with
-/// constant stiffness; Diosady & Murman, AIAA 2018-0919, section III.C, and an independent program.
+/// N, and the angle up to which the mesh is valid at 2N Gauss points and at 4N Gauss-Lobatto points, by equation (5) and
+/// with constant stiffness. From Diosady & Murman, AIAA 2018-0919, section III.C, and an independent program.
 const ANGLES: [(usize, [[f64; 2]; 2]); 3] =
     [(2, [[62.9, 60.7], [34.6, 32.7]]), (4, [[48.7, 44.4], [25.0, 21.7]]), (8, [[40.3, 35.3], [19.9, 16.4]])];
 
@@ -46,7 +46,7 @@ fn the_box_turns_as_far_as_in_the_paper() {
             let proved = number(&summary, "mesh_quality.first_invalid_time");
             println!("  {order}  {name}  {sampled:15.2}  {at_gauss:10.1}  {proved:10.2}  {at_lobatto:18.1}");
             assert!((sampled - at_gauss).abs() < 0.3, "N = {order}, {name}: {sampled} against {at_gauss}");
-            // Proved is no further than any sampling finds.
+            // The proof must not exceed any sampling.
             assert!(proved < at_lobatto + 0.05 && proved > at_lobatto - 0.5, "N = {order}, {name}: {proved}");
             assert!(report.contains("by proof, at 2N Gauss points per direction from t = "), "{report}");
         }
@@ -71,7 +71,7 @@ fn rough_channels_keep_good_cells_at_a_third_of_the_nyquist_frequency() {
         println!("rough channel, {name}: scaled Jacobian {scaled:.3}, det J / det J_0 >= {bound:.3}");
         assert!(scaled > 0.6 && bound > 0.4, "{name}: {scaled} {bound}");
     }
-    // Deeper is worse, step by step.
+    // Larger depth gives lower quality, step by step.
     let depths = column(&directory.path().join("channel_roughness"), "scaled_jacobian");
     assert!(depths.len() == 4 && depths.windows(2).all(|pair| pair[1] < pair[0]), "{depths:?}");
 }

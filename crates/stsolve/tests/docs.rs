@@ -52,7 +52,7 @@ fn split(text: &str) -> (Vec<String>, Vec<(String, usize, String)>) {
     (outside, blocks)
 }
 
-/// What links of a text point to.
+/// The targets of the links of a text.
 fn links(outside: &[String]) -> Vec<String> {
     let text = outside.join("\n");
     text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link.to_owned()).collect()
@@ -120,7 +120,7 @@ fn cases_that_are_named_exist() {
     }
 }
 
-/// Puts the keys of a section, `changes`, in the place of those of a case.
+/// Replaces keys of a case by those of a section, `changes`.
 fn overwrite(case: &mut Table, changes: Table) {
     for (section, value) in changes {
         match (case.get_mut(&section), value) {
@@ -130,7 +130,7 @@ fn overwrite(case: &mut Table, changes: Table) {
     }
 }
 
-/// The block as a case: by itself, or over the case that its fence names.
+/// The block as a case: alone, or merged into the case that its fence names.
 fn as_case(info: &str, block: &str) -> Option<String> {
     let Some(base) = info.strip_prefix("toml").map(str::trim).filter(|base| base.ends_with(".toml")) else {
         return (info == "toml" && block.contains("[time]")).then(|| block.to_owned());

@@ -7,7 +7,7 @@ mod common;
 use common::{assert_same_bits, column, number, on_case, shipped, stsolve, summary};
 use tempfile::TempDir;
 
-/// The vortex in a square whose sides bend, so that laws differ.
+/// The vortex in a square whose sides bend, so that the laws differ.
 const BENT: [&str; 4] = [
     "mesh.generate.box.cells=[3,3]",
     "time.step=0.2",
@@ -31,7 +31,7 @@ fn a_flow_is_solved_on_a_mesh_of_every_law() {
         assert!(number(&summary, "conservation.mass_error") < 1e-12, "{name}: {summary}");
         displacements.push(number(&summary, "mesh_quality.det_j_sampled_min"));
     }
-    // Mesh ahead of the flow or together with it: the same equilibrium.
+    // The mesh solved before the flow or together with it: the same equilibrium.
     assert!((displacements[0] - displacements[1]).abs() < 1e-6, "{displacements:?}");
     assert!((displacements[0] - displacements[2]).abs() > 1e-4, "{displacements:?}");
 }
@@ -65,7 +65,7 @@ fn check_names_the_law() {
     }
 }
 
-/// With the tolerance 1e-2, once the default, the run died at 30 degrees, and det J was wrong by 40 % on the way there.
+/// With the tolerance 1e-2, once the default, the run failed at 30 degrees, and det J was wrong by 40 % before that.
 #[test]
 fn a_neo_hookean_mesh_is_converged_where_it_is_accepted() {
     let directory = TempDir::new().unwrap();
@@ -82,7 +82,7 @@ fn a_neo_hookean_mesh_is_converged_where_it_is_accepted() {
     }
 }
 
-/// A box that is turned by 150 degrees at once is more than Newton's method can follow; by 75 it is not.
+/// Newton's method cannot follow a sudden turn of a box by 150 degrees, but it can follow one by 75.
 #[test]
 fn a_slab_of_the_mesh_alone_that_cannot_be_solved_is_halved() {
     let directory = TempDir::new().unwrap();

@@ -8,7 +8,7 @@ use common::{checkpoint, column, number, on_case, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// The time in the checkpoint of a run, after a check that summary and history tell the same.
+/// The time in the checkpoint of a run, after a check that summary and history agree.
 fn last_good_time(run: &Path) -> f64 {
     let time = f64::from_bits(checkpoint(run).0["time"][0]);
     let summary = summary(run);
@@ -52,7 +52,7 @@ fn a_cell_that_inverts_stops_the_run_at_the_last_good_slab() {
         let run = directory.path().join(predictor);
         assert!((last_good_time(&run) - 0.9).abs() < 1e-14);
         assert!(summary(&run)["reason"].as_str().unwrap().contains("det J"));
-        // Halved to 0.2, which fails again, and to 0.1, which does not.
+        // Halved to 0.2, which fails again, and to 0.1, which succeeds.
         assert_eq!(column(&run, "rejected"), [0.0, 0.0, 2.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! A case far from the origin of coordinates: all that it reports is what it reports at the origin.
+//! A case far from the origin of coordinates gives the same figures as at the origin.
 
 #![allow(clippy::unwrap_used)]
 
@@ -35,8 +35,8 @@ fn free_stream(directory: &Path, dimension: usize, shift: &str) -> serde_json::V
     summary(&directory.join(output))
 }
 
-/// The free-stream error was 6.9e-13 at x = 100 and 5.8e-9 at x = 1e6, the mass error 1.5e-10 there: derivatives of positions lost the
-/// digits that positions have in common.
+/// The free-stream error was once 6.9e-13 at x = 100 and 5.8e-9 at x = 1e6, the mass error 1.5e-10 there. Derivatives of positions
+/// lost the digits that positions have in common.
 #[test]
 fn free_stream_is_kept_far_from_the_origin() {
     let directory = TempDir::new().unwrap();
@@ -65,7 +65,7 @@ fn free_stream_is_kept_in_thin_cells() {
     assert!(error <= 1e-12, "{error:e}");
 }
 
-/// Both sides of a periodic pair have the same shape to the bit, far away too.
+/// Both sides of a periodic pair have the same shape to the bit, also far away.
 #[test]
 fn free_stream_is_kept_across_a_periodic_pair() {
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! Seeded faults: whatever a run fails of, the cause must be among the three that it names, and the folder `failure` be complete.
+//! Seeded faults: for any failure the true cause must be among the three named, and the folder `failure` must be complete.
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,17 +9,17 @@ use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A case that is spoiled in one respect.
+/// A case with one fault.
 struct Fault {
-    /// What is wrong.
+    /// The fault.
     what: &'static str,
     /// The case.
     case: &'static str,
-    /// What makes it small.
+    /// Changes that make it small.
     small: &'static [&'static str],
-    /// What makes it fail.
+    /// Changes that make it fail.
     spoil: &'static [&'static str],
-    /// The cause that is to be named.
+    /// The cause to be named.
     cause: &'static str,
 }
 
@@ -208,7 +208,7 @@ fn the_cause_of_a_seeded_fault_is_named() {
     assert!(named >= 12 && first >= 9, "{named} named, {first} of them first");
 }
 
-/// What stands in the folder `failure` of a run: the numbers, after a check that text and picture are there.
+/// The numbers in the folder `failure` of a run, after a check that text and picture exist.
 fn numbers_of(run: &Path) -> Value {
     let folder = run.join("failure");
     let text = std::fs::read_to_string(folder.join("failure.md")).unwrap();
@@ -217,7 +217,7 @@ fn numbers_of(run: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("failure.json")).unwrap()).unwrap()
 }
 
-/// A mesh alone goes on when a cell is inverted; what is known of the first such slab is kept.
+/// A mesh alone continues when a cell is inverted; the report of the first such slab is kept.
 #[test]
 fn a_motion_that_inverts_a_cell_says_why() {
     let directory = TempDir::new().unwrap();
@@ -246,7 +246,7 @@ fn a_structure_whose_load_is_no_number_says_so() {
     assert!(number(&numbers, "evidence.structure.waves_per_slab") > 1.0);
 }
 
-/// The folder belongs to the run that made it.
+/// The folder belongs to the run that wrote it.
 #[test]
 fn a_run_that_succeeds_removes_what_the_last_one_has_left() {
     let directory = TempDir::new().unwrap();

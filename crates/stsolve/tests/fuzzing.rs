@@ -1,7 +1,7 @@
-//! Random bytes for everything that is read: an answer, never a crash and never a hang.
+//! Random bytes for all readers: a result or an error, never a crash or a hang.
 //!
-//! The readers are those of the fuzz targets in `fuzz/`, the inputs damaged seeds, always the same ones. More of them:
-//! `STSOLVE_FUZZ_INPUTS=1000000 cargo test --release -p stsolve --test fuzzing`; with coverage: `scripts/fuzz`.
+//! The readers are those of the fuzz targets in `fuzz/`. The inputs are damaged seeds, the same ones each time. For
+//! more: `STSOLVE_FUZZ_INPUTS=1000000 cargo test --release -p stsolve --test fuzzing`; with coverage: `scripts/fuzz`.
 
 #![allow(clippy::unwrap_used)]
 
@@ -19,7 +19,7 @@ use random::Random;
 use std::ops::Range;
 use std::path::Path;
 
-/// Cases whose meshes are made in no time.
+/// Cases whose meshes are built quickly.
 const CASES: [&str; 6] = ["channel_roughness", "couette", "free_stream", "free_stream_3d", "manufactured", "vortex"];
 
 /// The files of a folder of the repository, by name.
@@ -30,7 +30,7 @@ fn seeds(folder: &str) -> Vec<Vec<u8>> {
     paths.iter().filter(|path| path.is_file()).map(|path| std::fs::read(path).unwrap()).collect()
 }
 
-/// Some piece of `bytes`, mostly a short one.
+/// A random piece of `bytes`, mostly a short one.
 fn piece(bytes: &[u8], random: &mut Random) -> Range<usize> {
     let longest = 1 << random.below(7);
     let (start, length) = (random.below(bytes.len() + 1), random.below(longest));
@@ -57,8 +57,8 @@ fn damaged(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Reads damaged seeds, `inputs` of them or as many as the environment says. Some must still be readable, or the damage is too
-/// severe to reach far into the reader; the seeds themselves must be.
+/// Reads damaged seeds, `inputs` of them or as many as the environment says. The seeds themselves must be readable. Some
+/// damaged ones must be readable too, or the damage is too severe to reach far into the reader.
 #[allow(clippy::print_stdout)]
 fn fuzz(name: &str, seeds: &[Vec<u8>], inputs: usize, read: fn(&[u8]) -> bool) -> usize {
     let inputs = std::env::var("STSOLVE_FUZZ_INPUTS").map_or(inputs, |number| number.parse().unwrap());

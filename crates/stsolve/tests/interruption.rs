@@ -1,4 +1,4 @@
-//! SIGTERM: the first one ends a run after the slab in hand, the second one at once.
+//! SIGTERM: the first one ends a run after the current slab, the second one at once.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use tempfile::TempDir;
 
-/// A run that is under way, and what it reports.
+/// A run in progress, and its output.
 struct Running {
     process: Child,
     report: BufReader<ChildStderr>,
@@ -56,7 +56,7 @@ fn a_run_that_is_stopped_and_resumed_has_the_same_bits() {
     stop_and_resume("vortex", &["time.end=4", "output.checkpoint_every=7"]);
 }
 
-/// Where slabs are adapted, the length of the next one belongs to the state.
+/// If slabs are adapted, the length of the next one belongs to the state.
 #[test]
 fn a_run_with_adapted_slabs_that_is_stopped_and_resumed_has_the_same_bits() {
     stop_and_resume("vortex", &["time.end=4", "time.step=0.02", "time.adaptive.tolerance=2e-4"]);
@@ -104,7 +104,7 @@ fn stop_and_resume(case: &str, set: &[&str]) {
 #[test]
 fn the_second_signal_ends_the_run_at_once() {
     let directory = TempDir::new().unwrap();
-    // A slab of this takes long enough for two signals.
+    // A slab of this case takes long enough for two signals.
     let mut running = Running::start(directory.path(), "vortex", &["mesh.generate.box.cells=[40,40]", "flow.order=6"]);
     running.wait_for("slab 1 ");
     running.terminate();
@@ -114,7 +114,7 @@ fn the_second_signal_ends_the_run_at_once() {
     assert!(!directory.path().join("run/summary.json").exists());
 }
 
-/// While a run goes on there is no summary, so that none tells of another run when this one is killed.
+/// During a run there is no summary, so that after a kill none describes another run.
 #[test]
 fn a_stale_summary_stood_beside_the_half_result_of_another_run() {
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! Round-off: where Newton's method stops at it, and balances that hold to it at any tolerance.
+//! Round-off: Newton's method stops at it, and balances hold to it at any tolerance.
 
 #![allow(clippy::unwrap_used)]
 
@@ -29,8 +29,8 @@ fn uniform(mach: f64, height: f64, slab: f64, gas: &str) -> String {
 
 const VISCOUS: &str = ", viscosity = { constant = 0.01 }";
 
-/// Newton's tolerance was 1e-13 in units of the reference state, and these flows have a residual above it that is nothing but rounding:
-/// slabs were halved until the run failed.
+/// Newton's tolerance was once 1e-13 in units of the reference state. These flows have a residual above that, which is pure round-off,
+/// and slabs were halved until the run failed.
 #[test]
 fn a_uniform_flow_takes_at_most_one_newton_step_a_slab_at_low_mach_number_on_thin_cells_in_long_slabs() {
     let directory = TempDir::new().unwrap();
@@ -48,7 +48,8 @@ fn a_uniform_flow_takes_at_most_one_newton_step_a_slab_at_low_mach_number_on_thi
     }
 }
 
-/// The rounding of the residual grows with the length of a slab. At 1e-13 a steady flow at Mach 0.1 was cut into sixteen parts.
+/// The rounding of the residual grows with the length of a slab. With 1e-13 a steady flow at Mach 0.1 was once cut into sixteen
+/// parts.
 #[test]
 fn a_cylinder_at_mach_0_1_goes_on_from_its_steady_flow_without_a_rejection() {
     let directory = TempDir::new().unwrap();
@@ -60,8 +61,8 @@ fn a_cylinder_at_mach_0_1_goes_on_from_its_steady_flow_without_a_rejection() {
     assert!((drag("walls.wall.drag_coefficient") - steady).abs() < 1e-6 * steady, "{summary}");
 }
 
-/// A vortex of strength 1e-8 is as accurate, relative to it, as one of strength 1e-2: a solve that took its residual for rounding would
-/// leave it standing.
+/// A vortex of strength 1e-8 is, relative to its strength, as accurate as one of strength 1e-2. A solve that mistook its residual for
+/// round-off would not move it.
 #[test]
 fn a_faint_vortex_is_not_taken_for_rounding() {
     let directory = TempDir::new().unwrap();
@@ -75,7 +76,7 @@ fn a_faint_vortex_is_not_taken_for_rounding() {
     assert!((faint / strong - 1.0).abs() < 0.01, "{faint:e} against {strong:e}");
 }
 
-/// The tolerance of the shipped cases, 1e-4 to 1e-8, used to show in mass and energy: 1e-9 to 1e-13.
+/// With the tolerances of the shipped cases, 1e-4 to 1e-8, mass and energy once had errors of 1e-9 to 1e-13.
 #[test]
 fn balances_hold_to_round_off_at_any_tolerance() {
     let directory = TempDir::new().unwrap();
@@ -93,7 +94,7 @@ fn balances_hold_to_round_off_at_any_tolerance() {
     }
 }
 
-/// Gas in a closed box and in a channel that is periodic along x, with walls of their own temperature, at 1, 2 and 4 nodes in time.
+/// Gas in a closed box and in a channel that is periodic along x, with isothermal walls, at 1, 2 and 4 nodes in time.
 #[test]
 fn a_closed_box_and_a_periodic_channel_keep_their_mass() {
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! Figures that README and docs name, of runs of minutes: `scripts/test --long` runs these tests and writes docs/src/long.md.
+//! Figures of README and docs, from runs of minutes: `scripts/test --long` runs these tests and writes docs/src/long.md.
 //!
 //! Each figure is printed as a line `| run | figure | value | reference | allowed |`, which that script collects.
 
@@ -104,7 +104,7 @@ fn long_power_and_work_of_a_pitching_airfoil_at_a_low_mach_number() {
     run.expect("power against F h' + M theta', relative to its peak", apart / peak, 0.0, 1e-2);
 }
 
-/// Against our own study on finer meshes, with its bars (docs/src/airfoils.md): there is no other.
+/// Against our own study on finer meshes, with its error bars (docs/src/airfoils.md); there is no other reference.
 #[test]
 #[ignore = "long: minutes; scripts/test --long"]
 fn long_heaving_and_pitching_airfoil_at_re_5000() {
@@ -125,7 +125,7 @@ fn long_cylinder_m1() {
     run.expect("work", wall["work"].as_f64().unwrap(), -0.3063148, 2e-7);
 }
 
-/// 1.52 is what is published most for Re = 40; values spread by 2 %.
+/// 1.52 is the value most often published for Re = 40; values spread by 2 %.
 #[test]
 #[ignore = "long: seconds; scripts/test --long"]
 fn long_steady_cylinder_at_re_40() {
@@ -145,7 +145,8 @@ fn long_vortex_street_at_re_100() {
     run.expect("mean drag coefficient", drag, 1.33, 0.01);
 }
 
-/// Strouhal number and mean drag of diameter and speed 1 over the last four whole periods, from upward zero to upward zero of the lift.
+/// Strouhal number and mean drag with diameter and speed 1 over the last four whole periods, from upward zero to upward zero of the
+/// lift.
 fn shedding(run: &Path) -> [f64; 2] {
     let [t, dt, lift, drag] =
         ["t", "dt", "wall_lift_coefficient", "wall_drag_coefficient"].map(|name| column(run, name));
@@ -159,8 +160,8 @@ fn shedding(run: &Path) -> [f64; 2] {
     [4.0 / (last - first), integral / inside.iter().map(|&k| dt[k]).sum::<f64>()]
 }
 
-/// Air of 288.15 K by Sutherland's law against constant viscosity: at M = 0.1 no gas is more than 0.2 % warmer than the stream, of
-/// which the law makes 0.15 % of viscosity.
+/// Air of 288.15 K by Sutherland's law against constant viscosity. At M = 0.1 no gas is more than 0.2 % warmer than the stream,
+/// which changes the viscosity by 0.15 %.
 #[test]
 #[ignore = "long: seconds; scripts/test --long"]
 fn long_sutherland_cylinder_at_re_40() {

@@ -1,4 +1,4 @@
-//! `check` knows beforehand how much memory a run will take.
+//! `check` estimates the memory of a run.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,7 +7,8 @@ mod common;
 use common::{finished, number, shipped, stsolve};
 use tempfile::TempDir;
 
-/// The estimate is within a fifth of what the process has needed: `name`, changed by `set`, which keeps it short.
+/// The estimate must be within a fifth of the memory that the process needed: `name`, changed by `set`, which keeps it
+/// short.
 #[allow(clippy::print_stdout)]
 fn assert_estimate(name: &str, set: &[&str]) {
     let directory = TempDir::new().unwrap();
@@ -38,20 +39,21 @@ fn of_the_heaving_airfoil() {
     assert_estimate("naca0012_heave", &["time.end=0.2"]);
 }
 
-/// Walls that hold the stream up: there is something to solve.
+/// Walls that obstruct the stream, so that the slab is not trivial.
 #[test]
 fn in_three_dimensions() {
     let set = ["mesh.generate.box.cells=[4,4,4]", "flow.order=4", "flow.boundary.others=slip_wall", "time.slabs=1"];
     assert_estimate("free_stream_3d", &[&set[..], &["time.end=0.05"]].concat());
 }
 
-/// The mesh has many more nodes than the flow. The estimate was 0.57 of what is needed.
+/// The mesh has many more nodes than the flow. The estimate was once 0.57 of the need.
 #[test]
 fn of_a_mesh_of_high_order() {
     assert_estimate("couette", &["mesh.order=12", "flow.order=3", "mesh.generate.box.cells=[16,16]", "time.end=0.1"]);
 }
 
-/// In space the proof that cells are valid takes more than the flow: the estimate was 0.18 of what is needed.
+/// In three dimensions the proof that cells are valid takes more memory than the flow: the estimate was once 0.18 of
+/// the need.
 #[test]
 fn of_a_mesh_of_high_order_in_three_dimensions() {
     let set = ["mesh.generate.box.cells=[4,4,4]", "mesh.order=8", "flow.order=2", "flow.boundary.others=slip_wall"];

@@ -18,7 +18,7 @@ fn a_valid_motion_is_proved() {
     let (times, bounds) = (column(&run, "t"), column(&run, "det_j_lower_bound"));
     assert_eq!(times.len(), 80);
     for (&t, &bound) in times.iter().zip(&bounds) {
-        // The least of a slab is at one of its ends, but for those around t = 2 and 6.
+        // The least value of a slab is at one of its ends, except around t = 2 and 6.
         let least = exact(t).min(exact(t - 0.1));
         assert!(bound <= least + 1e-9 && bound > least - 1e-6, "t = {t}: {bound} against {least}");
     }
@@ -38,7 +38,7 @@ fn an_invalid_motion_is_found() {
     let run = directory.path().join("run");
     let first = number(&summary(&run), "mesh_quality.first_invalid_time");
     assert!((first - exact).abs() < 1e-3, "{first} against {exact}");
-    // It goes on, so that the whole motion can be looked at.
+    // It continues, so that the whole motion can be examined.
     let (times, bounds) = (column(&run, "t"), column(&run, "det_j_lower_bound"));
     assert_eq!(times.len(), 80);
     assert!(times.iter().zip(&bounds).all(|(&t, &bound)| t > first || bound > 0.0));

@@ -1,5 +1,5 @@
-//! Gas that enters and leaves: vortices through an outflow, shear through an inflow, a blade started from a uniform stream, a channel by
-//! its mass flux, and what a run says where a condition is not made for what happens.
+//! Gas that enters and leaves: vortices through an outflow, shear through an inflow, a blade started from a uniform stream, a channel
+//! with a given mass flux. Also the reports of a run about flow that a condition is not made for.
 //!
 //! The long versions: `cargo test --release -p stsolve --test openings -- --ignored`
 
@@ -11,8 +11,8 @@ use common::{Outcome, assert_same_bits, checkpoint, column, number, on_case, sts
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A vortex that leaves a box at M = 0.3 through its right side, at t = 5. The strength is the largest velocity in the stream's units
-/// times sqrt(e).
+/// A vortex that leaves a box at M = 0.3 through its right side, at t = 5. The strength is the largest velocity in units of the
+/// stream, times sqrt(e).
 const VORTEX: &str = r#"
 [mesh]
 order = 2
@@ -85,7 +85,8 @@ end = 1
 step = 0.1
 "#;
 
-/// A passage of a row of blades, coarse, from a uniform stream: the waves of that start push gas back through the inflow.
+/// A passage of a row of blades, coarse, started from a uniform stream: the waves of the start push gas back through the
+/// inflow.
 const BLADE: &str = r#"
 [mesh]
 order = 4
@@ -144,12 +145,13 @@ fn survives(case: &str, set: &[&str]) -> serde_json::Value {
     summary(&directory.path().join("run"))
 }
 
-/// Before, a strength of 2.5 died at t = 5.1: gas that came back brought the entropy and the shear of the gas inside.
+/// A strength of 2.5 once failed at t = 5.1, because gas that came back had the entropy and the shear of the gas
+/// inside.
 #[test]
 fn vortices_leave_through_an_outflow() {
     for strength in ["1", "2.5", "4"] {
         let summary = survives(VORTEX, &[&format!("flow.initial.vortex.strength={strength}")]);
-        // The weakest one is slower than the stream: nothing comes back.
+        // The weakest vortex is slower than the stream, so nothing comes back.
         if strength == "1" {
             assert!(summary["openings"]["right"].get("backflow").is_none(), "{summary}");
             continue;
@@ -172,12 +174,13 @@ fn gas_at_end(run: &Path) -> Vec<[f64; 3]> {
     flow.chunks_exact(4 * NODES).flat_map(|cell| (0..NODES).map(move |i| node(cell, i))).collect()
 }
 
-/// The largest difference of the pressure from that of the outlet, relative to it.
+/// The largest difference of the pressure from the pressure of the outlet, relative to it.
 fn pressure_off(run: &Path) -> f64 {
     gas_at_end(run).iter().map(|[_, _, p]| (p / 7.936507936507937 - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// In a duct without friction the total pressure and the total temperature of the inflow stand everywhere, and the pressure of the outflow.
+/// In a frictionless duct the total pressure and the total temperature of the inflow hold everywhere, and so does the pressure of the
+/// outflow.
 #[test]
 fn a_duct_has_the_total_state_of_its_inflow() {
     let directory = TempDir::new().unwrap();
@@ -261,7 +264,7 @@ fn long_the_pressure_is_that_of_the_outlet_after_shear() {
     }
 }
 
-/// Before, all of these died before t = 0.4: shear was imposed on gas that left.
+/// All of these once failed before t = 0.4, when shear was imposed on gas that left.
 #[test]
 fn shear_passes_an_inflow() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
@@ -269,7 +272,7 @@ fn shear_passes_an_inflow() {
     }
 }
 
-/// Before, it died at t = 0.565.
+/// It once failed at t = 0.565.
 #[test]
 fn a_blade_starts_from_a_uniform_stream() {
     let summary = survives(BLADE, &[]);
@@ -278,7 +281,7 @@ fn a_blade_starts_from_a_uniform_stream() {
     assert!(through("inflow") < 0.0 && through("outflow") > 0.0, "{summary}");
 }
 
-/// What a run has seen at its openings is in its checkpoints.
+/// Checkpoints hold the observations of a run at its openings.
 #[test]
 fn a_resumed_run_knows_what_came_back() {
     let directory = TempDir::new().unwrap();
@@ -304,7 +307,8 @@ fn a_supersonic_stream_enters_by_its_state() {
     assert!((number(&summary, "openings.left.mass_flow") + 1.0).abs() < 1e-12, "{summary}");
 }
 
-/// Before, `inflow` took M = 2 without a word, and the run died later with another cause named. Now check, run and summary tell.
+/// `inflow` once accepted M = 2 silently, and the run failed later with another cause named. Now check, run and summary report
+/// it.
 #[test]
 fn a_supersonic_stream_through_a_subsonic_inflow_is_told() {
     // p_0 = p 1.8^3.5 and T_0 = 1.8 T of M = 2.
@@ -321,7 +325,7 @@ fn a_supersonic_stream_through_a_subsonic_inflow_is_told() {
     assert!(check.stdout.contains(told), "{}", check.stdout);
 }
 
-/// With one Newton step allowed every slab fails: of the causes the opening is named first.
+/// With one Newton step allowed every slab fails; the opening must be named first among the causes.
 #[test]
 fn a_misused_opening_is_the_first_cause() {
     let inflow =
@@ -335,8 +339,8 @@ fn a_misused_opening_is_the_first_cause() {
     );
 }
 
-/// DFG 2D-1 (Schäfer & Turek 1996) at M = 0.025: the drag, and the mass flux that is given, 0.2 times the height. Before, a prescribed state
-/// lost 2.5 % of the mass flux.
+/// DFG 2D-1 (Schäfer & Turek 1996) at M = 0.025: the drag, and the given mass flux of 0.2 times the height. A prescribed state once lost 2.5
+/// % of the mass flux.
 #[test]
 fn the_cylinder_in_a_channel_has_the_drag_of_the_benchmark() {
     let directory = TempDir::new().unwrap();

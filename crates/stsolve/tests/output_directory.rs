@@ -1,4 +1,4 @@
-//! What is in an output directory already: a run is not replaced unasked, and never the one from which a run starts.
+//! Existing output directories: a run is not replaced unasked, and never the source of a restart.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -15,7 +15,7 @@ use tempfile::TempDir;
 const SMALL: [&str; 5] =
     ["mesh.order=2", "mesh.generate.box.cells=[2,2]", "flow.order=2", "time.step=0.1", "time.end=0.2"];
 
-/// What a message says about a run that is not replaced.
+/// Parts of the message about a run that is not replaced.
 const REMEDIES: [&str; 4] = ["it is not replaced unasked", "--force", "`--output`", "stsolve report run"];
 
 /// Calls `command` on the small vortex with `changes`, into `output`.
@@ -54,7 +54,7 @@ fn a_finished_run_was_replaced_without_a_word() {
     assert_eq!(summary(&run)["slabs"], 3, "a finished run that is resumed stays as it is");
 }
 
-/// A run that has failed is likely to be repeated with a better case.
+/// A failed run is likely to be repeated with a better case.
 #[test]
 fn an_unfinished_run_was_replaced_without_a_word() {
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! `stsolve report`: the page of a run that is over, that goes on, and of the mesh alone.
+//! `stsolve report`: the page of a finished run, of a running one, and of the mesh alone.
 
 #![allow(clippy::unwrap_used)]
 
@@ -20,7 +20,7 @@ fn page(directory: &Path) -> String {
     fs::read_to_string(directory.join("run/report.html")).unwrap()
 }
 
-/// What the script in the page draws from.
+/// The data of the script in the page.
 fn data(page: &str) -> Value {
     let data = page.split(r#"<script type="application/json" id="data">"#).nth(1).unwrap();
     serde_json::from_str(data.split("</script>").next().unwrap()).unwrap()
@@ -36,7 +36,7 @@ fn flat(value: &Value, key: &str, out: &mut Vec<(String, Value)>) {
     }
 }
 
-/// What the tables say about a key: the text, and the title with all digits.
+/// The entry of a key in the tables: the text, and the title with all digits.
 fn figure(page: &str, key: &str) -> (String, String) {
     let cell = page.split(&format!("<td data-key=\"{key}\" title=\"")).nth(1).unwrap_or_else(|| panic!("no `{key}`"));
     let (title, rest) = cell.split_once("\">").unwrap();
@@ -111,13 +111,13 @@ fn the_page_of_a_run_that_goes_on_shows_what_is_there() {
     let held = output::RunDirectory::open(&folder).unwrap();
     let going_on = page(directory.path());
     assert!(going_on.contains("busy\">running</span> t = 0.3, 3 slabs"));
-    // The summary may be that of an earlier run: sums come from the history.
+    // The summary may belong to an earlier run, so sums come from the history.
     let newton: f64 = column(&folder, "newton").iter().sum();
     assert_eq!(figure(&going_on, "newton.total").1, newton.to_string());
     assert!(!going_on.contains("cost.wall_seconds"));
     assert_eq!(data(&going_on)["pictures"]["steps"].as_array().unwrap().len(), 4);
 
-    // A new run has begun: the result is still that of the old one.
+    // A new run has begun, but the result still belongs to the old one.
     let history = fs::read_to_string(folder.join("history.csv")).unwrap();
     let begun: String = history.lines().take(2).flat_map(|line| [line, "\n"]).collect();
     fs::write(folder.join("history.csv"), begun + "0.2,0.1").unwrap();
@@ -150,7 +150,7 @@ fn in_space_a_cut_is_shown_and_named() {
     assert!(page.contains("with the plane z = "));
     let pictures = &data(&page)["pictures"];
     assert_eq!(pictures["quantities"][1]["label"], "Vorticity, z");
-    // A free stream has one density everywhere.
+    // The density of a free stream is uniform.
     let density = &pictures["windows"][0]["pictures"][3][1][1];
     assert_eq!(density[0], density[1], "{density}");
 }

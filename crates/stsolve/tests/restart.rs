@@ -1,4 +1,4 @@
-//! A run that starts where another one stands, with other orders or with the same.
+//! A run that starts from the result of another one, with the same or other orders.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -8,7 +8,7 @@ use common::{assert_same_bits, column, number, on_case, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// A vortex on few cells, the mesh of which moves much.
+/// A vortex on few cells of a mesh that moves much.
 const SMALL: [&str; 4] =
     ["mesh.generate.box.cells=[3,3]", "time.step=0.4", "constants.stretch=0.8", "solver.krylov_tolerance=1e-3"];
 
@@ -18,7 +18,7 @@ fn run(directory: &Path, changes: &[&str], end: f64, output: &str) -> common::Ou
     on_case(directory, "run", "vortex", &[&SMALL[..], changes, &[&end]].concat(), output, &[])
 }
 
-/// The key that starts a run where that in `output` stands.
+/// The key that starts a run from the result in `output`.
 fn from(directory: &Path, output: &str) -> String {
     format!("restart.from={}", directory.join(output).display())
 }
@@ -33,12 +33,12 @@ fn a_restart_with_the_same_orders_leaves_no_trace() {
     assert_same_bits(&at.join("through"), &at.join("second"), "restarted");
 }
 
-/// The exact solution tells that a higher order gains something from there on.
+/// The error of the exact solution shows that a higher order improves the result from there on.
 #[test]
 fn a_restart_with_other_orders_keeps_mass_and_energy() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    // What Newton leaves of the residual is not conserved either.
+    // The residual left by Newton's method is not conserved either.
     let exactly = "solver.newton_tolerance=1e-13";
     let lower = ["flow.order=3", "time.order=2", exactly];
     run(at, &lower, 0.8, "first").expect(0, &[]);
@@ -77,7 +77,7 @@ fn a_restart_joins_the_slabs_of_the_case() {
     assert_eq!(ends, [0.4, 0.8, 1.2, 1.5, 2.0]);
 }
 
-/// From the steady flow of order 3 that of order 5 is near: both end with the same drag, the second for less work.
+/// The steady flow of order 3 is near the one of order 5: both runs end with the same drag, the second with less work.
 #[test]
 fn a_steady_flow_is_found_from_that_of_a_lower_order() {
     let directory = TempDir::new().unwrap();
@@ -124,7 +124,7 @@ fn what_does_not_fit_is_told() {
     motion.expect(2, &["restart", "[flow]"]);
 }
 
-/// Restarted with another stretch, the boundary moved by up to a tenth of the square in one slab.
+/// Restarted with another stretch, the boundary would move by up to a tenth of the square in one slab.
 #[test]
 fn a_restart_accepted_a_motion_that_jumps() {
     let directory = TempDir::new().unwrap();
@@ -143,7 +143,7 @@ fn a_restart_accepted_a_motion_that_jumps() {
     }
 }
 
-/// The square stops where it is: the position goes on, the velocity jumps by 1. A motion that goes on is not warned of.
+/// The square stops: the position is continuous, the velocity jumps by 1. A continuous motion gives no warning.
 #[test]
 fn a_restart_with_another_velocity_is_warned_of() {
     let directory = TempDir::new().unwrap();
@@ -164,7 +164,7 @@ fn a_restart_with_another_velocity_is_warned_of() {
     }
 }
 
-/// From one Reynolds number to the next: the flow at Re = 10 is a better start of that at Re = 40 than the free stream.
+/// From one Reynolds number to the next: the flow at Re = 10 is a better start for Re = 40 than the free stream.
 #[test]
 fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_allowed() {
     let directory = TempDir::new().unwrap();
@@ -198,7 +198,7 @@ fn a_steady_flow_is_continued_to_another_viscosity_and_mach_number_if_that_is_al
     assert!(steps("continued_mach") < steps("mach"), "the pressure is shifted to its new level");
 }
 
-/// `check` refuses what a run would refuse.
+/// `check` refuses the cases that a run would refuse.
 #[test]
 fn check_looks_at_the_result_that_a_run_would_start_from() {
     let directory = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! A run that is continued has the bits of one that was never interrupted, for any number of threads.
+//! A resumed run has the same bits as an uninterrupted one, for any number of threads.
 
 #![allow(clippy::unwrap_used)]
 
@@ -41,7 +41,7 @@ fn an_elastic_predictor_resumes_after_a_rebuilt_preconditioner() {
     assert_eq!(builds, [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0], "a rebuild before and after the interruption");
 }
 
-/// A preconditioner by directions is made anew now and then as well.
+/// A preconditioner by directions is also rebuilt from time to time.
 #[test]
 fn a_preconditioner_by_lines_resumes() {
     let changes = ["solver.preconditioner=lines"];
@@ -96,7 +96,7 @@ fn the_mesh_alone_resumes() {
     assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "mesh alone");
 }
 
-/// 1.0 lies within a slab: the run to there has a short last slab, and the run that goes on does the rest of it first.
+/// 1.0 lies within a slab: the run up to there has a short last slab, and the resumed run does its rest first.
 #[test]
 fn a_run_continues_within_a_slab() {
     let directory = TempDir::new().unwrap();
@@ -108,7 +108,7 @@ fn a_run_continues_within_a_slab() {
     assert_eq!(summary(&run)["completed"], true);
 }
 
-/// Slabs of adapted length, from a first one far too short; the interruption is a stop by a signal, wherever it meets the run.
+/// Slabs of adapted length, from a first one far too short. The interruption is a signal, at any point of the run.
 #[test]
 fn a_run_with_adapted_slabs_has_the_same_bits_for_any_number_of_threads() {
     let directory = TempDir::new().unwrap();

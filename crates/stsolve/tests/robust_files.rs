@@ -1,8 +1,7 @@
-//! Runs that are killed, a disk that is full, files that are cut, two runs in one directory.
+//! Killed runs, a full disk, truncated files, two runs in one directory.
 //!
-//! Whatever happens: at most one checkpoint interval is lost, every file can be read or is refused, nothing hangs, and what goes
-//! on ends with the bits of a run that nothing has happened to. `STSOLVE_KILLS=200` makes the long version, see
-//! `scripts/test_kills`.
+//! In all cases at most one checkpoint interval is lost, every file can be read or is refused, and nothing hangs. A continued
+//! run ends with the bits of an undisturbed one. `STSOLVE_KILLS=200` runs the long version, see `scripts/test_kills`.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
@@ -45,7 +44,7 @@ fn start(directory: &Path, extra: &[&str]) -> Child {
     command.current_dir(directory).args(arguments(extra)).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Waits for the end of a process, but not for ever.
+/// Waits for the end of a process, for a limited time.
 fn wait(process: &mut Child) -> ExitStatus {
     let begun = Instant::now();
     loop {
@@ -57,19 +56,19 @@ fn wait(process: &mut Child) -> ExitStatus {
     }
 }
 
-/// What a process that has ended reported.
+/// The standard error of a process that has ended.
 fn report(process: Child) -> String {
     String::from_utf8(process.wait_with_output().unwrap().stderr).unwrap()
 }
 
-/// A run that nothing happens to, and how long it takes.
+/// An undisturbed run, and its duration.
 fn undisturbed() -> (TempDir, Duration) {
     let (directory, begun) = (TempDir::new().unwrap(), Instant::now());
     assert!(wait(&mut start(directory.path(), &[])).success());
     (directory, begun.elapsed())
 }
 
-/// Slabs in the checkpoint of a run: none where there is no result file yet. Fails if a file cannot be read.
+/// Slabs in the checkpoint of a run: 0 if there is no result file yet. Fails if a file cannot be read.
 fn slabs_kept(run: &Path) -> usize {
     let result = run.join("result.vtkhdf");
     if !result.exists() {
@@ -87,13 +86,13 @@ fn slabs_told(run: &Path) -> usize {
     columns.len() - 1
 }
 
-/// Resumes the run if there is something to resume, else starts it anew.
+/// Resumes the run if possible, or else starts it anew.
 fn go_on(directory: &Path) -> Child {
     let resume = directory.join("run/result.vtkhdf").exists();
     start(directory, if resume { &["--resume"] } else { &[] })
 }
 
-/// Goes on to the end, where the bits must be those of the undisturbed run, and no working files be left.
+/// Continues to the end. The bits must equal those of the undisturbed run, and no working files may be left.
 fn assert_ends_well(directory: &Path, undisturbed: &Path, what: &str) {
     let mut process = go_on(directory);
     let status = wait(&mut process);
@@ -131,7 +130,7 @@ fn a_killed_run_loses_at_most_one_checkpoint_interval() {
     println!("{killed} kills, {} runs brought to their end", ended + 1);
 }
 
-/// A limit of the size of files stands for a full disk: writing fails there, in whatever file and step.
+/// A limit of the file size stands for a full disk: writing fails there, in any file and step.
 #[test]
 fn a_full_disk_stops_the_run_and_spoils_nothing() {
     let (through, _) = undisturbed();
@@ -156,7 +155,7 @@ fn a_full_disk_stops_the_run_and_spoils_nothing() {
     }
 }
 
-/// Cut at random, a file is refused with its name, or does not matter to the run that goes on.
+/// A randomly truncated file is refused with its name, or does not matter to the continued run.
 #[test]
 fn a_cut_file_is_refused_or_does_not_matter() {
     let (through, _) = undisturbed();

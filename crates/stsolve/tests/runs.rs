@@ -1,4 +1,4 @@
-//! Runs that reach their end: the files they leave, and the accuracy they have.
+//! Runs that reach their end: their files and their accuracy.
 
 #![allow(clippy::unwrap_used)]
 
@@ -53,7 +53,7 @@ fn the_summary_has_the_figures_of_the_run() {
         ("error.density_l2", 1e-6, 1e-2),
         ("error.momentum_l2", 1e-6, 0.2),
         ("error.energy_l2", 1e-6, 0.2),
-        // The motion of the boundary is affine, and so is that of the interior.
+        // The motion of the boundary is affine, and so is the motion of the interior.
         ("error.displacement_max", 0.0, 1e-10),
         ("cost.wall_seconds", 1e-3, 60.0),
         ("cost.threads", 1.0, 1e3),
@@ -85,7 +85,7 @@ fn a_uniform_flow_does_not_notice_the_motion() {
     }
 }
 
-/// Errors in density, momentum and energy as the comment of the case states them, with a tenth to spare.
+/// Errors in density, momentum and energy as stated in the comment of the case, with a tolerance of a tenth.
 fn assert_stated_errors(name: &str, stated: [f64; 3]) {
     assert_errors(name, &[], stated);
 }
@@ -115,13 +115,13 @@ fn vortices_are_as_accurate_as_they_say() {
     assert_errors("vortex_period", &start, [2.73e-5, 9.44e-5, 3.03e-4]);
 }
 
-/// Couette flow: the plate that slides does work, each plate takes up what is conducted to it, and together they keep the energy.
+/// Couette flow: the sliding plate does work, each plate takes up the conducted heat, and together they balance the energy.
 #[test]
 fn walls_report_force_and_power() {
     let directory = TempDir::new().unwrap();
     let summary = finished(directory.path(), "couette", &["time.end=0.2", "time.slabs=4"]);
     let of = |wall: &str, key: &str| number(&summary["walls"][wall], key);
-    // The drag of the moving plate: mu U / H times its length 2, over 0.2; it costs that times U = 0.5.
+    // The drag of the moving plate: mu U / H times its length 2, over 0.2; its work is that times U = 0.5.
     let (impulse, drag) = (summary["walls"]["top"]["impulse"][0].as_f64().unwrap(), 0.02 * 0.5 * 2.0 * 0.2);
     assert!((impulse + drag).abs() < 5e-3 * drag, "{impulse}");
     assert!((of("top", "work") + 0.5 * drag).abs() < 5e-3 * 0.5 * drag, "{summary}");
@@ -140,7 +140,7 @@ fn walls_report_force_and_power() {
     assert!(heat_flow.iter().all(|flow| (flow / (2.0 * (conducted + friction)) - 1.0).abs() < 0.02), "{heat_flow:?}");
 }
 
-/// Gas at rest between resting walls at T = 0.8 and 1.2: what is conducted was reported as work, +-0.0389.
+/// Gas at rest between resting walls at T = 0.8 and 1.2: the conducted heat was once reported as work, +-0.0389.
 #[test]
 fn heat_that_is_conducted_is_no_work() {
     let directory = TempDir::new().unwrap();
@@ -175,8 +175,8 @@ slabs = 5
 newton_tolerance = 1e-10
 "#;
 
-/// Stokes' second problem: a plate at the speed U cos(omega t) pays mu U^2 sqrt(omega / (2 nu)) / 2 per area on average. What the gas
-/// in the closed box gains is what both walls give, as work and as heat.
+/// Stokes' second problem: a plate at the speed U cos(omega t) spends mu U^2 sqrt(omega / (2 nu)) / 2 per area on average. The gas in
+/// the closed box gains the work and heat of both walls.
 #[test]
 fn an_oscillating_plate_pays_for_its_friction_and_the_box_keeps_its_energy() {
     let directory = TempDir::new().unwrap();
@@ -195,7 +195,7 @@ fn an_oscillating_plate_pays_for_its_friction_and_the_box_keeps_its_energy() {
     let given: f64 = walls.iter().flat_map(|name| column(&run, name).into_iter().skip(1)).sum();
     let open = energy[energy.len() - 1] - energy[0] + given;
     assert!(open.abs() < 1e-12 * energy[0], "{open:e} of {}", energy[0]);
-    // It is no balance of zeros.
+    // The balance is not one of zeros.
     assert!(number(&summary["walls"]["bottom"], "heat") > 1e-7, "{summary}");
 }
 
@@ -225,7 +225,7 @@ slabs = 20
 newton_tolerance = 1e-11
 "#;
 
-/// The sign of a moment is the one asked for, in every figure of it.
+/// The sign of a moment is the requested one, in every figure.
 #[test]
 fn moments_are_positive_nose_up_where_that_is_asked_for() {
     let directory = TempDir::new().unwrap();

@@ -17,7 +17,7 @@ fn fitted_frequency(q: &[f64], step: f64) -> f64 {
     (above / below).acos() / step / std::f64::consts::TAU
 }
 
-/// Every coordinate of history.csv swings at the frequency of its mode, and all energy is accounted for.
+/// Every coordinate of history.csv oscillates at the frequency of its mode, and the energy balance is closed.
 #[test]
 fn modes_swing_at_their_frequencies() {
     let directory = TempDir::new().unwrap();
@@ -28,7 +28,7 @@ fn modes_swing_at_their_frequencies() {
         let found = fitted_frequency(&column(&run, &format!("mode_{mode}")), 2e-4);
         assert!((found / exact - 1.0).abs() < 1e-4, "mode {mode}: {found} against {exact}");
     }
-    // Of a blow without loads and moving supports.
+    // The energy of a blow without loads and moving supports.
     let energy = |key: &str| number(&summary, &format!("structure.{key}"));
     assert_eq!((energy("load_work"), energy("support_work")), (0.0, 0.0));
     assert!(energy("energy_error").abs() < 1e-9 * energy("energy_at_start"));
@@ -36,7 +36,7 @@ fn modes_swing_at_their_frequencies() {
     assert_eq!(column(&run, "tip_y").len(), 60);
 }
 
-/// A weight that is put on slowly ends in the deflection q L^4 / (8 E' I) of beam theory, and its work is the energy.
+/// A slowly applied weight ends in the deflection q L^4 / (8 E' I) of beam theory, and its work is the energy.
 #[test]
 fn a_slow_load_does_the_work_of_the_deflection() {
     let directory = TempDir::new().unwrap();
@@ -92,7 +92,7 @@ fn a_structure_resumes_with_the_same_bits() {
     assert_eq!(summary(&directory.path().join("resumed"))["slabs"], 20);
 }
 
-/// 23.96 is the deflection that the literature agrees on, and the load is proportional to time.
+/// 23.96 is the accepted deflection in the literature, and the load is proportional to time.
 #[test]
 fn cooks_membrane_has_the_deflection_of_the_literature() {
     let directory = TempDir::new().unwrap();
@@ -103,7 +103,7 @@ fn cooks_membrane_has_the_deflection_of_the_literature() {
     for (step, y) in tip.iter().enumerate() {
         assert!((y - 0.25 * (step + 1) as f64 * tip[3]).abs() < 1e-9, "step {step}: {y}");
     }
-    // Clapeyron: the energy of the strain is half of load times way, and nothing is left open.
+    // Clapeyron: the strain energy is half of load times displacement, and the balance is closed.
     let (strain, energy) = (column(&run, "strain_energy")[3], number(&summary, "structure.energy"));
     assert_eq!(strain, energy);
     assert!(column(&run, "kinetic_energy").iter().all(|kinetic| *kinetic == 0.0));
@@ -114,7 +114,7 @@ fn cooks_membrane_has_the_deflection_of_the_literature() {
     assert!(column(&directory.path().join("strain"), "tip_y")[3] < 0.97 * tip[3]);
 }
 
-/// A formula that is a number gives what the number gives; one that varies is resumed with the same bits.
+/// A formula that is a number gives the same as the number; a run with one that varies resumes with the same bits.
 #[test]
 fn constants_may_be_formulas_of_position() {
     let directory = TempDir::new().unwrap();

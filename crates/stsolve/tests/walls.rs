@@ -11,7 +11,8 @@ fn at_end(run: &std::path::Path, name: &str) -> f64 {
     *column(run, name).last().unwrap()
 }
 
-/// Case M1 of the 2024 workshop. The wall works on the gas, all of it stays inside, and the mesh follows the affine map.
+/// Case M1 of the 2024 workshop. The wall does work on the gas, all gas stays inside, and the mesh follows the affine
+/// map.
 #[test]
 fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
     let directory = TempDir::new().unwrap();
@@ -27,7 +28,7 @@ fn a_closed_cylinder_keeps_its_mass_and_gains_the_work_of_its_wall() {
     let impulse = wall["impulse"][1].as_f64().unwrap();
     assert!((impulse / -0.591_592_1 - 1.0).abs() < 1.5e-4, "{impulse}");
     assert!((number(wall, "work") / -0.306_314_8 - 1.0).abs() < 1e-4, "{wall}");
-    // At an instant it converges more slowly.
+    // At a given time it converges more slowly.
     let power = at_end(&run, "wall_power");
     assert!((power / -0.719_161_8 - 1.0).abs() < 0.04, "{power}");
 }
@@ -46,7 +47,7 @@ fn the_steady_flow_around_an_airfoil_has_the_published_drag() {
     let summary = finished(directory.path(), "naca0012_heave", &set);
     let drag = number(&summary, "steady.walls.airfoil.drag_coefficient");
     assert!((drag / 0.120_01 - 1.0).abs() < 0.01, "{drag}");
-    // The flow is symmetric, and steady: so is the first row, which is before any slab.
+    // The flow is symmetric, and steady: so is the first row, which comes before any slab.
     assert!(number(&summary, "steady.walls.airfoil.lift_coefficient").abs() < 1e-6, "{summary}");
     let run = directory.path().join("naca0012_heave");
     assert_eq!((column(&run, "t")[0], column(&run, "airfoil_work")[0]), (0.0, 0.0));
@@ -80,8 +81,8 @@ fn a_resumed_run_does_not_look_for_the_steady_flow_again() {
     assert_eq!(summary(&at("through"))["steady"], summary(&at("resumed"))["steady"]);
 }
 
-/// Between the time nodes a wall that turns is a polynomial and breathes: pressure at rest worked on that, 9 % of the peak, and -0.019 at
-/// the end, where the airfoil rests.
+/// Between the time nodes a wall that turns is a polynomial, and its volume oscillates. Pressure at rest once did work on that, 9 % of
+/// the peak, and -0.019 at the end, where the airfoil rests.
 #[test]
 fn power_of_a_rotating_wall_is_force_times_velocity_and_moment_times_angular_velocity() {
     let directory = TempDir::new().unwrap();

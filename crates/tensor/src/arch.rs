@@ -1,13 +1,14 @@
 //! The instruction sets for which kernels are compiled.
 //!
-//! Every set that `pulp` knows of this family of processors, the best of which is chosen where the program runs. With the feature
-//! `this-machine` it is that of the machine that compiles alone, in a third of the time; its kernels are the same, bit by bit.
+//! `pulp` supports several instruction sets of a processor family; the program chooses the best one at run time. With the feature
+//! `this-machine` only the set of the compiling machine is compiled, in a third of the time. Its kernels are the same, bit by
+//! bit.
 
 #[cfg(not(any(instructions = "v3", instructions = "v4")))]
 mod chosen {
     pub use pulp::Arch;
 
-    /// Whether kernels can run on this machine: those of any can.
+    /// Whether the kernels can run on this machine: always, since each instruction set is compiled.
     pub fn runs_here() -> bool {
         true
     }
@@ -21,15 +22,15 @@ mod chosen {
     use pulp::x86::V4 as Best;
     use pulp::{Simd, WithSimd};
 
-    /// The instruction set of the machine that compiled.
+    /// The instruction set of the compiling machine.
     #[derive(Clone, Copy, Debug)]
     pub struct Arch(Best);
 
     impl Arch {
-        /// The proof that this machine has it.
+        /// The proof that this machine has the instruction set.
         ///
         /// # Panics
-        /// If it has not: ask [`runs_here`] first.
+        /// If it lacks the set: call [`runs_here`] first.
         #[expect(clippy::new_without_default, reason = "as that of `pulp`, whose place it takes")]
         pub fn new() -> Self {
             Arch(Best::try_new().expect("the program asks at its start whether kernels run here"))
@@ -38,12 +39,12 @@ mod chosen {
         /// Runs `kernel` with these instructions.
         #[inline(always)]
         pub fn dispatch<K: WithSimd>(self, kernel: K) -> K::Output {
-            // The set has a method of this name too.
+            // The set has a method of the same name.
             Simd::vectorize(self.0, kernel)
         }
     }
 
-    /// Whether kernels can run on this machine: only on one like that which compiled them.
+    /// Whether the kernels can run on this machine: only if it has the instruction set of the compiling machine.
     pub fn runs_here() -> bool {
         Best::is_available()
     }

@@ -1,4 +1,4 @@
-//! A number that counts what is done with it.
+//! A number type that counts its floating-point operations.
 
 use crate::{Dual, LaneNumber, Lanes, Over, Pack, Real};
 use pulp::Simd;
@@ -9,15 +9,15 @@ thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The floating-point operations that `work` does in [`Counted`] numbers on this thread: one each for a sum, difference, product,
-/// quotient and root, two for a fused multiply-add, none for signs and comparisons; powers and logarithms count as one.
+/// The floating-point operations that `work` does in [`Counted`] numbers on this thread. A sum, difference, product, quotient,
+/// root, power or logarithm counts as one, a fused multiply-add as two; signs and comparisons count as none.
 pub fn count_operations(work: impl FnOnce()) -> u64 {
     let before = OPERATIONS.get();
     work();
     OPERATIONS.get() - before
 }
 
-/// `T`, counted.
+/// A number of type `T` whose operations are counted.
 #[derive(Clone, Copy, Debug)]
 pub struct Counted<T>(T);
 

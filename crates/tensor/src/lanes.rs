@@ -4,7 +4,8 @@ use crate::{Dual, Real};
 use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// Cells per pack. Fixed, so that data are laid out the same on every machine: one AVX-512 register, two AVX2 registers.
+/// Cells per pack: one AVX-512 register or two AVX2 registers. It is fixed, so that data have the same layout on every
+/// machine.
 pub const WIDTH: usize = 8;
 
 /// One number in each of [`WIDTH`] cells: the unit of storage of every batched array.
@@ -22,9 +23,9 @@ pub fn zeroed(n: usize) -> Vec<Pack> {
     vec![Pack::ZERO; n]
 }
 
-/// One SIMD register. On machines with short registers a [`Pack`] is several of them, addressed by `part`.
+/// One SIMD register. On machines with short registers a [`Pack`] consists of several, addressed by `part`.
 ///
-/// It carries the token `S`, the proof that the instructions exist here, which is what lets operators be plain `+` and `*`.
+/// It carries the token `S`, the proof that the instructions exist here. So operators can be plain `+` and `*`.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Simd> {
     register: S::f64s,
@@ -89,7 +90,7 @@ constant_operation!(Mul, mul);
 
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
-    /// -0 - x: exact, and inlined where the negation of `pulp` is a call.
+    /// -0 - x: exact, and inlined, whereas the negation of `pulp` is a function call.
     #[inline(always)]
     fn neg(self) -> Self {
         self.constant(-0.0) - self
@@ -121,7 +122,7 @@ impl<S: Simd> Real for Lanes<S> {
     fn sqrt(self) -> Self {
         self.with(self.simd.sqrt_f64s(self.register))
     }
-    /// All bits but the sign, for the same reason as in [`Neg`].
+    /// All bits but the sign, inlined for the same reason as [`Neg`].
     #[inline(always)]
     fn abs(self) -> Self {
         let magnitude = self.simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
@@ -140,7 +141,7 @@ impl<S: Simd> Real for Lanes<S> {
         let mask = self.simd.greater_than_or_equal_f64s(self.register, threshold.register);
         self.with(self.simd.select_f64s(mask, a.register, b.register))
     }
-    /// Lane by lane: powers occur on boundaries only.
+    /// Lane by lane, since powers occur on boundaries only.
     #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
         let mut pack = Pack::ZERO;
@@ -150,7 +151,7 @@ impl<S: Simd> Real for Lanes<S> {
         }
         Lanes::read(self.simd, &pack, 0)
     }
-    /// Lane by lane: one logarithm per point is little beside the rest of a law.
+    /// Lane by lane: one logarithm per point costs little beside the rest of a law.
     #[inline(always)]
     fn ln(self) -> Self {
         let mut pack = Pack::ZERO;
@@ -168,8 +169,8 @@ impl<S: Simd> Real for Lanes<S> {
 
 /// A number that kernels read from and write to batched arrays.
 ///
-/// An array holds a block of packs for the values and, for duals, a second block of the same length for the derivatives:
-/// linear steps (interpolation, differentiation, integration) treat both alike, and only point functions see duals.
+/// An array holds a block of packs for the values and, for duals, a second block of the same length for the derivatives.
+/// Linear steps (interpolation, differentiation, integration) treat both alike; only point functions use duals.
 pub trait LaneNumber<S: Simd>: Real {
     /// Blocks per array: 1 for values, 2 for values with derivatives.
     const BLOCKS: usize;
@@ -181,7 +182,7 @@ pub trait LaneNumber<S: Simd>: Real {
     fn times(self, factor: Lanes<S>) -> Self;
     /// The value, derivatives dropped.
     fn primal(self) -> Lanes<S>;
-    /// What a kernel hands on: the value, or of a dual the derivative. Results have one block.
+    /// The result of a kernel: the value, or the derivative of a dual. Results have one block.
     fn result(self) -> Lanes<S>;
 }
 

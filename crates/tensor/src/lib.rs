@@ -1,14 +1,15 @@
 //! Numbers for kernels.
 //!
 //! A point function (a flux, a law, a boundary state) and a pointwise step of a kernel are written once, generic in a
-//! number type, and run as
+//! number type, and are used with
 //!
-//! * `f64` — a value, for tests and for data that are prepared once;
-//! * [`Lanes`] — the same value in several cells at once, one cell per SIMD lane;
-//! * [`Dual`] of either — a value with its derivative in one direction, so that the action of a Jacobian is the same source.
+//! * `f64`: a value, for tests and for data that are prepared once;
+//! * [`Lanes`]: the same value in several cells at once, one cell per SIMD lane;
+//! * [`Dual`] of either: a value with its derivative in one direction, so that the product with a Jacobian has the same
+//!   source.
 //!
-//! [`Real`] is what all of them can do. [`Over`] says that one number may be combined with another that carries fewer
-//! derivatives: a state that is differentiated on a mesh that is not.
+//! [`Real`] is their common arithmetic. [`Over`] combines a number with another that carries fewer derivatives, such as
+//! a differentiated state on a mesh that is not differentiated.
 //!
 //! [`Arch`] runs a kernel with the instructions of the machine.
 //!

@@ -2,10 +2,10 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A real number as the kernels see it: a value, a register of values, or either with derivatives.
+/// A real number of a kernel: a value, a register of values, or either with derivatives.
 ///
-/// Constants are plain `f64` on the right-hand side (`x * 2.0`). A number of the same kind with a given value is made from
-/// an existing one by [`Real::constant`]; there is no `From<f64>`, because a SIMD register cannot be made from nothing.
+/// Constants are plain `f64` on the right-hand side (`x * 2.0`). [`Real::constant`] makes a number with a given value from
+/// an existing number. There is no `From<f64>`, because a SIMD register cannot be made without its token.
 ///
 /// Comparisons act on values, lane by lane; derivatives follow the chosen branch.
 pub trait Real:
@@ -27,11 +27,11 @@ pub trait Real:
     fn recip(self) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
-    /// The absolute value; the derivative at zero is that of the positive branch.
+    /// The absolute value; at zero it has the derivative of the positive branch.
     fn abs(self) -> Self;
-    /// The larger of two numbers; `self` where they are equal.
+    /// The larger of two numbers; `self` if they are equal.
     fn max(self, other: Self) -> Self;
-    /// The smaller of two numbers; `self` where they are equal.
+    /// The smaller of two numbers; `self` if they are equal.
     fn min(self, other: Self) -> Self;
     /// `a` where `self >= threshold`, otherwise `b`.
     fn select_ge(self, threshold: Self, a: Self, b: Self) -> Self;
@@ -54,7 +54,7 @@ pub trait Real:
 /// `G` is the number type of the geometry, `Self` that of the state: `f64` over `f64`, lanes over lanes, a dual over its
 /// own values (the mesh is not differentiated) or over itself (it is).
 pub trait Over<G>: Real {
-    /// `g`, with zero derivatives where `G` has none.
+    /// `g`, with zero for derivatives that `G` does not carry.
     fn lift(g: G) -> Self;
     /// `self * g`.
     fn scale(self, g: G) -> Self;
@@ -143,7 +143,7 @@ impl Real for f64 {
     fn ln(self) -> f64 {
         f64::ln(self)
     }
-    /// Not `f64::mul_add`: without a compile-time target feature that is a call into the C library, a hundred times slower.
+    /// Not `f64::mul_add`: without a compile-time target feature it calls the C library, which is a hundred times slower.
     #[inline(always)]
     fn mul_add(self, factor: f64, term: f64) -> f64 {
         self * factor + term

@@ -1,4 +1,4 @@
-//! What leaves through boundaries, and what it does to walls.
+//! Fluxes through boundaries, and loads of walls.
 
 use crate::slab_operator::{Operator, every_condition, moving_slab, perturbed};
 use fem::{FluxesAt, Orders, StateField, left_during_slab};
@@ -16,8 +16,8 @@ fn totals<const D: usize, const M: usize>(operator: &Operator<D, M>, u: &[f64], 
     })
 }
 
-/// Test functions sum to one: all residuals of a component together are what there is more at the top than at the bottom, and
-/// what has left. Returns the largest difference, relative to what there is.
+/// Test functions sum to one. So the sum of all residuals of a component is the amount at the top minus the amount at the
+/// bottom, plus the amount that has left. Returns the largest difference, relative to the amount.
 fn balance_error<const D: usize, const M: usize>(condition: Boundary<D>) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -46,7 +46,7 @@ where
     (0..M).map(error).fold(0.0, f64::max)
 }
 
-/// What leaves the gas through a wall is work and heat; heat only where the wall has a temperature.
+/// The energy that leaves the gas through a wall is work and heat; there is heat only at an isothermal wall.
 fn assert_work_and_heat_are_the_energy<const D: usize, const M: usize>(fluxes: &[FluxesAt<M>], wall: &Boundary<D>) {
     for flux in fluxes.iter().flat_map(|at| &at.boundaries) {
         let (energy, size) = (flux.total()[M - 1], flux.work.abs() + flux.heat.abs());
@@ -68,8 +68,8 @@ fn what_the_gas_gains_is_what_the_residual_says_has_entered() {
     }
 }
 
-/// Gas at rest in a curved box whose pressure rises linearly: the walls feel F = int grad p and M = int (x - x_p) x grad p. Returns
-/// the errors of force and moment.
+/// Gas at rest in a curved box whose pressure rises linearly: the loads of the walls are F = int grad p and M = int (x - x_p) x
+/// grad p. Returns the errors of force and moment.
 fn hydrostatic_errors<const D: usize, const M: usize>(
     mesh: &mesh::Mesh<D>,
     gradient: [f64; D],
@@ -117,8 +117,8 @@ fn walls_feel_the_weight_of_gas_at_rest() {
     assert!(space.iter().all(|error| *error < 1e-13), "{space:?}");
 }
 
-/// A uniform pressure on a closed surface neither pushes nor turns, wherever it is. Moments about the origin of coordinates, shifted to a
-/// point near the body, lost ten digits here.
+/// A uniform pressure on a closed surface has no resultant and no moment, at any place. Moments about the origin of coordinates, shifted
+/// to a point near the body, once lost ten digits here.
 #[test]
 fn a_uniform_pressure_turns_nothing_far_from_the_origin() {
     let plane = hydrostatic_errors::<2, 4>(&curved_box_at(1e6, 2, 4), [0.0; 2], [1e6 + 2.0, 1e6 - 1.0]);

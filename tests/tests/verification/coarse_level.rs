@@ -10,7 +10,7 @@ use verification::{Noise, prescribed, relative_difference};
 
 const N: usize = 3;
 
-/// A field that is linear along every axis of every cell, with coefficients at random: `[cell][component][node]` at the nodes -1, 0, 1.
+/// A field that is linear along every axis of every cell, with random coefficients: `[cell][component][node]` at the nodes -1, 0, 1.
 fn linear_field(dimension: u32, components: usize, seed: u64) -> Vec<f64> {
     let (mut noise, corners) = (Noise::new(seed), 2_usize.pow(dimension));
     (0..components)
@@ -28,7 +28,7 @@ fn linear_field(dimension: u32, components: usize, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// z = P x and r = B z: the coarse level alone must find z again, whatever the sweeps do.
+/// z = P x and r = B z: the coarse level alone must recover z, for any sweeps.
 fn error_on_coarse_space<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,

@@ -1,10 +1,10 @@
-//! A box that turns far within a larger one, the meshes proved to be valid over space and time.
+//! A box that turns far within a larger one; the meshes are proved valid over space and time.
 
 use elasticity::Law;
 use std::time::Instant;
 use verification::rotating_box::Turn;
 
-/// Degrees reached with `step` degrees per slab, and the cost, as a row of the table.
+/// The degrees reached with `step` degrees per slab, and the cost, as a row of the table.
 fn turned(order: usize, step: f64, end: f64) -> f64 {
     let turn = Turn { order, time_order: 1, law: Law::NeoHookean, step, end, accuracy: 1e-6 };
     let start = Instant::now();

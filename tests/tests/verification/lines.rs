@@ -36,7 +36,8 @@ where
     (operator, state)
 }
 
-/// x in the cell in the middle, r = B x there, and |P^{-1} r - x| / |x|: the neighbours see x, too, but P looks at cells alone.
+/// x in the middle cell, r = B x there, and |P^{-1} r - x| / |x|. B couples the neighbours to x as well, but P treats cells
+/// alone.
 fn error<const D: usize, const M: usize>(viscosity: Viscosity, dt: f64) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -55,8 +56,8 @@ where
     relative_difference(&found[middle.clone()], &x[middle])
 }
 
-/// The product of one factor per axis differs from their sum by products of operators along two axes: by dt^2. Where gas is viscous,
-/// mixed derivatives are left out as well: by dt times its viscosity.
+/// The product of one factor per axis differs from their sum by products of operators along two axes: by dt^2. In viscous gas mixed
+/// derivatives are neglected as well: dt times the viscosity.
 #[test]
 fn directions_are_of_second_order() {
     let ratio =

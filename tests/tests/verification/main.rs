@@ -1,13 +1,18 @@
 //! Verification of the numerics against exact solutions and identities: one program, so that the kernels are compiled once.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod architecture;
 mod boundary_flux;
 mod coarse_level;
+mod elastic_body;
 mod large_rotation;
 mod lines;
+mod rigid_body;
 mod slab_operator;
+mod spring_mass;
 mod sweeps;
 mod top_of_slab;
 mod valid_steps;
 mod viscous;
 mod vortex;
+mod wall_loads;

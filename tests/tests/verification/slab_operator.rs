@@ -12,7 +12,7 @@ use verification::{
 
 pub(crate) type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
 
-/// A slab whose mesh moves smoothly in space and at random in time, and the uniform state in it.
+/// A slab whose mesh moves smoothly in space and randomly in time, and the uniform state in it.
 pub(crate) fn moving_slab<const D: usize, const M: usize>(
     orders: Orders,
     viscosity: Viscosity,
@@ -27,7 +27,7 @@ where
     moving_slab_on(&curved_box::<D>(cells, orders.mesh), 0.0, orders, viscosity, riemann, condition)
 }
 
-/// The same on `mesh`, which has gone `way` along every axis before.
+/// The same on `mesh`, which has moved by `way` along every axis before.
 fn moving_slab_on<const D: usize, const M: usize>(
     mesh: &mesh::Mesh<D>,
     way: f64,
@@ -71,7 +71,7 @@ pub(crate) fn uniform_coefficients<const D: usize, const M: usize>(
     one.cycle().take(layout.cells * slots * layout.time_len()).collect()
 }
 
-/// For each entry of a C0 field the position of its node.
+/// For each entry of a C0 field, the position of its node.
 fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f64; D]> {
     let numbering = mesh::NodeNumbering::new(mesh, order);
     let mut positions = vec![[0.0; D]; numbering.count * D];
@@ -85,7 +85,7 @@ fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f6
     positions
 }
 
-/// The uniform flow has no residual on any motion: what is left is round-off, measured against the moments of the state.
+/// The residual of a uniform flow on any motion is round-off, relative to the moments of the state.
 fn free_stream_residual<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, cells: usize) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -94,7 +94,7 @@ where
     free_stream_residual_on::<D, M>(&curved_box(cells, orders.mesh), 0.0, orders, viscosity)
 }
 
-/// The same on `mesh`, which has gone `way` along every axis before.
+/// The same on `mesh`, which has moved by `way` along every axis before.
 fn free_stream_residual_on<const D: usize, const M: usize>(
     mesh: &mesh::Mesh<D>,
     way: f64,
@@ -125,7 +125,7 @@ fn free_stream_has_no_residual_in_2d() {
             }
         }
     }
-    // Orders that differ.
+    // Different orders.
     let residual = free_stream_residual::<2, 4>(Orders { flow: 3, mesh: 5, time: 2 }, Viscosity::Constant(0.01), 3);
     assert!(residual < 1e-12, "N_s = 3, N_m = 5: {residual:.1e}");
 }
@@ -138,7 +138,8 @@ fn free_stream_has_no_residual_in_3d() {
     }
 }
 
-/// Metric terms from absolute positions lost the digits that these have in common: 1e-7 of the residual at x = 1e6.
+/// Metric terms from absolute positions once lost the digits that these have in common: 1e-7 of the residual at x =
+/// 1e6.
 #[test]
 fn free_stream_has_no_residual_far_from_the_origin() {
     for (lower, way) in [(100.0, 0.0), (1e6, 0.0), (-1e6, 0.0), (0.0, 1e6), (0.0, -1e6)] {
@@ -180,7 +181,7 @@ where
     let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
     let along = Noise::new(6).vector(velocities.len(), 1.0);
     operator.set_mesh(&velocities);
-    // Small, because fluxes have kinks (the larger of two wave speeds) that a long step would cross.
+    // Small, because fluxes have kinks (the larger of two wave speeds) that a larger step would cross.
     let h = 2e-6;
     let shifted = |u: &[f64], d: &[f64], h: f64| -> Vec<f64> { u.iter().zip(d).map(|(u, d)| u + h * d).collect() };
     let mut at = |h: f64, mesh: bool| -> Vec<f64> {
@@ -203,7 +204,7 @@ where
     (first, relative_difference(&product, &both_difference))
 }
 
-/// Every boundary condition, with numbers that suit the uniform state.
+/// Every boundary condition, with parameters that suit the uniform state.
 pub(crate) fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
     let stream = uniform::<D>();
     let slide = [0.2; D];
@@ -256,7 +257,7 @@ fn products_are_the_derivative_for_every_boundary_condition() {
     }
 }
 
-/// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks against the product.
+/// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks are compared with the product.
 fn block_error<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -325,7 +326,7 @@ where
     [Differentiate::Nothing, Differentiate::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
 }
 
-/// A change of the kernels that makes them do more or less is to be seen here, on any machine.
+/// A change in the work of the kernels shows here, on any machine.
 #[test]
 fn operations_of_residual_and_product() {
     let counted = [operations_per_unknown::<2, 4>(4), operations_per_unknown::<3, 5>(4)];
@@ -336,7 +337,8 @@ fn operations_of_residual_and_product() {
     }
 }
 
-/// In the plane. In space the conserving rule takes (2 - 2 / N)^3 points per node, and the work grows a little faster.
+/// In two dimensions. In three the conserving rule takes (2 - 2 / N)^3 points per node, and the work grows a little
+/// faster.
 #[test]
 fn operations_in_the_plane_grow_no_faster_than_the_order() {
     let costs = [2, 4, 8].map(|order| operations_per_unknown::<2, 4>(order)[0]);

@@ -27,8 +27,7 @@ where
     (operator, sweeps)
 }
 
-/// |B P^{-1} r - r| / |r| in a row of cells. A uniform flow has one Jacobian at all times, and a row has no fill that could be discarded: P
-/// is B but for the bits in which blocks are stored.
+/// |B P^{-1} r - r| / |r| in a row of cells. A uniform flow has one Jacobian at all times, and a row has no fill that could be discarded. So P equals B except for the bits in which blocks are stored.
 fn error<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
@@ -58,7 +57,7 @@ fn sweeps_invert_what_they_are_made_of() {
     }
 }
 
-/// The ends of a row leave no fill. They came last once: a sum over no pair of neighbours is -0, which as bits is large.
+/// The ends of a row cause no fill. They once came last: a sum over no pair of neighbours is -0, which as bits is large.
 #[test]
 fn what_leaves_no_fill_is_eliminated_first() {
     let (_, sweeps) = row::<2, 4>(Orders { flow: 2, mesh: 2, time: 1 }, VISCOUS, 1.0);

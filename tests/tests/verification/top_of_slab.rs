@@ -1,6 +1,6 @@
-//! Solutions of a slab that are no state where the next one begins.
+//! Solutions of a slab that are inadmissible at its top, where the next slab begins.
 
-use coupled::{Jacobian, March, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, SlabProblem};
+use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, SlabError, System};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Compiled, NavierStokes, Riemann, Viscosity};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use tensor::Dual;
 use verification::law;
 
-/// Gas at rest whose density falls by 1 in a time unit: with a density of 1 and a pressure of 1 at t = 0 it is (1 - t, 0, 0, 2.5).
+/// Gas at rest whose density falls by 1 in a time unit. With a density of 1 and a pressure of 1 at t = 0 it is (1 - t, 0, 0, 2.5).
 struct Leak;
 
 impl StateField<2, 4> for Leak {
@@ -21,8 +21,8 @@ impl StateField<2, 4> for Leak {
     }
 }
 
-/// The march of that gas in slabs of length `step` with three nodes in time, in which it is exact.
-fn march(step: f64, max_halvings: u32) -> March<2, 4>
+/// The march of that gas in slabs of length `step` with three nodes in time, for which it is exact.
+fn march(step: f64, max_halvings: u32) -> FlowMarch<2, 4>
 where
     NavierStokes<2>: Compiled<2, 4>,
 {
@@ -49,11 +49,11 @@ where
         jacobian: Jacobian::Exact,
         max_halvings,
     };
-    March::new(SlabProblem::new(flow, mover), u, settings)
+    FlowMarch::new(System::new(flow, mover), u, settings)
 }
 
-/// An airfoil that pitched fast once went on from a density below zero: between the points at which the equations are evaluated and the
-/// top of the slab, where they are not, it had changed its sign.
+/// An airfoil that pitched fast once continued from a negative density. The density had changed its sign between the points where the
+/// equations are evaluated and the top of the slab, where they are not.
 #[test]
 fn a_slab_whose_top_is_no_state_is_not_accepted() {
     let error = march(1.01, 0).advance().unwrap_err();

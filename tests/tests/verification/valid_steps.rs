@@ -1,4 +1,4 @@
-//! Newton's steps never turn a cell inside out.
+//! Newton's steps never invert a cell.
 
 use coupled::{MeshMotion, Predictor};
 use fem::VectorField;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use verification::vortex::{Setting, VortexRun};
 
 /// x - 5 shrinks to a fifth, by the factor c = 0.2 + 0.8 exp(-10 t). The parabola through c(0), c(1/3) and c(1) is negative in
-/// between: a slab of length 1 turns the mesh inside out, shorter ones do not.
+/// between, so a slab of length 1 inverts the mesh; shorter ones do not.
 struct Squeezing;
 
 impl VectorField<2> for Squeezing {
@@ -22,16 +22,16 @@ impl VectorField<2> for Squeezing {
 fn squeezed(predictor: Predictor) -> VortexRun {
     let mut run =
         VortexRun::new(Setting { order: 3, time_order: 2, cells: 4, slabs: 1, end: 1.0, tolerance: 1e-8, predictor });
-    let MeshMotion::Elastic { boundary, .. } = &mut run.march.problem.mover.motion else { unreachable!() };
+    let MeshMotion::Elastic { boundary, .. } = &mut run.march.solver.system.mesh.mover.motion else { unreachable!() };
     boundary.fields = vec![Arc::new(Squeezing)];
     run
 }
 
 /// The state and the mesh at the bottom, at every time node.
 fn constant_guess(run: &VortexRun) -> Vec<f64> {
-    let layout = run.march.problem.flow.layout;
-    let mut z = vec![0.0; run.march.problem.len()];
-    let u = &mut z[run.march.problem.flow_range()];
+    let layout = run.march.solver.system.flow.operator.layout;
+    let mut z = vec![0.0; run.march.solver.system.len()];
+    let u = &mut z[run.march.solver.system.flow_range()];
     for (cell, a) in (0..layout.cells).flat_map(|cell| (0..layout.time_order).map(move |a| (cell, a))) {
         u[layout.cell_at(cell, a)].copy_from_slice(&run.march.state.u[layout.at_one_time().cell(cell)]);
     }
@@ -42,8 +42,8 @@ fn constant_guess(run: &VortexRun) -> Vec<f64> {
 fn a_step_that_would_invert_cells_is_shortened() {
     let mut run = squeezed(Predictor::Constant);
     let z = constant_guess(&run);
-    let (state, problem) = (&run.march.state, &mut run.march.problem);
-    problem.begin(0.0, 1.0, &state.u, &state.d).unwrap();
+    let (state, problem) = (&run.march.state, &mut run.march.solver.system);
+    problem.begin(coupled::Interval { start: 0.0, end: 1.0, halvings: 0 }, state).unwrap();
     let (mut r, mut dz) = (vec![0.0; z.len()], vec![0.0; z.len()]);
     problem.residual(&z, &mut r).unwrap();
     problem.linearise(&z, &[0.0, 0.0]).unwrap();
@@ -58,9 +58,9 @@ fn a_step_that_would_invert_cells_is_shortened() {
     assert!(residual_at(step).is_ok());
     let inverted = residual_at(1.0).unwrap_err();
     assert!(inverted.quantity == "det J / det J_0" && inverted.value < 0.0, "{inverted:?}");
-    // An increment of the flow alone is not held back.
-    dz[..run.march.problem.mesh_len()].fill(0.0);
-    assert_eq!(run.march.problem.largest_step(&z, &dz), 1.0);
+    // An increment of the flow alone is not limited.
+    dz[..run.march.solver.system.mesh_len()].fill(0.0);
+    assert_eq!(run.march.solver.system.largest_step(&z, &dz), 1.0);
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn the_slab_is_halved_until_the_mesh_is_proved_to_be_valid() {
     for predictor in [Predictor::Constant, Predictor::Extrapolated] {
         let mut run = squeezed(predictor);
         assert!(run.march.advance().is_err(), "the mesh of the whole slab is inverted");
-        run.march.settings_mut().max_halvings = 3;
+        run.march.max_halvings = 3;
         let mut rejected = 0;
         while !run.march.is_done() {
             let report = run.march.advance().unwrap();

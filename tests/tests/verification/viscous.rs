@@ -1,10 +1,10 @@
-//! Orders of viscous flows on moving meshes, at low speed and at high.
+//! Orders of viscous flows on moving meshes, at low and high speed.
 
 use verification::viscous::{Setting, orders};
 
 const CURVED: f64 = 0.03;
 
-/// The slabs in which the error in time is below that in space, for N_s.
+/// The number of slabs with which the error in time is below the error in space, for N_s.
 fn slabs(order: usize) -> usize {
     [4, 8, 8, 12, 16][order - 2]
 }
@@ -24,8 +24,8 @@ fn viscous_order_is_n_s() {
     }
 }
 
-/// At the speed of the workshop's airfoils. Density and energy of even degrees (N_s = 3, 5) were up to a full order short: where viscosity
-/// governs a cell, nothing damped the Legendre polynomial of the highest degree.
+/// At the speed of the workshop's airfoils. Density and energy of even degrees (N_s = 3, 5) once lost up to a full order: where viscosity
+/// dominates in a cell, nothing damped the Legendre polynomial of the highest degree.
 #[test]
 fn viscous_order_is_n_s_at_mach_0_2() {
     for (order, cells, curving) in
@@ -36,7 +36,7 @@ fn viscous_order_is_n_s_at_mach_0_2() {
     }
 }
 
-/// At cell Reynolds numbers below one, too; at M = 0.05, too.
+/// Also at cell Reynolds numbers below one, and at M = 0.05.
 #[test]
 fn even_degrees_keep_their_order_where_viscosity_governs_the_cells() {
     for (order, cells, mach, viscosity) in [(3, [8, 16], 0.2, 0.05), (3, [8, 16], 0.05, 0.005), (5, [5, 10], 0.2, 0.01)]
@@ -46,8 +46,8 @@ fn even_degrees_keep_their_order_where_viscosity_governs_the_cells() {
     }
 }
 
-/// The bound that theory.md derives: where viscosity governs the cells, momentum keeps N_s, and pressure, with it density and energy, is as
-/// accurate as the viscous stress at worst, N_s - 1.
+/// The bound derived in theory.md. Where viscosity dominates in the cells, momentum keeps N_s. Pressure, and with it density and energy, is
+/// at worst as accurate as the viscous stress, N_s - 1.
 #[test]
 fn odd_degrees_lose_at_most_an_order_of_the_pressure_where_viscosity_governs_the_cells() {
     let setting = Setting { order: 4, cells: 0, slabs: 8, mach: 0.05, viscosity: 0.05, curving: 0.0 };

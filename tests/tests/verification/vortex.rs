@@ -7,7 +7,7 @@ use verification::vortex::{Setting, VortexRun};
 const SETTING: Setting =
     Setting { order: 4, time_order: 2, cells: 8, slabs: 10, end: 1.0, tolerance: 1e-8, predictor: Predictor::Elastic };
 
-/// Runs to the end; the largest mass error on the way, relative to the mass.
+/// Runs to the end; returns the largest mass error of the run, relative to the mass.
 fn finish(run: &mut VortexRun) -> f64 {
     let (before, mut out, mut worst) = (run.march.totals()[0], 0.0, 0.0_f64);
     while !run.march.is_done() {
@@ -24,7 +24,7 @@ fn density_error(setting: Setting) -> f64 {
     run.density_error()
 }
 
-/// The order of the density at t = 1 on meshes that put the vortex between cells alike.
+/// The order of the density at t = 1, on meshes in which the vortex has the same position relative to cells.
 fn spatial_order(order: usize, time_order: usize, slabs: usize, cells: &[usize]) -> f64 {
     let at = |&cells: &usize| {
         let setting = Setting { order, time_order, cells, slabs, tolerance: 1e-10, ..SETTING };
@@ -79,7 +79,7 @@ fn mass_is_kept_and_the_mesh_follows_the_affine_map() {
         }
         println!("{predictor:?}: displacement against the affine map {worst:.1e}");
         assert!(worst <= 1e-10, "{predictor:?}: {worst:.1e}");
-        // After the period the mesh is the first one, 8 further to the right.
+        // After the period the mesh equals the initial one, 8 further to the right.
         let back = run.march.state.d.chunks_exact(2).map(|d| (d[0] - 8.0).abs().max(d[1].abs()));
         let back = back.fold(0.0, f64::max);
         assert!(back <= 1e-10, "{predictor:?}: {back:.1e}");
@@ -99,7 +99,7 @@ fn iterations(setting: Setting) -> (f64, f64) {
     (newton as f64 / slabs as f64, krylov as f64 / slabs as f64)
 }
 
-/// The limit that the paper admits: poorer convergence with smaller time steps.
+/// The limitation that the paper admits: poorer convergence with smaller time steps.
 #[test]
 fn krylov_iterations_do_not_grow_when_the_slab_is_halved() {
     for predictor in [Predictor::Elastic, Predictor::Extrapolated] {
@@ -118,7 +118,7 @@ fn krylov_iterations_do_not_grow_when_the_slab_is_halved() {
 #[test]
 fn the_jump_has_the_order_in_time() {
     for time_order in 1..=3 {
-        // The last slab up to t = 1.2; in space well resolved.
+        // The last slab up to t = 1.2; well resolved in space.
         let jump = |slabs: usize| {
             let setting = Setting { order: 8, slabs, end: 1.2, time_order, tolerance: 1e-10, ..SETTING };
             let mut run = VortexRun::new(setting);
@@ -131,7 +131,7 @@ fn the_jump_has_the_order_in_time() {
     }
 }
 
-/// Slabs that start a hundred times too short grow until the jump is as asked, and no slab has twice of it.
+/// Slabs that start a hundred times too short grow until the jump meets the tolerance, and no jump is twice as large.
 #[test]
 fn slabs_adapt_to_the_jump() {
     let mut run = VortexRun::new(Setting { slabs: 400, end: 2.0, ..SETTING });
@@ -152,14 +152,14 @@ fn slabs_adapt_to_the_jump() {
 #[test]
 fn newton_ends_quadratically_and_at_round_off() {
     let mut run = VortexRun::new(Setting { slabs: 1, end: 0.5, predictor: Predictor::Constant, ..SETTING });
-    let newton = &mut run.march.settings_mut().newton;
+    let newton = &mut run.march.solver.newton;
     (newton.relative_tolerance, newton.forcing.minimum) = (1e-13, 1e-6);
     let report = run.march.advance().unwrap();
     let history = report.newton.residual_history();
     println!("{history:?}");
     let relative = history[history.len() - 1] / history[0];
     assert!(relative <= 1e-12, "{relative:.1e}");
-    // The step before the last that is above round-off: |R_k+1| <= C |R_k|^2 with |R_k| already small.
+    // The last step but one above round-off: |R_k+1| <= C |R_k|^2 with |R_k| already small.
     let quadratic = history.windows(2).filter(|r| r[0] < 1e-2 * history[0] && r[0] > 1e-8 * history[0]);
     let mut seen = 0;
     for r in quadratic {
@@ -170,7 +170,7 @@ fn newton_ends_quadratically_and_at_round_off() {
     assert!(seen > 0, "no step in the range of quadratic convergence: {history:?}");
 }
 
-/// The coupled solve against elasticity alone and the flow on the mesh that it gives: counted work, seconds printed.
+/// The coupled solve against elasticity alone and the flow on the resulting mesh: counted work; seconds are printed.
 #[test]
 fn coupling_costs_no_more_than_its_parts() {
     let setting = Setting { slabs: 10, end: 1.0, ..SETTING };
@@ -191,7 +191,7 @@ fn coupling_costs_no_more_than_its_parts() {
         );
         totals.push((products + residuals) as f64);
     }
-    let mover = VortexRun::new(setting).march.problem.mover;
+    let mover = VortexRun::new(setting).march.solver.system.mesh.mover;
     let mut mesh = MeshMarch::new(mover, Schedule::uniform(setting.end, setting.slabs), 0);
     let start = std::time::Instant::now();
     while !mesh.is_done() {

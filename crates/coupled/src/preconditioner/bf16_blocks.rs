@@ -1,15 +1,15 @@
 //! Blocks in half of single precision, as pairs of numbers in 32 bits, and their products with vectors in SIMD.
 //!
-//! What a preconditioner reads from memory is most of what it costs. It may be rounded to the 8 bits of bfloat16 (the exponents are
-//! those of single precision): the iteration around it works in double precision and loses nothing, and takes as many steps as it took, to
-//! within one in a hundred, from an airfoil's thin boundary layer to cells of order 8.
+//! Most of the cost of a preconditioner is reading its blocks from memory. They are rounded to the 8 bits of bfloat16, which has the
+//! exponents of single precision. The iteration around it works in double precision and loses no accuracy. Its number of steps changes by
+//! one in a hundred at most, from an airfoil's thin boundary layer to cells of order 8.
 //!
 //! ```text
 //! y += A_low x_low + A_high x_high                                                                                   (pairs)
 //! ```
 //!
-//! For a real block A_low are the first half of its columns and A_high the second, which lacks one, of zeros, where their number is odd;
-//! for a complex block they are the real and the imaginary part. Sums are done in single precision. Pairs lie in [`Panels`].
+//! For a real block A_low is the first half of its columns and A_high the second half; a column of zeros makes their number even. For a
+//! complex block they are the real and the imaginary part. Sums are done in single precision. Pairs lie in [`Panels`].
 
 use super::inverse::Shape;
 use super::panel::{ByTiles, Panels, Place, by_tiles, padded};
@@ -42,8 +42,8 @@ fn rounded(number: f32) -> u32 {
 
 /// (pairs) for `columns` columns of x and y, x_high of each `half` numbers behind its x_low.
 ///
-/// For a real block of n columns that is (n + 1) / 2, and x has a zero behind its last number where n is odd; for a complex one x are the
-/// two columns (re, -im) and (im, re), and y are (re) and (im).
+/// For a real block of n columns, `half` is (n + 1) / 2, and x ends with a zero if n is odd. For a complex block x has the two columns
+/// (re, -im) and (im, re), and y has the columns (re) and (im).
 pub struct MultiplyBf16<'a> {
     /// A.
     pub matrix: &'a [u32],

@@ -21,7 +21,8 @@ use std::sync::Arc;
 /// with 27,000 it takes as long as a hundred iterations.
 const AFFORDABLE: usize = 12_000;
 
-/// Coarse functions of one component per direction on a mesh of so many cells, with a flow of this `order`: 2 of degree 1, or constants where those are all there is or cost too much.
+/// Coarse functions of one component per direction, on a mesh of so many cells with a flow of this `order`. There are 2 of degree 1, or
+/// one constant if the order has no more or linear functions cost too much.
 pub fn functions_per_direction(cells: usize, components: usize, dimension: u32, order: usize) -> usize {
     let linear = cells * components * 2_usize.pow(dimension);
     if order > 2 && (dimension < 3 || linear <= AFFORDABLE) { 2 } else { 1 }

@@ -15,7 +15,7 @@ use super::ordering::Ordering;
 use super::panel::padded;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
-use fem::{Pool, SpaceJacobian};
+use fem::{PerThread, SpaceJacobian};
 use sparse::dependency_schedule;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tensor::Arch;
@@ -57,7 +57,7 @@ impl Elimination<'_> {
     pub fn factorise(&self, inverses: &mut [u32]) {
         let cells = self.links.len();
         let len = inverses.len() / cells;
-        let scratch = Pool::new(Vec::new);
+        let scratch = PerThread::new(Vec::new);
         let stored: Vec<Mutex<&mut [u32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
         let updates: Vec<Mutex<Vec<Update>>> = (0..cells).map(|_| Mutex::default()).collect();
         let needs = |position: usize| {

@@ -12,7 +12,7 @@ use super::panel::padded;
 use super::sweeps::Shared;
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, Pool, SpaceJacobian};
+use fem::{Layout, PerThread, SpaceJacobian};
 use rayon::prelude::*;
 use tensor::Arch;
 
@@ -33,7 +33,7 @@ pub struct FlowPreconditioner {
     pub(super) faces: Vec<FaceTraces>,
     pub(super) dt: f64,
     pub(super) arch: Arch,
-    pub(super) scratch: Pool<Scratch>,
+    pub(super) scratch: PerThread<Scratch>,
     /// Right-hand sides and results at every position.
     pub(super) swept: Vec<Shared>,
 }
@@ -69,7 +69,7 @@ impl FlowPreconditioner {
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = columns * couplings.rows();
         let room = move || vec![0.0; traces];
-        let scratch = Pool::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
+        let scratch = PerThread::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
         FlowPreconditioner {
             layout,
             modes,

@@ -15,7 +15,7 @@ use super::modal::{join, split};
 use super::panel::{Multiply, padded};
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, LineJacobian, Pool};
+use fem::{Layout, LineJacobian, PerThread};
 use rayon::prelude::*;
 use tensor::Arch;
 
@@ -27,7 +27,7 @@ pub struct LinePreconditioner {
     /// F_k^{-1} with their scales as real matrices in panels, `[cell][mode][axis]`.
     inverses: Vec<f32>,
     arch: Arch,
-    scratch: Pool<Scratch>,
+    scratch: PerThread<Scratch>,
 }
 
 /// What is kept of one mode of a cell.
@@ -46,7 +46,7 @@ impl LinePreconditioner {
         let (cell, block) = (2 * layout.time_len(), jacobian.block);
         let images = 2 * padded(block) * layout.nodes / jacobian.nodes;
         let room = || Scratch { cell: vec![0.0; cell], lines: vec![0.0; cell], images: vec![0.0; images] };
-        let (arch, scratch) = (Arch::new(), Pool::new(room));
+        let (arch, scratch) = (Arch::new(), PerThread::new(room));
         let mut preconditioner = LinePreconditioner { layout, modes, jacobian, inverses: Vec::new(), arch, scratch };
         preconditioner.factor(dt, damping);
         preconditioner

@@ -4,7 +4,7 @@
 //! dR/dU  ~  T (x) M + dt W (x) A  =  (W Q (x) I) ( L (x) M + dt I (x) A ) (Q^{-1} (x) I),     W^{-1} T = Q L Q^{-1}      (decoupled)
 //! ```
 //!
-//! with ONE Jacobian A and mass matrix M of the operator of space, frozen in the middle of a slab: the temporal modes
+//! with ONE Jacobian A and mass matrix M of the operator of space, taken in the middle of a slab. The temporal modes
 //! separate into systems (lambda M + dt A) x = c, one for each real eigenvalue and one for each complex pair. Each is
 //! replaced by its block ILU(0), and all of them are swept at once. Steady flows have one real mode, and a coarse level for it.
 

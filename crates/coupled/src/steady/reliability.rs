@@ -89,7 +89,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             // A uniform flow, for instance, has no terms to compare with.
             return Some(0.0);
         }
-        let (momentum, mut terms) = (momentum(&u, problem.flow.layout.nodes, M), vec![0.0; u.len()]);
+        let (momentum, mut terms) = (momentum(&u, problem.flow.operator.layout.nodes, M), vec![0.0; u.len()]);
         // At the point where rounding was estimated.
         problem.jacobian_product(&momentum, &mut terms);
         let size = problem.field_norms(&terms)[0];

@@ -8,9 +8,10 @@
 use super::reliability::Reliability;
 use super::settling::{Settling, settle};
 use super::solve_steady;
-use crate::march::{SlabError, SlabReport};
+use crate::coupled_slab::SlabReport;
 use crate::mesh_mover::MeshMover;
-use crate::slab_problem::SlabProblem;
+use crate::slab_error::SlabError;
+use crate::system::System;
 use crate::transfer::transfer_flow;
 use newton_krylov::newton::{self, Stall};
 use newton_krylov::{line_search, pseudo_time};
@@ -49,7 +50,7 @@ pub struct Stage {
 }
 
 /// A discretisation of the case, on the mesh at rest, and the initial state there.
-pub type Discretised<const D: usize, const M: usize> = (SlabProblem<D, M>, Vec<f64>);
+pub type Discretised<const D: usize, const M: usize> = (System<D, M>, Vec<f64>);
 
 /// The search for a steady flow.
 pub struct Search<'a, const D: usize, const M: usize> {

@@ -2,9 +2,10 @@
 
 use super::residual_norms;
 use super::search::{Discretisation, Search};
-use crate::march::{Jacobian, March, Predictor, Settings, SlabError};
+use crate::coupled_slab::{FlowMarch, Jacobian, Predictor, Settings};
 use crate::schedule::Schedule;
-use crate::slab_problem::SlabProblem;
+use crate::slab_error::SlabError;
+use crate::system::System;
 use newton_krylov::newton;
 
 /// Slabs of two nodes each, and how many of them make a time unit: of order 3, they hardly damp what has a period of a time unit.
@@ -72,7 +73,7 @@ pub(super) fn rates_of_change<const D: usize, const M: usize>(
 
 fn rate_of_change<const D: usize, const M: usize>(
     search: &Search<'_, D, M>,
-    steady: &mut SlabProblem<D, M>,
+    steady: &mut System<D, M>,
     u: &[f64],
 ) -> Result<f64, SlabError> {
     steady.at_rest(search.time, u, search.displacement)?;
@@ -89,15 +90,15 @@ pub(super) fn duration<const D: usize, const M: usize>(search: &Search<'_, D, M>
     search.time_unit / PER_TIME_UNIT * slabs as f64
 }
 
-fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], slabs: usize) -> March<D, M> {
+fn march<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &[f64], slabs: usize) -> FlowMarch<D, M> {
     let (mut problem, _) = (search.discretise)(Discretisation { time_order: 2, ..search.own() });
-    problem.flow.hold_time(search.time);
+    problem.flow.operator.hold_time(search.time);
     let end = search.time + duration(search, slabs);
     let schedule = Schedule { start: search.time, end, step: duration(search, 1), slabs, control: None };
     let newton = newton::Settings { relative_tolerance: 1e-3, ..newton::Settings::default() };
     let settings =
         Settings { schedule, newton, predictor: Predictor::Elastic, jacobian: Jacobian::Exact, max_halvings: 4 };
-    let mut march = March::new(problem, u.to_vec(), settings);
+    let mut march = FlowMarch::new(problem, u.to_vec(), settings);
     march.state.d.copy_from_slice(search.displacement);
     march
 }

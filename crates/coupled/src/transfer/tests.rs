@@ -26,6 +26,7 @@ fn moved<const D: usize>(components: usize, orders: Orders) -> (MeshMover<D>, St
         bottom: vec![0.0; d.len()],
         u: scattered(orders.time * len, 2.0),
         v: scattered(orders.time * d.len(), 3.0),
+        bodies: Vec::new(),
     };
     (mover, State { past: Some(past), slab: 1, ..State::new(0.1, scattered(len, 1.0), d) })
 }

@@ -1,27 +1,28 @@
-//! The nodes inside cells, eliminated in SIMD lanes: one cell per lane.
+//! Elimination of the nodes inside cells in SIMD lanes: one cell per lane.
 //!
-//! With the unknowns of a cell ordered as inner ones (i), then those of the skeleton (s), the first columns of its Cholesky factor and
-//! what they leave,
+//! Order the unknowns of a cell: inner ones (i) first, then those of the skeleton (s). Then the first columns of its Cholesky factor
+//! and the Schur complement,
 //!
 //! ```text
 //! K_ii = L_ii L_ii^T,      L_si = K_si L_ii^{-T},      S = K_ss - L_si L_si^T                                    (inner)
 //! ```
 //!
-//! come from one rule, row j and column k <= j: L_jk = (K_jk - sum_{r<k} L_jr L_kr) / L_kk, where r is an inner unknown.
+//! follow from one rule, row j and column k <= j: L_jk = (K_jk - sum_{r<k} L_jr L_kr) / L_kk, where r is an inner
+//! unknown.
 
 use crate::ElasticityError;
-use crate::batches::Batches;
 use faer::Mat;
+use fem::NodalBatches;
 use rayon::prelude::*;
 use std::ops::Range;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH};
 
-/// Columns that are factored together, and rows and columns of the blocks in which products are subtracted.
+/// The number of columns that are factored together, and the size of the blocks in which products are subtracted.
 const BLOCK: usize = 4;
 
-/// L_ii and L_si of all cells: `[batch]`, then row by row, of row j its first min(j + 1, inner) entries.
+/// L_ii and L_si of all cells: `[batch]`, then row by row; row j has its first min(j + 1, inner) entries.
 pub(crate) struct InnerFactor(pub(super) Vec<Vec<Pack>>);
 
 /// The order of the unknowns of a cell: numbers `[component][node]`, inner ones first, by nodes.
@@ -44,11 +45,11 @@ impl CellUnknowns {
     pub(crate) fn count(&self) -> usize {
         self.numbers.len()
     }
-    /// Those inside.
+    /// The number of inner unknowns.
     pub(crate) fn inner(&self) -> usize {
         self.inner
     }
-    /// Those on the skeleton.
+    /// The number of unknowns on the skeleton.
     pub(crate) fn skeleton(&self) -> usize {
         self.count() - self.inner
     }
@@ -63,21 +64,23 @@ impl CellUnknowns {
 }
 
 impl InnerFactor {
-    /// Eliminates the inner nodes of all cells; returns the factor and, for each cell, S with rows `[node][component]` of its skeleton.
+    /// Eliminates the inner nodes of all cells. Returns the factor and, for each cell, S with rows `[node][component]` of its skeleton.
     ///
-    /// `matrices(batch)` are the matrices of the cells of a batch, `[column][row]`, both of them `[component][node]`. A constrained
-    /// node inside a cell keeps its place, with the row and the column of the identity.
+    /// `matrices(batch)` are the matrices of the cells of a batch, `[column][row]`, both `[component][node]`. A constrained entry
+    /// keeps its place, with the row and the column of the identity in every cell.
     pub(crate) fn new<const D: usize>(
         unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        constrained: &[bool],
+        batches: &NodalBatches<D>,
+        constrained: &[[bool; D]],
         matrices: impl Fn(usize) -> Vec<Pack> + Sync,
     ) -> Result<(Self, Vec<Mat<f64>>), ElasticityError> {
         let nodes = unknowns.count() / D;
         let eliminate = |batch: usize| {
             let mut matrix = unknowns.sorted(&matrices(batch));
-            let held = |node, lane| constrained[batches.cell_node(batches.cell(batch, lane), node)];
-            unknowns.hold(&mut matrix, nodes, held);
+            let held = |unknown: usize, lane| {
+                constrained[batches.cell_node(batches.cell(batch, lane), unknown % nodes)][unknown / nodes]
+            };
+            unknowns.hold(&mut matrix, held);
             Arch::new().dispatch(Eliminate { matrix: &mut matrix, count: unknowns.count(), inner: unknowns.inner });
             let lanes = batches.cells().saturating_sub(batch * WIDTH).min(WIDTH);
             let schur: Vec<_> = (0..lanes).map(|lane| unknowns.schur(&matrix, lane)).collect();
@@ -95,7 +98,7 @@ impl InnerFactor {
 }
 
 impl CellUnknowns {
-    /// The matrix with rows and columns in this order, from one that is symmetric.
+    /// The rows and columns of a symmetric matrix in this order.
     fn sorted(&self, matrix: &[Pack]) -> Vec<Pack> {
         let mut sorted = Vec::with_capacity(matrix.len());
         for row in &self.numbers {
@@ -105,10 +108,10 @@ impl CellUnknowns {
         sorted
     }
 
-    /// Gives the inner nodes that are `held` in a lane the rows and columns of the identity.
-    fn hold(&self, matrix: &mut [Pack], nodes: usize, held: impl Fn(usize, usize) -> bool) {
-        for k in 0..self.inner {
-            for lane in (0..WIDTH).filter(|&lane| held(self.numbers[k] % nodes, lane)) {
+    /// Replaces the rows and columns of the unknowns `[component][node]` that are `held` in a lane by those of the identity.
+    fn hold(&self, matrix: &mut [Pack], held: impl Fn(usize, usize) -> bool) {
+        for (k, &unknown) in self.numbers.iter().enumerate() {
+            for lane in (0..WIDTH).filter(|&lane| held(unknown, lane)) {
                 for j in 0..self.count() {
                     matrix[j * self.count() + k].0[lane] = 0.0;
                     matrix[k * self.count() + j].0[lane] = 0.0;
@@ -139,8 +142,8 @@ impl CellUnknowns {
     }
 }
 
-/// The first `inner` columns of the Cholesky factor in place of a matrix, `[row][column]`, and S in place of the rest. The upper
-/// triangle is lost. A pivot that is not positive leaves a diagonal entry that is not a number.
+/// Replaces a matrix, `[row][column]`, by the first `inner` columns of its Cholesky factor and by S. The upper triangle is lost.
+/// A pivot that is not positive leaves a diagonal entry that is not a number.
 struct Eliminate<'a> {
     matrix: &'a mut [Pack],
     count: usize,
@@ -219,7 +222,7 @@ impl<S: Simd> MatrixLanes<'_, S> {
         }
     }
 
-    /// L_jk = (K_jk - sum L_jr L_kr) / L_kk for the columns k from `start` to `end`; r runs through those between `start` and k.
+    /// L_jk = (K_jk - sum L_jr L_kr) / L_kk for the columns k from `start` to `end`; r runs from `start` to k.
     #[inline(always)]
     fn factor_columns(&mut self, start: usize, end: usize) {
         for k in start..end {

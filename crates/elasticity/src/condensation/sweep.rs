@@ -1,53 +1,39 @@
 //! The triangular solves inside cells, in SIMD lanes.
 
 use super::inner::{CellUnknowns, InnerFactor};
-use crate::batches::Batches;
+use fem::NodalBatches;
 use rayon::prelude::*;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, zeroed};
 
-impl InnerFactor {
-    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at those of the skeleton.
-    pub(crate) fn forward<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        b: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
-        self.sweep(unknowns, batches, true, b, out, work);
+/// The factor inside of all cells, and where their unknowns lie.
+pub(crate) struct CellSweeps<'a, const D: usize> {
+    pub(crate) factor: &'a InnerFactor,
+    pub(crate) unknowns: &'a CellUnknowns,
+    pub(crate) batches: &'a NodalBatches<D>,
+}
+
+impl<const D: usize> CellSweeps<'_, D> {
+    /// For every right-hand side: out = L_ii^{-1} b_i at inner nodes, and -L_si L_ii^{-1} b_i at nodes of the skeleton.
+    pub(crate) fn forward(&self, b: &[f64], out: &mut [f64], work: &mut SweepWork) {
+        self.sweep(true, b, out, work);
     }
 
-    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at those of the skeleton, for z and d in
-    /// the vector `z`.
-    pub(crate) fn backward<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        z: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
-        self.sweep(unknowns, batches, false, z, out, work);
+    /// For every right-hand side: out = L_ii^{-T} (z_i - L_si^T d_s) at inner nodes, and 0 at nodes of the skeleton; the vector `z`
+    /// holds z and d.
+    pub(crate) fn backward(&self, z: &[f64], out: &mut [f64], work: &mut SweepWork) {
+        self.sweep(false, z, out, work);
     }
 
     /// All right-hand sides while the factor of a batch is in the cache.
-    fn sweep<const D: usize>(
-        &self,
-        unknowns: &CellUnknowns,
-        batches: &Batches<D>,
-        forward: bool,
-        from: &[f64],
-        out: &mut [f64],
-        work: &mut SweepWork,
-    ) {
+    fn sweep(&self, forward: bool, from: &[f64], out: &mut [f64], work: &mut SweepWork) {
+        let CellSweeps { factor, unknowns, batches } = *self;
         let (length, nodal) = (batches.cell_length(), batches.nodal_length());
         let count = from.len() / nodal;
         let SweepWork { field, sorted } = work;
         sorted.resize(count * field.len(), Pack::ZERO);
-        let cells = field.par_chunks_mut(length).zip(sorted.par_chunks_mut(count * length)).zip(&self.0);
+        let cells = field.par_chunks_mut(length).zip(sorted.par_chunks_mut(count * length)).zip(&factor.0);
         cells.enumerate().for_each(|(batch, ((cell, sorted), rows))| {
             for (from, x) in from.chunks_exact(nodal).zip(sorted.chunks_exact_mut(length)) {
                 batches.gather(batch, from, cell);
@@ -75,7 +61,7 @@ pub(crate) struct SweepWork {
 }
 
 impl SweepWork {
-    pub(crate) fn new<const D: usize>(batches: &Batches<D>) -> Self {
+    pub(crate) fn new<const D: usize>(batches: &NodalBatches<D>) -> Self {
         SweepWork { field: zeroed(batches.field_length()), sorted: Vec::new() }
     }
 }
@@ -140,7 +126,7 @@ impl<'a, S: Simd> SweepLanes<'a, S> {
         }
     }
 
-    /// sum_r L_jr x_r, in two halves that do not wait for each other.
+    /// sum_r L_jr x_r, in two independent halves.
     #[inline(always)]
     fn sum(&self, row: &[Pack]) -> Lanes<S> {
         let mut sums = [Lanes::splat(self.simd, 0.0); 2];

@@ -1,24 +1,24 @@
-//! Where K is taken: the position of the mesh at the bottom of the slab.
+//! The position of the mesh at the bottom of the slab, where K is evaluated.
 
 use super::ElasticMesh;
-use crate::geometry::{Sample, Sampler};
-use crate::low_order::LowOrder;
+use crate::geometry::{Sample, StiffnessSampler};
+use crate::low_order::{Inertia, LowOrder};
 use crate::operator::Operator;
 use crate::solver::Inverse;
 use crate::{ElasticityError, Inversion, Law, Stiffness};
 use mesh::NodeNumbering;
 use tensor::Pack;
 
-/// The displacement at the bottom of the slab, and what it takes to move the reference mesh there.
+/// The displacement at the bottom of the slab, and the data needed to move the reference mesh there.
 pub(super) struct Position<const D: usize> {
     bottom: Vec<f64>,
-    /// Whether the inverse is that of K there.
+    /// Whether the prepared inverse belongs to K there.
     is_prepared: bool,
     /// Of [`Law::Incremental`]: W and G of the initial mesh.
     initial_metric: Vec<Pack>,
-    /// The power of det J in the stiffness; 0 for one that stays with the material.
+    /// The power of det J in the stiffness; 0 for a stiffness that is fixed to the material.
     power: f64,
-    /// What the low-order refinement of a mesh that has moved is made of, where there is one.
+    /// The data of the low-order refinement of a moved mesh, if there is one.
     nodes: Option<Nodes<D>>,
 }
 
@@ -52,29 +52,28 @@ impl<const D: usize> Position<D> {
     pub(super) fn keep_nodes(
         &mut self,
         law: Law,
-        cells: usize,
         numbering: &NodeNumbering,
-        at_nodes: &Sampler<'_, D>,
+        at_nodes: &StiffnessSampler<'_, D>,
     ) -> Result<(), ElasticityError> {
         if law != Law::Linear {
-            let samples = (0..cells).map(|cell| at_nodes.cell(cell)).collect::<Result<_, _>>()?;
+            let samples = (0..numbering.n_cells()).map(|cell| at_nodes.cell(cell)).collect::<Result<_, _>>()?;
             self.nodes = Some(Nodes { numbering: numbering.clone(), samples });
         }
         Ok(())
     }
 
-    /// The displacement at the bottom of the slab; zero for [`Law::Linear`], where it does not matter.
+    /// The displacement at the bottom of the slab; zero for [`Law::Linear`], which does not use it.
     pub(super) fn bottom(&self) -> &[f64] {
         &self.bottom
     }
 }
 
 impl<const D: usize> ElasticMesh<D> {
-    /// Takes K at the displacement `bottom`, that of the slab's bottom. What was there before has no influence: a run that is resumed
-    /// here goes on with the same bits. [`Law::Linear`] has nothing to do.
+    /// Evaluates K at the displacement `bottom` of the slab's bottom. Earlier positions have no influence, so a run that is resumed
+    /// here continues with the same bits. [`Law::Linear`] has nothing to do.
     ///
     /// # Errors
-    /// [`ElasticityError::Inverted`] or [`ElasticityError::NotDefinite`] if `bottom` is not a position of the mesh, or not a stable one.
+    /// [`ElasticityError::Inverted`] or [`ElasticityError::NotDefinite`] if `bottom` is not a valid and stable position of the mesh.
     pub fn begin_slab(&mut self, bottom: &[f64]) -> Result<(), ElasticityError> {
         let is_there = self.position.is_prepared && self.position.bottom == bottom;
         if self.law == Law::Linear || is_there {
@@ -101,15 +100,15 @@ impl<const D: usize> ElasticMesh<D> {
         Ok(())
     }
 
-    /// The low-order refinement of linear elasticity on the mesh that `d` has moved. A curved cell may be valid where a sub-cell between its
-    /// nodes is inverted: then it is that of the initial mesh, which costs iterations, but no accuracy. A hierarchy for `multigrid` is made
-    /// from the initial positions of all C0 nodes.
+    /// The low-order refinement of linear elasticity on the mesh moved by `d`. A curved cell may be valid although a sub-cell between its
+    /// nodes is inverted. Then the refinement of the initial mesh is used, which costs iterations, but no accuracy. A hierarchy for
+    /// `multigrid` is made from the initial positions of all C0 nodes.
     fn low_order_at(&self, d: &[f64], multigrid: Option<&[[f64; D]]>) -> Result<LowOrder<D>, ElasticityError> {
         let nodes = self.position.nodes.as_ref().expect("they are kept where the refinement moves");
         let build = |d: &[f64]| {
             let samples = |cell| Ok(nodes.moved(cell, d));
-            let (lame, cells) = (self.operator.lame(), nodes.samples.len());
-            LowOrder::new(lame, cells, &nodes.numbering, samples, &self.constrained, multigrid)
+            let lame = self.operator.lame();
+            LowOrder::new(lame, Inertia::none(), &nodes.numbering, samples, &self.constrained, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),
@@ -117,14 +116,15 @@ impl<const D: usize> ElasticMesh<D> {
         }
     }
 
-    /// out = R(d), the forces on all nodes that hold the mesh in the position `d`. Nothing is allocated after a first call.
+    /// out = R(d), the forces on all nodes that hold the mesh at the displacement `d`. Nothing is allocated after a first
+    /// call.
     ///
     /// # Errors
-    /// [`Inversion`] where the law has no stress; `out` then has no meaning.
+    /// [`Inversion`] where the law has no stress; `out` is then meaningless.
     pub fn forces(&self, d: &[f64], out: &mut [f64]) -> Result<(), Inversion> {
         debug_assert_eq!((d.len(), out.len()), (self.length(), self.length()));
         match self.law {
-            Law::Linear | Law::NeoHookean => self.operator.forces(d, out),
+            Law::Linear | Law::NeoHookean | Law::StVenantKirchhoff => self.operator.forces(d, out),
             // The mesh at the bottom is free of stress.
             Law::Incremental => self.with_vector(|increment| {
                 increment.iter_mut().zip(d).zip(&self.position.bottom).for_each(|((i, d), bottom)| *i = d - bottom);

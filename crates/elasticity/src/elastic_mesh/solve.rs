@@ -9,16 +9,16 @@ use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
 use newton_krylov::operator::LinearSystem;
 use rayon::prelude::*;
 
-/// CG iterations after which a solve is given up: ten times what the worst case takes.
+/// CG iterations after which a solve is given up: ten times the worst case.
 const MAX_ITERATIONS: usize = 500;
 
-/// Passes of a direct solve, the first one and its refinements.
+/// The largest number of passes of a direct solve: the first one and its refinements.
 const MAX_PASSES: i32 = 4;
 
-/// The relative residual that a direct solve reaches in any case: a larger one is an error.
+/// The relative residual that a direct solve must reach: a larger one is an error.
 const DIRECT_TOLERANCE: f64 = 1e-8;
 
-/// Roundings in a sum of forces at a node, in units of its largest term.
+/// The rounding error of a sum of forces at a node, in units of the rounding of its largest term.
 const ROUNDING: f64 = 4.0;
 
 /// Work space of one solve with CG.
@@ -35,10 +35,10 @@ impl SolveWork {
 }
 
 impl<const D: usize> ElasticMesh<D> {
-    /// Solves (equilibrium) for the forces `f`, whose entries at constrained nodes are ignored, to
-    /// |residual| <= `tolerance` |f_f - K_fc d_c|; a direct solver, to that error in `d`, or as near to it as
-    /// round-off allows. `d` holds the prescribed
-    /// displacement at constrained nodes and, for iterative solvers, a guess at the others.
+    /// Solves (equilibrium) for the forces `f`, whose constrained entries are ignored. An iterative solver
+    /// reaches |residual| <= `tolerance` |f_f - K_fc d_c|. A direct solver reaches that error in `d`, or as near to it
+    /// as round-off allows. `d` holds the prescribed displacement at constrained entries and, for iterative solvers, a
+    /// guess at the others.
     ///
     /// # Errors
     /// [`ElasticityError::Solver`]; `d` then holds the last iterate.
@@ -47,9 +47,10 @@ impl<const D: usize> ElasticMesh<D> {
         self.solve_one(Some(f), d, tolerance)
     }
 
-    /// Extends the displacement at constrained nodes to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free nodes.
+    /// Extends the displacement at constrained entries to the others: K_ff d_f = -K_fc d_c. `d` holds a guess at free entries.
     ///
-    /// An increment of the boundary position reaches the mesh in this way only. A boundary that moves alone inverts the cells at it.
+    /// An increment of the boundary position reaches the mesh only in this way. A boundary that moves alone would invert the cells
+    /// next to it.
     ///
     /// # Errors
     /// As [`Self::solve`].
@@ -61,13 +62,13 @@ impl<const D: usize> ElasticMesh<D> {
     /// treats all of them in one pass, CG side by side.
     ///
     /// # Errors
-    /// That of the first right-hand side with one.
+    /// The error of the first right-hand side with an error.
     pub fn solve_all(&self, f: &[f64], d: &mut [f64], tolerance: f64) -> Result<Vec<cg::Report>, ElasticityError> {
         debug_assert_eq!((f.len(), d.len() % self.length()), (d.len(), 0));
         self.solve_equilibrium(Some(f), d, tolerance)
     }
 
-    /// z_f = P^{-1} r_f, z_c = 0, with the inverse that the solver has prepared; the exact one of a direct solver.
+    /// z_f = P^{-1} r_f, z_c = 0, with the prepared inverse, which is exact for a direct solver.
     pub fn precondition(&self, r: &[f64], z: &mut [f64]) {
         match &self.inverse {
             Inverse::Direct(condensation) => {
@@ -105,7 +106,8 @@ impl<const D: usize> ElasticMesh<D> {
         &f[side * self.length()..][..self.length()]
     }
 
-    /// d = d + K_ff^{-1} r, r = f - K d, from d_f = 0, as often as the tolerance needs: every pass gains the digits of one.
+    /// d = d + K_ff^{-1} r, r = f - K d, from d_f = 0, as often as the tolerance needs. Every pass gains the same number of
+    /// digits.
     fn solve_directly(
         &self,
         condensation: &Condensation<D>,
@@ -129,14 +131,14 @@ impl<const D: usize> ElasticMesh<D> {
         reports.zip(sides).map(|(report, d)| accepted(report, tolerance, self.rounding(d))).collect()
     }
 
-    /// What rounding leaves of K d: where boundary displacements cancel in it, there is nothing else.
+    /// The rounding error of K d. If boundary displacements cancel in K d, only rounding is left.
     fn rounding(&self, d: &[f64]) -> f64 {
         let forces: Vec<f64> = self.diagonal().iter().zip(d).map(|(k, d)| k * d).collect();
         ROUNDING * f64::EPSILON * Euclidean.norm(&forces)
     }
 
-    /// The relative error that one pass of the factor leaves, found by a solve whose solution is known: d = x. In well-shaped meshes it is
-    /// near round-off; where neighbouring cells differ in stiffness by ten orders of magnitude it is not, although the residual is.
+    /// The relative error of one pass of the factor, measured by a solve with the known solution d = x. In well-shaped meshes it is near
+    /// round-off. If neighbouring cells differ in stiffness by ten orders of magnitude it is not, although the residual is.
     pub(super) fn measure_pass_error(&self, condensation: &Condensation<D>) -> f64 {
         let mut expected = self.coordinates.as_flattened().to_vec();
         self.at_constrained(&mut expected, |_| 0.0);
@@ -172,7 +174,7 @@ impl<const D: usize> ElasticMesh<D> {
         solution.copy_from_slice(d);
         self.at_constrained(solution, |_| 0.0);
         if right_hand_side.iter().all(|&b| b == 0.0) {
-            // No tolerance relative to zero can be met from a guess.
+            // A tolerance relative to zero cannot be met from a nonzero guess.
             solution.fill(0.0);
         }
         let settings =
@@ -183,7 +185,7 @@ impl<const D: usize> ElasticMesh<D> {
         Ok(result?)
     }
 
-    /// b = f_f - K_fc d_c at free nodes, 0 at the others.
+    /// b = f_f - K_fc d_c at free entries, 0 at the others.
     fn right_hand_side(&self, f: Option<&[f64]>, d: &[f64], boundary: &mut [f64], b: &mut [f64]) {
         boundary.copy_from_slice(d);
         self.at_free(boundary, |_| 0.0);
@@ -191,7 +193,7 @@ impl<const D: usize> ElasticMesh<D> {
         self.subtract_from(f, b);
     }
 
-    /// b = f - b at free nodes, 0 at the others; without forces, f = 0.
+    /// b = f - b at free entries, 0 at the others; without forces, f = 0.
     fn subtract_from(&self, f: Option<&[f64]>, b: &mut [f64]) {
         for (i, b) in b.iter_mut().enumerate() {
             *b = f.map_or(0.0, |f| f[i]) - *b;
@@ -200,12 +202,12 @@ impl<const D: usize> ElasticMesh<D> {
     }
 }
 
-/// The least number of passes that leave `tolerance`, if each leaves the part `pass_error` of the error before it.
+/// The least number of passes that reach `tolerance`, if each leaves the fraction `pass_error` of the error before it.
 fn passes(pass_error: f64, tolerance: f64) -> i32 {
     (1..MAX_PASSES).find(|&passes| pass_error.powi(passes) <= tolerance).unwrap_or(MAX_PASSES)
 }
 
-/// The report of a direct solve that has reached its tolerance, or round-off: `rounding` is that of its terms.
+/// The report of a direct solve that has reached its tolerance, or the `rounding` of its terms.
 fn accepted(report: cg::Report, tolerance: f64, rounding: f64) -> Result<cg::Report, ElasticityError> {
     if report.final_norm <= (tolerance.max(DIRECT_TOLERANCE) * report.initial_norm).max(rounding) {
         Ok(report)
@@ -214,7 +216,7 @@ fn accepted(report: cg::Report, tolerance: f64, rounding: f64) -> Result<cg::Rep
     }
 }
 
-/// K_ff and its preconditioner, on vectors that vanish at constrained nodes.
+/// K_ff and its preconditioner, on vectors that vanish at constrained entries.
 struct FreeNodes<'a, const D: usize>(&'a ElasticMesh<D>);
 
 impl<const D: usize> LinearSystem for FreeNodes<'_, D> {

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use crate::testing::{
-    assembled, boundary_nodes, clamped, clamped_with, distance, largest, material, nodal, noise, solve_densely,
-    unit_box,
+    assembled, between_sliding_walls, boundary_nodes, clamped, clamped_with, distance, largest, material, nodal, noise,
+    solve_densely, unit_box,
 };
 use crate::{ElasticMesh, ElasticityError, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -9,7 +9,7 @@ use tensor::dot;
 
 const SOLVERS: [Solver; 3] = [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid];
 
-/// An affine displacement of the boundary must come back as the same affine displacement inside, if E is constant.
+/// An affine displacement of the boundary must give the same affine displacement inside, if E is constant.
 fn patch_test<const D: usize>(cells: [usize; D], order: usize) {
     let elastic = clamped(&unit_box(cells, order, 0.05), order, Stiffness::Constant);
     let gradient: [[f64; D]; D] =
@@ -35,7 +35,7 @@ fn patch_test_on_curved_meshes_in_3d() {
     }
 }
 
-/// Every solver against a dense factorisation of the matrix that is assembled point by point.
+/// Every solver against a dense factorisation of the matrix assembled point by point.
 fn agrees_with_dense<const D: usize>(mesh: &Mesh<D>, order: usize) {
     let stiffness = Stiffness::InverseJacobian { power: 1.0 };
     let k = assembled(mesh, order, material().lame(), stiffness);
@@ -44,7 +44,7 @@ fn agrees_with_dense<const D: usize>(mesh: &Mesh<D>, order: usize) {
         let random = noise(2 * elastic.length());
         let (forces, given) = random.split_at(elastic.length());
         let (mut expected, mut found) = (given.to_vec(), given.to_vec());
-        solve_densely::<D>(&k, elastic.constrained(), forces, &mut expected);
+        solve_densely(&k, elastic.constrained(), forces, &mut expected);
         let report = elastic.solve(forces, &mut found, 1e-12).unwrap();
         assert!(distance(&found, &expected) < 1e-9 * largest(&expected), "D = {D}, N = {order}, {solver:?}");
         assert_eq!(report.iterations == 0, solver == Solver::Direct);
@@ -61,7 +61,7 @@ fn every_solver_agrees_with_a_dense_factorisation() {
     }
 }
 
-/// All free nodes of a single cell are inside of it: nothing is left of the skeleton.
+/// All free nodes of a single cell are inside it: the skeleton is empty.
 #[test]
 fn every_solver_agrees_with_a_dense_factorisation_on_a_single_cell() {
     agrees_with_dense(&unit_box([1, 1], 4, 0.0), 4);
@@ -76,12 +76,12 @@ fn every_solver_agrees_with_a_dense_factorisation_on_a_periodic_strip_one_cell_l
     agrees_with_dense(&strip.build().unwrap(), 4);
 }
 
-/// A free boundary, and constrained nodes inside cells.
+/// A free boundary, and nodes inside cells and on their surfaces that are constrained in both components or in one.
 #[test]
 fn every_solver_agrees_with_a_dense_factorisation_where_other_nodes_are_constrained() {
     let (mesh, order) = (unit_box([3, 3], 5, 0.03), 5);
     let numbering = NodeNumbering::new(&mesh, order);
-    let constrained: Vec<bool> = (0..numbering.count).map(|node| node % 13 == 0).collect();
+    let constrained: Vec<[bool; 2]> = (0..numbering.count).map(|node| [node % 13 == 0, node % 7 == 0]).collect();
     let k = assembled(&mesh, order, material().lame(), Stiffness::Constant);
     for solver in SOLVERS {
         let elastic =
@@ -89,7 +89,7 @@ fn every_solver_agrees_with_a_dense_factorisation_where_other_nodes_are_constrai
         let random = noise(2 * elastic.length());
         let (forces, given) = random.split_at(elastic.length());
         let (mut expected, mut found) = (given.to_vec(), given.to_vec());
-        solve_densely::<2>(&k, &constrained, forces, &mut expected);
+        solve_densely(&k, elastic.constrained(), forces, &mut expected);
         elastic.solve(forces, &mut found, 1e-12).unwrap();
         assert!(distance(&found, &expected) < 1e-9 * largest(&expected), "{solver:?}");
     }
@@ -189,7 +189,8 @@ fn periodic_meshes_move_periodically() {
         .build()
         .unwrap();
     let elastic = clamped(&mesh, 4, Stiffness::Constant);
-    // A shear along the periodic axis, of the strip between bottom and top: linear in y alone where the strip is straight.
+    // A shear along the periodic axis, of the strip between bottom and top. It is linear in y alone where the strip is
+    // straight.
     let mut d = vec![0.0; elastic.length()];
     let exact = nodal(&elastic, |x| [x[1], 0.0]);
     elastic.at_constrained(&mut d, |i| exact[i]);
@@ -197,7 +198,51 @@ fn periodic_meshes_move_periodically() {
     assert!(distance(&d, &exact) < 1e-11);
 }
 
-fn refused(stiffness: Stiffness<'_, 2>, constrained: impl Fn(Vec<bool>) -> Vec<bool>) -> ElasticityError {
+/// A box whose left wall moves by 0.3, whose right wall rests, and whose other walls slide in their planes, is compressed evenly.
+fn slides_linearly<const D: usize>(mesh: &Mesh<D>, order: usize, solver: Solver) {
+    let numbering = NodeNumbering::new(mesh, order);
+    let constrained = between_sliding_walls(mesh, &numbering);
+    let elastic =
+        ElasticMesh::with_solver(mesh, &numbering, material(), Stiffness::Constant, &constrained, solver).unwrap();
+    let exact = nodal(&elastic, |x| std::array::from_fn(|i| if i == 0 { 0.3 * (1.0 - x[0]) } else { 0.0 }));
+    let mut d = vec![0.0; exact.len()];
+    elastic.at_constrained(&mut d, |i| exact[i]);
+    elastic.extend(&mut d, 1e-14).unwrap();
+    // Poisson's ratio does not bend it: the walls hold what would move along their normals.
+    assert!(distance(&d, &exact) < 1e-12, "D = {D}, N = {order}, {solver:?}: {:e}", distance(&d, &exact));
+}
+
+#[test]
+fn a_box_between_sliding_walls_deforms_linearly() {
+    let curving = Curving::Smooth { amplitude: 0.04 };
+    for solver in SOLVERS {
+        for (cells, order) in [([4, 3], 2), ([3, 4], 4), ([2, 2], 9)] {
+            let periodic = [false; 2];
+            let mesh = BoxMesh { lower: [0.0; 2], upper: [1.0; 2], cells, order, curving, periodic }.build().unwrap();
+            slides_linearly(&mesh, order, solver);
+        }
+        let (cells, periodic) = ([3, 2, 2], [false; 3]);
+        let mesh = BoxMesh { lower: [0.0; 3], upper: [1.0; 3], cells, order: 3, curving, periodic }.build().unwrap();
+        slides_linearly(&mesh, 3, solver);
+    }
+}
+
+/// CG on a column between sliding walls takes no more iterations than on one that is clamped.
+#[test]
+fn sliding_walls_do_not_slow_down_iterations() {
+    let mesh = straight([4.0, 1.0], 16, 4).build().unwrap();
+    let numbering = NodeNumbering::new(&mesh, 4);
+    let constrained = between_sliding_walls(&mesh, &numbering);
+    for (solver, most) in [(Solver::ConjugateGradients, 30), (Solver::Multigrid, 40)] {
+        let elastic =
+            ElasticMesh::with_solver(&mesh, &numbering, material(), Stiffness::Constant, &constrained, solver).unwrap();
+        let found =
+            elastic.solve(&noise(elastic.length()), &mut vec![0.0; elastic.length()], 1e-10).unwrap().iterations;
+        assert!(found <= most, "{solver:?}: {found} iterations");
+    }
+}
+
+fn refused(stiffness: Stiffness<'_, 2>, constrained: impl Fn(Vec<[bool; 2]>) -> Vec<[bool; 2]>) -> ElasticityError {
     let mesh = unit_box([2, 2], 3, 0.0);
     let numbering = NodeNumbering::new(&mesh, 3);
     let constrained = constrained(boundary_nodes(&mesh, &numbering));
@@ -206,11 +251,13 @@ fn refused(stiffness: Stiffness<'_, 2>, constrained: impl Fn(Vec<bool>) -> Vec<b
 
 #[test]
 fn impossible_meshes_are_refused() {
-    let none = |c: Vec<bool>| vec![false; c.len()];
-    assert_eq!(refused(Stiffness::Constant, none), ElasticityError::Unconstrained);
-    let one = |c: Vec<bool>| (0..c.len()).map(|i| i == 0).collect();
+    let none = |c: Vec<[bool; 2]>| vec![[false; 2]; c.len()];
+    assert_eq!(refused(Stiffness::Constant, none), ElasticityError::Unconstrained { axis: 0 });
+    let all_along_x = |c: Vec<[bool; 2]>| vec![[true, false]; c.len()];
+    assert_eq!(refused(Stiffness::Constant, all_along_x), ElasticityError::Unconstrained { axis: 1 });
+    let one = |c: Vec<[bool; 2]>| (0..c.len()).map(|i| [i == 0; 2]).collect();
     assert!(matches!(refused(Stiffness::Constant, one), ElasticityError::NotDefinite { .. }));
-    let short = |_| vec![true];
+    let short = |_| vec![[true; 2]];
     assert!(matches!(refused(Stiffness::Constant, short), ElasticityError::Length { found: 1, expected: 25, .. }));
     let soft = refused(Stiffness::Function(&|x| x[0] - 0.5), |c| c);
     assert!(matches!(soft, ElasticityError::Stiffness { cell: 0, value, .. } if value < 0.0));

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 use super::*;
-use crate::testing::{boundary_nodes, distance, largest, material, nodal, noise, unit_box};
+use crate::testing::{between_sliding_walls, boundary_nodes, distance, largest, material, nodal, noise, unit_box};
 use crate::{ElasticMesh, Law, SlabMotion, Solver, Stiffness};
 use basis::RadauTime;
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -66,7 +66,7 @@ fn tangent_is_the_difference_of_forces_for_every_order() {
     }
 }
 
-/// At rest the tangent is the K of linear elasticity where both integrals are exact: on cells that are not curved.
+/// At rest the tangent is the K of linear elasticity if both integrals are exact: on cells that are not curved.
 #[test]
 fn tangent_at_rest_is_linear() {
     let mesh = unit_box([3, 3], 5, 0.0);
@@ -87,7 +87,7 @@ fn tangent_at_rest_is_linear() {
     assert!((order - 2.0).abs() < 0.02, "order {order}");
 }
 
-/// The whole mesh turned by 100 degrees is free of stress: R = 0, and K is that of the mesh at rest, turned.
+/// The whole mesh turned by 100 degrees is free of stress: R = 0, and K is the turned K of the mesh at rest.
 #[test]
 fn rotations_cost_nothing() {
     let elastic = clamped(&unit_box([3, 2], 4, 0.03), 4, Law::NeoHookean);
@@ -105,7 +105,7 @@ fn rotations_cost_nothing() {
 #[test]
 fn an_inverted_cell_is_named() {
     let elastic = clamped(&unit_box([11, 1], 3, 0.0), 3, Law::NeoHookean);
-    // x = X + d turns back between the nodes of X = 0.8, in the ninth cell.
+    // x = X + d folds between the nodes of X = 0.8, in the ninth cell.
     let fold = nodal(&elastic, |x| [if x[0] > 0.8 { -2.0 * (x[0] - 0.8).min(0.02) } else { 0.0 }, 0.0]);
     let error = elastic.forces(&fold, &mut vec![0.0; fold.len()]).unwrap_err();
     assert_eq!(error.cell, 8, "{error}");
@@ -114,8 +114,8 @@ fn an_inverted_cell_is_named() {
     assert!(elastic.forces(&nan, &mut vec![0.0; fold.len()]).is_err());
 }
 
-/// Forces and tangent about a moved mesh are those of linear elasticity on a mesh that was built there, and the stiffness is the one of
-/// the initial position, to which `back` leads.
+/// Forces and tangent about a moved mesh equal those of linear elasticity on a mesh that was built there. The stiffness is taken at the
+/// initial position, to which `back` leads.
 fn increments_are_linear<const D: usize>(
     mesh: &Mesh<D>,
     moved: &Mesh<D>,
@@ -154,7 +154,7 @@ fn square(order: usize) -> BoxMesh<2> {
     BoxMesh { lower, upper, cells, order, curving, periodic: [false; 2] }
 }
 
-/// A stiffness by det J is that of the mesh at the bottom: cells that have shrunk to a half are twice as stiff.
+/// A stiffness by det J refers to the mesh at the bottom: cells that have shrunk to a half are twice as stiff.
 #[test]
 fn stiffness_by_the_jacobian_follows_the_mesh() {
     let mesh = unit_box([3, 3], 3, 0.0);
@@ -203,6 +203,33 @@ fn equilibrium_is_found_in_few_steps() {
     let mut space = clamped(&unit_box([2, 2, 2], 3, 0.03), 3, Law::NeoHookean);
     let rest = vec![0.0; space.length()];
     assert!(solve(&mut space, &rest, 0.1, 1e-10).1.steps <= 5);
+}
+
+/// A column between sliding walls is compressed evenly by every law: that is free of shear, and its stress is the same everywhere.
+#[test]
+fn a_column_between_sliding_walls_is_compressed_evenly() {
+    let curving = Curving::Smooth { amplitude: 0.03 };
+    let mesh = BoxMesh { curving, cells: [3, 2], ..square(4) }.build().unwrap();
+    let numbering = NodeNumbering::new(&mesh, 4);
+    let constrained = between_sliding_walls(&mesh, &numbering);
+    for (law, accuracy) in [(Law::Linear, 1e-12), (Law::Incremental, 1e-12), (Law::NeoHookean, 1e-10)] {
+        for solver in [Solver::Direct, Solver::ConjugateGradients, Solver::Multigrid] {
+            let material = material().with_law(law);
+            let mut elastic =
+                ElasticMesh::with_solver(&mesh, &numbering, material, Stiffness::Constant, &constrained, solver)
+                    .unwrap();
+            let moved = nodal(&elastic, |x| [0.3 * (1.0 - x[0]), 0.0]);
+            let (motion, bottom) = (SlabMotion::new(RadauTime::new(2)), plus(&moved, -0.5, &moved));
+            elastic.begin_slab(&bottom).unwrap();
+            let slab = ElasticSlab { mesh: &elastic, motion: &motion, dt: 1.0 };
+            let g: Vec<f64> = motion.time().nodes().iter().flat_map(|s| plus(&bottom, 0.5 * s, &moved)).collect();
+            let mut v = vec![0.0; g.len()];
+            let solve = if law.is_linear() { 1e-14 } else { 1e-3 };
+            slab.equilibrium(&bottom, &g, &mut v, Accuracy { solve, position: 1e-12 }, &|_| Ok(())).unwrap();
+            let expected = plus(&vec![0.0; moved.len()], 0.5, &moved).repeat(2);
+            assert!(distance(&v, &expected) < accuracy, "{law:?}, {solver:?}: {:e}", distance(&v, &expected));
+        }
+    }
 }
 
 /// Solvers differ in the last digits only.

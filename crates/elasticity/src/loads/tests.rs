@@ -22,7 +22,7 @@ fn resultant_and_moment<const D: usize>(mesh: &Mesh<D>, f: &[f64]) -> Vec<f64> {
     (0..D).map(|i| f.iter().skip(i).step_by(D).sum()).chain(pairs.map(moment)).collect()
 }
 
-/// A pressure all around a curved body neither pushes nor turns it.
+/// A pressure all around a curved body has no resultant and no moment.
 #[test]
 fn a_pressure_all_around_is_in_equilibrium() {
     for order in [2, 3, 6] {
@@ -37,8 +37,8 @@ fn a_pressure_all_around_is_in_equilibrium() {
     }
 }
 
-/// On one curved side from A to B, traversed with the body on its left: int n ds is B - A turned back by 90 degrees, and
-/// int x cross n ds = (|A|^2 - |B|^2) / 2, whatever the curve.
+/// One curved side from A to B, traversed with the body on its left, for any curve. The integral of n ds is B - A
+/// turned back by 90 degrees. The integral of x cross n ds is (|A|^2 - |B|^2) / 2.
 #[test]
 fn a_pressure_on_one_curved_side_knows_its_ends_alone() {
     let mesh = unit_box([3, 2], 5, 0.03);

@@ -5,9 +5,9 @@ use mesh::NodeNumbering;
 
 const DENSITY: f64 = 1.7;
 
-fn mass<const D: usize>(mesh: &Mesh<D>, order: usize) -> (Mass<D>, Batches<D>, NodeNumbering) {
+fn mass<const D: usize>(mesh: &Mesh<D>, order: usize) -> (Mass<D>, NodalBatches<D>, NodeNumbering) {
     let numbering = NodeNumbering::new(mesh, order);
-    let batches = Batches::new(mesh, &numbering);
+    let batches = NodalBatches::new(mesh, &numbering);
     (Mass::new(mesh, &batches, order, DENSITY), batches, numbering)
 }
 
@@ -20,7 +20,7 @@ fn points<const D: usize>(mesh: &Mesh<D>, order: usize, n: usize, cell: usize) -
         (0..D as u32).map(|axis| values[(q / n.pow(axis) % n, k / order.pow(axis) % order)]).product()
     };
     let nodes = mesh.cell_coordinates(cell);
-    let weighted = tensor_weights::<D>(&rule.weights).into_iter().zip(map.determinants(nodes)).map(|(w, det)| w * det);
+    let weighted = rule.tensor_weights(D).into_iter().zip(map.determinants(nodes)).map(|(w, det)| w * det);
     let points = map.positions(nodes).into_iter().zip(weighted).enumerate();
     points.map(|(q, (x, w))| (x, w, (0..order.pow(D as u32)).map(|k| phi(q, k)).collect())).collect()
 }
@@ -51,7 +51,8 @@ fn matrix_free_is_assembled() {
     agrees_with_assembled(&unit_box([2, 2, 3], 3, 0.03), 3);
 }
 
-/// M times a constant is int rho phi_k dx, here by a rule with points to spare; their sum is the mass of the curved body.
+/// M times a constant is int rho phi_k dx, here by a rule with more points than needed; the sum is the mass of the curved
+/// body.
 fn constants_are_exact<const D: usize>(mesh: &Mesh<D>) {
     let order = mesh.order();
     let (mass, batches, numbering) = mass(mesh, order);
@@ -81,7 +82,7 @@ fn inertia_of_a_body_moved_as_a_whole_is_exact() {
     }
 }
 
-/// Resultant and moment of gravity on a curved body: its mass, and its centroid times that.
+/// Resultant and moment of gravity on a curved body: its mass, and its centroid times its mass.
 #[test]
 fn body_force_has_the_resultant_and_moment_of_the_mass() {
     let mesh = unit_box([3, 2], 5, 0.03);
@@ -97,7 +98,7 @@ fn body_force_has_the_resultant_and_moment_of_the_mass() {
     assert!(f.iter().step_by(2).all(|f| *f == 0.0));
 }
 
-/// N nodes would sum a diagonal mass; the consistent one knows the kinetic energy of a rotation of a curved body.
+/// N nodes would give a diagonal mass; the consistent mass gives the kinetic energy of a rotation of a curved body.
 #[test]
 fn kinetic_energy_of_a_rotation() {
     let mesh = unit_box([2, 2], 4, 0.03);

@@ -1,22 +1,22 @@
 //! Coarse spaces by smoothed aggregation (Vanek, Mandel & Brezina 1996).
 //!
-//! Nodes that are strongly coupled form aggregates. On an aggregate the coarse functions are the modes of the near-kernel, made
-//! orthonormal: with the modes B of the nodes in it,
+//! Nodes that are strongly coupled form aggregates. On an aggregate the coarse functions are the orthonormalised modes of the
+//! near-kernel. With the modes B of its nodes,
 //!
 //! ```text
 //! B = T B_c,     T^T T = I                                                                                 (tentative)
 //! P = (I - omega / lambda D^{-1} A) T,     omega = 4 / 3,     lambda = largest eigenvalue of D^{-1} A          (smoothed)
 //! ```
 //!
-//! B_c are the modes of the next level. Smoothing takes the energy out of the edges of aggregates.
+//! B_c are the modes of the next level. Smoothing reduces the energy at the edges of aggregates.
 
 use super::blocks::{Block, BlockRows, add_block_product, add_block_vector, square_norm};
 
-/// The largest eigenvalue of D^{-1} A is underestimated by a few power iterations; by less than this factor.
+/// A few power iterations underestimate the largest eigenvalue of D^{-1} A by less than this factor.
 const SAFETY: f64 = 1.1;
 const POWER_ITERATIONS: usize = 12;
 
-/// A mode that keeps less than this part of its norm beside the others on an aggregate is dropped there.
+/// A mode is dropped on an aggregate if less than this fraction of its norm is independent of the other modes.
 const INDEPENDENT: f64 = 1e-9;
 
 /// The aggregate of every node, and their number. Nodes i and j are strongly coupled if |A_ij| > theta sqrt(|A_ii| |A_jj|).
@@ -24,7 +24,7 @@ pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -
     let strong = strong_neighbours(matrix, theta);
     let mut aggregate = vec![None; matrix.rows()];
     let mut count = 0;
-    // A node none of whose neighbours is taken starts an aggregate with all of them.
+    // A node without an aggregated neighbour starts an aggregate with all its neighbours.
     for node in 0..matrix.rows() {
         let neighbours = strong.of(node);
         if aggregate[node].is_none() && neighbours.iter().all(|&other| aggregate[other as usize].is_none()) {
@@ -33,14 +33,14 @@ pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -
             count += 1;
         }
     }
-    // The others join the neighbour that they are coupled with most.
+    // The others join the neighbour with the strongest coupling.
     let first = aggregate.clone();
     for node in (0..matrix.rows()).filter(|&node| first[node].is_none()) {
         let couplings = strong.of(node).iter().zip(strong.strengths(node));
         let joined = couplings.filter_map(|(&other, strength)| first[other as usize].map(|joined| (strength, joined)));
         aggregate[node] = joined.max_by(|a, b| a.0.total_cmp(b.0)).map(|(_, joined)| joined);
     }
-    // What is left has neighbours of its own kind only.
+    // The remaining nodes have only neighbours without an aggregate.
     for node in 0..matrix.rows() {
         if aggregate[node].is_none() {
             aggregate[node] = Some(count);
@@ -52,7 +52,7 @@ pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -
     (aggregate.into_iter().flatten().collect(), count)
 }
 
-/// The nodes that each node is strongly coupled with, and how strongly.
+/// The strongly coupled neighbours of each node, and the strength.
 struct Strong {
     starts: Vec<usize>,
     nodes: Vec<u32>,
@@ -102,8 +102,8 @@ pub(crate) fn tentative<const R: usize, const B: usize>(
     (tentative, coarse)
 }
 
-/// Makes the columns of `functions` at `nodes` orthonormal, by Gram & Schmidt, every column twice; returns the triangular factor. A
-/// column that depends on those before it becomes zero: an aggregate of one node cannot turn.
+/// Makes the columns of `functions` at `nodes` orthonormal by Gram-Schmidt, every column twice; returns the triangular factor. A
+/// column that depends on earlier ones becomes zero: an aggregate of one node has no rotations.
 fn orthonormalise<const R: usize, const B: usize>(nodes: &[usize], functions: &mut [Block<R, B>]) -> Block<B, B> {
     let mut factor = [[0.0; B]; B];
     let product = |functions: &[Block<R, B>], a: usize, b: usize| -> f64 {
@@ -136,7 +136,7 @@ pub(crate) fn smoothed<const R: usize, const B: usize>(
     let product = matrix.product(tentative, count);
     let mut prolongation = BlockRows::new();
     for row in 0..matrix.rows() {
-        // A node is coupled with itself: its aggregate is among those of the product.
+        // A node is coupled with itself, so its aggregate is among those of the product.
         prolongation.push_row(product.row(row).map(|(column, block)| {
             let mut smoothed = [[0.0; B]; R];
             add_block_product(&inverses[row], block, &mut smoothed);
@@ -151,7 +151,7 @@ pub(crate) fn smoothed<const R: usize, const B: usize>(
 
 /// The largest eigenvalue of D^{-1} A by power iterations, from below.
 fn largest_eigenvalue<const R: usize>(matrix: &BlockRows<R, R>, inverses: &[Block<R, R>]) -> f64 {
-    // Any vector without symmetry will do, as long as it is the same one in every run.
+    // Any vector without symmetry works, if it is the same in every run.
     let entry = |node: usize, i: usize| ((node * R + i) as f64 * 0.754_877_666).fract() - 0.5;
     let mut x: Vec<[f64; R]> = (0..matrix.rows()).map(|node| std::array::from_fn(|i| entry(node, i))).collect();
     let mut eigenvalue = 1.0;

@@ -66,7 +66,7 @@ impl<const R: usize, const C: usize> BlockRows<R, C> {
     /// A B, where B has `columns` block columns.
     pub(crate) fn product<const K: usize>(&self, right: &BlockRows<C, K>, columns: usize) -> BlockRows<R, K> {
         let mut product = BlockRows::new();
-        // The place in the row of the product that a column has got, while `owner` says that it is the place in this row.
+        // The index in the row of the product assigned to a column; it is valid while `owner` is this row.
         let (mut place, mut owner) = (vec![0; columns], vec![usize::MAX; columns]);
         let mut row: Vec<(u32, Block<R, K>)> = Vec::new();
         for i in 0..self.rows() {

@@ -6,7 +6,7 @@
 //! K_(k i)(k i) = sum over a, b and points of  W block(g_a, g_b)[i][i] phi_k,a phi_k,b                          (diag K)
 //! ```
 //!
-//! and phi_k,a phi_k,b is a product over the axes: it is summed as a value is.
+//! and phi_k,a phi_k,b is a product over the axes, so it is summed like a value.
 
 use super::{Lines, Operator};
 use basis::{Matrix, apply_all_axes, scratch_length};

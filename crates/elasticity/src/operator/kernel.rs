@@ -1,4 +1,4 @@
-//! The kernel of one batch: the forces of its cells, or their derivative along a direction, by the same source.
+//! The kernel of one batch: the forces of its cells, or their derivative along a direction, from the same source.
 
 use super::{Lines, Operator};
 use crate::law::PointLaw;
@@ -7,11 +7,11 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, WIDTH, dot, zeroed};
 
-/// What a run of the kernel differentiates.
+/// The quantity that a run of the kernel computes: forces or their derivative.
 pub(super) trait Mode: Send + Sync {
     /// Numbers of the displacement.
     type Number<S: Simd>: LaneNumber<S> + Over<Lanes<S>>;
-    /// Blocks of its arrays: values, and derivatives behind them.
+    /// Blocks of its arrays: values, then derivatives.
     const BLOCKS: usize;
 }
 
@@ -31,40 +31,40 @@ impl Mode for Tangent {
     const BLOCKS: usize = 2;
 }
 
-/// Work space of one batch; arrays hold as many blocks as the law may need.
+/// Work space of one batch; arrays hold as many fields as laws need, one or two per block.
 pub(super) struct Scratch {
-    /// `[block][component][node]`
+    /// `[block][field][component][node]`
     pub(super) nodal: Vec<Pack>,
-    /// `[block][component][point]`
+    /// `[block][field][component][point]`
     values: Vec<Pack>,
-    /// `[direction][block][component][point]`
+    /// `[direction][block][field][component][point]`
     gradients: Vec<Pack>,
-    /// Between two axes.
+    /// Intermediate results between two axes.
     between: Vec<Pack>,
 }
 
 impl Scratch {
-    pub(super) fn new<const D: usize>(lines: &Lines, blocks: usize) -> Self {
+    pub(super) fn new<const D: usize>(lines: &Lines, fields: usize) -> Self {
         let Lines { interpolate, interpolate_transposed, .. } = lines;
         let (points, nodes) = (lines.points::<D>(), interpolate.cols().pow(D as u32));
         let between =
-            scratch_length(&[interpolate; D], blocks * D).max(scratch_length(&[interpolate_transposed; D], D));
+            scratch_length(&[interpolate; D], fields * D).max(scratch_length(&[interpolate_transposed; D], D));
         Scratch {
-            nodal: zeroed(blocks * D * nodes),
-            values: zeroed(blocks * D * points),
-            gradients: zeroed(blocks * D * D * points),
+            nodal: zeroed(fields * D * nodes),
+            values: zeroed(fields * D * points),
+            gradients: zeroed(fields * D * D * points),
             between: zeroed(between),
         }
     }
 }
 
-/// The forces of consecutive batches from `first`, for a displacement and, where it is differentiated, its direction.
+/// The forces of consecutive batches from `first`, for a displacement and, if it is differentiated, a direction.
 pub(super) struct Cells<'a, const D: usize, M, L> {
     pub(super) operator: &'a Operator<D>,
     pub(super) law: L,
     pub(super) mode: PhantomData<M>,
     pub(super) first: usize,
-    /// One nodal vector per block.
+    /// One nodal vector per block and field.
     pub(super) fields: &'a [&'a [f64]],
     /// The cell field of results.
     pub(super) results: &'a mut [Pack],
@@ -81,8 +81,8 @@ impl<const D: usize, M: Mode, L: PointLaw> WithSimd for Cells<'_, D, M, L> {
         let length = operator.batches.cell_length();
         for (offset, result) in results.chunks_exact_mut(length).enumerate() {
             let batch = first + offset;
-            for (block, field) in fields.iter().enumerate() {
-                operator.batches.gather(batch, field, &mut scratch.nodal[block * length..][..length]);
+            for (number, field) in fields.iter().enumerate() {
+                operator.batches.gather(batch, field, &mut scratch.nodal[number * length..][..length]);
             }
             smallest[offset] = operator.apply_to_batch::<S, M, L>(simd, law, batch, scratch, result);
         }
@@ -95,7 +95,7 @@ pub(super) struct CellMatrices<'a, const D: usize, M, L> {
     pub(super) law: L,
     pub(super) mode: PhantomData<M>,
     pub(super) batch: usize,
-    /// Where the forces are differentiated.
+    /// The displacement at which the forces are differentiated.
     pub(super) point: &'a [f64],
     /// `[column][row]`, both of them `[component][node]`.
     pub(super) columns: &'a mut [Pack],
@@ -108,7 +108,7 @@ impl<const D: usize, M: Mode, L: PointLaw> WithSimd for CellMatrices<'_, D, M, L
         let CellMatrices { operator, law, batch, point, columns, .. } = self;
         let length = operator.batches.cell_length();
         let mut scratch = Scratch::new::<D>(&operator.lines, M::BLOCKS);
-        // The direction is the last block; before it lies, where there are two, the displacement.
+        // The direction is the last block; if there are two, the displacement lies before it.
         let direction = (M::BLOCKS - 1) * length;
         for (number, column) in columns.chunks_exact_mut(length).enumerate() {
             operator.batches.gather(batch, point, &mut scratch.nodal[..length]);
@@ -130,17 +130,17 @@ impl<const D: usize> Operator<D> {
         scratch: &mut Scratch,
         result: &mut [Pack],
     ) -> Pack {
-        let Scratch { values, gradients, between, .. } = scratch;
         let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
-        let (extents, block) = ([interpolate.rows(); D], D * self.lines.points::<D>());
+        let (extents, field) = ([interpolate.rows(); D], D * self.lines.points::<D>());
         // 1. values and reference gradients at the points
-        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS, &scratch.nodal, values, gradients, between);
+        reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS * L::FIELDS, scratch);
+        let Scratch { values, gradients, between, .. } = scratch;
         // 2. the law at every point
-        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, block);
+        let smallest = apply_law::<S, M, L, D>(simd, law, self.batch_metric(batch), gradients, field);
         // 3. against the reference gradients of the test functions
-        let values = &mut values[..block];
+        let values = &mut values[..field];
         for a in 0..D {
-            let gradients = &gradients[a * M::BLOCKS * block..][..block];
+            let gradients = &gradients[a * M::BLOCKS * L::FIELDS * field..][..field];
             apply_axis(simd, differentiate_transposed, a, &extents, D, gradients, values, a > 0);
         }
         // 4. from points to nodes
@@ -158,24 +158,16 @@ impl<const D: usize> Operator<D> {
         scratch: &'a mut Scratch,
     ) -> &'a [Pack] {
         self.batches.gather(batch, d, &mut scratch.nodal);
-        let Scratch { nodal, values, gradients, between } = scratch;
-        reference_gradients::<S, D>(simd, &self.lines, 1, nodal, values, gradients, between);
-        gradients
+        reference_gradients::<S, D>(simd, &self.lines, 1, scratch);
+        &scratch.gradients
     }
 }
 
 /// Interpolates to the points, and differentiates there.
 #[inline(always)]
-fn reference_gradients<S: Simd, const D: usize>(
-    simd: S,
-    lines: &Lines,
-    blocks: usize,
-    nodal: &[Pack],
-    values: &mut [Pack],
-    gradients: &mut [Pack],
-    between: &mut [Pack],
-) {
-    let (components, extents) = (blocks * D, [lines.interpolate.rows(); D]);
+fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, fields: usize, scratch: &mut Scratch) {
+    let Scratch { nodal, values, gradients, between } = scratch;
+    let (components, extents) = (fields * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
     apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);
     for a in 0..D {
@@ -184,31 +176,30 @@ fn reference_gradients<S: Simd, const D: usize>(
     }
 }
 
-/// Replaces H by W P(H G) G^T at every point: what the reference gradients of the test functions are multiplied by. Returns the
-/// smallest J.
+/// Replaces H by W P(H G) G^T at every point, the factor of the reference gradients of the test functions. Returns the smallest
+/// J.
 #[inline(always)]
 fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
     simd: S,
     law: L,
     metric: &[Pack],
     gradients: &mut [Pack],
-    block: usize,
+    field: usize,
 ) -> Pack {
-    let (points, direction) = (block / D, M::BLOCKS * block);
+    let points = field / D;
+    let layout = GradientLayout { points, block: L::FIELDS * field, direction: M::BLOCKS * L::FIELDS * field };
+    let direction = layout.direction;
     let mut smallest = Pack([f64::INFINITY; WIDTH]);
     for point in 0..points {
         for part in 0..Lanes::<S>::PARTS {
             let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-            let mut physical = [[M::Number::<S>::lift(weight.zero()); D]; D];
-            for a in 0..D {
-                for i in 0..D {
-                    let h = M::Number::<S>::load(simd, &gradients[a * direction..], block, i * points + point, part);
-                    for j in 0..D {
-                        physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
-                    }
-                }
-            }
-            let stress = law.stress(&physical);
+            let physical = layout.physical::<S, M::Number<S>, D>(simd, gradients, 0, (point, part), &g);
+            let rate = if L::FIELDS > 1 {
+                layout.physical::<S, M::Number<S>, D>(simd, gradients, field, (point, part), &g)
+            } else {
+                physical
+            };
+            let stress = law.stress(&physical, &rate);
             if L::HAS_BARRIER {
                 let least = Lanes::read(simd, &smallest, part);
                 least.min(stress.volume_ratio.primal()).write(&mut smallest, part);
@@ -225,6 +216,48 @@ fn apply_law<S: Simd, M: Mode, L: PointLaw, const D: usize>(
         }
     }
     smallest
+}
+
+/// Where reference gradients lie: `[direction][block][field][component][point]`.
+#[derive(Clone, Copy)]
+pub(super) struct GradientLayout {
+    /// Points of a cell.
+    pub(super) points: usize,
+    /// Numbers of a block.
+    pub(super) block: usize,
+    /// Numbers of a direction.
+    pub(super) direction: usize,
+}
+
+impl GradientLayout {
+    /// That of one field of values.
+    pub(super) fn of_one(dimension: usize, points: usize) -> Self {
+        GradientLayout { points, block: dimension * points, direction: dimension * points }
+    }
+
+    /// grad d = H G at the part `at.1` of the lanes of the point `at.0`, for the field that begins at `first` in a block.
+    #[inline(always)]
+    pub(super) fn physical<S: Simd, T: LaneNumber<S> + Over<Lanes<S>>, const D: usize>(
+        self,
+        simd: S,
+        gradients: &[Pack],
+        first: usize,
+        at: (usize, usize),
+        g: &[[Lanes<S>; D]; D],
+    ) -> [[T; D]; D] {
+        let (point, part) = at;
+        let mut physical = [[T::lift(g[0][0].zero()); D]; D];
+        for a in 0..D {
+            for i in 0..D {
+                let index = first + i * self.points + point;
+                let h = T::load(simd, &gradients[a * self.direction..], self.block, index, part);
+                for j in 0..D {
+                    physical[i][j] = h.scale_add(g[a][j], physical[i][j]);
+                }
+            }
+        }
+        physical
+    }
 }
 
 /// W and G at one point.

@@ -1,6 +1,6 @@
 //! The metric of a mesh that has moved.
 //!
-//! With the deformation gradient F = I + grad d of the move, its determinant j, and a stiffness that is partly the (-chi)th power of
+//! With the deformation gradient F = I + grad d of the move, its determinant j, and a stiffness that contains the (-chi)th power of
 //! det J,
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! ```
 
 use super::Operator;
-use super::kernel::{Scratch, read_metric};
+use super::kernel::{GradientLayout, Scratch, read_metric};
 use crate::Inversion;
 use crate::law::plus_identity;
 use rayon::prelude::*;
@@ -37,18 +37,11 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
         let mut scratch = Scratch::new::<D>(&operator.lines, 1);
         let gradients = operator.gradients_of(simd, batch, displacement, &mut scratch);
         let mut smallest = Pack([f64::INFINITY; WIDTH]);
+        let layout = GradientLayout::of_one(D, points);
         for point in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let (weight, g) = read_metric::<S, D>(simd, metric, point, part);
-                let mut gradient = [[weight.zero(); D]; D];
-                for a in 0..D {
-                    for i in 0..D {
-                        let h = Lanes::read(simd, &gradients[(a * D + i) * points + point], part);
-                        for j in 0..D {
-                            gradient[i][j] = h.mul_add(g[a][j], gradient[i][j]);
-                        }
-                    }
-                }
+                let gradient = layout.physical::<S, Lanes<S>, D>(simd, gradients, 0, (point, part), &g);
                 let f = plus_identity(&gradient);
                 let cofactor = cofactor(&f);
                 let j = determinant(&f, &cofactor);
@@ -68,7 +61,7 @@ impl<const D: usize> WithSimd for MoveBatch<'_, D> {
 }
 
 impl<const D: usize> Operator<D> {
-    /// The metric after the move `displacement` of the mesh, from the one before; chi is the power of `stiffness`.
+    /// The metric after the move `displacement` of the mesh, from the metric `before`; chi is the power of `stiffness`.
     pub(crate) fn moved_metric(&self, before: &[Pack], displacement: &[f64], chi: f64) -> Result<Vec<Pack>, Inversion> {
         let mut metric = before.to_vec();
         let length = self.metric_length();

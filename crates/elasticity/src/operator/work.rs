@@ -1,4 +1,4 @@
-//! How much work one application of K is.
+//! The work of one application of K.
 
 use super::{Lines, Operator};
 
@@ -10,7 +10,7 @@ impl Lines {
     /// ```
     ///
     /// to the points and back, then derivatives along every axis and their transposes, with n nodes and q points per direction. The
-    /// law is a constant number of operations at each of q^D points.
+    /// law takes a constant number of operations at each of q^D points.
     fn multiplications<const D: usize>(&self) -> usize {
         let (q, n) = (self.interpolate.rows(), self.interpolate.cols());
         let to_points: usize = (0..D as u32).map(|a| q.pow(a + 1) * n.pow(D as u32 - a)).sum();
@@ -48,7 +48,7 @@ mod tests {
         }
     }
 
-    /// A dense matrix per cell takes 2^D times as many each time that n doubles.
+    /// A dense matrix per cell needs 2^D times as many for every doubling of n.
     #[test]
     fn work_per_unknown_grows_no_faster_than_the_order() {
         assert_linear::<2>();

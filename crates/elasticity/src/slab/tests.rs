@@ -57,7 +57,7 @@ fn polynomial_motion_is_exact() {
     }
 }
 
-/// In the slab the displacement has order N_t + 1; at its top it is exact.
+/// Inside the slab the displacement has order N_t + 1; at its top it is exact.
 #[test]
 fn motion_has_order_one_more_than_its_nodes() {
     let error = |order: usize, dt: f64| {
@@ -80,7 +80,8 @@ fn motion_has_order_one_more_than_its_nodes() {
     }
 }
 
-/// R is affine in V, so one exact solve from any V gives R = 0: the boundary is where it should be at every node, at the top too.
+/// R is affine in V, so one exact solve from any V gives R = 0. The boundary is at its prescribed position at every node,
+/// including the top.
 #[test]
 fn one_solve_reaches_equilibrium_at_every_node() {
     let elastic = elastic();

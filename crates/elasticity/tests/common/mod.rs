@@ -13,8 +13,8 @@ pub fn displacement<T: Transcendental, const D: usize>(x: &[T; D]) -> [T; D] {
     })
 }
 
-/// The body force that holds [`displacement`], f = -div sigma, of the `stress` at a point with a gradient of d: f_i = -sum_j d sigma_ij / dx_j,
-/// with the derivatives of d in the inner duals.
+/// The body force for [`displacement`], f = -div sigma, of the `stress` at a point with a gradient of d: f_i = -sum_j d sigma_ij / dx_j, with
+/// the derivatives of d in the inner duals.
 pub fn body_force<const D: usize>(
     x: &[f64; D],
     stress: impl Fn(&[Dual<f64>; D], &[[Dual<f64>; D]; D]) -> [[Dual<f64>; D]; D],
@@ -61,9 +61,9 @@ pub fn structure<const D: usize>(
 pub struct Run<const D: usize> {
     /// The equations.
     pub dynamics: Dynamics<D>,
-    /// Where it stands, `[C0 node][component]`.
+    /// Its displacement, `[C0 node][component]`.
     pub displacement: Vec<f64>,
-    /// How fast it moves.
+    /// Its velocity.
     pub velocity: Vec<f64>,
     time: f64,
 }

@@ -1,6 +1,6 @@
 //! The Euclidean distance of points to curved boundaries.
 //!
-//! A tree of boxes leads to the facets that may be nearest ([`BoundaryDistance`]), each of which finds its nearest point
+//! A tree of boxes finds the facets that may be nearest ([`BoundaryDistance`]); each facet finds its nearest point
 //! (`patch`).
 
 mod patch;
@@ -10,9 +10,9 @@ mod tests;
 use crate::Mesh;
 use patch::{Patch, Tables};
 
-/// Facets of some boundaries, in a tree that finds the nearest.
+/// Facets of some boundaries, in a tree for the search of the nearest.
 ///
-/// The distance is that to the curved facets themselves, polynomials of degree N - 1, not to a polygon through their nodes.
+/// Distances refer to the curved facets themselves, polynomials of degree N - 1, not to a polygon through their nodes.
 #[derive(Clone, Debug)]
 pub struct BoundaryDistance<const D: usize> {
     tables: Tables,
@@ -34,7 +34,7 @@ enum Tree<const D: usize> {
 }
 
 impl<const D: usize> BoundaryDistance<D> {
-    /// Of the boundaries of `mesh` with the indices `boundaries`.
+    /// For the boundaries of `mesh` with the indices `boundaries`.
     pub fn new(mesh: &Mesh<D>, boundaries: &[usize]) -> Self {
         let tables = Tables::new(mesh.order());
         let facets = mesh.boundary_facets().iter().filter(|facet| boundaries.contains(&facet.boundary));
@@ -71,7 +71,7 @@ impl<const D: usize> Tree<D> {
         }
     }
 
-    /// Lowers `nearest` to the distance of the nearest facet, leaving out boxes that are further away.
+    /// Lowers `nearest` to the distance of the nearest facet; boxes that are further away are skipped.
     fn search(&self, tables: &Tables, x: &[f64; D], nearest: &mut f64) {
         match self {
             Tree::Leaf(patch) => *nearest = patch.distance(tables, x, *nearest),

@@ -6,21 +6,21 @@
 //! phi(eta) = |x(eta) - p|^2 / 2,    phi_a = r . x_a,    phi_ab = x_a . x_b + r . x_ab,    r = x(eta) - p     (nearest)
 //! ```
 //!
-//! in the box, from every sample of the facet that is nearer to p than its neighbours. Where the facet is straight and equally
-//! divided x is affine, and one step is exact. (In two dimensions axis 1 is a dummy with a single node.)
+//! in the box, from every sample of the facet that is nearer to p than its neighbours. If the facet is straight with equal
+//! spacing, x is affine and one step is exact. (In two dimensions axis 1 is a dummy with a single node.)
 
 use super::Frame;
 use basis::{Lagrange, Matrix, gauss_lobatto};
 use std::array::from_fn;
 use tensor::{dot, norm};
 
-/// Newton steps at most; from samples this near a handful is enough.
+/// The largest number of Newton steps; from samples this near a handful is enough.
 const MAX_STEPS: usize = 50;
 
-/// A step shorter than this moves nothing.
+/// A step shorter than this changes nothing.
 const SHORTEST_STEP: f64 = 1e-15;
 
-/// What all facets of one order share.
+/// Tables shared by all facets of one order.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     lagrange: Lagrange,
@@ -28,7 +28,7 @@ pub(super) struct Tables {
     /// Reference coordinates of the samples along an axis, and the values of the basis there.
     samples: Vec<f64>,
     at_samples: Matrix,
-    /// A bound of a polynomial over its largest value at a node.
+    /// A bound of the ratio of a polynomial to its largest value at a node.
     lebesgue: f64,
 }
 
@@ -54,7 +54,7 @@ type Nodal<const D: usize> = Vec<[f64; D]>;
 /// A curved facet.
 #[derive(Clone, Debug)]
 pub(super) struct Patch<const D: usize> {
-    /// The first node: all other places are relative to it, except the box.
+    /// The first node: all other positions are relative to it, except the box.
     origin: [f64; D],
     /// x at the nodes, and at the same nodes its derivatives: polynomials of the same degree.
     x: Nodal<D>,
@@ -132,8 +132,8 @@ impl<const D: usize> Patch<D> {
         norm(&from_fn::<f64, D, _>(|i| x[i] - p[i]))
     }
 
-    /// The step of Newton's method for (nearest), of Gauss-Newton where phi is not convex. An axis along which the facet
-    /// ends, and phi falls outwards, is held.
+    /// The step of Newton's method for (nearest), or of Gauss-Newton where phi is not convex. An axis is held if the
+    /// facet ends there and phi falls outwards.
     fn newton_step(&self, weights: &Weights, p: &[f64; D], eta: &[f64; 2]) -> [f64; 2] {
         let x = weights.sum(&self.x);
         let r: [f64; D] = from_fn(|i| x[i] - p[i]);

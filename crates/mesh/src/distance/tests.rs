@@ -48,8 +48,8 @@ fn distances_to_a_circle_are_as_good_as_its_polynomials() {
     }
 }
 
-/// The least squared distance of x to a curve through equally divided points: that of the nearest, or of the parabola through
-/// it and its neighbours.
+/// The least squared distance of x to a curve through equally spaced points: that of the nearest point, or of the parabola
+/// through it and its neighbours.
 fn nearest(curve: &[[f64; 2]], x: &[f64; 2]) -> f64 {
     let square = |y: &[f64; 2]| (x[0] - y[0]).powi(2) + (x[1] - y[1]).powi(2);
     let squares: Vec<f64> = curve.iter().map(square).collect();
@@ -61,7 +61,7 @@ fn nearest(curve: &[[f64; 2]], x: &[f64; 2]) -> f64 {
     squares[k] - 0.5 * slope * slope / bend
 }
 
-/// Against the nearest of very many points, on facets that bend strongly and turn around a nose.
+/// Against the nearest of very many points, on facets that are strongly curved, also around a nose.
 #[test]
 fn nothing_on_the_boundary_is_nearer() {
     let mesh = AirfoilMesh { surface_cells: 4, trailing_edge_cell: 0.1, ..AirfoilMesh::naca0012(6) }.build().unwrap();

@@ -1,15 +1,16 @@
 //! A C-mesh around a symmetric NACA airfoil with a closed trailing edge.
 //!
-//! In the plane of w = sqrt(z - z_0), with z = x + i y and z_0 half the nose radius behind the leading edge, the airfoil
-//! is a smooth bump over the real axis: the square root unrolls it. The wake is the rest of the axis, and parabolas
-//! around z_0 are lines of constant Im w. A mesh in that plane, sheared so that it starts on the bump, is a C-mesh here:
+//! Consider the plane of w = sqrt(z - z_0), with z = x + i y and z_0 half the nose radius behind the leading edge. There
+//! the airfoil is a smooth bump over the real axis, because the square root unrolls it. The wake is the rest of the
+//! axis, and lines of constant Im w are parabolas around z_0. A mesh in that plane, sheared so that it starts on the
+//! bump, is a C-mesh in the plane of z:
 //!
 //! ```text
 //! z(s, g) = z_wall(s) + 2 i w(s) g - g^2,    w(s) = sqrt(z_wall(s) - z_0),    z = z_0 + (w + i g)^2     (parabolic)
 //! ```
 //!
-//! with g = 0 on the wall and in the wake, growing by a constant factor from cell to cell outwards. All of it is
-//! analytic in every cell, and on the wall z = z_wall(s) to the bit.
+//! with g = 0 on the wall and in the wake, growing by a constant factor from cell to cell outwards. The map is analytic
+//! in every cell, and on the wall z = z_wall(s) to the bit.
 
 use super::assembly::Assembly;
 use super::growth::{Check, PiecewiseGrowth};
@@ -17,8 +18,8 @@ use crate::{Mesh, MeshError};
 use std::f64::consts::PI;
 
 /// A C-mesh around a NACA 00xx airfoil of chord 1 with its leading edge at the origin. Axis 0 of the cells runs from
-/// the lower side of the wake around the nose to its upper side, axis 1 outwards. Boundaries are "airfoil" and "far",
-/// the latter a parabola in front, above and below, and another one behind.
+/// the lower side of the wake around the nose to its upper side, axis 1 outwards. Boundaries are "airfoil" and "far".
+/// The far boundary is a parabola in front, above and below, and another one behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirfoilMesh {
     /// Largest thickness as a fraction of the chord: 0.12 for the NACA 0012.
@@ -33,21 +34,21 @@ pub struct AirfoilMesh {
     pub surface_cells: usize,
     /// Cells along the wake, up to the far field.
     pub wake_cells: usize,
-    /// The part of the wake that is to be resolved, behind the trailing edge.
+    /// The near wake behind the trailing edge, with finer cells.
     pub near_wake: Option<NearPart>,
     /// Cells from the wall to the far field.
     pub normal_cells: usize,
-    /// The part of them that is to be resolved, from the wall on.
+    /// The near part at the wall, with finer cells.
     pub near_wall: Option<NearPart>,
     /// N, nodes per direction of the geometry.
     pub order: usize,
 }
 
-/// A part of the mesh that is to be resolved. Within it cells grow by one constant factor, from there to the far field by
+/// A part of the mesh with finer cells. Within it cells grow by one constant factor, from there to the far field by
 /// another; without it by one factor all the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearPart {
-    /// How far it reaches, in chords.
+    /// Its extent, in chords.
     pub extent: f64,
     /// Its cells, fewer than those up to the far field.
     pub cells: usize,
@@ -92,7 +93,7 @@ impl AirfoilMesh {
     /// y = 5 d (0.2969 s - 0.1260 x - 0.3516 x^2 + 0.2843 x^3 - 0.1036 x^4)                                   (naca)
     /// ```
     ///
-    /// The last coefficient is the one that closes the trailing edge: y = 0 at x = 1.
+    /// The last coefficient closes the trailing edge: y = 0 at x = 1.
     pub fn profile(&self, s: f64) -> [f64; 2] {
         let x = s * s;
         [x, 5.0 * self.thickness * (0.2969 * s - x * (0.1260 + x * (0.3516 - x * (0.2843 - 0.1036 * x))))]
@@ -145,7 +146,7 @@ impl AirfoilMesh {
         check.that((1..all).contains(&cells), cells_of, cells as f64, "1 or more, fewer than those up to the far field")
     }
 
-    /// c of (surface) so that the last cell is as long as asked for.
+    /// c of (surface) such that the last cell has the requested length.
     fn clustering(&self) -> Result<f64, MeshError> {
         let length = self.trailing_edge_cell;
         let tau = 1.0 - 1.0 / self.surface_cells as f64;
@@ -157,8 +158,8 @@ impl AirfoilMesh {
     }
 }
 
-/// s as a function of the fraction tau of the cells between nose and trailing edge: equal steps of s, already fine at
-/// the nose because x = s^2, made finer at the trailing edge by c in (-1, 1):
+/// s as a function of the fraction tau of the cells between nose and trailing edge. Equal steps of s are already fine
+/// at the nose because x = s^2; c in (-1, 1) makes them finer at the trailing edge:
 ///
 /// ```text
 /// s = tau + c sin(pi tau) / pi                                                                             (surface)
@@ -177,11 +178,11 @@ fn unrolled([x, y]: [f64; 2], focus: f64) -> [f64; 2] {
     if a >= 0.0 { [larger, smaller] } else { [smaller, larger] }
 }
 
-/// What errors call the extent and the cells of the near parts.
+/// Names of the extent and the cells of the near parts in errors.
 const NEAR_WAKE: [&str; 2] = ["the extent of the near wake", "the number of cells of the near wake"];
 const NEAR_WALL: [&str; 2] = ["the extent of the cells near the wall", "the number of cells near the wall"];
 
-/// How far behind the trailing edge, in w, cells of the wake begin to open.
+/// The distance behind the trailing edge, in w, at which cells of the wake begin to open.
 const WAKE_OPENING: f64 = 0.3;
 
 /// The two families of lines of the mesh.
@@ -218,14 +219,14 @@ impl Lines<'_> {
     }
 
     /// g along the line that leaves the wall at w, up to Im w = sqrt(far field). Along the wake the steps soon become constant,
-    /// so that cells open as the wake does.
+    /// so that cells widen like the wake.
     fn outwards(&self, w: [f64; 2]) -> PiecewiseGrowth {
         let beyond = w[0] - self.trailing_edge;
         let size = match beyond > 0.0 {
             true => self.trailing_edge + WAKE_OPENING * (beyond / WAKE_OPENING).tanh(),
             false => w[0].hypot(w[1]),
         };
-        // |2 i w g - g^2| = h at the nose, and close to it where |w|^2 >> h.
+        // |2 i w g - g^2| = h, exactly at the nose and approximately if |w|^2 >> h.
         let step = |h: f64| h / ((size * size + h).sqrt() + size);
         let near = self.mesh.near_wall.map(|near| (near.cells, step(near.extent)));
         let total = self.mesh.far_field.sqrt() - w[1];
@@ -263,7 +264,7 @@ mod tests {
             assert_eq!(names, ["airfoil", "far"]);
             for side in facets(&mesh, "airfoil") {
                 for x in mesh.face_positions(side) {
-                    // At the nose y = 5 d 0.2969 sqrt(x) turns a rounding of x into its square root.
+                    // At the nose y = 5 d 0.2969 sqrt(x) amplifies a rounding of x to its square root.
                     let tolerance = if x[0] < 1e-12 { 1e-9 } else { 1e-12 };
                     assert!(off_profile(&airfoil, x) < tolerance, "{x:?}");
                 }
@@ -300,7 +301,7 @@ mod tests {
         assert!((1.0 - end[0] - 0.02).abs() < 1e-14);
     }
 
-    /// The cell that ends `length` behind the trailing edge, and one factor on either side of it.
+    /// A cell ends `length` behind the trailing edge, with one factor on either side of it.
     #[test]
     fn the_near_wake_has_its_length_and_its_cells() {
         let near_wake = Some(NearPart { extent: 2.5, cells: 7 });
@@ -316,7 +317,7 @@ mod tests {
         assert!(equal(factors[0], factors[1]) && !equal(factors[1], factors[2]), "{factors:?}");
     }
 
-    /// Eight cells above the middle of the airfoil end at half a chord, or close to it.
+    /// Eight cells above the middle of the airfoil end at about half a chord.
     #[test]
     fn cells_near_the_wall_fill_their_extent() {
         let near_wall = Some(NearPart { extent: 0.5, cells: 8 });
@@ -347,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Length over height of a cell in its middle.
+    /// Length over height of a cell at its centre.
     fn aspect_ratio(mesh: &Mesh<2>, cell: usize) -> f64 {
         let m = mesh.jacobian(cell, &[0.0; 2]);
         m[0][0].hypot(m[1][0]) / m[0][1].hypot(m[1][1])

@@ -32,7 +32,7 @@ impl AnnulusMesh {
         assembly.build(&[])
     }
 
-    /// The point on the circle of radius r after s cells, clockwise: axis 0 then leaves axis 1 on its left.
+    /// The point on the circle of radius r after s cells, clockwise, so that axis 1 is on the left of axis 0.
     fn position(&self, s: f64, r: f64) -> [f64; 2] {
         let angle = TAU * s / self.cells[0] as f64;
         [r * angle.cos(), -r * angle.sin()]
@@ -81,7 +81,7 @@ mod tests {
         }
     }
 
-    /// The polynomial arc of N nodes encloses the area up to the square of the error of its nodes.
+    /// The area within the polynomial arc of N nodes has the error of its nodes squared.
     #[test]
     fn the_area_converges_with_the_order() {
         let exact = PI * (50.0 * 50.0 - 0.25);

@@ -1,20 +1,21 @@
-//! Plane meshes joined from structured blocks.
+//! Two-dimensional meshes joined from structured blocks.
 
 use super::smoothing::Harmonic;
 use crate::facet::face_nodes;
-use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
+use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Region, Side};
 use basis::gauss_lobatto;
 use std::collections::BTreeMap;
 
 /// Corners of blocks closer than this times the largest coordinate are one vertex.
 const TOLERANCE: f64 = 1e-12;
 
-/// Blocks of cells. Blocks touch where their corners do: no list of neighbours is needed.
+/// Blocks of cells. Blocks are joined where their corners coincide; no list of neighbours is needed.
 pub(super) struct Assembly {
     order: usize,
     nodes: Vec<f64>,
     coordinates: Vec<f64>,
     boundaries: Vec<(String, Vec<Side>)>,
+    regions: Vec<Region>,
 }
 
 /// The names of the four faces of a block: low and high along axis 0, low and high along axis 1.
@@ -27,7 +28,7 @@ impl Assembly {
             return Err(MeshError::Order { order });
         }
         let nodes = gauss_lobatto(order).points;
-        Ok(Assembly { order, nodes, coordinates: Vec::new(), boundaries: Vec::new() })
+        Ok(Assembly { order, nodes, coordinates: Vec::new(), boundaries: Vec::new(), regions: Vec::new() })
     }
 
     /// Adds `cells[0]` x `cells[1]` cells; cell (i, j) is the image of [i, i+1] x [j, j+1] under `position`, which must
@@ -41,9 +42,30 @@ impl Assembly {
         }
     }
 
+    /// Adds cells as [`Self::add`] does, and puts them into a region.
+    pub(super) fn add_to(
+        &mut self,
+        region: &str,
+        cells: [usize; 2],
+        names: Names,
+        position: impl Fn([f64; 2]) -> [f64; 2],
+    ) {
+        let first = self.n_cells();
+        self.add(cells, names, position);
+        let added = first..self.n_cells();
+        match self.regions.iter_mut().find(|known| known.name == region) {
+            Some(known) => known.cells.extend(added),
+            None => self.regions.push(Region { name: region.to_owned(), cells: added.collect() }),
+        }
+    }
+
+    fn n_cells(&self) -> usize {
+        self.coordinates.len() / (2 * self.order.pow(2))
+    }
+
     /// Lists the faces of the next cell, those that are `outside`, under their names.
     fn name_faces(&mut self, names: &Names, outside: [bool; 4]) {
-        let cell = self.coordinates.len() / (2 * self.order.pow(2));
+        let cell = self.n_cells();
         for (face, name) in names.iter().enumerate().filter(|&(face, _)| outside[face]) {
             let Some(name) = name else { continue };
             match self.boundaries.iter_mut().find(|(other, _)| other == name) {
@@ -54,7 +76,7 @@ impl Assembly {
     }
 
     fn add_nodes(&mut self, cell: [usize; 2], position: &impl Fn([f64; 2]) -> [f64; 2]) {
-        // Exact at both ends, so that neighbours have the same nodes to the bit.
+        // Exact at both ends, so that neighbours have identical nodes.
         let index = |i: usize, xi: f64| i as f64 * (0.5 - 0.5 * xi) + (i + 1) as f64 * (0.5 + 0.5 * xi);
         for &eta in &self.nodes {
             for &xi in &self.nodes {
@@ -63,7 +85,7 @@ impl Assembly {
         }
     }
 
-    /// Moves the nodes of cells `first`.. that lie neither on a named face nor in a cell before `first`: see
+    /// Moves the nodes of the cells from `first` on, except those on a named face or in a cell before `first`: see
     /// [`Harmonic`].
     pub(super) fn smooth_from(&mut self, first: usize) {
         let n = self.order;
@@ -89,7 +111,7 @@ impl Assembly {
         self.coordinates.as_chunks_mut::<2>().0.iter_mut().for_each(|x| *x = f(*x));
     }
 
-    /// The mesh. `periodic` names two boundaries and how the first is translated onto the second.
+    /// The mesh. `periodic` names two boundaries and the translation of the first onto the second.
     pub(super) fn build(self, periodic: &[(&str, &str, [f64; 2])]) -> Result<Mesh<2>, MeshError> {
         let number = |name: &str| {
             self.boundaries
@@ -103,7 +125,7 @@ impl Assembly {
             translation,
         });
         let (pairs, corners) = (pairs.collect(), merge(&self.corners()));
-        Mesh::new(self.order, corners, self.coordinates, self.boundaries, pairs)
+        Mesh::of_regions(self.order, corners, self.coordinates, self.boundaries, pairs, self.regions)
     }
 
     /// The positions of the corners of all cells, four per cell.
@@ -114,7 +136,7 @@ impl Assembly {
     }
 }
 
-/// A number for each point, the same where points coincide, in the order of first appearance.
+/// A number for each point, equal for points that coincide, in the order of first appearance.
 fn merge(points: &[[f64; 2]]) -> Vec<usize> {
     let size = points.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max);
     let tolerance = TOLERANCE * size;

@@ -3,7 +3,7 @@
 use super::curving::{Curving, Deformation};
 use crate::facet::axis_and_side;
 use crate::lattice::digit;
-use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Side};
+use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Region, Side};
 use basis::gauss_lobatto;
 use std::array::from_fn;
 
@@ -22,7 +22,7 @@ pub struct BoxMesh<const D: usize> {
     pub cells: [usize; D],
     /// N, nodes per direction of the geometry.
     pub order: usize,
-    /// How the box is deformed.
+    /// The deformation of the box.
     pub curving: Curving,
     /// Along which axes the box is periodic.
     pub periodic: [bool; D],
@@ -44,10 +44,20 @@ impl<const D: usize> BoxMesh<D> {
     /// The mesh, with the ends of the cells along axis a at `breakpoints[a]`, a partition of [0, 1], and with names for
     /// the six faces. The parameters must have been checked.
     pub(super) fn build_on(&self, breakpoints: &[Vec<f64>; D], names: [&str; 6]) -> Result<Mesh<D>, MeshError> {
+        self.build_regions_on(breakpoints, names, Vec::new())
+    }
+
+    /// The same with regions.
+    pub(super) fn build_regions_on(
+        &self,
+        breakpoints: &[Vec<f64>; D],
+        names: [&str; 6],
+        regions: Vec<Region>,
+    ) -> Result<Mesh<D>, MeshError> {
         let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
         let boundaries = (0..2 * D).map(|face| (names[face].to_owned(), self.boundary(face))).collect();
         let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
-        Mesh::new(self.order, corners, self.coordinates(breakpoints), boundaries, periodic)
+        Mesh::of_regions(self.order, corners, self.coordinates(breakpoints), boundaries, periodic, regions)
     }
 
     /// Whether order, extents, cells and ratios are possible.
@@ -79,12 +89,12 @@ impl<const D: usize> BoxMesh<D> {
         Ok(())
     }
 
-    fn n_cells(&self) -> usize {
+    pub(super) fn n_cells(&self) -> usize {
         self.cells.iter().product()
     }
 
-    /// Where `cell` lies in the box, along each axis.
-    fn place(&self, cell: usize) -> [usize; D] {
+    /// The position of `cell` in the box, along each axis.
+    pub(super) fn place(&self, cell: usize) -> [usize; D] {
         let mut rest = cell;
         self.cells.map(|n| {
             let digit = rest % n;
@@ -99,7 +109,7 @@ impl<const D: usize> BoxMesh<D> {
         (0..1 << D).map(move |k| (0..D).rev().fold(0, |index, a| index * (cells[a] + 1) + place[a] + (k >> a & 1)))
     }
 
-    /// The faces on the boundary of the box that face number `face` of the whole box would be.
+    /// The boundary faces of the cells that lie on face number `face` of the box.
     fn boundary(&self, face: usize) -> Vec<Side> {
         let (axis, side) = axis_and_side(face);
         let layer = side * (self.cells[axis] - 1);
@@ -122,7 +132,7 @@ impl<const D: usize> BoxMesh<D> {
             for k in 0..nodes.len().pow(D as u32) {
                 let r = from_fn(|a| {
                     let xi = nodes[digit(k, nodes.len(), a)];
-                    // Exact at both ends, so that neighbours have the same nodes to the bit.
+                    // Exact at both ends, so that neighbours have identical nodes.
                     breakpoints[a][place[a]] * (0.5 - 0.5 * xi) + breakpoints[a][place[a] + 1] * (0.5 + 0.5 * xi)
                 });
                 let d = deformation.displacement(&r);
@@ -135,7 +145,7 @@ impl<const D: usize> BoxMesh<D> {
 
 /// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the
 /// first.
-fn graded(cells: usize, ratio: f64) -> Vec<f64> {
+pub(super) fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
     partition((0..cells).map(|i| growth.powi(i as i32)).collect())
 }

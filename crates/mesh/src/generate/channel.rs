@@ -13,8 +13,8 @@ pub struct ChannelMesh<const D: usize> {
     pub extent: [f64; D],
     /// Cells along each axis.
     pub cells: [usize; D],
-    /// Height of the cells in the middle over that of the cells at either wall; the cells between grow by a constant
-    /// factor. 1 for equal cells.
+    /// Height of the cells in the middle over the height of the cells at either wall; cells grow by a constant factor
+    /// in between. 1 for equal cells.
     pub wall_ratio: f64,
     /// Whether the channel is periodic along axis 0; if not, its ends are "inflow" and "outflow".
     pub periodic: bool,
@@ -22,7 +22,7 @@ pub struct ChannelMesh<const D: usize> {
     pub order: usize,
 }
 
-/// Names of the six sides of the box, as far as they are not periodic.
+/// Names of the six sides of the box; periodic sides are not named.
 const NAMES: [&str; 6] = ["inflow", "outflow", "bottom", "top", "front", "back"];
 
 impl<const D: usize> ChannelMesh<D> {
@@ -45,7 +45,7 @@ impl<const D: usize> ChannelMesh<D> {
     }
 }
 
-/// The proportions of cells between two walls: symmetric, those in the middle `ratio` times those at the walls.
+/// The proportions of cells between two walls: symmetric, with the middle ones `ratio` times those at the walls.
 fn wall_cells(cells: usize, ratio: f64) -> Vec<f64> {
     let from_wall = |i: usize| i.min(cells - 1 - i);
     let growth = match from_wall(cells / 2) {

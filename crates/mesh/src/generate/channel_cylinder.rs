@@ -18,8 +18,8 @@ pub struct ChannelCylinderMesh {
     pub diameter: f64,
     /// Height of the cells at the cylinder, where it is nearest to the rectangle.
     pub first_cell: f64,
-    /// Cells along a quarter of the cylinder, which are also those across the channel; from the cylinder outwards; from the rectangle to
-    /// the end.
+    /// Cells along a quarter of the cylinder, which is also the number across the channel; cells from the cylinder outwards; cells from
+    /// the rectangle to the end.
     pub cells: [usize; 3],
     /// N, nodes per direction of the geometry.
     pub order: usize,
@@ -34,7 +34,7 @@ impl ChannelCylinderMesh {
         let part = |t: f64| growth.size(t) / gap;
         let ([length, height], end) = (self.extent, 2.0 * self.centre[0]);
 
-        // Clockwise: axis 0 then leaves axis 1 on its left.
+        // Clockwise, so that axis 1 is on the left of axis 0.
         let corners = [[0.0, 0.0], [0.0, height], [end, height], [end, 0.0]];
         let names = [Some("inflow"), Some("top"), None, Some("bottom")];
         let mut assembly = Assembly::new(self.order)?;
@@ -45,7 +45,7 @@ impl ChannelCylinderMesh {
                 std::array::from_fn(|i| circle[i] + part(t) * (rectangle[i] - circle[i]))
             });
         }
-        // The cells after the rectangle go on as long as those before them are.
+        // The first cells after the rectangle are as long as the last ones before it.
         let last = (end - self.centre[0] - 0.5 * self.diameter) * (1.0 - part(outwards as f64 - 1.0));
         let downstream = Growth::new(after, last.min((length - end) / after as f64), length - end);
         let names = [None, Some("outflow"), Some("bottom"), Some("top")];
@@ -53,7 +53,7 @@ impl ChannelCylinderMesh {
         assembly.build(&[])
     }
 
-    /// The points on the circle and on the rectangle after the part `s` of the side between two of its corners.
+    /// The points on the circle and on the rectangle at the fraction `s` of the side between two of its corners.
     fn ray(&self, ends: [[f64; 2]; 2], s: f64) -> ([f64; 2], [f64; 2]) {
         let angle = |x: [f64; 2]| (x[1] - self.centre[1]).atan2(x[0] - self.centre[0]);
         let (from, to) = (angle(ends[0]), angle(ends[1]));
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// That of Schäfer & Turek (1996).
+    /// The benchmark of Schäfer & Turek (1996).
     const BENCHMARK: ChannelCylinderMesh = ChannelCylinderMesh {
         extent: [2.2, 0.41],
         centre: [0.2, 0.2],

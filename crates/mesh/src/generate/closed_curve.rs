@@ -5,12 +5,11 @@ use crate::MeshError;
 use basis::Matrix;
 use std::array::from_fn;
 
-/// The periodic cubic spline through given points, with the length of the polygon as its parameter u in
-/// [0, `length()`): position, first and second derivative are continuous. It runs clockwise, with the outside on its
-/// left.
+/// The periodic cubic spline through given points, with the length of the polygon as its parameter u in [0,
+/// `length()`). Position, first and second derivative are continuous. It runs clockwise, with the outside on its left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedCurve {
-    /// u of the points, and after them that of the first one again.
+    /// u of the points, followed by u of the first point after one period.
     knots: Vec<f64>,
     points: Vec<[f64; 2]>,
     /// Second derivatives at the points.
@@ -18,8 +17,8 @@ pub struct ClosedCurve {
 }
 
 impl ClosedCurve {
-    /// The curve through `points`, at least 5 that follow each other in either sense; the first may be repeated at the
-    /// end.
+    /// The curve through `points`, at least 5, in clockwise or counter-clockwise order; the first may be repeated at
+    /// the end.
     pub fn through(points: &[[f64; 2]]) -> Result<Self, MeshError> {
         let repeated = points.len() > 1 && points.first() == points.last();
         let mut points = points[..points.len() - usize::from(repeated)].to_vec();
@@ -73,7 +72,7 @@ impl ClosedCurve {
         [-y / length, x / length]
     }
 
-    /// The cubic that holds u.
+    /// The cubic at u.
     fn piece(&self, u: f64) -> Piece {
         let n = self.points.len();
         let u = u.rem_euclid(self.length());
@@ -119,7 +118,7 @@ fn bends(knots: &[f64], points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
     Some(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
 }
 
-/// The matrix is diagonally dominant: only overflow makes it singular.
+/// The matrix is diagonally dominant, so only overflow makes it singular.
 fn check_bends(bends: Option<Vec<[f64; 2]>>, check: Check) -> Result<Vec<[f64; 2]>, MeshError> {
     let finite = bends.filter(|bends| bends.iter().flatten().all(|x| x.is_finite()));
     finite.ok_or(MeshError::Parameter {

@@ -4,34 +4,34 @@ use crate::random::SplitMix64;
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 
-/// How a generated box is deformed: r becomes r + d(r) in coordinates r in [0, 1]^D of the box. No component of d
-/// exceeds `amplitude`, a fraction of the extent of the box; with up to 0.05 cells stay valid.
+/// The deformation of a generated box: r becomes r + d(r) in coordinates r in [0, 1]^D of the box. No component of d
+/// exceeds `amplitude`, a fraction of the extent of the box. Up to 0.05 cells stay valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curving {
     /// Straight cells.
     None,
-    /// d_i = amplitude prod_a sin(2 pi r_a): the boundary stays, its tangential spacing too.
+    /// d_i = amplitude prod_a sin(2 pi r_a): the boundary and its tangential spacing do not change.
     Smooth {
         /// The largest displacement.
         amplitude: f64,
     },
-    /// d_i = amplitude sin(2 pi sum_a r_a + i): the boundary is curved as well, and remains periodic.
+    /// d_i = amplitude sin(2 pi sum_a r_a + i): the boundary is curved too, and remains periodic.
     Wavy {
         /// The largest displacement.
         amplitude: f64,
     },
     /// A few random Fourier modes, periodic. Along axes that are not periodic d is damped by sin(pi r_a), so that the
-    /// boundary there stays.
+    /// boundary there does not change.
     Random {
         /// A bound of the displacement.
         amplitude: f64,
-        /// Chooses the field.
+        /// The seed of the field.
         seed: u64,
     },
 }
 
 impl Curving {
-    /// The largest displacement asked for.
+    /// The requested largest displacement.
     pub(crate) fn amplitude(&self) -> f64 {
         match *self {
             Curving::None => 0.0,
@@ -92,7 +92,7 @@ impl<const D: usize> Deformation<D> {
 }
 
 impl<const D: usize> Mode<D> {
-    /// Wave numbers -1, 0, 1, not all zero; weights so that the modes together stay within [-1, 1].
+    /// Wave numbers -1, 0, 1, not all zero; weights such that the sum of the modes stays within [-1, 1].
     fn random(random: &mut SplitMix64) -> Self {
         let mut wave_vector = from_fn(|_| random.below(3) as f64 - 1.0);
         if wave_vector == [0.0; D] {

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_4;
 /// Side of the middle block, measured to its corners, as a fraction of the radius.
 const CORE: f64 = 0.5;
 
-/// How round the middle block is: 0 a square, 1 a circle.
+/// The roundness of the middle block: 0 a square, 1 a circle.
 const ROUNDNESS: f64 = 0.4;
 
 /// The disc of radius `radius` around the origin: a rounded square in the middle and four blocks around it
@@ -18,7 +18,7 @@ const ROUNDNESS: f64 = 0.4;
 pub struct DiscMesh {
     /// Radius of the circle.
     pub radius: f64,
-    /// Cells along a side of the middle block: a quarter of those around.
+    /// Cells along a side of the middle block, which is a quarter of the number around.
     pub core_cells: usize,
     /// Cells from the middle block to the circle.
     pub radial_cells: usize,
@@ -46,7 +46,7 @@ impl DiscMesh {
         assembly.build(&[])
     }
 
-    /// The middle block: (a, b) in [-1, 1]^2 to a square with round sides.
+    /// The middle block: (a, b) in [-1, 1]^2 to a square with rounded sides.
     fn core(&self, a: f64, b: f64) -> [f64; 2] {
         let corner = (1.0 - 0.5 * ROUNDNESS).sqrt();
         let bulge = |c: f64| (1.0 - 0.5 * ROUNDNESS * c * c).sqrt();
@@ -55,7 +55,7 @@ impl DiscMesh {
         [scale * a * bulge(b), scale * b * bulge(a)]
     }
 
-    /// The block on the right: r from 0, the middle block, to 1, the circle; b in [-1, 1] against the clock.
+    /// The block on the right: r from 0, the middle block, to 1, the circle; b in [-1, 1] counter-clockwise.
     fn petal(&self, r: f64, b: f64) -> [f64; 2] {
         let inner = self.core(1.0, b);
         let angle = FRAC_PI_4 * b;
@@ -64,7 +64,7 @@ impl DiscMesh {
     }
 }
 
-/// x turned by `quarters` right angles against the clock, exactly.
+/// x turned by `quarters` right angles counter-clockwise, exactly.
 fn turned(x: [f64; 2], quarters: usize) -> [f64; 2] {
     (0..quarters).fold(x, |[x, y], _| [-y, x])
 }

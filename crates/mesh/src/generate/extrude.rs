@@ -1,16 +1,16 @@
-//! Plane meshes as cross-sections of meshes in space.
+//! Extrusion of two-dimensional meshes.
 
 use super::growth::Check;
-use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, Side};
+use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, Orientation, Region, Side};
 use basis::gauss_lobatto;
 
 /// The ends of an extruded mesh that is not periodic: z low, z high.
 const ENDS: [&str; 2] = ["front", "back"];
 
-/// How a plane mesh becomes one in space: every cell times [lower, lower + depth], in layers of equal height.
+/// The extrusion of a two-dimensional mesh: every cell times [lower, lower + depth], in layers of equal height.
 ///
-/// Boundaries and periodic pairs of the plane mesh stay as they are; the two ends are named "front" (low) and "back",
-/// or joined. Cell c of the plane mesh becomes the cells c + layer * n_cells, with axis 2 along z.
+/// Boundaries and periodic pairs keep their names; the two ends are named "front" (low) and "back", or joined. Cell c
+/// of the two-dimensional mesh becomes the cells c + layer * n_cells, with axis 2 along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extrusion {
     /// z of the front.
@@ -24,7 +24,7 @@ pub struct Extrusion {
 }
 
 impl Mesh<2> {
-    /// The mesh in space whose cross-section is this one. It is as valid as this one: det J = det J_2D times half the
+    /// The three-dimensional mesh with this cross-section. It is valid if this mesh is: det J = det J_2D times half the
     /// height of a layer.
     pub fn extruded(&self, extrusion: &Extrusion) -> Result<Mesh<3>, MeshError> {
         extrusion.check(self)?;
@@ -40,7 +40,29 @@ impl Mesh<2> {
             boundary_names.extend(ENDS.map(str::to_owned));
         }
         let boundary_facets = self.extruded_boundary(extrusion);
-        Ok(Mesh { order: self.order, corners, coordinates, interior_facets, boundary_facets, boundary_names })
+        let regions = self.regions.iter().map(|region| self.extruded_region(region, extrusion.layers)).collect();
+        let in_layers =
+            |side: &Side| (0..extrusion.layers).map(|layer| self.in_layer(*side, layer)).collect::<Vec<_>>();
+        let interface = |(name, sides): &(String, Vec<Side>)| {
+            let mut sides: Vec<Side> = sides.iter().flat_map(in_layers).collect();
+            sides.sort_unstable();
+            (name.clone(), sides)
+        };
+        Ok(Mesh {
+            order: self.order,
+            corners,
+            coordinates,
+            interior_facets,
+            boundary_facets,
+            boundary_names,
+            regions,
+            interfaces: self.interfaces.iter().map(interface).collect(),
+        })
+    }
+
+    fn extruded_region(&self, region: &Region, layers: usize) -> Region {
+        let in_layer = |layer: usize| region.cells.iter().map(move |cell| cell + layer * self.n_cells());
+        Region { name: region.name.clone(), cells: (0..layers).flat_map(in_layer).collect() }
     }
 
     /// Vertices of a layer: those of its front, then those of its back.
@@ -62,8 +84,8 @@ impl Mesh<2> {
         self.coordinates.chunks_exact(2 * self.nodes_per_cell()).flat_map(of_cell)
     }
 
-    /// The facets of the plane mesh in one layer. Faces keep their numbers; the lattice of a facet gains the axis z,
-    /// last and along z on both sides, so the orientation stays.
+    /// The facets of the cross-section in one layer. Faces keep their numbers. The lattice of a facet gains the axis z,
+    /// last and along z on both sides, so the orientation is unchanged.
     fn layer_facets(&self, layer: usize) -> impl Iterator<Item = InteriorFacet> {
         self.interior_facets.iter().map(move |&facet| InteriorFacet {
             minus: self.in_layer(facet.minus, layer),

@@ -1,4 +1,4 @@
-//! Cells that grow by a constant factor, and checks of the numbers that say so.
+//! Cells that grow by a constant factor, and checks of their parameters.
 
 use crate::MeshError;
 
@@ -8,7 +8,7 @@ use crate::MeshError;
 /// s(t) = h (r^t - 1) / (r - 1) = h (e^{a t} - 1) / (e^a - 1)                                             (growth)
 /// ```
 ///
-/// an entire function of t: curved cells of any order resolve it.
+/// an entire function of t, so curved cells of any order resolve it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Growth {
     first: f64,
@@ -16,9 +16,9 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// `cells` cells, the first of size `first`, that are `total` together (both positive).
+    /// `cells` cells with the first of size `first` and the total size `total` (both positive).
     pub(super) fn new(cells: usize, first: f64, total: f64) -> Self {
-        // a = +-600 / cells is a ratio of e^600 between the last cell and the first: beyond every possible input.
+        // a = +-600 / cells is a ratio of e^600 between the last cell and the first, beyond every possible input.
         let limit = 600.0 / cells as f64;
         let (mut low, mut high) = (-limit, limit);
         // s(cells) increases with a. Each step halves the bracket.
@@ -47,20 +47,20 @@ impl Growth {
 /// Cells that grow by one factor up to a point and by another beyond it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PiecewiseGrowth {
-    /// Cells of the first piece and their total size; 0 where all grow alike.
+    /// Cells of the first piece and their total size; 0 if all grow alike.
     near: (usize, f64),
     pieces: [Growth; 2],
 }
 
 impl PiecewiseGrowth {
-    /// `cells` cells, the first of size `first`, that are `total` together. With `near` = (m, size) the first m of them fill
-    /// that size, and the one after is as large as the factor there makes it.
+    /// `cells` cells with the first of size `first` and the total size `total`. With `near` = (m, size) the first m of them
+    /// fill that size, and the next cell continues with the growth factor there.
     pub(super) fn new(near: Option<(usize, f64)>, cells: usize, first: f64, total: f64) -> Self {
         let Some((near_cells, size)) = near else {
             return PiecewiseGrowth { near: (0, 0.0), pieces: [Growth::new(cells, first, total); 2] };
         };
         let inner = Growth::new(near_cells, first, size);
-        // Where that would not fit into what is left, the cells there are equal.
+        // If that does not fit into the remaining size, the cells there are equal.
         let next = first * inner.factor().powi(near_cells as i32);
         let equal = (total - size) / (cells - near_cells) as f64;
         let outer = Growth::new(cells - near_cells, next.min(equal), total - size);
@@ -74,7 +74,7 @@ impl PiecewiseGrowth {
     }
 }
 
-/// Refuses numbers that a generator cannot use.
+/// Refuses numbers that a generator does not accept.
 #[derive(Clone, Copy)]
 pub(super) struct Check {
     /// The name of the generator.
@@ -82,7 +82,7 @@ pub(super) struct Check {
 }
 
 impl Check {
-    /// Whether `accepted` holds: if not, the error that says so.
+    /// Whether `accepted` holds; otherwise the error.
     pub(super) fn that(
         self,
         fine: bool,

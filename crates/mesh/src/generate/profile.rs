@@ -4,8 +4,8 @@ use super::ClosedCurve;
 use crate::MeshError;
 
 /// Points of a spline fitted, by least squares of the distances, to the measured coordinates of the T106 low-pressure
-/// turbine blade (R. D. Stieger, PhD thesis, Cambridge 2002, table I-2): nowhere further than 5e-4 chords from them.
-/// Chord 1, x axial, y along the cascade; from the trailing edge over the suction side.
+/// turbine blade (R. D. Stieger, PhD thesis, Cambridge 2002, table I-2). The largest distance is 5e-4 chords. Chord 1,
+/// x axial, y along the cascade; from the trailing edge over the suction side.
 const T106: [[f64; 2]; 28] = [
     [0.84829, -0.49997],
     [0.85768, -0.49614],

@@ -12,7 +12,7 @@ pub struct RotatingBoxMesh {
     pub side: f64,
     /// Side of the hole.
     pub hole: f64,
-    /// Cells along a side of the domain. Those of the hole must come out as a whole number, and as many on each side.
+    /// Cells along a side of the domain. The hole must take a whole number of them, with equally many on each side.
     pub cells_per_side: usize,
     /// N, nodes per direction of the geometry.
     pub order: usize,

@@ -1,31 +1,31 @@
-//! Cells as smooth as their surroundings allow.
+//! Smoothing of the cells inside a block structure.
 
 use basis::{Lagrange, Matrix, gauss_lobatto};
 
-/// Moves nodes to where the map from the cells' reference squares is harmonic: with fixed nodes given it minimises
+/// Moves nodes so that the map from the cells' reference squares is harmonic. With given fixed nodes it minimises
 ///
 /// ```text
 /// sum_cells int |dx/dxi|^2 dxi,    so    sum_cells (K (x) W + W (x) K) x = 0 at every free node           (harmonic)
 /// ```
 ///
-/// with W the Gauss-Lobatto weights and K = D^T W D for the derivative D. Lines of cells then cross block boundaries
+/// with the Gauss-Lobatto weights W and K = D^T W D for the derivative D. Lines of cells then cross block boundaries
 /// without a kink.
 pub(super) struct Harmonic {
     /// N.
     n: usize,
     stiffness: Matrix,
     weights: Vec<f64>,
-    /// The number of each node of each cell that has a free one: equal where cells meet.
+    /// The number of each node of each cell that has a free node; equal if nodes coincide.
     numbers: Vec<usize>,
     /// Which numbers may move.
     free: Vec<bool>,
 }
 
-/// Residuals fall by this factor. More would not be seen: smoothness matters, not the last digit.
+/// The factor of reduction of the residuals. Smoothness matters, not the last digit, so more is not needed.
 const REDUCTION: f64 = 1e-7;
 
 impl Harmonic {
-    /// For cells of order n with nodes `numbers`, `[cell][node]`; `free` says of each number whether it may move.
+    /// For cells of order n with nodes `numbers`, `[cell][node]`; `free` tells of each number whether it may move.
     pub(super) fn new(n: usize, numbers: &[usize], free: Vec<bool>) -> Self {
         let rule = gauss_lobatto(n);
         let derivative = Lagrange::gauss_lobatto(n).derivative_matrix(&rule.points);
@@ -85,7 +85,7 @@ impl Harmonic {
             let (i, j) = (k % (n * n) % n, k % (n * n) / n);
             diagonal[node] += self.stiffness[(i, i)] * self.weights[j] + self.stiffness[(j, j)] * self.weights[i];
         }
-        // Nodes of no such cell have the residual 0.
+        // Nodes of no such cell have a zero residual.
         diagonal.iter_mut().filter(|d| **d == 0.0).for_each(|d| *d = 1.0);
         diagonal
     }

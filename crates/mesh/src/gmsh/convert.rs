@@ -5,7 +5,7 @@ use super::element::Kind;
 use super::file::{Element, File};
 use crate::facet::{corner_node, face_nodes};
 use crate::lattice::{Lattice, digit};
-use crate::{CellMap, Mesh, MeshError, PeriodicPair, Side};
+use crate::{CellMap, Mesh, MeshError, PeriodicPair, Region, Side};
 use basis::{Lagrange, Matrix, equidistant_points, gauss_lobatto};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -35,7 +35,8 @@ pub(super) fn mesh<const D: usize>(file: &File, periodic: &[(String, String)]) -
         }
         error => GmshError::Mesh(error),
     };
-    Mesh::new(degree + 1, numbered(&corners), coordinates, boundaries, pairs).map_err(refused)
+    let regions = regions::<D>(file, &cells);
+    Mesh::of_regions(degree + 1, numbered(&corners), coordinates, boundaries, pairs, regions).map_err(refused)
 }
 
 /// The elements of dimension D, each once: an element of two physical groups is listed twice in version 2.2.
@@ -58,13 +59,13 @@ fn common_degree(cells: &[&Element]) -> Result<usize, GmshError> {
     }
 }
 
-/// Brings the nodes of a cell into our order and onto our nodes.
+/// Converts the nodes of a cell to the order and the Gauss-Lobatto nodes of this program.
 struct CellReader<const D: usize> {
     /// N of the lattice.
     order: usize,
     /// For each node of the file its index in the lattice.
     indices: Vec<usize>,
-    /// Equidistant nodes to Gauss-Lobatto nodes, exact for polynomials of the file's degree.
+    /// Interpolation from equidistant to Gauss-Lobatto nodes, exact for polynomials of the file's degree.
     to_gauss_lobatto: Matrix,
     /// The Jacobian at the Gauss-Lobatto nodes.
     map: CellMap<D>,
@@ -144,23 +145,38 @@ fn boundaries<const D: usize>(file: &File, corners: &[u64]) -> Result<Boundaries
     for element in file.elements.iter().filter(|element| element.kind.dimension == D - 1) {
         for &group in &element.groups {
             let side = side_of.get(&face_key(&element.nodes[..1 << (D - 1)]));
-            let stray = || GmshError::Stray { element: element.number, name: name::<D>(file, group) };
+            let stray = || GmshError::Stray { element: element.number, name: name(file, D - 1, group) };
             groups.entry(group).or_default().push(*side.ok_or_else(stray)?);
         }
     }
-    let mut boundaries = Boundaries::new();
-    for (group, sides) in groups {
-        let name = name::<D>(file, group);
-        match boundaries.iter_mut().find(|(other, _)| *other == name) {
-            Some((_, listed)) => listed.extend(sides),
-            None => boundaries.push((name, sides)),
-        }
-    }
-    Ok(boundaries)
+    Ok(by_name(groups.into_iter().map(|(group, sides)| (name(file, D - 1, group), sides))))
 }
 
-fn name<const D: usize>(file: &File, group: i64) -> String {
-    file.names.get(&(D - 1, group)).cloned().unwrap_or_else(|| group.to_string())
+/// The cells of each physical group of dimension D, by its name.
+fn regions<const D: usize>(file: &File, cells: &[&Element]) -> Vec<Region> {
+    let number: BTreeMap<&[u64], usize> = cells.iter().enumerate().map(|(k, cell)| (&cell.nodes[..], k)).collect();
+    let mut groups: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for element in file.elements.iter().filter(|element| element.kind.dimension == D) {
+        element.groups.iter().for_each(|&group| groups.entry(group).or_default().push(number[&element.nodes[..]]));
+    }
+    let named = by_name(groups.into_iter().map(|(group, cells)| (name(file, D, group), cells)));
+    named.into_iter().map(|(name, cells)| Region { name, cells }).collect()
+}
+
+/// The lists in the order given, those of one name as one list.
+fn by_name<T>(lists: impl Iterator<Item = (String, Vec<T>)>) -> Vec<(String, Vec<T>)> {
+    let mut named: Vec<(String, Vec<T>)> = Vec::new();
+    for (name, list) in lists {
+        match named.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, listed)) => listed.extend(list),
+            None => named.push((name, list)),
+        }
+    }
+    named
+}
+
+fn name(file: &File, dimension: usize, group: i64) -> String {
+    file.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
 }
 
 /// The first side with given corners.

@@ -1,6 +1,6 @@
 //! Kinds of elements, and the order in which Gmsh lists their nodes.
 
-/// What a type number of the format stands for: a point, line, quadrilateral or hexahedron with all its nodes.
+/// The meaning of a type number: a point, line, quadrilateral or hexahedron with all its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kind {
     pub(super) dimension: usize,
@@ -14,7 +14,7 @@ const HEXAHEDRA: [i64; 9] = [5, 12, 92, 93, 94, 95, 96, 97, 98];
 const POINT: i64 = 15;
 
 impl Kind {
-    /// The kind with type number `code`, or the name of what is not supported.
+    /// The kind with type number `code`, or the name of an unsupported kind.
     pub(super) fn from_code(code: i64) -> Result<Kind, &'static str> {
         if code == POINT {
             return Ok(Kind { dimension: 0, degree: 1 });
@@ -35,7 +35,7 @@ impl Kind {
         })
     }
 
-    /// How many nodes an element has.
+    /// The number of nodes of an element.
     pub(super) fn n_nodes(self) -> usize {
         (self.degree + 1).pow(self.dimension as u32)
     }
@@ -63,7 +63,7 @@ const HEXAHEDRON_EDGES: [[usize; 2]; 12] =
 const HEXAHEDRON_FACES: [[usize; 3]; 6] = [[0, 3, 1], [0, 1, 4], [0, 4, 3], [1, 2, 5], [2, 3, 6], [4, 5, 7]];
 
 /// The lattice positions, in 0..=degree along each axis, of the nodes of an element: corners, the inside of edges, the
-/// inside of faces, the inside. The inside of a face or cell is listed like an element of degree p - 2.
+/// inside of faces, the inside. The inside of a face or cell is ordered like an element of degree p - 2.
 fn nodes(dimension: usize, degree: usize) -> Vec<Node> {
     if degree == 0 || dimension == 0 {
         return vec![[0; 3]];

@@ -1,11 +1,11 @@
-//! What can be wrong with a Gmsh file.
+//! Errors of Gmsh files.
 
 use crate::MeshError;
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Where in a file something is wrong.
+/// The place of an error in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// In a text file: the line, counted from 1.
@@ -31,34 +31,34 @@ pub enum GmshError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         reason: String,
     },
     /// The file does not follow the format.
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {
-        /// Where.
+        /// The place.
         place: Place,
-        /// What should be there.
+        /// The expected input.
         expected: String,
-        /// What is there.
+        /// The input found.
         found: String,
     },
-    /// A version of the format that is not read.
+    /// An unsupported version of the format.
     #[error("{place}: version {version} of the MSH format is not supported: save as 4.1 or 2.2")]
     Version {
-        /// Where.
+        /// The place.
         place: Place,
         /// The version.
         version: String,
     },
-    /// A kind of element that no mesh here consists of.
+    /// An unsupported kind of element.
     #[error(
         "{place}: elements of type {code} ({kind}) are not supported: use points, lines, quadrilaterals and \
          hexahedra with all nodes"
     )]
     Element {
-        /// Where.
+        /// The place.
         place: Place,
         /// Gmsh's number of the type.
         code: i64,
@@ -71,10 +71,10 @@ pub enum GmshError {
         /// Its name.
         section: &'static str,
     },
-    /// A section is there twice.
+    /// A section occurs twice.
     #[error("{place}: the file has a second section ${section}: keep one")]
     SecondSection {
-        /// Where the second one begins.
+        /// The beginning of the second one.
         place: Place,
         /// Its name.
         section: String,
@@ -82,20 +82,20 @@ pub enum GmshError {
     /// A node, or a physical group, is defined twice.
     #[error("{place}: {what} {number} is defined a second time: give every one a number of its own")]
     Twice {
-        /// Where the second definition stands.
+        /// The place of the second definition.
         place: Place,
-        /// What is defined.
+        /// The kind of the item.
         what: &'static str,
         /// Its number.
         number: u64,
     },
-    /// There are no cells of the dimension asked for, or cells of a higher one.
+    /// There are no cells of the requested dimension, or cells of a higher one.
     #[error(
         "the file has {quadrilaterals} quadrilaterals and {hexahedra} hexahedra, which is no mesh in {dimension} \
          dimensions"
     )]
     Dimension {
-        /// The dimension asked for.
+        /// The requested dimension.
         dimension: usize,
         /// Quadrilaterals in the file.
         quadrilaterals: usize,
@@ -153,10 +153,10 @@ pub enum GmshError {
     Cell {
         /// The element.
         element: u64,
-        /// What is wrong with it; its cells are counted from 0 in the order of the file.
+        /// The error; its cells are counted from 0 in the order of the file.
         source: MeshError,
     },
-    /// The cells make no mesh.
+    /// The cells do not form a mesh.
     #[error(transparent)]
     Mesh(MeshError),
 }

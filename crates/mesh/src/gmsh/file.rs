@@ -1,11 +1,11 @@
-//! Sections of a file, and what they hold.
+//! The sections of a file and their contents.
 
 use super::element::Kind;
 use super::source::{Encoding, Source};
 use super::{GmshError, version2, version4};
 use std::collections::BTreeMap;
 
-/// What a file lists.
+/// The contents of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct File {
     /// Names of physical groups, by dimension and number.
@@ -75,8 +75,8 @@ fn section<'a>(source: &mut Source<'a>) -> Result<Option<&'a str>, GmshError> {
     }
 }
 
-/// `$MeshFormat`: version, 0 for text or 1 for binary, size of a real; in binary the number 1 to tell the order of
-/// bytes.
+/// `$MeshFormat`: version, 0 for text or 1 for binary, size of a real. A binary file then has the number 1, which gives
+/// the byte order.
 fn format(source: &mut Source) -> Result<Version, GmshError> {
     source.expect_line("$MeshFormat")?;
     let place = source.place();
@@ -135,7 +135,7 @@ pub(super) fn text_count(source: &mut Source, what: &str) -> Result<u64, GmshErr
     source.line()?.and_then(|line| line.parse().ok()).ok_or(expected)
 }
 
-/// The kind of elements that comes next in the file.
+/// The next kind of elements in the file.
 pub(super) fn kind(source: &mut Source) -> Result<Kind, GmshError> {
     let mark = source.mark();
     let code = source.int("the type of an element")?;

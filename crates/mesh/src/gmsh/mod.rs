@@ -1,11 +1,11 @@
 //! Meshes written by Gmsh: MSH 4.1 and 2.2, text and binary, quadrilaterals and hexahedra of degree 1 to 10.
 //!
-//! What counts in a file are the cells (elements of dimension D), the elements of dimension D - 1 that belong to a
-//! physical group, and the names of those groups: they become the boundaries. A group without a name is named by its
-//! number. Points and everything that belongs to no group are ignored, `$Periodic` too: boundaries to be joined are
-//! named by the caller.
+//! A file contributes its cells (elements of dimension D), the elements of dimension D - 1 that belong to a physical
+//! group, and the names of those groups: they become the boundaries. Physical groups of cells become regions; a boundary
+//! may lie between two of them. A group without a name is named by its number. Points, elements of dimension D - 1
+//! without a group and `$Periodic` are ignored: the caller names the boundaries to be joined.
 //!
-//! A left-handed cell (a surface whose normal points down) is turned into a right-handed one; a cell whose det J
+//! A left-handed cell (a surface whose normal points down) is turned into a right-handed one. A cell whose det J
 //! changes sign is refused.
 //!
 //! | module | holds |
@@ -34,10 +34,10 @@ impl<const D: usize> Mesh<D> {
     /// The mesh in the Gmsh file `bytes`: MSH 4.1 or 2.2, text or binary. Degree p, 1 to 10, becomes order p + 1;
     /// equidistant nodes are replaced by Gauss-Lobatto nodes of the same polynomials.
     ///
-    /// Physical groups of dimension D - 1 become boundaries, with the group's name or else its number. `periodic` names
-    /// pairs of boundaries that are translates of each other and become one. With D = 2 the mesh lies in a plane of
-    /// constant z. Left-handed cells are turned. Errors name the line, byte or element; the conditions of [`Mesh::new`]
-    /// hold too.
+    /// Physical groups of dimension D - 1 become boundaries, those of dimension D regions, named by the group's name or
+    /// else its number. `periodic` names pairs of boundaries that are translates of each other and are joined. With
+    /// D = 2 the mesh lies in a plane of constant z. Left-handed cells are turned. Errors name the line, byte or
+    /// element. The conditions of [`Mesh::new`] hold too.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
         convert::mesh(&file::read(bytes)?, periodic)
     }

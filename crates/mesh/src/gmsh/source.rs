@@ -2,7 +2,7 @@
 
 use super::{GmshError, Place};
 
-/// How numbers are written.
+/// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -10,7 +10,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A file and how far it has been read.
+/// A file and the reading position.
 pub(super) struct Source<'a> {
     bytes: &'a [u8],
     position: usize,
@@ -22,12 +22,12 @@ impl<'a> Source<'a> {
         Source { bytes, position: 0, encoding: Encoding::Text }
     }
 
-    /// The place that is read next. Lines are counted anew: to be asked for where something is wrong only.
+    /// The place of the reading position. It counts lines anew, so it is used for errors only.
     pub(super) fn place(&self) -> Place {
         self.place_at(self.position)
     }
 
-    /// The byte that is read next, in a text that of the next word.
+    /// The byte that is read next; in a text, the first byte of the next word.
     pub(super) fn mark(&mut self) -> usize {
         if self.encoding == Encoding::Text {
             self.skip_spaces();
@@ -46,12 +46,12 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// An error at the byte `mark` where a number is used a second time: unless it is `first`.
+    /// An error at the byte `mark` if a number is used a second time, that is, unless it is `first`.
     pub(super) fn once(&self, what: &'static str, number: u64, mark: usize, first: bool) -> Result<(), GmshError> {
         if first { Ok(()) } else { Err(GmshError::Twice { place: self.place_at(mark), what, number }) }
     }
 
-    /// The error that `expected` is not what comes next.
+    /// The error that the input is not `expected`.
     pub(super) fn unexpected(&self, expected: &str) -> GmshError {
         let rest = &self.bytes[self.position..];
         let found = match (rest, self.encoding) {
@@ -62,7 +62,7 @@ impl<'a> Source<'a> {
         GmshError::Syntax { place: self.place(), expected: expected.to_owned(), found }
     }
 
-    /// The next line that is not empty, without spaces at its ends; `None` at the end of the file.
+    /// The next non-empty line, trimmed; `None` at the end of the file.
     pub(super) fn line(&mut self) -> Result<Option<&'a str>, GmshError> {
         self.skip_spaces();
         let rest = &self.bytes[self.position..];
@@ -75,7 +75,7 @@ impl<'a> Source<'a> {
         Ok(Some(line.trim()))
     }
 
-    /// The next line has to be `expected`.
+    /// Reads the next line, which must be `expected`.
     pub(super) fn expect_line(&mut self, expected: &str) -> Result<(), GmshError> {
         self.skip_spaces();
         let start = self.position;
@@ -88,7 +88,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Skips everything up to the line that `end` begins, and that line.
+    /// Skips everything up to and including the line that begins with `end`.
     pub(super) fn skip_past(&mut self, end: &str) -> Result<(), GmshError> {
         let rest = &self.bytes[self.position..];
         match rest.windows(end.len()).position(|window| window == end.as_bytes()) {
@@ -156,7 +156,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The first word, or what can be shown of it.
+/// The first word, as far as it can be shown.
 fn first_word(bytes: &[u8]) -> String {
     let word: String = String::from_utf8_lossy(&bytes[..bytes.len().min(40)]).trim_start().to_owned();
     word.split_whitespace().next().unwrap_or_default().to_owned()

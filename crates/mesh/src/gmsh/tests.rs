@@ -133,7 +133,7 @@ fn meshes_that_are_none_are_refused() {
     assert!(missing.to_string().starts_with("no/such.msh: "), "{missing}");
 }
 
-/// The second definition took the place of the first one, without a word.
+/// The second definition used to replace the first one silently.
 #[test]
 fn what_is_defined_twice_is_refused() {
     let error = spoiled(SQUARE_2, "4 0 1 1\n9 5", "3 0 1 1\n9 5");
@@ -151,7 +151,7 @@ fn what_is_defined_twice_is_refused() {
 
 #[test]
 fn an_inverted_cell_is_named_by_its_element() {
-    // Node 3 moved across the diagonal: the cell folds over.
+    // Node 3 is moved across the diagonal, so the cell folds.
     let error = spoiled(SQUARE_2, "3 2 1 1\n", "3 -1 -1 1\n");
     let GmshError::Cell { element: 6, source: MeshError::Inverted { cell: 0, determinant, .. } } = error else {
         unreachable!("{error}")
@@ -167,4 +167,31 @@ fn cells_of_different_degree_are_refused() {
     let straight = format!("{} 3 {}", words[0], words[2..9].join(" "));
     let error = read(&file.replace(line, &straight)).unwrap_err();
     assert!(matches!(error, GmshError::Degree { degree: 2, first: 1, .. }), "{error}");
+}
+
+/// Two squares of two regions, and a line between them.
+const TWO_REGIONS: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat
+$PhysicalNames\n4\n1 7 \"wall\"\n1 8 \"wet\"\n2 1 \"fluid\"\n2 2 \"plate\"\n$EndPhysicalNames
+$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n$EndNodes
+$Elements\n9\n1 1 2 7 1 1 2\n2 1 2 7 1 2 3\n3 1 2 7 2 3 6\n4 1 2 7 3 5 6\n5 1 2 7 3 4 5\n6 1 2 7 4 1 4\n7 1 2 8 5 2 5
+8 3 2 1 1 1 2 5 4\n9 3 2 2 2 2 3 6 5\n$EndElements
+";
+
+#[test]
+fn physical_surfaces_become_regions_and_lines_between_them_interfaces() {
+    let mesh = read(TWO_REGIONS).unwrap();
+    let regions: Vec<_> = mesh.regions().iter().map(|region| (&region.name[..], &region.cells[..])).collect();
+    assert_eq!(regions, [("fluid", &[0][..]), ("plate", &[1])]);
+    assert_eq!(mesh.boundary_names(), ["wall"]);
+    assert_eq!(mesh.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "wet"]);
+    // Without a name the line is not there, and the boundary has that of the other region.
+    let unnamed = read(&TWO_REGIONS.replace("7 1 2 8 5 2 5", "7 1 2 0 5 2 5")).unwrap();
+    assert_eq!(unnamed.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "fluid"]);
+    // Within one region a line with a name is no boundary.
+    let error = spoiled(TWO_REGIONS, "9 3 2 2 2 2 3 6 5", "9 3 2 1 2 2 3 6 5");
+    assert!(matches!(error, GmshError::Mesh(MeshError::Inside { name, .. }) if name == "wet"));
+    // A cell without a physical surface.
+    let rest = read(&TWO_REGIONS.replace("8 3 2 1 1 1 2 5 4", "8 3 2 0 1 1 2 5 4")).unwrap();
+    assert_eq!(rest.part(&["plate"]).unwrap().mesh.boundary_names(), ["wall", "wet"]);
+    assert_eq!(rest.part_without(&["plate"]).unwrap(), rest.part(&[crate::REST]).unwrap());
 }

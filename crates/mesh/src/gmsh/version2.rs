@@ -18,8 +18,9 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
     Ok(nodes)
 }
 
-/// `$Elements`: their number as text; then, in text, number, type, number of tags, tags, nodes of each; in binary
-/// blocks of one type: type, number of elements, number of tags, and then number, tags, nodes of each.
+/// `$Elements`: their number as text. A text file then has number, type, number of tags, tags and nodes of each
+/// element. A binary file has blocks of one type: type, number of elements, number of tags, then number, tags and nodes
+/// of each.
 pub(super) fn elements(source: &mut Source) -> Result<Vec<Element>, GmshError> {
     let count = text_count(source, "the number of elements")?;
     let mut elements = Vec::new();
@@ -42,7 +43,7 @@ pub(super) fn elements(source: &mut Source) -> Result<Vec<Element>, GmshError> {
     Ok(elements)
 }
 
-/// Tags and nodes of an element. The first tag is the physical group, 0 if there is none, negative if the group has the
+/// Tags and nodes of an element. The first tag is the physical group: 0 if there is none, negative if the group has the
 /// opposite orientation.
 fn element(source: &mut Source, number: u64, kind: Kind, tags: u64) -> Result<Element, GmshError> {
     let mut groups = Vec::new();

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 /// The physical groups of each geometric entity, by dimension and number.
 pub(super) type Entities = BTreeMap<(i64, i64), Vec<i64>>;
 
-/// `$Entities`: the numbers of points, curves, surfaces and volumes, then each of them: number, position or bounding
-/// box, physical groups, and but for points the entities of its boundary.
+/// `$Entities`: the numbers of points, curves, surfaces and volumes, then each of them. An entity has a number, a
+/// position or bounding box, physical groups, and, except for points, the entities of its boundary.
 pub(super) fn entities(source: &mut Source) -> Result<Entities, GmshError> {
     let mut counts = [0; 4];
     for count in &mut counts {
@@ -38,8 +38,9 @@ fn integers(source: &mut Source, what: &str) -> Result<Vec<i64>, GmshError> {
     (0..count).map(|_| source.int(what)).collect()
 }
 
-/// `$Nodes`: the numbers of blocks and of nodes, smallest and largest node number; then blocks: dimension and number of
-/// the entity, whether its parameters follow the positions, number of nodes, their numbers, their positions.
+/// `$Nodes`: the numbers of blocks and of nodes, smallest and largest node number; then the blocks. A block has the
+/// dimension and number of the entity, a flag for parameters after the positions, the number of nodes, their numbers
+/// and positions.
 pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, GmshError> {
     let blocks = header(source, "the numbers of blocks and nodes")?;
     let mut nodes = BTreeMap::new();
@@ -61,8 +62,8 @@ pub(super) fn nodes(source: &mut Source) -> Result<BTreeMap<u64, [f64; 3]>, Gmsh
     Ok(nodes)
 }
 
-/// `$Elements`: the numbers of blocks and of elements, smallest and largest element number; then blocks: dimension and
-/// number of the entity, type, number of elements; number and nodes of each.
+/// `$Elements`: the numbers of blocks and of elements, smallest and largest element number; then the blocks. A block
+/// has the dimension and number of the entity, the type, the number of elements, and the number and nodes of each.
 pub(super) fn elements(source: &mut Source, entities: &Entities) -> Result<Vec<Element>, GmshError> {
     let blocks = header(source, "the numbers of blocks and elements")?;
     let mut elements = Vec::new();

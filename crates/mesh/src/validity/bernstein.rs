@@ -1,18 +1,19 @@
 //! Polynomials on a box in Chebyshev form, and their range by Bernstein coefficients.
 //!
-//! Bernstein coefficients of degree p bound a polynomial, but to compute them from values amplifies round-off by about
-//! 2^p per direction, which for det J in three dimensions of order 8 (p = 20) is fatal. Chebyshev coefficients are well
+//! Bernstein coefficients of degree p bound a polynomial. But computing them from values amplifies round-off by about
+//! 2^p per direction, far too much for det J in three dimensions of order 8 (p = 20). Chebyshev coefficients are well
 //! conditioned, and those of high degree are small. So only the modes up to degree q = [`BERNSTEIN_DEGREE`] per
-//! direction are turned into Bernstein coefficients; the rest is bounded by the sum of its moduli, because |T_k| <= 1:
+//! direction are converted to Bernstein coefficients. The rest is bounded by the sum of its moduli, because |T_k| <= 1:
 //!
 //! ```text
 //! f = sum_{k <= q} c_k T_k + tail,   |tail| <= sum_{k > q} |c_k|,
 //! min_i b_i - |tail| <= f <= max_i b_i + |tail|                                                            (range)
 //! ```
 //!
-//! Round-off enters twice. The given values are wrong by at most `error`, hence their interpolant by L `error` with the
-//! Lebesgue constant L: an error of f itself, not amplified by what follows. And the sums that make b_i are wrong by a
-//! few units in the last place of sum_k |c_k| max_i |b_i(T_k)|, in which the large factors meet the small coefficients.
+//! Round-off enters twice. The given values have errors of at most `error`, so their interpolant has an error of L
+//! `error` with the Lebesgue constant L. This is an error of f itself, which is not amplified later. And the sums for
+//! b_i have errors of a few units in the last place of sum_k |c_k| max_i |b_i(T_k)|, where the large factors meet the
+//! small coefficients.
 
 use crate::lattice::Lattice;
 use basis::Matrix;
@@ -21,7 +22,7 @@ use std::f64::consts::PI;
 /// q of (range). The largest Bernstein coefficient of T_8 is 184, that of T_20 is 7e5.
 pub(super) const BERNSTEIN_DEGREE: usize = 8;
 
-/// What one direction of a polynomial of degree p needs.
+/// The data of one direction for a polynomial of degree p.
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
     /// The Chebyshev-Lobatto points x_j = -cos(pi j / p); the midpoint for p = 0.
@@ -42,15 +43,15 @@ pub(super) struct Direction {
     curvature: Matrix,
 }
 
-/// Values to coefficients of two kinds, see [`Direction::mixed`].
+/// The map from values to coefficients of two kinds, see [`Direction::mixed`].
 #[derive(Clone, Debug)]
 pub(super) struct Mixed {
     pub(super) matrix: Matrix,
-    /// The largest sum of moduli that go into a coefficient, for values of size 1.
+    /// The largest sum of moduli that contributes to a coefficient, for values of size 1.
     pub(super) norm: f64,
 }
 
-/// Relative error of a sum of products of one axis after the other, in units of the sum of the moduli.
+/// Relative error of a sum of products along one axis after the other, in units of the sum of the moduli.
 const SUM_ERROR: f64 = 64.0 * f64::EPSILON;
 
 impl Direction {
@@ -85,8 +86,8 @@ impl Direction {
         self.to_bernstein.rows()
     }
 
-    /// The polynomial with given values, on the whole of the axis or, with `side` 0 or 1, on its lower or upper half: its
-    /// Bernstein coefficients and, behind them, its Chebyshev coefficients beyond degree q.
+    /// The map from given values to coefficients, on the whole axis or, with `side` 0 or 1, on its lower or upper half.
+    /// First come the Bernstein coefficients, then the Chebyshev coefficients beyond degree q.
     pub(super) fn mixed(&self, side: Option<usize>) -> Mixed {
         let n = self.points.len();
         let halved = side.map_or(Matrix::identity(n), |side| self.halves[side].clone());
@@ -127,8 +128,8 @@ fn chebyshev(degree: usize, x: f64) -> Vec<f64> {
     t
 }
 
-/// Bernstein coefficient i of degree q of T_k: those of degree k are (-1)^{k-j} C(2k, 2j) / C(k, j), raised to degree q
-/// by C(k, j) C(q-k, i-j) / C(q, i). All terms are integers until the last division.
+/// Bernstein coefficient i of degree q of T_k. The coefficients of degree k are (-1)^{k-j} C(2k, 2j) / C(k, j); C(k, j)
+/// C(q-k, i-j) / C(q, i) raises them to degree q. All terms are integers until the last division.
 fn bernstein_coefficient(q: usize, i: usize, k: usize) -> f64 {
     let term = |j: usize| {
         let sign = if (k - j).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -187,7 +188,7 @@ impl Polynomial {
         Enclosure { bernstein, margin: tail + self.error + SUM_ERROR * sums }
     }
 
-    /// How curved f is along each axis, sum_k |c_k| k_a (k_a - 1): a multilinear f is enclosed exactly.
+    /// The curvature of f along each axis, sum_k |c_k| k_a (k_a - 1): a multilinear f is enclosed exactly.
     pub(super) fn curvature(&self, directions: &[Direction]) -> Vec<f64> {
         let moduli = self.moduli();
         let along = |a: usize| {

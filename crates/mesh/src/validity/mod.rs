@@ -1,4 +1,4 @@
-//! Proved validity of cells that move: lower bounds of det J over a cell and a slab.
+//! Proved validity of moving cells: lower bounds of det J over a cell and a slab.
 //!
 //! With positions of degree N - 1 per direction in space and M - 1 in time, det J(xi, s) is a polynomial:
 //!
@@ -6,11 +6,11 @@
 //! degree in xi_a = D (N-1) - 1  (column a of J has one degree less),    degree in s = D (M-1)            (degrees)
 //! ```
 //!
-//! It is interpolated on a grid that determines it; the Bernstein coefficients of the interpolant bound it from both
-//! sides everywhere, not only at points. Where the bound is not sharp enough to decide, the box in space and time is
-//! bisected. Positions are taken as they are given; the rounding of everything after them is part of the bound.
+//! It is interpolated on a grid that determines it. The Bernstein coefficients of the interpolant bound it from both
+//! sides everywhere, not only at points. If the bound is not sharp enough to decide, the box in space and time is
+//! bisected. Given positions are taken as exact; the rounding of all later operations is part of the bound.
 //!
-//! With a reference cell the same is done for the ratio det J / det J_0: if f has the coefficients b_i, and g the
+//! With a reference cell the ratio det J / det J_0 is treated in the same way: if f has the coefficients b_i, and g the
 //! coefficients c_i > 0, then f >= min_i (b_i / c_i) g.
 
 mod bernstein;
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use search::Search;
 use tensor::{cofactor, determinant, norm};
 
-/// A proved bound is sharp enough when it reaches this fraction of the smallest value seen.
+/// A proved bound is sharp enough if it reaches this fraction of the smallest sampled value.
 const SHARPNESS: f64 = 0.5;
 
 /// A point of a cell and a slab.
@@ -42,21 +42,21 @@ pub struct SlabPoint<const D: usize> {
     pub s: f64,
 }
 
-/// What is known about det J, or about det J / det J_0, of one cell in one slab.
+/// Bounds of det J, or of det J / det J_0, of one cell in one slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound<const D: usize> {
-    /// Proved: nowhere is it smaller.
+    /// The proved lower bound.
     pub lower: f64,
-    /// The smallest value seen.
+    /// The smallest sampled value.
     pub sampled_min: f64,
-    /// The largest value seen.
+    /// The largest sampled value.
     pub sampled_max: f64,
-    /// Where the smallest value was seen.
+    /// The place of the smallest sampled value.
     pub at: SlabPoint<D>,
 }
 
 impl<const D: usize> Bound<D> {
-    /// Nothing is known.
+    /// No information.
     const UNKNOWN: Bound<D> = Bound {
         lower: f64::NEG_INFINITY,
         sampled_min: f64::INFINITY,
@@ -78,12 +78,12 @@ pub enum Validity<const D: usize> {
     Valid(Bound<D>),
     /// No: [`Bound::sampled_min`] <= 0 at [`Bound::at`].
     Invalid(Bound<D>),
-    /// The smallest value is so close to zero that the bisections allowed did not settle its sign.
+    /// The smallest value is so close to zero that the permitted bisections did not decide its sign.
     Undecided(Bound<D>),
 }
 
 impl<const D: usize> Validity<D> {
-    /// The bound, whatever the answer.
+    /// The bound, for any answer.
     pub fn bound(&self) -> &Bound<D> {
         match self {
             Validity::Valid(bound) | Validity::Invalid(bound) | Validity::Undecided(bound) => bound,
@@ -108,8 +108,8 @@ pub struct ValidityCheck<const D: usize> {
 }
 
 impl<const D: usize> ValidityCheck<D> {
-    /// For positions at the Gauss-Lobatto nodes of order `order` and at the distinct times `times` in [0, 1], of which
-    /// the positions are a polynomial. One time means cells at rest.
+    /// For positions at the Gauss-Lobatto nodes of order `order` and at the distinct times `times` in [0, 1]. The
+    /// positions are the interpolating polynomial in time; a single time means cells at rest.
     ///
     /// # Panics
     /// If `order` is less than 2 or there is no time.
@@ -137,7 +137,7 @@ impl<const D: usize> ValidityCheck<D> {
         self.search(positions, None).bound()
     }
 
-    /// Bisects until the sign of det J is settled, and until the bound is at least half of the smallest value seen.
+    /// Bisects until the sign of det J is decided, and until the bound is at least half of the smallest sampled value.
     pub fn decide(&self, positions: &[f64]) -> Validity<D> {
         self.search(positions, None).decide(&self.directions, f64::INFINITY)
     }
@@ -179,21 +179,22 @@ impl<const D: usize> ValidityCheck<D> {
     }
 }
 
-/// Positions relative to the first one, whose common part would cost digits, and their largest distance along an axis.
+/// Positions relative to the first one, since a common offset would cost digits, and their largest distance along an
+/// axis.
 fn centred<const D: usize>(positions: &[f64]) -> (Vec<f64>, f64) {
     let relative: Vec<f64> = positions.iter().enumerate().map(|(i, x)| x - positions[i % D]).collect();
     let size = relative.iter().map(|x| x.abs()).fold(0.0, f64::max);
     (relative, size)
 }
 
-/// A bound of the error of an entry of J for positions of size 1: |p'| <= (N-1)^2 max |p| (Markov), and each of the D sums has N
-/// terms. Callers double it, for the rounding of the positions when they are centred.
+/// A bound of the error of an entry of J for positions of size 1. |p'| <= (N-1)^2 max |p| (Markov), and each of the D sums has N
+/// terms. Callers double it to cover the rounding of centred positions.
 fn entry_error<const D: usize>(order: usize) -> f64 {
     f64::EPSILON * (D * order * (order - 1).pow(2)) as f64
 }
 
-/// A bound of the error of det m whose columns m_a are wrong by `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|, and
-/// some operations on prod_a |m_a|.
+/// A bound of the error of det m if its columns m_a have errors of `entry_error`: sum_a |dm_a| prod_{b != a} |m_b|,
+/// plus the rounding of some operations on prod_a |m_a|.
 fn determinant_error<const D: usize>(m: &[[f64; D]; D], entry_error: f64) -> f64 {
     let lengths: [f64; D] = std::array::from_fn(|a| norm(&m.map(|row| row[a])));
     let others = |a: usize| (0..D).filter(|&b| b != a).map(|b| lengths[b]).product::<f64>();

@@ -1,4 +1,4 @@
-//! The cells of a mesh that moves, slab after slab.
+//! The cells of a moving mesh, slab after slab.
 
 use super::sweep::{BoundPack, Scratch, Sweep, Swept};
 use super::{Bound, SHARPNESS, SlabPoint, Validity, ValidityCheck};
@@ -7,13 +7,13 @@ use rayon::prelude::*;
 use tensor::Arch;
 use tensor::WIDTH;
 
-/// Proves bounds of det J / det J_0 for all cells of a mesh that moves.
+/// Proves bounds of det J / det J_0 for all cells of a moving mesh.
 ///
 /// 1. Bound eight cells at a time, see `sweep`.
-/// 2. Bound all halves of those that this does not settle, eight cells at a time.
-/// 3. Search where that does not either, as [`ValidityCheck::decide_relative`].
+/// 2. Bound all halves of the undecided cells, eight cells at a time.
+/// 3. Search in the cells that are still undecided, as [`ValidityCheck::decide_relative`].
 ///
-/// What depends on the mesh at rest alone is kept.
+/// Data of the mesh at rest are kept.
 #[derive(Clone, Debug)]
 pub struct MotionCheck<const D: usize> {
     check: ValidityCheck<D>,
@@ -27,7 +27,7 @@ pub struct MotionCheck<const D: usize> {
 }
 
 impl<const D: usize> MotionCheck<D> {
-    /// For displacements of the C0 nodes of `mesh`, polynomials in time that are given at the distinct `times` in [0, 1].
+    /// For displacements of the C0 nodes of `mesh` that are polynomials in time, given at the distinct `times` in [0, 1].
     /// `numbering` has the order of the mesh.
     ///
     /// # Panics
@@ -51,7 +51,7 @@ impl<const D: usize> MotionCheck<D> {
         }
     }
 
-    /// Settles the sign of det J / det J_0 in every cell, and bounds it from below by at least half of the smallest value seen in
+    /// Decides the sign of det J / det J_0 in every cell. The lower bound reaches at least half of the smallest value sampled in
     /// any cell. `displacements` are `[time][C0 node][component]`.
     pub fn decide(&self, displacements: &[f64]) -> Vec<Validity<D>> {
         debug_assert_eq!(displacements.len(), self.check.n_times * self.numbering.count * D);
@@ -59,7 +59,7 @@ impl<const D: usize> MotionCheck<D> {
         let mut bounds = self.bound(&cells, displacements, false);
         let smallest = bounds.iter().map(|bound| bound.sampled_min).fold(f64::INFINITY, f64::min);
         let proved = |bound: &Bound<D>| bound.lower > 0.0 && bound.lower >= SHARPNESS * smallest;
-        // A value that is not a number is not seen.
+        // A NaN does not show in the sampled values.
         let refuted = |bound: &Bound<D>| bound.sampled_min <= 0.0 && !bound.lower.is_nan();
         let is_open = |cell: &usize| !proved(&bounds[*cell]) && !refuted(&bounds[*cell]);
         let open: Vec<usize> = cells.into_iter().filter(is_open).collect();
@@ -87,7 +87,7 @@ impl<const D: usize> MotionCheck<D> {
         bounds
     }
 
-    /// At most [`WIDTH`] cells into lanes; the last one fills those that are left.
+    /// At most [`WIDTH`] cells in lanes; the last cell fills the remaining lanes.
     fn gather(&self, cells: &[usize], displacements: &[f64], work: &mut Scratch) {
         let (nodes, points) = (self.nodes_per_cell(), self.sweep.points());
         for lane in 0..WIDTH {
@@ -95,7 +95,7 @@ impl<const D: usize> MotionCheck<D> {
             let (numbers, at_rest) = (self.numbering.cell(cell), &self.positions[cell * nodes * D..][..nodes * D]);
             let length = self.numbering.count * D;
             for (d, out) in displacements.chunks_exact(length).zip(work.nodes.chunks_exact_mut(nodes * D)) {
-                // A translation, at any time, does not change det J; it would cost digits.
+                // A translation, at any time, does not change det J, but would cost digits.
                 let first = &d[numbers[0] * D..][..D];
                 for (k, number) in numbers.iter().enumerate() {
                     for i in 0..D {
@@ -123,7 +123,7 @@ impl<const D: usize> MotionCheck<D> {
         Bound { lower, sampled_min, sampled_max, at }
     }
 
-    /// The search in one cell, when `smallest` is the smallest value seen in any.
+    /// The search in one cell; `smallest` is the smallest value sampled in any cell.
     fn search(&self, cell: usize, displacements: &[f64], smallest: f64) -> Validity<D> {
         let (numbers, length) = (self.numbering.cell(cell), self.nodes_per_cell() * D);
         let at_rest = &self.positions[cell * length..][..length];

@@ -6,7 +6,7 @@ use crate::lattice::Lattice;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Bisections before a cell counts as undecided.
+/// The largest number of bisections before a cell counts as undecided.
 const BISECTIONS: usize = 400;
 
 /// The search for the minimum of f, or of f / g with g > 0.
@@ -14,15 +14,15 @@ pub(super) struct Search<const D: usize> {
     parts: BinaryHeap<Part>,
     sampled_min: f64,
     sampled_max: f64,
-    /// Where the smallest value was seen, in [-1, 1]^(D+1).
+    /// The place of the smallest sampled value, in [-1, 1]^(D+1).
     at: Vec<f64>,
 }
 
 /// Part of the box [-1, 1]^(D+1).
 struct Part {
-    /// Proved lower bound in this part.
+    /// The proved lower bound in this part.
     lower: f64,
-    /// Where the lowest coefficient lies: a good place to sample.
+    /// The place of the lowest coefficient, which is a good place to sample.
     suspect: Vec<f64>,
     f: Polynomial,
     g: Option<Polynomial>,
@@ -37,7 +37,7 @@ impl<const D: usize> Search<D> {
         let (mut lowest, mut sampled_max) = (0, f64::NEG_INFINITY);
         for i in 0..f.0.values.len() {
             sampled_max = sampled_max.max(ratio(i));
-            // A value that is not a number counts as lowest.
+            // A NaN counts as lowest.
             if ratio(i).is_nan() || ratio(i) < ratio(lowest) {
                 lowest = i;
             }
@@ -48,14 +48,15 @@ impl<const D: usize> Search<D> {
         Search { parts: BinaryHeap::from([whole]), sampled_min, sampled_max, at }
     }
 
-    /// What is known now.
+    /// The present bound.
     pub(super) fn bound(&self) -> Bound<D> {
         let lower = self.parts.peek().map_or(f64::NEG_INFINITY, |part| part.lower);
         let at = SlabPoint { xi: std::array::from_fn(|a| self.at[a]), s: 0.5 + 0.5 * self.at[D] };
         Bound { lower, sampled_min: self.sampled_min, sampled_max: self.sampled_max, at }
     }
 
-    /// Bisects until the sign is settled and the bound is sharp; `elsewhere` is the smallest value seen in other cells.
+    /// Bisects until the sign is decided and the bound is sharp; `elsewhere` is the smallest value sampled in other
+    /// cells.
     pub(super) fn decide(mut self, directions: &[Direction], elsewhere: f64) -> Validity<D> {
         for _ in 0..BISECTIONS {
             match self.answer(SHARPNESS * self.sampled_min.min(elsewhere)) {
@@ -66,7 +67,7 @@ impl<const D: usize> Search<D> {
         self.answer(0.0)
     }
 
-    /// What follows from the bounds so far, if the lower one has to reach `target`.
+    /// The decision by the present bounds, if the lower one must reach `target`.
     fn answer(&self, target: f64) -> Validity<D> {
         let bound = self.bound();
         if bound.sampled_min.is_nan() || bound.sampled_min <= 0.0 {
@@ -78,7 +79,7 @@ impl<const D: usize> Search<D> {
         }
     }
 
-    /// Halves the part with the lowest bound along the direction in which it is most curved.
+    /// Halves the part with the lowest bound along the direction of largest curvature.
     fn bisect_lowest(&mut self, directions: &[Direction]) {
         let Some(part) = self.parts.pop() else { return };
         let axis = part.longest_axis(directions);
@@ -126,11 +127,11 @@ impl Part {
         Part::new(directions, halved(&self.f), self.g.as_ref().map(halved), centre, half_width)
     }
 
-    /// The axis along which f and g together are most curved; the first of equals.
+    /// The axis along which f and g together have the largest curvature; the first one among equals.
     fn longest_axis(&self, directions: &[Direction]) -> usize {
         let mut curvature = self.f.curvature(directions);
         if let Some(g) = &self.g {
-            // What is bounded is f - r g, with r the lowest ratio.
+            // f - r g is bounded, with the lowest ratio r.
             let g_curvature = g.curvature(directions);
             curvature.iter_mut().zip(g_curvature).for_each(|(f, g)| *f += self.lower.abs().min(1.0) * g);
         }
@@ -143,8 +144,8 @@ impl Part {
     }
 }
 
-/// A number r_i such that f >= (min_i r_i) g on the box. For f alone, r_i = b_i - margin. With g: the smallest f over
-/// the largest g where f is positive, over the smallest g where it is not; none if g is not proved positive.
+/// A number r_i such that f >= (min_i r_i) g on the box. For f alone, r_i = b_i - margin. With g it is the smallest f
+/// over the largest g if f is positive, otherwise over the smallest g. There is no bound if g is not proved positive.
 fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     let smallest = f.bernstein.values[i] - f.margin;
     let Some(g) = g else { return smallest };
@@ -156,7 +157,8 @@ fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     }
 }
 
-/// The part with the lowest bound is the greatest. Equal bounds go by place: the order never depends on the heap.
+/// The part with the lowest bound is the greatest. Equal bounds are ordered by place, so the order never depends on the
+/// heap.
 impl Ord for Part {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_place = || self.centre.iter().map(|x| x.to_bits()).cmp(other.centre.iter().map(|x| x.to_bits()));

@@ -1,4 +1,4 @@
-//! The bounds of eight cells at once: of whole cells, or of all halves along all axes.
+//! The bounds of eight cells at once: of whole cells, or of their halves along all axes.
 //!
 //! The values of f = det J on the grid become coefficients of a mixed form, Bernstein up to degree q and Chebyshev beyond:
 //!
@@ -6,13 +6,14 @@
 //! f = sum_i c_i prod_a phi_{i_a}(x_a),     phi_i = B_i for i <= q,   phi_i = T_i for i > q                     (mixed)
 //! ```
 //!
-//! The B_i are not negative and sum to 1, and |T_i| <= 1. All terms that have a T_i in them are bounded one axis after the other,
+//! The B_i are not negative and sum to 1, and |T_i| <= 1. All terms that contain a T_i are bounded one axis after the other,
 //!
 //! ```text
 //! |sum_i c_i phi_i| <= max_{i <= q} |c_i| + sum_{i > q} |c_i|                                                   (tail)
 //! ```
 //!
-//! The others are a sum of Bernstein polynomials alone. With the tails and round-off in the margins m, and e_i for det J_0,
+//! The other terms are a sum of Bernstein polynomials alone. With the tails and round-off in the margins m, and e_i for det
+//! J_0,
 //!
 //! ```text
 //! det J >= sum_i (c_i - m_f) B_i >= r det J_0,     r = min_i (c_i - m_f) / (e_i +- m_g)                       (lower)
@@ -20,8 +21,8 @@
 //!
 //! with the sign of c_i - m_f: det J_0 is at most sum_i (e_i + m_g) B_i, and at least sum_i (e_i - m_g) B_i > 0.
 //!
-//! This is quick and coarse: round-off is bounded by the norms of the matrices, which grow fast with q. What it does not settle
-//! is left to [`super::search`].
+//! This is quick and coarse: round-off is bounded by the norms of the matrices, which grow fast with q. Undecided cells are
+//! left to [`super::search`].
 
 mod kernel;
 
@@ -35,7 +36,7 @@ use tensor::{Pack, zeroed};
 /// Error of the sums of (mixed), in units of the largest value and of the norms of the matrices.
 const SUM_ERROR: f64 = 128.0 * f64::EPSILON;
 
-/// What all cells of one order have in common.
+/// Data shared by all cells of one order.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<const D: usize> {
     /// Time nodes to the points of the last direction.
@@ -48,7 +49,7 @@ pub(super) struct Sweep<const D: usize> {
     halves: Vec<Part>,
     /// q + 1 for each axis.
     kept: Vec<usize>,
-    /// Where the coefficients of Bernstein polynomials alone lie, at one index of time.
+    /// The indices of the coefficients of Bernstein polynomials alone, at one index of time.
     bernstein_places: Vec<usize>,
     /// Error of an entry of J for positions of size 1.
     entry_error: f64,
@@ -72,7 +73,7 @@ impl Part {
     }
 }
 
-/// Work space of [`Sweep`], and what it starts from.
+/// Work space and input of [`Sweep`].
 pub(super) struct Scratch {
     /// Positions, relative to some point of the cell: `[time node][component][node]`.
     pub(super) nodes: Vec<Pack>,

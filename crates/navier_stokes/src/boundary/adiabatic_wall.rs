@@ -6,6 +6,7 @@ use crate::error::{InvalidParameter, finite};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
 /// A no-slip wall through which no heat flows.
@@ -15,7 +16,7 @@ pub struct AdiabaticWall<const D: usize> {
 }
 
 impl<const D: usize> AdiabaticWall<D> {
-    /// A wall that slides with the velocity `slide` (of which the tangential part counts) relative to the mesh.
+    /// A wall that slides with the velocity `slide` relative to the mesh; only its tangential part counts.
     ///
     /// # Errors
     /// A velocity that is not finite.
@@ -31,10 +32,9 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let inside = Primitive::unpack(&law.gas, minus);
         let velocity = lifted(&wall_velocity(&self.slide, n, v));
         Primitive { velocity, ..inside }.pack(&law.gas)
@@ -45,23 +45,22 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
     }
 
-    /// [0 ; tau n ; (tau n) . w_b]: friction works on the moving wall, no heat.
+    /// [0 ; tau n ; (tau n) . w_b]: friction does work on the moving wall; there is no heat.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let traction = Stresses::new(&law.gas, state, gradient).traction(n);
         let work = along(&traction, &wall_velocity(&self.slide, n, v));
         components(state[0].zero(), &traction, work)

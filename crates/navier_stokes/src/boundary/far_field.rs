@@ -4,10 +4,11 @@ use super::{Condition, nothing};
 use crate::error::InvalidParameter;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// A uniform free stream outside. The Riemann solver lets it act through the waves that come in, and lets pass those that
-/// leave. No viscous stress, no heat: wakes leave freely.
+/// A uniform free stream outside. Through the Riemann solver it acts on the incoming waves; outgoing waves pass. No
+/// viscous stress, no heat: wakes leave freely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarField<const D: usize> {
     free_stream: Primitive<f64, D>,
@@ -29,11 +30,10 @@ impl<const D: usize> Condition<D> for FarField<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let outside = self.target_state(law, minus, n, v, data);
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        let outside = self.target_state(law, minus, at);
         law.riemann.flux(&law.gas, minus, &outside, n, dot(v, n))
     }
 
@@ -42,9 +42,7 @@ impl<const D: usize> Condition<D> for FarField<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        _data: &[G; M],
+        _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         self.free_stream.constant(minus[0]).pack(&law.gas)
     }
@@ -55,8 +53,7 @@ impl<const D: usize> Condition<D> for FarField<D> {
         _law: &NavierStokes<D>,
         state: &[T; M],
         _gradient: &[[T; M]; D],
-        _n: &[G; D],
-        _v: &[G; D],
+        _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         nothing(state[0])
     }

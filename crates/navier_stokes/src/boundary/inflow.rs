@@ -6,11 +6,12 @@ use crate::error::{InvalidParameter, finite};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Total pressure p_0, total temperature T_0 and direction d of the gas that flows in, as seen by an observer at rest: an opening to a
-/// reservoir, see `opening`. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential
-/// velocity. No viscous stress, no heat.
+/// Total pressure p_0, total temperature T_0 and direction d of the gas that flows in, for an observer at rest: an opening to a
+/// reservoir, see `opening`. Gas that is pushed back leaves at the static pressure p_0 with its own entropy and tangential velocity.
+/// No viscous stress, no heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inflow<const D: usize> {
     reservoir: Reservoir,
@@ -18,7 +19,7 @@ pub struct Inflow<const D: usize> {
 }
 
 impl<const D: usize> Inflow<D> {
-    /// Inflow of the given total state along `direction`, of any length but zero, into the domain.
+    /// Inflow of the given total state along `direction`, a vector of any nonzero length that points into the domain.
     ///
     /// # Errors
     /// A total pressure or temperature that is not positive, a direction that is zero or not finite.
@@ -42,9 +43,9 @@ impl<const D: usize> Inflow<D> {
         &self,
         gas: &Gas,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let (mut direction, mut reservoir_velocity) = (*n, *n);
         for i in 0..D {
             direction[i] = n[i].constant(self.direction[i]);
@@ -61,11 +62,10 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        through(&law.gas, &self.outside(&law.gas, minus, n, v), n, v)
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
     }
 
     #[inline(always)]
@@ -74,8 +74,7 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         _law: &NavierStokes<D>,
         state: &[T; M],
         _gradient: &[[T; M]; D],
-        _n: &[G; D],
-        _v: &[G; D],
+        _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         nothing(state[0])
     }
@@ -85,10 +84,8 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.outside(&law.gas, minus, n, v).pack(&law.gas)
+        self.outside(&law.gas, minus, at).pack(&law.gas)
     }
 }

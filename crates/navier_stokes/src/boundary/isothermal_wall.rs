@@ -6,9 +6,10 @@ use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
-/// A no-slip wall that is kept at a temperature.
+/// A no-slip wall of given temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsothermalWall<const D: usize> {
     temperature: f64,
@@ -16,8 +17,8 @@ pub struct IsothermalWall<const D: usize> {
 }
 
 impl<const D: usize> IsothermalWall<D> {
-    /// A wall of the given `temperature` that slides with the velocity `slide` (of which the tangential part counts)
-    /// relative to the mesh.
+    /// A wall of the given `temperature` that slides with the velocity `slide` relative to the mesh; only its
+    /// tangential part counts.
     ///
     /// # Errors
     /// A temperature that is not positive, a velocity that is not finite.
@@ -28,16 +29,16 @@ impl<const D: usize> IsothermalWall<D> {
 }
 
 impl<const D: usize> Condition<D> for IsothermalWall<D> {
-    /// Pressure from inside (the acoustic wave that arrives carries it), the velocity and the temperature of the wall.
+    /// The velocity and the temperature of the wall, and the pressure from inside, which the arriving acoustic wave
+    /// carries.
     #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let pressure = Primitive::<T, D>::unpack(&law.gas, minus).pressure;
         let density = law.gas.density(pressure, pressure.constant(self.temperature));
         let velocity = lifted(&wall_velocity(&self.slide, n, v));
@@ -49,10 +50,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
     }
 
@@ -63,9 +63,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let stresses = Stresses::new(&law.gas, state, gradient);
         let traction = stresses.traction(n);
         let work = along(&traction, &wall_velocity(&self.slide, n, v));

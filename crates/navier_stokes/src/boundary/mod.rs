@@ -1,12 +1,12 @@
 //! Boundary conditions, imposed weakly.
 //!
-//! Each condition answers the three questions of [`Condition`]. On walls and symmetry planes the inviscid flux is that of the
-//! state u_b(u-) at which the viscous terms are evaluated, no Riemann problem is solved: the residual there depends on the
-//! inner state through u_b and the gradient alone, which makes the scheme and functionals like lift adjoint consistent
-//! (Hartmann 2007). Where gas may cross, inflow and outflow take F_c(u_b) with u_b made of data and of the invariants that
-//! leave; the far field and prescribed states leave that choice to the Riemann solver.
+//! Each condition implements the methods of [`Condition`]. On walls and symmetry planes no Riemann problem is solved: the
+//! inviscid flux is the flux of the state u_b(u-) at which the viscous terms are evaluated. The residual there depends on the
+//! inner state only through u_b and the gradient. This makes the scheme and functionals like lift adjoint consistent
+//! (Hartmann 2007). If gas may cross, inflow and outflow take F_c(u_b), where u_b is made of data and of the invariants that
+//! leave. The far field and prescribed states leave that choice to the Riemann solver.
 //!
-//! Data stand for entropy and tangential velocity exactly where gas enters, whatever the condition is called: see [`opening`].
+//! For every condition, data replace entropy and tangential velocity exactly where gas enters: see [`opening`].
 
 mod adiabatic_wall;
 mod far_field;
@@ -34,19 +34,18 @@ use crate::flux::{Stresses, inviscid_normal};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// What a boundary condition must answer, see [`fem::ConservationLaw`] for the arguments. Only the flux has no answer of its own.
+/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments. Only the flux has no default.
 pub(crate) trait Condition<const D: usize> {
-    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes one on them.
+    /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes another one.
     #[inline(always)]
     fn state<T: Over<G>, G: Real, const M: usize>(
         &self,
         _law: &NavierStokes<D>,
         minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        _data: &[G; M],
+        _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         *minus
     }
@@ -56,9 +55,7 @@ pub(crate) trait Condition<const D: usize> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
     /// F_v . n through the boundary: stress and heat of that state with the gradient inside, unless the condition imposes others.
@@ -68,29 +65,28 @@ pub(crate) trait Condition<const D: usize> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        _v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, .. } = at;
         Stresses::new(&law.gas, state, gradient).normal_flux(n)
     }
 
-    /// The velocity of the boundary where the mesh moves with `v`: that of the mesh, unless it slides in its own plane.
+    /// The velocity of the boundary if the mesh moves with `v`: the velocity of the mesh, unless the boundary slides in
+    /// its own plane.
     #[inline(always)]
     fn velocity<G: Real>(&self, _n: &[G; D], v: &[G; D]) -> [G; D] {
         *v
     }
 
-    /// The state that the condition asks for: that of [`Self::state`], or where that imposes nothing the one outside.
+    /// The target state of the condition: [`Self::state`], or the state outside if that imposes nothing.
     #[inline(always)]
     fn target_state<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.state(law, minus, n, v, data)
+        self.state(law, minus, at)
     }
 }
 
@@ -101,11 +97,11 @@ pub enum Boundary<const D: usize> {
     FarField(FarField<D>),
     /// A state prescribed as a function of position and time.
     PrescribedState(PrescribedState),
-    /// A no-slip wall that passes no heat.
+    /// An adiabatic no-slip wall.
     AdiabaticWall(AdiabaticWall<D>),
     /// A no-slip wall of given temperature.
     IsothermalWall(IsothermalWall<D>),
-    /// A wall without friction.
+    /// A frictionless wall.
     SlipWall(SlipWall),
     /// A plane of symmetry: the condition of a slip wall, but no body.
     Symmetry(SlipWall),
@@ -143,24 +139,21 @@ impl<const D: usize> Boundary<D> {
         matches!(self, Boundary::PrescribedState(_) | Boundary::VelocityInflow(_) | Boundary::SupersonicInflow(_))
     }
 
-    /// Whether the boundary is the surface of a body, which feels a force.
+    /// Whether the boundary is the surface of a body, on which forces are evaluated.
     #[inline(always)]
     pub fn is_wall(&self) -> bool {
         matches!(self, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_) | Boundary::SlipWall(_))
     }
 
-    /// The state that the condition asks for where the gas inside has the state `minus`, the outward unit normal is `n` and the
-    /// boundary moves with `v`; `data` is the prescribed state there, where [`Self::takes_state`]. A flow that follows the condition
-    /// has this very state.
+    /// The state that the condition asks for where the gas inside has the state `minus`. A flow that follows the condition has this very
+    /// state.
     pub fn target_state<const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[f64; M],
-        n: &[f64; D],
-        v: &[f64; D],
-        data: &[f64; M],
+        at: BoundaryPoint<'_, f64, D, M>,
     ) -> [f64; M] {
-        each!(self, condition => condition.target_state(law, minus, n, v, data))
+        each!(self, condition => condition.target_state(law, minus, at))
     }
 
     #[inline(always)]
@@ -168,11 +161,9 @@ impl<const D: usize> Boundary<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.state(law, minus, n, v, data))
+        each!(self, condition => condition.state(law, minus, at))
     }
 
     #[inline(always)]
@@ -180,11 +171,9 @@ impl<const D: usize> Boundary<D> {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.flux(law, minus, n, v, data))
+        each!(self, condition => condition.flux(law, minus, at))
     }
 
     #[inline(always)]
@@ -193,10 +182,9 @@ impl<const D: usize> Boundary<D> {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.viscous_flux(law, state, gradient, n, v))
+        each!(self, condition => condition.viscous_flux(law, state, gradient, at))
     }
 
     #[inline(always)]
@@ -205,7 +193,7 @@ impl<const D: usize> Boundary<D> {
     }
 }
 
-/// The zero flux, in the kind of `like`.
+/// The zero flux, in the number type of `like`.
 #[inline(always)]
 fn nothing<T: Real, const M: usize>(like: T) -> [T; M] {
     [like.zero(); M]

@@ -1,8 +1,8 @@
-//! What no-slip walls share.
+//! Functions shared by no-slip walls.
 //!
-//! A wall moves with the mesh and may slide in its own plane: w_b = v + slide - (slide . n) n. No mass crosses it, whatever
-//! it does. The gas loses to it the energy p v_n - (tau n) . w_b - kappa T_,n of pressure, friction and heat: none at all
-//! where the wall is at rest and adiabatic.
+//! A wall moves with the mesh and may slide in its own plane: w_b = v + slide - (slide . n) n. No mass crosses it. The gas
+//! loses the energy p v_n - (tau n) . w_b - kappa T_,n of pressure, friction and heat to it. This is exactly zero for an
+//! adiabatic wall at rest.
 
 use super::projection;
 use tensor::{Over, Real};

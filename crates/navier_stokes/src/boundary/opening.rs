@@ -1,18 +1,18 @@
-//! The opening to a reservoir, which inflow and outflow share.
+//! The opening to a reservoir, shared by inflow and outflow.
 //!
-//! Of the waves at a boundary, by their speed relative to it along the outward normal n,
+//! The waves at a boundary, by their speed relative to it along the outward normal n:
 //!
 //! | speed | carries | data or inside |
 //! |---|---|---|
 //! | w_n + c | R+ = w_n + 2 c / (gamma - 1) | inside |
-//! | w_n | entropy, tangential velocity | inside where gas leaves, **data where it enters** |
+//! | w_n | entropy, tangential velocity | inside if gas leaves, **data if it enters** |
 //! | w_n - c | R- | data |
 //!
-//! The middle row decides stability. The energy a^2 / 2 of what it carries in the cell at the boundary loses |w_n| a^2 / 2 if data are
-//! taken exactly where gas enters. It gains as much if data are imposed on gas that leaves, or if gas enters with what the inside has.
-//! An opening therefore has a complete state outside: gas at rest, of total pressure p_0 and total temperature T_0, which enters along
-//! the direction d. Gas that leaves does so at the static pressure p_0. Since p_0 is a total pressure where gas enters, the energy that
-//! comes in is bounded by data.
+//! The middle row decides stability. Let a be the amplitude of entropy or tangential velocity in the cell at the boundary. Its energy
+//! a^2 / 2 loses |w_n| a^2 / 2 if data are taken exactly where gas enters. It gains as much if data are imposed on gas that leaves, or
+//! if gas enters with the values of the inside. An opening therefore has a complete state outside: gas at rest, of total pressure p_0
+//! and total temperature T_0, which enters along the direction d. Gas that leaves does so at the static pressure p_0. Since p_0 is a
+//! total pressure where gas enters, data bound the energy that comes in.
 
 use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
@@ -26,7 +26,7 @@ pub(super) struct Reservoir {
     total_temperature: f64,
 }
 
-/// How a facet meets the gas: its unit normal n, its normal velocity v_n, the direction d in which gas enters and the velocity of the
+/// A facet in the gas: its unit normal n, its normal velocity v_n, the direction d in which gas enters and the velocity of the
 /// reservoir.
 #[derive(Clone, Copy)]
 pub(super) struct Facet<G, const D: usize> {
@@ -47,8 +47,8 @@ impl Reservoir {
 
     /// The state on a facet between the gas `inside` and the reservoir.
     ///
-    /// With k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, a = d . n < 0, w_n and I = R+ of the gas inside in the frame of the
-    /// reservoir, and c_s the sound speed of that gas at the pressure p_0,
+    /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n < 0. Let w_n and I = R+ belong to the gas inside, in
+    /// the frame of the reservoir, and let c_s be the sound speed of that gas at the pressure p_0. Then
     ///
     /// ```text
     /// q a + (c_s / k) sqrt(1 - k q^2 / c_0^2) = I                      gas that enters with speed q: R+ across the contact    (q)
@@ -56,8 +56,8 @@ impl Reservoir {
     /// w*_n = q a + max(I - b / k, 0),   b = max(c_s, I k / (1 + k))                                                        (w*)
     /// ```
     ///
-    /// Gas enters for I < c_s / k. R+ is constant at the entropy of the gas inside only, hence c_s and not c_0 in (q). Gas that enters
-    /// chokes where q |a| is its sound speed, gas that leaves where b is (a rarefaction that is sonic at the facet).
+    /// Gas enters if I < c_s / k. R+ is constant only at the entropy of the gas inside, hence c_s and not c_0 in (q). Gas that enters
+    /// chokes if q |a| is its sound speed. Gas that leaves chokes if b is its sound speed (a rarefaction that is sonic at the facet).
     #[inline(always)]
     pub(super) fn state<T: Over<G>, G: Real, const D: usize>(
         &self,
@@ -97,10 +97,10 @@ impl Reservoir {
     }
 }
 
-/// q, the speed of the gas that enters, 0 where none does: the root of (q), which is quadratic, of the larger sign.
+/// q, the speed of the gas that enters, or 0 if none does: the larger root of the quadratic equation (q).
 #[inline(always)]
 fn entering_speed<T: Real>(a: T, c_s: T, invariant: T, k: f64, c_0_squared: f64) -> T {
-    /// Keeps the root differentiable where d lies in the facet.
+    /// Keeps the root differentiable if d lies in the facet.
     const LEAST: f64 = 1e-24;
     let (a_squared, c_s_squared) = (a * a, c_s * c_s);
     let ratio = c_s_squared * (1.0 / c_0_squared);

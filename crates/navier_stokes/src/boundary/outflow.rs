@@ -6,10 +6,12 @@ use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Outflow to the static pressure p_b outside. Gas that comes back is that of a reservoir, see `opening`: of total pressure p_b
-/// and total temperature T_0 relative to the facet, it enters along the normal. Viscous stress and heat pass as they come from inside.
+/// Outflow to the static pressure p_b outside. Gas that comes back is the gas of a reservoir, see `opening`. It has the total pressure
+/// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat pass as they come
+/// from inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow {
     reservoir: Reservoir,
@@ -25,15 +27,15 @@ impl Outflow {
         Ok(Outflow { reservoir: Reservoir::new(pressure, total_temperature)? })
     }
 
-    /// The state on the facet: `minus` itself where w_n - v_n >= c, since no wave comes in there.
+    /// The state on the facet: `minus` itself if w_n - v_n >= c, since then no wave comes in.
     #[inline(always)]
     fn outside<T: Over<G>, G: Real, const D: usize, const M: usize>(
         &self,
         gas: &Gas,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let inside = Primitive::unpack(gas, minus);
         let mut direction = *n;
         for i in 0..D {
@@ -60,11 +62,10 @@ impl<const D: usize> Condition<D> for Outflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        through(&law.gas, &self.outside(&law.gas, minus, n, v), n, v)
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
     }
 
     #[inline(always)]
@@ -72,10 +73,8 @@ impl<const D: usize> Condition<D> for Outflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.outside(&law.gas, minus, n, v).pack(&law.gas)
+        self.outside(&law.gas, minus, at).pack(&law.gas)
     }
 }

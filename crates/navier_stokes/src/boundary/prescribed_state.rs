@@ -2,10 +2,11 @@
 
 use super::{Condition, lifted};
 use crate::law::NavierStokes;
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// A state given at every point and time, an exact solution for instance: the Riemann solver chooses what of it comes in,
-/// and viscous terms take it as Dirichlet data.
+/// A state given at every point and time, for instance an exact solution. The Riemann solver selects the part that comes
+/// in, and viscous terms take the state as Dirichlet data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedState;
 
@@ -15,10 +16,9 @@ impl<const D: usize> Condition<D> for PrescribedState {
         &self,
         _law: &NavierStokes<D>,
         minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { data, .. } = at;
         lifted(minus, data)
     }
 
@@ -27,10 +27,9 @@ impl<const D: usize> Condition<D> for PrescribedState {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, data } = at;
         law.riemann.flux(&law.gas, minus, &lifted(minus, data), n, dot(v, n))
     }
 }

@@ -1,12 +1,13 @@
-//! The wall without friction, which is also the plane of symmetry.
+//! The frictionless wall, which is also the plane of symmetry.
 
 use super::{Condition, pressure_flux};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Gas may slide along the wall but neither cross it nor leave it; no shear, no heat.
+/// Gas may slide along the wall but not cross it; no shear, no heat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlipWall;
 
@@ -17,10 +18,9 @@ impl<const D: usize> Condition<D> for SlipWall {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let mut state = Primitive::unpack(&law.gas, minus);
         let relative = along(&state.velocity, n).minus(dot(v, n));
         for i in 0..D {
@@ -34,10 +34,9 @@ impl<const D: usize> Condition<D> for SlipWall {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        _data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
     }
 
@@ -48,9 +47,9 @@ impl<const D: usize> Condition<D> for SlipWall {
         law: &NavierStokes<D>,
         state: &[T; M],
         gradient: &[[T; M]; D],
-        n: &[G; D],
-        v: &[G; D],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let mut traction = Stresses::new(&law.gas, state, gradient).traction(n);
         let stress = along(&traction, n);
         for i in 0..D {

@@ -3,10 +3,11 @@
 use super::{Condition, lifted, through};
 use crate::law::NavierStokes;
 use crate::state::Primitive;
+use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
-/// A complete state, given at every point and time. All waves enter, so that the flux is F_c(u_b) whatever the gas inside does. Viscous
-/// terms take the state as Dirichlet data. Well posed only where the given normal velocity relative to the facet exceeds the speed of
+/// A complete state, given at every point and time. All waves enter, so the flux is F_c(u_b) for any gas inside. Viscous terms take the
+/// state as Dirichlet data. The condition is well posed only if the given normal velocity relative to the facet exceeds the speed of
 /// sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SupersonicInflow;
@@ -17,10 +18,9 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
         &self,
         _law: &NavierStokes<D>,
         minus: &[T; M],
-        _n: &[G; D],
-        _v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { data, .. } = at;
         lifted(minus, data)
     }
 
@@ -29,10 +29,9 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, data } = at;
         through(&law.gas, &Primitive::unpack(&law.gas, &lifted(minus, data)), n, v)
     }
 }

@@ -4,17 +4,18 @@ use super::{Condition, lifted, through};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
+use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// Velocity and temperature given at every point and time; the pressure comes from inside, with the acoustic wave that leaves. Viscous
-/// terms take the state on the facet as Dirichlet data. It reflects sound.
+/// Velocity and temperature given at every point and time. The pressure comes from inside, with the acoustic wave that leaves. Viscous
+/// terms take the state on the facet as Dirichlet data. The condition reflects sound.
 ///
 /// Data are a conserved state of density 1: its momentum is w_g, or rho w_g if the mass flux is given, and its pressure R T_g.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityInflow {
     /// The velocity w_g is given.
     OfVelocity,
-    /// The mass flux rho w_g is given: what flows in has exactly this, whatever its pressure.
+    /// The mass flux rho w_g is given: the gas flows in with exactly this flux at any pressure.
     OfMassFlux,
 }
 
@@ -25,18 +26,17 @@ impl VelocityInflow {
     /// c* = c + k (w_n - w_gn), within its bounds,   p* = p (c* / c)^(gamma / k)
     /// ```
     ///
-    /// Gas that enters has the given velocity and temperature; gas that leaves has the given normal velocity, and its own entropy and
-    /// tangential velocity. A given mass flux becomes a velocity at the pressure inside for c*, then at p* for the state: the two
-    /// pressures differ by the jump at the facet only, and the mass flux is exact.
+    /// Gas that enters has the given velocity and temperature. Gas that leaves has the given normal velocity, and its own entropy and
+    /// tangential velocity. A given mass flux is converted to a velocity, first at the pressure inside for c*, then at p* for the
+    /// state. The two pressures differ only by the jump at the facet, and the mass flux is exact.
     #[inline(always)]
     fn on_facet<T: Over<G>, G: Real, const D: usize, const M: usize>(
         self,
         gas: &Gas,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
+        let BoundaryPoint { normal: n, velocity: v, data } = at;
         let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
         let given: Primitive<T, D> = Primitive::unpack(gas, &lifted(minus, data));
         let k = 0.5 * (gas.gamma() - 1.0);
@@ -62,7 +62,8 @@ impl VelocityInflow {
         Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
     }
 
-    /// The bounds of c* / c. A mass flux at a low pressure is a high velocity, hence closer bounds: p* / p is then between 0.5 and 2.
+    /// The bounds of c* / c. A mass flux at a low pressure is a high velocity, hence its closer bounds: p* / p is then between 0.5
+    /// and 2.
     #[inline(always)]
     fn bounds(self) -> [f64; 2] {
         match self {
@@ -71,7 +72,7 @@ impl VelocityInflow {
         }
     }
 
-    /// What turns the given vector into a velocity: 1 / rho for a mass flux, 1 for a velocity.
+    /// The factor from the given vector to a velocity: 1 / rho for a mass flux, 1 for a velocity.
     #[inline(always)]
     fn specific_volume<T: Real>(self, inverse_density: T) -> T {
         match self {
@@ -87,11 +88,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.on_facet::<T, G, D, M>(&law.gas, minus, n, v, data).pack(&law.gas)
+        self.on_facet::<T, G, D, M>(&law.gas, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]
@@ -99,10 +98,9 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
-        n: &[G; D],
-        v: &[G; D],
-        data: &[G; M],
+        at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        through(&law.gas, &self.on_facet(&law.gas, minus, n, v, data), n, v)
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.on_facet(&law.gas, minus, at), n, v)
     }
 }

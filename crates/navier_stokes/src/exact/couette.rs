@@ -6,15 +6,14 @@ use crate::gas::Gas;
 use crate::state::Primitive;
 use tensor::Transcendental;
 
-/// Flow between the plates y = 0, at rest and of temperature T_0, and y = H, of velocity U and temperature T_1: with
+/// Flow between the plates y = 0, at rest and of temperature T_0, and y = H, of velocity U and temperature T_1. With
 /// eta = y / H,
 ///
 /// ```text
 /// w = (U eta, 0),   T = T_0 + (T_1 - T_0) eta + Pr U^2 / (2 c_p) eta (1 - eta),   p constant             (couette)
 /// ```
 ///
-/// a steady exact solution for constant viscosity, whatever its size. `frame` is the velocity of the plate y = 0: all of it
-/// as seen by an observer whom it passes at that velocity.
+/// This is a steady exact solution for any constant viscosity. `frame` is the velocity of the plate y = 0 for the observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Couette<const D: usize> {
     gas: Gas,

@@ -6,7 +6,7 @@ use crate::gas::Gas;
 use crate::state::Primitive;
 use tensor::Transcendental;
 
-/// The same state everywhere and always.
+/// The same state at every position and time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeStream<const D: usize> {
     gas: Gas,

@@ -1,7 +1,7 @@
-//! States that are known everywhere, as functions of position and time.
+//! States that are known as functions of position and time.
 //!
-//! They are written once for any number type: with dual numbers the same source gives the derivatives that boundary values
-//! on a moving mesh and manufactured sources need.
+//! They are written once for any number type. With dual numbers the same source gives the derivatives for boundary values
+//! on a moving mesh and for manufactured sources.
 
 mod couette;
 mod free_stream;
@@ -22,7 +22,7 @@ pub trait ExactState<const D: usize, const M: usize>: Send + Sync {
     fn state<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; M];
 }
 
-/// An exact state as the field that initial values, boundary values and errors are taken from.
+/// An exact state as a field for initial values, boundary values and errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact<E>(pub E);
 

@@ -6,8 +6,8 @@ use crate::gas::Gas;
 use crate::state::Primitive;
 use tensor::{Transcendental, norm};
 
-/// A vortex that a free stream of density rho_inf, velocity w_inf, size U = |w_inf| and pressure p_inf carries along, an
-/// exact solution of the Euler equations (in three dimensions, a column along z):
+/// A vortex in a free stream of density rho_inf, velocity w_inf, speed U = |w_inf| and pressure p_inf, an exact solution
+/// of the Euler equations (in three dimensions, a column along z):
 ///
 /// ```text
 /// X = (x - x_c - w_inf t) / R,   Y likewise,   r^2 = X^2 + Y^2
@@ -16,7 +16,7 @@ use tensor::{Transcendental, norm};
 /// p / rho^gamma = p_inf / rho_inf^gamma                                                                    (vortex)
 /// ```
 ///
-/// after Diosady & Murman, AIAA 2018-0919, (10)-(12), with their (12) corrected. Other forms differ in the strength alone:
+/// after Diosady & Murman, AIAA 2018-0919, (10)-(12), with their (12) corrected. Other forms differ only in the strength:
 /// [`Vortex::strength_of_persson`], [`Vortex::strength_of_vincent`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vortex<const D: usize> {
@@ -29,8 +29,8 @@ pub struct Vortex<const D: usize> {
 }
 
 impl<const D: usize> Vortex<D> {
-    /// The vortex with `centre` x_c at t = 0, `radius` R and `strength` beta. In a domain of `period` in x and y, the
-    /// nearest of its images is taken; their exponential tails are cut.
+    /// The vortex with `centre` x_c at t = 0, `radius` R and `strength` beta. In a domain of `period` in x and y the
+    /// nearest image is taken; the exponential tails of the others are neglected.
     ///
     /// # Errors
     /// A free stream or a radius out of range, or a vortex so strong that its centre would be colder than absolute zero.

@@ -1,4 +1,4 @@
-//! A smooth state that is no solution, for manufactured sources.
+//! A smooth state for manufactured sources.
 
 use super::ExactState;
 use crate::error::{InvalidParameter, positive};
@@ -7,8 +7,8 @@ use crate::state::Primitive;
 use std::f64::consts::TAU;
 use tensor::Transcendental;
 
-/// Waves that run in different directions, one for each of density, velocities and pressure, with period `length` in space
-/// and time: with phi_q = (2 pi / length) (+-x +-y (+-z) - t) + q and the sound speed c of the mean,
+/// Waves in different directions, one each for density, velocities and pressure, with period `length` in space and time.
+/// With phi_q = (2 pi / length) (+-x +-y (+-z) - t) + q and the sound speed c of the mean,
 ///
 /// ```text
 /// rho = mean (1 + a sin phi_0),   w_i = mean + a c sin phi_i,   p = mean (1 + a sin phi_M-1)               (waves)

@@ -12,7 +12,7 @@ use tensor::{Over, Real};
 /// u*_K = (S_K - w_n) / (S_K - S*) ( u_K + (S* - w_n) [0 ; rho n ; rho S* + p / (S_K - w_n)] )
 /// ```
 ///
-/// s_K = 0 where all waves move away from the side.
+/// s_K = 0 if all waves move away from the side.
 #[inline(always)]
 pub(super) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
     gas: &Gas,
@@ -26,7 +26,7 @@ pub(super) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
     let v_n = T::lift(v_n);
     let (s_minus, s_plus) = ((slow - v_n).min(v_n.zero()), (fast - v_n).max(v_n.zero()));
 
-    // The upwind side of the contact, lane by lane: minus where S* >= v_n.
+    // The upwind side of the contact, lane by lane: minus if S* >= v_n.
     let outer = contact.select_ge(v_n, slow, fast);
     let s = contact.select_ge(v_n, s_minus, s_plus);
     let w_n = contact.select_ge(v_n, minus.w_n, plus.w_n);

@@ -4,7 +4,7 @@ use super::Side;
 use crate::gas::Gas;
 use tensor::{Over, Real};
 
-/// (F- + F+) / 2 - s (u+ - u-) / 2 with s the larger |w_n - v_n| + c of the two sides.
+/// (F- + F+) / 2 - s (u+ - u-) / 2, where s is the larger |w_n - v_n| + c of the two sides.
 #[inline(always)]
 pub(super) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
     gas: &Gas,

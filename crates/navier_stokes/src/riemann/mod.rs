@@ -1,7 +1,7 @@
 //! Numerical fluxes between two states on a moving facet.
 //!
-//! All are consistent with F_c(u) . n - v_n u and upwind by the wave speeds relative to the facet, w_n - v_n and
-//! w_n - v_n +- c, which makes them invariant to a common velocity of gas and facet.
+//! All are consistent with F_c(u) . n - v_n u and upwind by the wave speeds relative to the facet, w_n - v_n and w_n -
+//! v_n +- c. So they are invariant under a common velocity of gas and facet.
 
 mod average;
 mod hllc;
@@ -16,15 +16,15 @@ use tensor::{Over, Real};
 /// The choice of the numerical flux.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Riemann {
-    /// Local Lax-Friedrichs (Rusanov): the fastest wave damps all; the simplest and most dissipative.
+    /// Local Lax-Friedrichs (Rusanov): the fastest wave damps all components; the simplest and most dissipative flux.
     LaxFriedrichs,
-    /// Three waves, contact and shear layers kept (Toro, Spruce & Speares 1994).
+    /// Three waves; contact and shear layers are preserved (Toro, Spruce & Speares 1994).
     Hllc,
     /// Linearised by Roe's average (Roe 1981), wave speeds smoothed near zero (Harten 1983).
     Roe,
 }
 
-/// What the solvers need to know of one side of the facet.
+/// The data of one side of the facet for the Riemann solvers.
 struct Side<T, const D: usize, const M: usize> {
     u: [T; M],
     density: T,

@@ -59,7 +59,7 @@ fn dissipation<T: Over<G>, G: Real, const D: usize, const M: usize>(
     let entropy = convected * (plus.density - minus.density - p_jump * inverse);
     let shear = convected * density;
 
-    // Collected by the vectors [1 ; w ; .], [0 ; n ; .] and [0 ; d w ; .].
+    // Grouped by the vectors [1 ; w ; .], [0 ; n ; .] and [0 ; d w ; .].
     let (sum, difference) = (left + right + entropy, c * (right - left) - shear * w_n_jump);
     let mut momentum = scaled(&w, sum);
     for i in 0..D {

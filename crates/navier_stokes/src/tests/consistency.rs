@@ -1,4 +1,4 @@
-//! Numerical fluxes and boundary conditions against the flux that they stand for.
+//! Numerical fluxes and boundary conditions against the physical flux.
 
 use super::*;
 
@@ -21,7 +21,7 @@ fn of_equal_states<const D: usize, const M: usize>() {
     }
 }
 
-/// What leaves one side enters the other, so that a moving facet neither makes nor loses mass, momentum or energy.
+/// The flux out of one side enters the other, so that a moving facet conserves mass, momentum and energy.
 fn antisymmetry<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
@@ -36,7 +36,7 @@ fn antisymmetry<const D: usize, const M: usize>() {
     }
 }
 
-/// Where all waves run from minus to plus, faster than the facet, the flux is that of minus.
+/// If all waves run from minus to plus, faster than the facet, the flux is that of minus.
 fn supersonic<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
@@ -50,8 +50,8 @@ fn supersonic<const D: usize, const M: usize>() {
     }
 }
 
-/// HLLC keeps a contact that moves with the facet: pressure and its work pass, nothing else, whatever the density and the
-/// tangential velocity of the sides.
+/// HLLC preserves a contact that moves with the facet: only pressure and its work pass, for any density and tangential
+/// velocity of the sides.
 fn contact<const D: usize, const M: usize>() {
     let gas = gas();
     for seed in 0..100 {
@@ -68,7 +68,7 @@ fn contact<const D: usize, const M: usize>() {
     }
 }
 
-/// HLLC keeps a shock that moves with the facet.
+/// HLLC preserves a shock that moves with the facet.
 fn shock<const D: usize, const M: usize>() {
     let (gas, gamma) = (gas(), gas().gamma());
     for seed in 0..100 {
@@ -80,7 +80,7 @@ fn shock<const D: usize, const M: usize>() {
         let with_normal = |w_n: f64| -> [f64; D] {
             std::array::from_fn(|i| ahead.velocity[i] + (w_n - dot(&ahead.velocity, &n)) * n[i])
         };
-        // The relations of Rankine and Hugoniot.
+        // The Rankine-Hugoniot relations.
         let squeeze = (gamma + 1.0) * mach * mach / ((gamma - 1.0) * mach * mach + 2.0);
         let rise = 1.0 + 2.0 * gamma / (gamma + 1.0) * (mach * mach - 1.0);
         let minus = Primitive { velocity: with_normal(v_n + mach * c), ..ahead };
@@ -106,7 +106,7 @@ fn of_boundary_conditions<const D: usize, const M: usize>() {
         let Point { n, v, .. } = Point::<f64, f64, D, M>::random(&mut random);
         let inside = random.primitive::<D>();
         let u: [f64; M] = inside.pack(&gas);
-        // Only gas that leaves an outflow keeps its state: the facet stays behind it.
+        // Only gas that leaves an outflow keeps its state: the facet is slower.
         let slower = random.between(0.01, 0.99) * gas.sound_speed(inside.density, inside.pressure);
         let behind = std::array::from_fn(|i| inside.velocity[i] - slower * n[i]);
         let matching = [
@@ -119,18 +119,18 @@ fn of_boundary_conditions<const D: usize, const M: usize>() {
             (Boundary::AdiabaticWall(AdiabaticWall::new([0.0; D]).unwrap()), inside.velocity),
         ];
         for (condition, v) in matching {
-            let flux = law.boundary_flux(condition, &u, &n, &v, &u);
+            let flux = law.boundary_flux(condition, &u, at(&n, &v, &u));
             let error = difference(&flux, &normal_flux(&u, &n, &v));
             assert!(error <= 1e-14, "{condition:?}: {error:e}");
-            let state = law.boundary_state(condition, &u, &n, &v, &u);
+            let state = law.boundary_state(condition, &u, at(&n, &v, &u));
             assert!(difference(&state, &u) <= 1e-14, "{condition:?}: {state:?}");
-            let target_state = condition.target_state(&law, &u, &n, &v, &u);
+            let target_state = condition.target_state(&law, &u, at(&n, &v, &u));
             assert!(difference(&target_state, &u) <= 1e-14, "{condition:?}: {target_state:?}");
         }
     }
 }
 
-/// What a condition asks for is its own, whatever the gas inside does.
+/// The target state of a condition does not depend on the gas inside.
 fn of_what_is_asked<const D: usize, const M: usize>() {
     let (gas, law) = (gas(), law::<D>(Riemann::Hllc));
     for seed in 0..100 {
@@ -138,7 +138,7 @@ fn of_what_is_asked<const D: usize, const M: usize>() {
         let p = Point::<f64, f64, D, M>::random(&mut random);
         let stream = random.primitive::<D>();
         let target_state =
-            |condition: Boundary<D>| condition.target_state(&law, &p.minus, &p.n, &p.v, &stream.pack(&gas));
+            |condition: Boundary<D>| condition.target_state(&law, &p.minus, at(&p.n, &p.v, &stream.pack(&gas)));
         let far_field = target_state(Boundary::FarField(FarField::new(stream).unwrap()));
         assert!(difference(&far_field, &stream.pack(&gas)) <= 1e-14);
         assert_eq!(target_state(Boundary::PrescribedState(PrescribedState)), far_field);

@@ -1,4 +1,4 @@
-//! Exact states solve the equations, and sources are what is missing otherwise.
+//! Exact states solve the equations, and sources equal the residual of other states.
 
 use super::*;
 use crate::exact::{Couette, FreeStream, Vortex, Waves};
@@ -13,7 +13,7 @@ fn inviscid<const D: usize>() -> NavierStokes<D> {
     NavierStokes { gas, ..law(Riemann::Roe) }
 }
 
-/// The vortex of the paper: U = rho = 1, M = 0.5, beta = 0.2, R = 1; carried along by a stream that is not parallel to x.
+/// The vortex of the paper: U = rho = 1, M = 0.5, beta = 0.2, R = 1; the stream is not parallel to x.
 fn vortex<const D: usize>(period: Option<[f64; 2]>) -> Vortex<D> {
     let mut velocity = [0.0; D];
     (velocity[0], velocity[1]) = (0.8, 0.6);
@@ -42,7 +42,7 @@ fn euler_solutions<const D: usize, const M: usize>() {
     }
 }
 
-/// Couette flow solves the viscous equations, in any frame, for any size of the viscosity.
+/// Couette flow solves the viscous equations, in any frame, for any viscosity.
 fn couette_flow<const D: usize, const M: usize>() {
     let gas = Gas::new(1.4, 1.3, 0.72, Viscosity::Constant(0.2)).unwrap();
     let law = NavierStokes { gas, ..law::<D>(Riemann::Roe) };
@@ -59,7 +59,7 @@ fn couette_flow<const D: usize, const M: usize>() {
     assert!(largest(source) > 1e-3);
 }
 
-/// p / rho^gamma is the same everywhere, and the vortex seen from the free stream never changes.
+/// p / rho^gamma is constant, and the vortex seen from the free stream is steady.
 fn isentropic_and_steady<const D: usize, const M: usize>() {
     let vortex = vortex::<D>(None);
     let gas = inviscid::<D>().gas;
@@ -148,7 +148,7 @@ fn manufactured_source<const D: usize, const M: usize>() {
     }
 }
 
-/// Fields hand on the derivative along a motion of the point.
+/// Fields return the derivative along a motion of the point.
 fn duals_of_fields<const D: usize, const M: usize>() {
     fn check<const D: usize, const M: usize>(field: impl StateField<D, M>) {
         for ((x, t), (direction, _)) in samples::<D>().into_iter().zip(samples::<D>().into_iter().rev()) {

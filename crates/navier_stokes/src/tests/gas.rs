@@ -34,7 +34,7 @@ fn of_air() {
     assert!((air.total_enthalpy(&u, pressure) - enthalpy).abs() < 1e-9 * enthalpy);
 }
 
-/// A gas that turns like a rigid body, at a uniform temperature, feels no stress and conducts no heat.
+/// A gas in rigid rotation at a uniform temperature has no viscous stress and conducts no heat.
 fn rigid_rotation<const D: usize, const M: usize>() {
     let gas = gas();
     let state = |x: [Dual<f64>; D]| -> [Dual<f64>; M] {
@@ -76,7 +76,7 @@ fn viscous_fluxes_are_linear_in_the_gradient<const D: usize, const M: usize>() {
     let sum = std::array::from_fn(|i| std::array::from_fn(|c| a.gradient[i][c] - 2.0 * b.gradient[i][c]));
     let law = law::<D>(Riemann::Roe);
     for condition in Conditions::<D>::sample().list() {
-        let through = |gradient| law.boundary_viscous_flux(condition, &a.minus, gradient, &a.n, &a.v);
+        let through = |gradient| law.boundary_viscous_flux(condition, &a.minus, gradient, at(&a.n, &a.v, &a.data));
         let (of_a, of_b) = (through(&a.gradient), through(&b.gradient));
         let expected = std::array::from_fn(|c| of_a[c] - 2.0 * of_b[c]);
         assert!(difference(&through(&sum), &expected) <= 1e-14, "{condition:?}");
@@ -98,7 +98,7 @@ fn admissible_states<const D: usize, const M: usize>() {
     }
 }
 
-/// Mach number 0.2 with rho = U = 1: the scales that balanced the Krylov norms of a heaving airfoil, 0.2, 1, 1, 12.5.
+/// Mach number 0.2 with rho = U = 1: the scales that balance the Krylov norms of a heaving airfoil, 0.2, 1, 1, 12.5.
 #[test]
 fn acoustic_scales() {
     let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3)).unwrap();
@@ -109,7 +109,7 @@ fn acoustic_scales() {
     assert!((reference.reynolds(&gas, 1.0) - 1000.0).abs() <= 1e-9);
 }
 
-/// Every refusal names the quantity and its value.
+/// Every error names the quantity and its value.
 #[test]
 fn bad_parameters() {
     let still = Primitive { density: 1.0, velocity: [1.0, 0.0], pressure: 1.0 };

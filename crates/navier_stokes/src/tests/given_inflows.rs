@@ -4,8 +4,8 @@ use super::consistency::normal_flux;
 use super::openings::{along_x, invariant};
 use super::*;
 
-/// Whatever the gas inside does, a velocity inflow passes the given velocity and temperature, or the given mass flux to round-off, with
-/// the acoustic invariant of the gas inside.
+/// For any gas inside, a velocity inflow passes the given velocity and temperature, or the given mass flux, to round-off. The acoustic
+/// invariant is that of the gas inside.
 fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
     let (gas, n, t) = (gas(), along_x::<D>(-1.0), 1.7);
     for seed in 0..100 {
@@ -18,8 +18,8 @@ fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
         for kind in [VelocityInflow::OfVelocity, VelocityInflow::OfMassFlux] {
             let condition = Boundary::VelocityInflow(kind);
             let law = law::<D>(Riemann::Roe);
-            let flux: [f64; M] = law.boundary_flux(condition, &u, &n, &[0.0; D], &data);
-            let state = Primitive::<f64, D>::unpack(&gas, &condition.target_state(&law, &u, &n, &[0.0; D], &data));
+            let flux: [f64; M] = law.boundary_flux(condition, &u, at(&n, &[0.0; D], &data));
+            let state = Primitive::<f64, D>::unpack(&gas, &condition.target_state(&law, &u, at(&n, &[0.0; D], &data)));
             let vector = match kind {
                 VelocityInflow::OfVelocity => state.velocity,
                 VelocityInflow::OfMassFlux => state.velocity.map(|w| state.density * w),
@@ -37,7 +37,7 @@ fn velocity_inflow_passes_what_is_given<const D: usize, const M: usize>() {
     }
 }
 
-/// A mass flux that fits the state inside passes that state, and where the given vector points out of the domain gas leaves with its own
+/// A mass flux that fits the state inside passes that state. Where the given vector points out of the domain, gas leaves with its own
 /// entropy and tangential velocity.
 fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
     let (gas, law) = (gas(), law::<D>(Riemann::Roe));
@@ -49,13 +49,13 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
         let fits: [f64; M] =
             Primitive { density: 1.0, velocity: momentum, pressure: inside.pressure / inside.density }.pack(&gas);
         let mass_flux = Boundary::VelocityInflow(VelocityInflow::OfMassFlux);
-        let flux = law.boundary_flux(mass_flux, &u, &n, &[0.0; D], &fits);
+        let flux = law.boundary_flux(mass_flux, &u, at(&n, &[0.0; D], &fits));
         assert!(difference(&flux, &normal_flux(&u, &n, &[0.0; D])) <= 1e-13);
 
         let out = random.between(0.1, 0.5);
         let data: [f64; M] = Primitive { density: 1.0, velocity: n.map(|n| out * n), pressure: 9.0 }.pack(&gas);
         for kind in [VelocityInflow::OfVelocity, VelocityInflow::OfMassFlux] {
-            let target_state = Boundary::VelocityInflow(kind).target_state(&law, &u, &n, &[0.0; D], &data);
+            let target_state = Boundary::VelocityInflow(kind).target_state(&law, &u, at(&n, &[0.0; D], &data));
             let state = Primitive::<f64, D>::unpack(&gas, &target_state);
             let entropy = |state: &Primitive<f64, D>| state.pressure / state.density.powf(gas.gamma());
             assert!((entropy(&state) / entropy(&inside) - 1.0).abs() <= 1e-12);
@@ -66,12 +66,12 @@ fn velocity_inflow_lets_gas_leave<const D: usize, const M: usize>() {
     }
 }
 
-/// A supersonic inflow passes the given state, whatever the gas inside does.
+/// A supersonic inflow passes the given state for any gas inside.
 fn supersonic_inflow_passes_its_state<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let inflow = Boundary::SupersonicInflow(SupersonicInflow);
-        let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &p.minus, &p.n, &p.v, &p.data);
+        let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &p.minus, at(&p.n, &p.v, &p.data));
         assert!(difference(&flux, &normal_flux(&p.data, &p.n, &p.v)) <= 1e-14);
     }
 }

@@ -1,4 +1,4 @@
-//! What does not depend on the observer.
+//! Invariance under a change of the observer.
 
 use super::*;
 
@@ -14,7 +14,7 @@ fn boosted<const D: usize, const M: usize>(u: &[f64; M], boost: &[f64; D]) -> [f
     seen
 }
 
-/// Fluxes relative to a moving facet do not know how fast all of it moves. (Some conditions do, see [`Conditions::OF_AN_OBSERVER`].)
+/// Fluxes relative to a moving facet do not depend on a common velocity. (Some conditions do, see [`Conditions::OF_AN_OBSERVER`].)
 fn galilean<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);

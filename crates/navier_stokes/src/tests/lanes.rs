@@ -57,7 +57,7 @@ fn unpack<S: Simd>(lanes: Lanes<S>) -> [f64; WIDTH] {
     pack.0
 }
 
-/// Up to the round-off that fused products and sums save; the root of an opening amplifies it.
+/// Equal up to the round-off of fused products and sums, which the root of an opening amplifies.
 fn equal_plain_numbers<const D: usize, const M: usize>() {
     let conditions = Conditions::<D>::sample().list();
     for seed in 0..10 {

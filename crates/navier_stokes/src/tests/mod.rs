@@ -1,4 +1,4 @@
-//! What must hold of every flux and every boundary condition, in two and three dimensions.
+//! Properties of every flux and every boundary condition, in two and three dimensions.
 #![allow(clippy::unwrap_used)]
 
 mod consistency;
@@ -12,7 +12,7 @@ mod openings;
 mod walls;
 
 use crate::*;
-use fem::ConservationLaw;
+use fem::{BoundaryPoint, ConservationLaw};
 use tensor::{Over, Real, dot, norm};
 
 /// Runs each generic test in two and in three dimensions.
@@ -48,7 +48,16 @@ impl Random {
     }
 }
 
-/// Everything that the point functions take, with numbers `T` of the state and `G` of the geometry.
+/// A point of a boundary.
+pub(super) fn at<'a, G, const D: usize, const M: usize>(
+    normal: &'a [G; D],
+    velocity: &'a [G; D],
+    data: &'a [G; M],
+) -> BoundaryPoint<'a, G, D, M> {
+    BoundaryPoint { normal, velocity, data }
+}
+
+/// The arguments of the point functions, with numbers `T` of the state and `G` of the geometry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point<T, G, const D: usize, const M: usize> {
     pub(super) minus: [T; M],
@@ -100,7 +109,7 @@ impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
     }
 }
 
-/// A gas with a viscosity that varies.
+/// A gas with variable viscosity.
 pub(super) fn gas() -> Gas {
     let viscosity = Viscosity::Sutherland { viscosity: 0.1, temperature: 1.2, constant: 0.4 };
     Gas::new(1.4, 0.7, 0.72, viscosity).unwrap()
@@ -125,7 +134,8 @@ impl<const D: usize> Conditions<D> {
         let mut random = Random(9);
         Conditions { free_stream: random.vector(1.0), slide: random.vector(1.0), direction: random.unit() }
     }
-    /// So many at the end of the list depend on the observer: a reservoir is at rest, and a mass flux is one through a plane at rest.
+    /// The number of conditions at the end of the list that depend on the observer: a reservoir is at rest, and a mass flux refers to
+    /// a plane at rest.
     pub(super) const OF_AN_OBSERVER: usize = 2;
 
     /// Each condition, named.
@@ -147,7 +157,7 @@ impl<const D: usize> Conditions<D> {
     }
 }
 
-/// The values of all point functions: what flows through a facet with normal n, by name.
+/// The values of all point functions, the fluxes through a facet with normal n, by name.
 pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     conditions: &[Boundary<D>],
     p: &Point<T, G, D, M>,
@@ -171,9 +181,9 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
         values.push((format!("{riemann:?}"), law.numerical_flux(&p.minus, &p.plus, &p.n, dot(&p.v, &p.n))));
     }
     for &condition in conditions {
-        let state = base.boundary_state(condition, &p.minus, &p.n, &p.v, &p.data);
-        let flux = base.boundary_flux(condition, &p.minus, &p.n, &p.v, &p.data);
-        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, &p.n, &p.v);
+        let state = base.boundary_state(condition, &p.minus, at(&p.n, &p.v, &p.data));
+        let flux = base.boundary_flux(condition, &p.minus, at(&p.n, &p.v, &p.data));
+        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, at(&p.n, &p.v, &p.data));
         values.push((format!("state of {condition:?}"), state));
         values.push((format!("flux of {condition:?}"), flux));
         values.push((format!("viscous flux of {condition:?}"), viscous));

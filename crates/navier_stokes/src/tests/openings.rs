@@ -1,4 +1,4 @@
-//! Inflow and outflow: what enters, what leaves, and that the one turns into the other without a jump.
+//! Inflow and outflow: the gas that enters, the gas that leaves, and the continuity of the flux between both.
 
 use super::consistency::normal_flux;
 use super::*;
@@ -6,7 +6,7 @@ use super::*;
 const P_0: f64 = 2.0;
 const T_0: f64 = 2.5;
 
-/// What crosses a facet with the normal along -x (inflow) or x (outflow) at rest, told from its flux.
+/// The gas that crosses a facet at rest with the normal along -x (inflow) or x (outflow), computed from its flux.
 struct Crossing {
     pressure: f64,
     velocity: [f64; 2],
@@ -14,13 +14,13 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// Of a flux [m, m w_x + p n_x, m w_y, ..., m H] whose pressure is known from H and the velocity.
+    /// From a flux [m, m w_x + p n_x, m w_y, ..., m H] whose pressure follows from H and the velocity.
     fn new<const M: usize>(flux: &[f64; M], n_x: f64) -> Self {
         let gas = gas();
         let (mass, w_y) = (flux[0], flux[2] / flux[0]);
         let enthalpy = flux[M - 1] / mass;
         let others: f64 = (3..M - 1).map(|i| (flux[i] / mass).powi(2)).sum();
-        // p = rho R T, rho = m / (w_x n_x), c_p T = H - w^2 / 2: a quadratic in w_x, of which the subsonic root is taken.
+        // p = rho R T, rho = m / (w_x n_x), c_p T = H - w^2 / 2: a quadratic equation for w_x, with the subsonic root.
         let push = flux[1] / mass;
         let ratio = (gas.gamma() - 1.0) / gas.gamma();
         let still = enthalpy - 0.5 * (w_y * w_y + others);
@@ -52,7 +52,7 @@ fn flux_of<const D: usize, const M: usize>(
     n: &[f64; D],
 ) -> [f64; M] {
     let u: [f64; M] = inside.pack(&gas());
-    law::<D>(Riemann::Roe).boundary_flux(condition, &u, n, &[0.0; D], &u)
+    law::<D>(Riemann::Roe).boundary_flux(condition, &u, at(n, &[0.0; D], &u))
 }
 
 /// The gas of `inside` at the pressure `p`, at its own entropy: its sound speed, and w_n + 2 c / (gamma - 1) of the gas inside.
@@ -81,17 +81,17 @@ fn of_inflow<const D: usize, const M: usize>() {
         let q = mach * gas.sound_speed(density, pressure);
         let u: [f64; M] = Primitive { density, velocity: direction.map(|d| q * d), pressure }.pack(&gas);
         let inflow = Boundary::Inflow(Inflow::new(P_0, T_0, direction.map(|d| 3.0 * d)).unwrap());
-        let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &u, &n, &v, &u);
+        let flux = law::<D>(Riemann::Roe).boundary_flux(inflow, &u, at(&n, &v, &u));
         assert!(difference(&flux, &normal_flux(&u, &n, &v)) <= 1e-12, "Mach number {mach}");
-        let target_state = inflow.target_state(&law(Riemann::Roe), &u, &n, &v, &u);
+        let target_state = inflow.target_state(&law(Riemann::Roe), &u, at(&n, &v, &u));
         assert!(difference(&target_state, &u) <= 1e-12, "Mach number {mach}");
     }
     assert!(tried > 50);
 }
 
-/// What flows in has the total enthalpy and the total pressure of the reservoir and its direction, and is subsonic. What is pushed back
-/// leaves at the static pressure p_0, unless it is sonic, with its own entropy and tangential velocity. (Before, the inflow imposed the
-/// tangential velocity of the reservoir on gas that left.)
+/// Gas that flows in has the total enthalpy, the total pressure and the direction of the reservoir, and is subsonic. Gas that is pushed
+/// back leaves at the static pressure p_0, unless it is sonic, with its own entropy and tangential velocity, not with those of the
+/// reservoir.
 fn inflow_keeps_the_total_state<const D: usize, const M: usize>() {
     let (gas, n) = (gas(), along_x::<D>(-1.0));
     let exponent = gas.gamma() / (gas.gamma() - 1.0);
@@ -129,7 +129,7 @@ fn inflow_keeps_the_total_state<const D: usize, const M: usize>() {
     assert!(entered > 50 && left > 20, "{entered} {left}");
 }
 
-/// Gas leaves at the pressure outside, with the entropy and the acoustic invariant that it had inside.
+/// Gas leaves at the pressure outside, with its entropy and acoustic invariant from inside.
 fn outflow_keeps_what_leaves<const D: usize, const M: usize>() {
     let (gas, p, n) = (gas(), 0.9, along_x::<D>(1.0));
     let outflow = Boundary::Outflow(Outflow::new(p, 1.5).unwrap());
@@ -150,9 +150,8 @@ fn outflow_keeps_what_leaves<const D: usize, const M: usize>() {
     }
 }
 
-/// Gas that comes back through an outflow is that of the reservoir outside: its total enthalpy and total pressure are data, it has no
-/// tangential velocity, and it is subsonic. (Before, it brought the entropy and the tangential velocity of the gas inside, which has no
-/// bound.)
+/// Gas that comes back through an outflow is gas of the reservoir outside: its total enthalpy and total pressure are data. It has no
+/// tangential velocity, and it is subsonic. With the entropy and the tangential velocity of the gas inside it would be unbounded.
 fn what_comes_back_through_an_outflow_is_given<const D: usize, const M: usize>() {
     let (gas, n) = (gas(), along_x::<D>(1.0));
     let outflow = Boundary::Outflow(Outflow::new(P_0, T_0).unwrap());
@@ -182,14 +181,14 @@ fn of_supersonic_outflow<const D: usize, const M: usize>() {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let v = p.n.map(|n| -6.0 * n);
         let outflow = Boundary::Outflow(Outflow::new(10.0, 1.0).unwrap());
-        let flux = law::<D>(Riemann::Roe).boundary_flux(outflow, &p.minus, &p.n, &v, &p.data);
+        let flux = law::<D>(Riemann::Roe).boundary_flux(outflow, &p.minus, at(&p.n, &v, &p.data));
         assert!(difference(&flux, &normal_flux(&p.minus, &p.n, &v)) <= 1e-14);
     }
 }
 
-/// Where the gas turns round, relative to a facet that moves, the flux does not jump.
+/// When the flow relative to a moving facet reverses, the flux does not jump.
 fn openings_are_continuous<const D: usize, const M: usize>() {
-    /// A change of a velocity, and what it may change in a flux.
+    /// A change of a velocity, and the allowed change of a flux.
     const STEP: f64 = 1e-9;
     let gas = gas();
     for seed in 0..100 {
@@ -211,7 +210,7 @@ fn openings_are_continuous<const D: usize, const M: usize>() {
                     let gain = w_n - dot(&inside.velocity, &n);
                     let velocity = std::array::from_fn(|i| inside.velocity[i] + gain * n[i]);
                     let u: [f64; M] = Primitive { velocity, ..inside }.pack(&gas);
-                    law::<D>(Riemann::Roe).boundary_flux(condition, &u, &n, &v, &u)
+                    law::<D>(Riemann::Roe).boundary_flux(condition, &u, at(&n, &v, &u))
                 };
                 let jump = difference(&with(turning + STEP), &with(turning - STEP));
                 assert!(jump <= 200.0 * STEP, "{condition:?}: {jump:e}");
@@ -220,7 +219,7 @@ fn openings_are_continuous<const D: usize, const M: usize>() {
     }
 }
 
-/// Directions in the facet, or out of the domain, and gas that is all but gone give numbers.
+/// Directions in the facet or out of the domain, and almost vanishing gas, give finite numbers.
 fn openings_are_numbers_everywhere<const D: usize, const M: usize>() {
     use tensor::Dual;
     let (gas, n) = (gas(), along_x::<D>(1.0));
@@ -234,7 +233,7 @@ fn openings_are_numbers_everywhere<const D: usize, const M: usize>() {
             let u: [f64; M] = Primitive { density: gas.density(pressure, T_0), velocity, pressure }.pack(&gas);
             let dual = u.map(|u| Dual::new(u, 1.0));
             for condition in [inflow, outflow] {
-                let flux = law::<D>(Riemann::Roe).boundary_flux(condition, &dual, &n, &[0.0; D], &u);
+                let flux = law::<D>(Riemann::Roe).boundary_flux(condition, &dual, at(&n, &[0.0; D], &u));
                 assert!(flux.iter().all(|f| f.value.is_finite() && f.derivative.is_finite()), "{flux:?}");
             }
         }

@@ -11,28 +11,28 @@ fn walls<const D: usize>(slide: [f64; D]) -> [Boundary<D>; 4] {
     ]
 }
 
-/// Exactly, not up to round-off, whatever the wall does.
+/// Exactly, not up to round-off, for any motion of the wall.
 fn no_mass<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);
         let p = Point::<f64, f64, D, M>::random(&mut random);
         let law = law::<D>(Riemann::Roe);
         for wall in walls(random.vector(1.0)) {
-            let flux = law.boundary_flux(wall, &p.minus, &p.n, &p.v, &p.data);
-            let viscous = law.boundary_viscous_flux(wall, &p.minus, &p.gradient, &p.n, &p.v);
+            let flux = law.boundary_flux(wall, &p.minus, at(&p.n, &p.v, &p.data));
+            let viscous = law.boundary_viscous_flux(wall, &p.minus, &p.gradient, at(&p.n, &p.v, &p.data));
             assert_eq!((flux[0], viscous[0]), (0.0, 0.0), "{wall:?}");
         }
     }
 }
 
-/// The gas between walls at rest keeps its energy exactly, unless one of them is kept at a temperature.
+/// The gas between walls at rest keeps its energy exactly, unless one of them is isothermal.
 fn no_energy_at_rest<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let law = law::<D>(Riemann::Roe);
         for wall in walls([0.0; D]) {
-            let flux = law.boundary_flux(wall, &p.minus, &p.n, &[0.0; D], &p.data);
-            let viscous = law.boundary_viscous_flux(wall, &p.minus, &p.gradient, &p.n, &[0.0; D]);
+            let flux = law.boundary_flux(wall, &p.minus, at(&p.n, &[0.0; D], &p.data));
+            let viscous = law.boundary_viscous_flux(wall, &p.minus, &p.gradient, at(&p.n, &[0.0; D], &p.data));
             assert_eq!(flux[M - 1], 0.0, "{wall:?}");
             if !matches!(wall, Boundary::IsothermalWall(_)) {
                 assert_eq!(viscous[M - 1], 0.0, "{wall:?}");
@@ -41,7 +41,7 @@ fn no_energy_at_rest<const D: usize, const M: usize>() {
     }
 }
 
-/// The energy that crosses a wall without heat is the work of the force on it: p n . v - (tau n) . w_b.
+/// The energy that crosses an adiabatic wall is the work of the force on it: p n . v - (tau n) . w_b.
 fn energy_is_work<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let mut random = Random(seed);
@@ -49,9 +49,9 @@ fn energy_is_work<const D: usize, const M: usize>() {
         let (law, slide) = (law::<D>(Riemann::Roe), random.vector(1.0));
         let w_b: [f64; D] = std::array::from_fn(|i| p.v[i] + slide[i] - dot(&slide, &p.n) * p.n[i]);
         for (wall, velocity) in [(walls(slide)[0], w_b), (walls(slide)[2], p.v)] {
-            let state = law.boundary_state(wall, &p.minus, &p.n, &p.v, &p.data);
-            let flux = law.boundary_flux(wall, &p.minus, &p.n, &p.v, &p.data);
-            let viscous = law.boundary_viscous_flux(wall, &state, &p.gradient, &p.n, &p.v);
+            let state = law.boundary_state(wall, &p.minus, at(&p.n, &p.v, &p.data));
+            let flux = law.boundary_flux(wall, &p.minus, at(&p.n, &p.v, &p.data));
+            let viscous = law.boundary_viscous_flux(wall, &state, &p.gradient, at(&p.n, &p.v, &p.data));
             let net: [f64; M] = std::array::from_fn(|c| flux[c] - viscous[c]);
             let force = Conserved::<f64, D>::unpack(&net).momentum;
             assert!((net[M - 1] - dot(&force, &velocity)).abs() <= 1e-14 * (1.0 + net[M - 1].abs()), "{wall:?}");
@@ -59,8 +59,8 @@ fn energy_is_work<const D: usize, const M: usize>() {
     }
 }
 
-/// The states that walls impose have the velocity of the wall and pressure from inside; an isothermal wall has its
-/// temperature, the others that of the gas.
+/// The states that walls impose have the velocity of the wall and pressure from inside. The temperature is given at an
+/// isothermal wall, and otherwise that of the gas.
 fn imposed_states<const D: usize, const M: usize>() {
     let gas = gas();
     for seed in 0..100 {
@@ -77,22 +77,22 @@ fn imposed_states<const D: usize, const M: usize>() {
             Primitive { velocity: sliding, ..inside },
         ];
         for (wall, expected) in walls(slide).into_iter().zip(expected) {
-            let state = law::<D>(Riemann::Roe).boundary_state(wall, &p.minus, &p.n, &p.v, &p.data);
+            let state = law::<D>(Riemann::Roe).boundary_state(wall, &p.minus, at(&p.n, &p.v, &p.data));
             assert!(difference(&state, &expected.pack(&gas)) <= 1e-14, "{wall:?}");
         }
     }
 }
 
-/// The viscous flux through a wall is that of the gas, less the heat where it is adiabatic, and less heat and shear where
-/// gas slides.
+/// The viscous flux through a wall is the flux in the gas, without the heat if the wall is adiabatic, and without heat
+/// and shear if the gas slips.
 fn viscous_flux<const D: usize, const M: usize>() {
     for seed in 0..100 {
         let p = Point::<f64, f64, D, M>::random(&mut Random(seed));
         let law = law::<D>(Riemann::Roe);
         let [adiabatic, isothermal, slip, _] = walls([0.0; D]);
         let through = |wall| {
-            let state = law.boundary_state(wall, &p.minus, &p.n, &p.v, &p.data);
-            (state, law.boundary_viscous_flux(wall, &state, &p.gradient, &p.n, &p.v))
+            let state = law.boundary_state(wall, &p.minus, at(&p.n, &p.v, &p.data));
+            (state, law.boundary_viscous_flux(wall, &state, &p.gradient, at(&p.n, &p.v, &p.data)))
         };
         let full = |state: [f64; M]| -> [f64; M] {
             let flux = law.viscous_flux(&state, &p.gradient);

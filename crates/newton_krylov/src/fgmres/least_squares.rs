@@ -12,7 +12,7 @@ use std::ops::Range;
 /// min | |r_0| e_1 - H y | with an upper Hessenberg matrix H.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LeastSquares {
-    /// The upper triangle R, column by column, followed by the entries (0..=j, j) of H while column j is made.
+    /// The upper triangle R, column by column, followed by the entries (0..=j, j) of H while column j is being built.
     r: Vec<f64>,
     /// (c, s) of each rotation.
     rotations: Vec<(f64, f64)>,
@@ -22,14 +22,14 @@ pub(super) struct LeastSquares {
     y: Vec<f64>,
 }
 
-/// Where column j of an upper triangle is stored.
+/// The storage range of column j of an upper triangle.
 fn column(j: usize) -> Range<usize> {
     let start = j * (j + 1) / 2;
     start..start + j + 1
 }
 
 impl LeastSquares {
-    /// Starts with no column and |r_0| = `beta`.
+    /// Starts without columns and with |r_0| = `beta`.
     pub(super) fn start(&mut self, beta: f64) {
         self.r.clear();
         self.rotations.clear();
@@ -37,8 +37,8 @@ impl LeastSquares {
         self.g.push(beta);
     }
 
-    /// Adds the numbers that `products` writes, the i-th of them to entry (i, j) of H, i <= j, j being the new column; returns what is
-    /// to be added to w: the products with their signs changed.
+    /// Adds the numbers that `products` writes to the new column j of H: number i to entry (i, j), i <= j. Returns the products with
+    /// opposite sign, which are to be added to w.
     pub(super) fn subtract_from_column(&mut self, products: impl FnOnce(&mut [f64])) -> &[f64] {
         let new = column(self.rotations.len());
         self.r.resize(new.end, 0.0);
@@ -53,7 +53,7 @@ impl LeastSquares {
 
     /// Completes the new column with H_{j+1,j} = `below` and rotates it into R; returns |rho|.
     ///
-    /// A column that depends on the earlier ones is dropped: it does not reduce |rho|.
+    /// A column that depends linearly on the earlier ones is dropped: it does not reduce |rho|.
     pub(super) fn rotate(&mut self, below: f64) -> f64 {
         let j = self.rotations.len();
         let h = &mut self.r[column(j)];

@@ -36,7 +36,7 @@ fn unsymmetric(n: usize) -> Dense {
     Dense((0..n).map(|i| (0..n).map(|j| entries[i * n + j] + if i == j { 4.0 } else { 0.0 }).collect()).collect())
 }
 
-/// x_i := x_{i-1}, cyclic: GMRES is known to make no progress at all before the last iteration.
+/// x_i := x_{i-1}, cyclic: GMRES makes no progress before the last iteration.
 fn cyclic_shift(x: &[f64], y: &mut [f64]) {
     let n = x.len();
     (0..n).for_each(|i| y[i] = x[(i + n - 1) % n]);
@@ -88,7 +88,7 @@ fn restarts_where_it_must_and_reports_stagnation_where_that_is_of_no_use() {
 
 #[test]
 fn the_preconditioner_may_change_in_every_iteration() {
-    // P^-1 is the exact inverse, but for a part that is different each time.
+    // P^-1 is the exact inverse, except for a part that changes each time.
     let (mut a, b) = (unsymmetric(40), scattered(40));
     let exact = a.clone();
     let mut calls = 0;
@@ -128,7 +128,7 @@ fn minimises_the_weighted_norm() {
     assert!(matches!(error, Error::MaxIterations(Report { iterations: 1, .. })));
 }
 
-/// Where the residual fell far, a product tells its norm; where it did not, the estimate is as good, and saves it.
+/// If the residual fell far, a product computes its norm. Otherwise the estimate is as good and saves the product.
 #[test]
 fn the_reported_norm_is_that_of_the_true_residual() {
     let (mut a, b) = (unsymmetric(40), scattered(40));

@@ -1,4 +1,4 @@
-//! A Newton solve from one step to the next.
+//! A Newton solve, step by step.
 
 use super::tolerances::Tolerances;
 use super::{Convergence, Error, Report, Settings, StepReport, Workspace};
@@ -10,16 +10,17 @@ use crate::pseudo_time::PseudoTime;
 use crate::{fgmres, line_search};
 use std::cell::RefCell;
 
-/// After so many steps in a row, each no longer than this part of its increment, fields are damped.
+/// After this many steps in a row, each at most this fraction of its increment, fields are damped.
 const SHORT_STEPS: (usize, f64) = (3, 0.25);
 
-/// A step that leaves more than this part of the residual has brought little: perhaps only rounding is left.
+/// A step that leaves more than this fraction of the residual has made little progress: perhaps only rounding is left.
 const LITTLE_PROGRESS: f64 = 0.2;
 
-/// So has one, where the residual is small, that leaves more than this times what its linear solve promised.
+/// If the residual is small, a step has also made little progress if it leaves more than this times what its linear
+/// solve predicted.
 const SHORT_OF_LINEAR: f64 = 1.5;
 
-/// A solve under way, between two steps.
+/// A solve in progress, between two steps.
 pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
     problem: &'a mut P,
     settings: &'a Settings,
@@ -31,13 +32,13 @@ pub(super) struct Driver<'a, P: NonlinearProblem + ?Sized> {
     report: Report,
 }
 
-/// The iterate with the least residual, where the settings ask for it.
+/// The iterate with the least residual, kept if the settings ask for it.
 struct Best {
     norm: f64,
     z: Vec<f64>,
-    /// The number of the step that ended with a residual well below all before.
+    /// The number of the step whose residual was last well below all earlier ones.
     progress: usize,
-    /// The least norm then.
+    /// The least norm at that step.
     progress_norm: f64,
 }
 
@@ -47,7 +48,7 @@ impl Best {
     }
 }
 
-/// An increment that was found useful, and how far to follow it.
+/// A usable increment, and the step length along it.
 struct Attempt {
     linear: fgmres::Report,
     search: line_search::Report,
@@ -88,12 +89,12 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         Ok(driver)
     }
 
-    /// Whether the last accepted iterate will do.
+    /// Whether the last accepted iterate has converged.
     pub(super) fn has_converged(&self) -> bool {
         self.report.convergence.is_some()
     }
 
-    /// What was done.
+    /// The report.
     pub(super) fn into_report(self) -> Report {
         self.report
     }
@@ -119,12 +120,12 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         }
     }
 
-    /// Whether the residual has not fallen for as long as the settings allow.
+    /// Whether the residual has not fallen for as many steps as the settings allow.
     fn has_stalled(&self) -> bool {
         self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
     }
 
-    /// Why no further step is taken, if none is.
+    /// The reason to take no further step, if there is one.
     fn gives_up(&self) -> Option<Error> {
         let report = || Box::new(self.report.clone());
         if self.report.steps.len() >= self.settings.max_steps {
@@ -134,7 +135,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.has_stalled().then(|| Error::Stalled { least, since, report: report() })
     }
 
-    /// One accepted step, after as many rejected attempts as it takes.
+    /// One accepted step, after any number of rejected attempts.
     pub(super) fn step(&mut self, z: &mut [f64]) -> Result<(), Error> {
         if let Some(error) = self.gives_up() {
             return if self.ends_at_round_off(z) { Ok(()) } else { Err(error) };
@@ -154,7 +155,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         }
     }
 
-    /// Finds an increment and a step length; the state there is left in the workspace.
+    /// Finds an increment and a step length; the new state is left in the workspace.
     fn attempt(&mut self, z: &[f64], forcing: f64) -> Result<Attempt, Rejection> {
         self.problem.linearise(z, self.pseudo_time.inverse()).map_err(Rejection::Linearisation)?;
         let linear = self.solve_linear(forcing).map_err(Rejection::Krylov)?;
@@ -162,12 +163,12 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         Ok(Attempt { linear, search })
     }
 
-    /// (newton-step): dz from the problem's guess.
+    /// (newton-step): dz, starting from the problem's guess.
     fn solve_linear(&mut self, forcing: f64) -> Result<fgmres::Report, fgmres::Error> {
         let w = &mut *self.workspace;
         scaled_copy(-1.0, &w.residual, &mut w.right_side);
         self.problem.guess_increment(&w.right_side, &mut w.increment);
-        // eta |R|, whatever the guess has left of it.
+        // eta |R|, even if the guess has reduced the residual already.
         let norm = self.report.final_norm();
         let absolute_tolerance = forcing * norm;
         let settings = fgmres::Settings { relative_tolerance: 0.0, absolute_tolerance, ..self.settings.krylov };
@@ -180,10 +181,10 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         if usable { Ok(report) } else { result }
     }
 
-    /// Looks for a along dz by (merit).
+    /// Searches for a along dz by (merit).
     fn search(&mut self, z: &[f64]) -> Result<line_search::Report, line_search::Error> {
         let (problem, w) = (&mut *self.problem, &mut *self.workspace);
-        let (initial, damped) = (self.report.final_norm(), self.pseudo_time.is_active());
+        let (initial, damped) = (problem.merit(&w.residual), self.pseudo_time.is_active());
         w.pseudo_term.fill(0.0);
         if damped {
             problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
@@ -202,7 +203,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
             if damped {
                 axpy(a, &w.pseudo_term, &mut w.merit);
             }
-            Ok(problem.inner_product().norm(&w.merit))
+            Ok(problem.merit(&w.merit))
         };
         line_search::search(&self.settings.line_search, initial, largest, round_off, merit_norm)
     }
@@ -231,7 +232,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.judge(z, attempt.search.decreased)
     }
 
-    /// Damping where the last steps all were short: such increments are of little use, and shorter and shorter steps would follow.
+    /// Starts damping if the last steps were all short: such increments are of little use, and ever shorter steps would follow.
     fn damp_after_short_steps(&mut self) {
         let (count, length) = SHORT_STEPS;
         let short = self.report.steps.iter().rev().take_while(|step| step.step_length <= length).count() >= count;
@@ -240,7 +241,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         }
     }
 
-    /// More damping after a rejection; the rejection as an error if that is of no use.
+    /// Increases the damping after a rejection; returns the rejection as an error if the damping has no effect.
     fn damp(&mut self, rejections: usize, rejection: Rejection) -> Result<(), Error> {
         let field_norms = self.report.final_field_norms();
         let worthwhile =
@@ -257,14 +258,14 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         })
     }
 
-    /// Whether the last step has brought so little that rounding may be the reason.
+    /// Whether the last step has made so little progress that rounding may be the reason.
     fn has_met_rounding(&self) -> bool {
         let (left, norm) = (self.report.last_reduction(), self.report.final_norm());
         let promised = self.report.steps.last().map_or(1.0, |step| step.linear_residual);
         left > LITTLE_PROGRESS || norm <= self.settings.quiet && left > SHORT_OF_LINEAR * promised
     }
 
-    /// Ends the solve if the residual of the iterate `z` is within its rounding. The caller has seen a step that brought little or failed.
+    /// Ends the solve if the residual of the iterate `z` is within its rounding. Called after a step that made little progress or failed.
     fn ends_at_round_off(&mut self, z: &[f64]) -> bool {
         self.tolerances.floor(|| self.problem.round_off(z));
         self.report.round_off = self.tolerances.rounding_norm();
@@ -275,7 +276,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         ends
     }
 
-    /// Converged, diverged or neither, after a step to `z` with or without decrease.
+    /// Decides after a step to `z`, with or without decrease: converged, diverged or neither.
     fn judge(&mut self, z: &[f64], decreased: bool) -> Result<(), Error> {
         let norm = self.report.final_norm();
         let reference = self.tolerances.reference;

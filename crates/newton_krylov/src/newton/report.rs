@@ -1,4 +1,4 @@
-//! What the Newton driver has done, and why it may have stopped short.
+//! The report of the Newton driver, and its errors.
 
 use crate::problem::Inadmissible;
 use crate::{fgmres, line_search};
@@ -8,32 +8,32 @@ use crate::{fgmres, line_search};
 pub enum Convergence {
     /// The total norm and the norm of each field are within their tolerances.
     Tolerance,
-    /// The tolerance is finer than round-off: the residual is at the level of round-off and cannot be reduced any more.
+    /// The tolerance is below round-off: the residual is at the level of round-off and cannot be reduced further.
     RoundOff,
 }
 
 /// One accepted Newton step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepReport {
-    /// |R| where the step ended.
+    /// |R| at the end of the step.
     pub residual_norm: f64,
-    /// |R_k| of each field where the step ended.
+    /// |R_k| of each field at the end of the step.
     pub field_norms: Vec<f64>,
-    /// The relative tolerance asked of the linear solver.
+    /// The relative tolerance of the linear solver.
     pub forcing: f64,
     /// The relative residual that it reached.
     pub linear_residual: f64,
     /// Its iterations in the accepted attempt.
     pub krylov_iterations: usize,
-    /// The part of the increment that was taken.
+    /// The fraction of the increment that was taken.
     pub step_length: f64,
     /// 1/dtau_k of each field during the step.
     pub inverse_pseudo_time: Vec<f64>,
-    /// The number of attempts, with less damping, that were rejected before.
+    /// The number of earlier attempts, with less damping, that were rejected.
     pub rejections: usize,
 }
 
-/// What a solve has done.
+/// The report of a solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// |R| at the initial guess.
@@ -46,9 +46,9 @@ pub struct Report {
     pub residual_evaluations: usize,
     /// Products with dR/dz.
     pub jacobian_products: usize,
-    /// Iterations of the linear solver, those of rejected attempts included.
+    /// Iterations of the linear solver, including those of rejected attempts.
     pub krylov_iterations: usize,
-    /// The part of |R| that rounding causes, as the problem estimates it; `None` where it was not asked.
+    /// The part of |R| caused by rounding, as the problem estimates it; `None` if the problem was not asked.
     pub round_off: Option<f64>,
     /// How the solve converged; `None` in the report of a failure.
     pub convergence: Option<Convergence>,
@@ -65,7 +65,7 @@ impl Report {
         self.steps.last().map_or(self.initial_norm, |step| step.residual_norm)
     }
 
-    /// The part of |R| that the last step has left; 0 before the first.
+    /// The fraction of |R| that the last step has left; 0 before the first step.
     pub fn last_reduction(&self) -> f64 {
         match self.residual_history()[..] {
             [.., before, last] => last / before,
@@ -82,12 +82,13 @@ impl Report {
 /// Why a solve failed. z is left at an accepted iterate, see [`super::solve`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// R or dR/dz is not defined at an iterate: at the initial guess unless the problem contradicts itself.
+    /// R or dR/dz is not defined at an iterate. This can only be the initial guess, unless the problem contradicts
+    /// itself.
     #[error("Newton step {}: the problem cannot be evaluated at the iterate", report.steps.len() + 1)]
     Inadmissible {
-        /// What is wrong with the state.
+        /// Why the state is inadmissible.
         source: Inadmissible,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
     /// No step along the increment was acceptable, and pseudo-time damping did not help.
@@ -95,7 +96,7 @@ pub enum Error {
     LineSearch {
         /// Why the last search failed.
         source: line_search::Error,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
     /// The linear solver found no useful increment, and pseudo-time damping did not help.
@@ -103,7 +104,7 @@ pub enum Error {
     Krylov {
         /// Why the last linear solve failed.
         source: fgmres::Error,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
     /// The number of steps is used up.
@@ -114,7 +115,7 @@ pub enum Error {
     MaxSteps {
         /// The tolerance of the total norm.
         tolerance: f64,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
     /// The residual no longer falls.
@@ -127,7 +128,7 @@ pub enum Error {
         least: f64,
         /// The step that ended there.
         since: usize,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
     /// The residual grew beyond all bounds, or is not finite.
@@ -138,13 +139,13 @@ pub enum Error {
     Diverged {
         /// The reference norm.
         reference: f64,
-        /// What was done until then.
+        /// The report up to the failure.
         report: Box<Report>,
     },
 }
 
 impl Error {
-    /// What was done until the failure.
+    /// The report up to the failure.
     pub fn report(&self) -> &Report {
         match self {
             Self::Inadmissible { report, .. }

@@ -159,7 +159,7 @@ fn a_failed_line_search_switches_pseudo_time_on_and_convergence_switches_it_off(
     assert!(orders(&report.residual_history(), 1e-12).last().unwrap() > &1.8);
 }
 
-/// A line search that tries on and on finds shorter and shorter steps towards the minimum; damping does not wait for its end.
+/// A line search without limit takes shorter and shorter steps towards the minimum; damping starts earlier.
 #[test]
 fn short_steps_in_a_row_switch_pseudo_time_on() {
     let mut settings = Settings { max_steps: 100, ..exact() };
@@ -229,7 +229,7 @@ fn a_tolerance_below_round_off_ends_at_round_off() {
     assert!(report.final_norm() <= 1e-13 * report.initial_norm);
 }
 
-/// x^2 - 2 with a last digit that is worth 1e-6: f(x) is rounded to multiples of it, and sqrt(2) is no solution.
+/// x^2 - 2 whose last digit is 1e-6: f(x) is rounded to multiples of it, and sqrt(2) is not a computed root.
 fn coarse_problem() -> Small {
     let rounded = |x: &[f64]| Ok(vec![1e-6 * ((x[0] * x[0] - 2.0) / 1e-6 + 0.3).round() + 4e-7]);
     Small::new(1, rounded, |x| vec![vec![2.0 * x[0]]])
@@ -251,7 +251,7 @@ fn a_solve_ends_at_the_rounding_that_the_problem_estimates() {
     assert!(report.steps.iter().all(|step| step.rejections == 0), "no damping against rounding: {report:?}");
 }
 
-/// An estimate far above the true rounding ends no solve that still makes progress.
+/// An estimate far above the true rounding does not end a solve that still makes progress.
 #[test]
 fn an_estimate_of_rounding_does_not_end_a_solve_that_makes_progress() {
     let mut problem = Small::new(1, |x| Ok(vec![x[0] * x[0] - 2.0]), |x| vec![vec![2.0 * x[0]]]);
@@ -307,7 +307,7 @@ fn a_jacobian_that_is_not_finite_is_a_krylov_failure() {
 
 #[test]
 fn a_residual_that_grows_beyond_all_bounds_is_divergence() {
-    // Damping without end against x' = exp(x): the merit falls in every step while the residual grows.
+    // Unlimited damping for x' = exp(x): the merit function falls in every step while the residual grows.
     let mut settings = exact();
     settings.pseudo_time.initial_inverse = 10.0;
     settings.pseudo_time.power = 0.0;
@@ -319,13 +319,13 @@ fn a_residual_that_grows_beyond_all_bounds_is_divergence() {
 
 // ---- stalls --------------------------------------------------------------------------------------------------------------
 
-/// x^2 + 1 has no root: without an end to it the driver would spend all its steps.
+/// x^2 + 1 has no root: without a stall criterion the driver would use all its steps.
 #[test]
 fn a_residual_that_no_longer_falls_ends_the_solve_at_the_best_iterate() {
     let no_root = |x: &[f64]| Ok(vec![x[0] * x[0] + 1.0]);
     let mut problem = Small::new(1, no_root, |x: &[f64]| vec![vec![2.0 * x[0]]]);
     let mut settings = Settings { max_steps: 100, stall: Some(Stall { steps: 5, factor: 0.9 }), ..Settings::default() };
-    // Damping for ever: an implicit Euler step always lets |G| fall.
+    // Unlimited damping: an implicit Euler step always reduces |G|.
     settings.pseudo_time = pseudo_time::Settings { initial_inverse: 10.0, switch_off: 0.0, ..settings.pseudo_time };
     let mut x = [2.0];
     let error = run(&mut problem, &mut x, &settings).unwrap_err();

@@ -1,12 +1,12 @@
-//! When a residual is small enough.
+//! The convergence criterion.
 //!
 //! ```text
 //! (converged)   |R| <= max(absolute, relative |R|_ref)     and, for each field k,
 //!               |R_k| <= max(absolute, relative |R_k|_ref, round-off |R|_ref)
 //! ```
 //!
-//! No field can hide behind another; but none is asked for less than the round-off of the whole. Where steps bring nothing any more,
-//! the rounding that the problem itself estimates counts as well.
+//! Each field must converge by itself, but no field needs a residual below the round-off of the whole system. Once steps make no
+//! more progress, the rounding that the problem estimates counts as well.
 
 use super::Settings;
 
@@ -14,18 +14,18 @@ use super::Settings;
 pub(super) struct Tolerances {
     /// |R|_ref
     pub(super) reference: f64,
-    /// That of the total norm.
+    /// The bound of the total norm.
     pub(super) total: f64,
-    /// That of each field.
+    /// The bound of each field.
     pub(super) fields: Vec<f64>,
-    /// The norm at which no decrease is asked for any more.
+    /// The norm below which no decrease is required.
     pub(super) round_off: f64,
-    /// The rounding of each field as the problem estimates it, once it was asked: zero where it knows nothing.
+    /// The rounding of each field as the problem estimates it, once it was asked; zero if it does not know.
     pub(super) rounding: Option<Vec<f64>>,
 }
 
 impl Tolerances {
-    /// From the reference norm of each field.
+    /// Tolerances for the reference norms of the fields.
     pub(super) fn new(settings: &Settings, references: &[f64]) -> Self {
         let reference = total(references);
         let round_off = settings.round_off * reference;
@@ -39,19 +39,19 @@ impl Tolerances {
         }
     }
 
-    /// The norm at which no decrease is asked for any more, by what `ask` tells of the rounding of each field. It is asked once.
+    /// The norm below which no decrease is required, from the rounding of each field that `ask` returns. `ask` is called once.
     pub(super) fn floor(&mut self, ask: impl FnOnce() -> Option<Vec<f64>>) -> f64 {
         let fields = self.fields.len();
         let rounding = self.rounding.get_or_insert_with(|| ask().unwrap_or_else(|| vec![0.0; fields]));
         self.round_off.max(total(rounding))
     }
 
-    /// The norm of the rounding of all fields, if the problem was asked and knows.
+    /// The norm of the rounding of all fields, if the problem was asked and has an estimate.
     pub(super) fn rounding_norm(&self) -> Option<f64> {
         self.rounding.as_ref().map(|fields| total(fields)).filter(|&norm| norm > 0.0)
     }
 
-    /// (converged), or above it by rounding alone. The rounding must be known.
+    /// (converged), or not converged by rounding alone. The rounding must be known.
     pub(super) fn met_but_for_rounding(&self, norm: f64, field_norms: &[f64]) -> bool {
         let Some(rounding) = &self.rounding else { return false };
         let mut fields = field_norms.iter().zip(&self.fields).zip(rounding);

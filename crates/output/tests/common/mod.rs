@@ -1,4 +1,4 @@
-//! A small run whose numbers are all different, and a look at every bit of a result file.
+//! A small run whose numbers are all different, and a comparison of every bit of a result file.
 
 #![allow(clippy::unwrap_used, dead_code)]
 
@@ -34,7 +34,7 @@ pub fn metadata() -> Metadata {
     }
 }
 
-/// Bits without pattern (SplitMix64), so that nothing can be guessed or compressed; NaN and infinity occur.
+/// Pseudo-random bits (SplitMix64), so that they cannot be guessed or compressed; NaN and infinity occur.
 pub fn noise(seed: u64, count: usize) -> Vec<f64> {
     let mix = |i: u64| {
         let mut z = (seed << 32 | i).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -4,16 +4,16 @@ use super::subject::{Build, Size, Subject, Work, bytes};
 use elasticity::{ElasticMesh, ElasticityError, Material, Plan, Solver, Stiffness};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 
-/// A curved box whose boundary is held.
+/// A curved box whose boundary is constrained.
 pub(super) struct ElasticBox<const D: usize> {
     mesh: Mesh<D>,
     numbering: NodeNumbering,
     material: Material,
-    constrained: Vec<bool>,
+    constrained: Vec<[bool; D]>,
 }
 
 impl<const D: usize> ElasticBox<D> {
-    /// Of about 10^5 unknowns.
+    /// With about 10^5 unknowns.
     pub(super) fn new(size: Size) -> anyhow::Result<Self> {
         let (order, intervals) = (size.order, size.nodes(226, 33) - 1);
         let cells = ((intervals as f64 / (order - 1) as f64).round() as usize).max(2);
@@ -22,12 +22,12 @@ impl<const D: usize> ElasticBox<D> {
             BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] };
         let mesh = box_mesh.build()?;
         let numbering = NodeNumbering::new(&mesh, order);
-        let mut constrained = vec![false; numbering.count];
-        (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = true);
+        let mut constrained = vec![[false; D]; numbering.count];
+        (0..2 * D).flat_map(|b| numbering.on_boundary(&mesh, b)).for_each(|node| constrained[node] = [true; D]);
         Ok(ElasticBox { mesh, numbering, material: Material::new(1.0, 0.4)?, constrained })
     }
 
-    /// What `solver` would be and take.
+    /// The plan of `solver` for this box.
     pub(super) fn plan(&self, solver: Solver) -> Plan {
         Plan::new(&self.mesh, &self.numbering, &self.constrained, solver)
     }
@@ -38,7 +38,7 @@ impl<const D: usize> ElasticBox<D> {
         ElasticMesh::with_solver(&self.mesh, &self.numbering, self.material, stiffness, &self.constrained, solver)
     }
 
-    /// The same again, of what was set up before.
+    /// Repeats a set-up that succeeded before.
     pub(super) fn set_up_again(&self, solver: Solver) -> ElasticMesh<D> {
         self.set_up(solver).unwrap_or_else(|error| unreachable!("it was set up before: {error}"))
     }
@@ -46,10 +46,8 @@ impl<const D: usize> ElasticBox<D> {
 
 /// A displacement of the boundary.
 pub(super) fn boundary<const D: usize>(elastic: &ElasticMesh<D>) -> Vec<f64> {
-    let moved = |(x, held): (&[f64; D], &bool)| {
-        if *held { x.map(|x_i| (3.0 * x_i).sin() * x[0]) } else { [0.0; D] }
-    };
-    elastic.coordinates().iter().zip(elastic.constrained()).flat_map(moved).collect()
+    let everywhere = elastic.coordinates().iter().flat_map(|x| x.map(|x_i| (3.0 * x_i).sin() * x[0]));
+    everywhere.zip(elastic.constrained()).map(|(d, held)| if *held { d } else { 0.0 }).collect()
 }
 
 /// The box with the solver that suits its size.

@@ -4,10 +4,10 @@ use super::elastic::{ElasticBox, boundary};
 use super::subject::{Build, Size, Subject, Work, bytes};
 use elasticity::{ElasticMesh, Solver};
 
-/// Bytes that a solver may take.
+/// The largest memory of a solver in bytes.
 const MOST_BYTES: usize = 1 << 30;
 
-/// The solvers, and the names of their set-up and of an application: what precedes a solve, and one pass of it.
+/// The solvers, and the names of their set-up and of an application, one pass of a solve.
 const SOLVERS: [(Solver, [&str; 2]); 3] = [
     (Solver::Direct, ["direct set-up", "direct"]),
     (Solver::ConjugateGradients, ["low-order set-up", "low-order"]),
@@ -21,7 +21,7 @@ struct Solving<const D: usize> {
     elastic: ElasticMesh<D>,
 }
 
-/// The box with every solver that fits.
+/// The box with every solver that fits into memory.
 pub(super) struct ElasticSolvers<const D: usize> {
     of: ElasticBox<D>,
     all: Vec<Solving<D>>,
@@ -30,7 +30,7 @@ pub(super) struct ElasticSolvers<const D: usize> {
 }
 
 impl<const D: usize> Build for ElasticSolvers<D> {
-    /// The direct solver only where it would be chosen: elsewhere its set-up takes minutes.
+    /// The direct solver is included only if it would be chosen: otherwise its set-up takes minutes.
     fn build(size: Size) -> anyhow::Result<Option<Self>> {
         let of = ElasticBox::new(size)?;
         let chosen = of.plan(Solver::Automatic).solver;

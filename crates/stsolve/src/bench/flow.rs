@@ -1,4 +1,4 @@
-//! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conservation-exact quadrature.
+//! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conserving quadrature.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
 use fem::{Differentiate, Orders, Problem, Quadrature, SlabOperator};

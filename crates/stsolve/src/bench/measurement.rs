@@ -1,4 +1,4 @@
-//! What comes out: rows for people, JSON for programs.
+//! The results: rows of text, JSON for programs.
 
 use super::roofs::Machine;
 use super::subject::{Size, Work};
@@ -18,13 +18,13 @@ pub(super) struct Measurement {
     seconds_all: f64,
     /// Million unknowns per second, one core.
     million_per_second: f64,
-    /// Billion operations per second, one core; absent where they are not counted.
+    /// Billion operations per second, one core; absent if they are not counted.
     gflops: Option<f64>,
     /// Billion bytes per second that must move, one core.
     gbytes: f64,
-    /// The part of the lower roof that is reached, one core.
+    /// The fraction of the lower roof that is reached, one core.
     share_of_limit: f64,
-    /// How much more an unknown costs than at the lowest order, for each time that N grows: at most 1 where the cost grows no
+    /// The growth of the cost per unknown since the lowest order, relative to the growth of N: at most 1 if the cost grows no
     /// faster than N.
     growth: f64,
     /// Time on one core over time on all.
@@ -49,7 +49,7 @@ impl Measurement {
         }
     }
 
-    /// Compares with the roofs. The lower one at this intensity is the one of which more is reached.
+    /// Compares with the roofs. The lower roof at this intensity is the one of which the larger fraction is reached.
     pub(super) fn against(self, machine: &Machine) -> Self {
         let arithmetic = self.gflops.unwrap_or(0.0) / machine.gflops_one;
         Measurement { share_of_limit: arithmetic.max(self.gbytes / machine.gbytes_one), ..self }
@@ -90,7 +90,7 @@ impl fmt::Display for Measurement {
     }
 }
 
-/// All that was measured.
+/// All measurements.
 #[derive(Serialize)]
 pub(super) struct Report {
     pub(super) machine: Machine,
@@ -102,7 +102,7 @@ impl Report {
         Report { machine, rows: Vec::new() }
     }
 
-    /// The machine, and the names of the columns. All but the last column are of one core.
+    /// The machine, and the names of the columns. All columns except the last are for one core.
     pub(super) fn heading(&self) -> String {
         let Machine { threads, lanes, gflops_one, gflops_all, gbytes_one, gbytes_all } = self.machine;
         format!(

@@ -1,12 +1,12 @@
-//! `stsolve bench`: the kernels on this machine, against its own peak and bandwidth, measured in the same run.
+//! `stsolve bench`: the kernels on this machine, relative to its own peak and bandwidth, measured in the same run.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `roofs` | what the machine can do: fused multiply-adds per second, bytes per second |
-//! | `subject` | what is measured, and how much work it is |
+//! | `roofs` | the peak of the machine: fused multiply-adds per second, bytes per second |
+//! | `subject` | the measured kernels, and their amount of work |
 //! | `elastic`, `elastic_solvers`, `flow`, `preconditioner`, `vectors` | the subjects |
 //! | `stopwatch` | the best of many short bursts |
-//! | `measurement` | what comes out: rows for people, JSON for programs |
+//! | `measurement` | the results: rows of text, JSON for programs |
 
 mod elastic;
 mod elastic_solvers;
@@ -20,7 +20,6 @@ mod vectors;
 
 use crate::cli::BenchArguments;
 use crate::commands::print;
-use crate::failure::Failure;
 use crate::terminal::Terminal;
 use elastic::Elastic;
 use elastic_solvers::ElasticSolvers;
@@ -29,11 +28,12 @@ use measurement::{Growth, Measurement, Report};
 use preconditioner::{ByLines, Preconditioned};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use roofs::Machine;
+use simulation::Failure;
 pub use subject::Group;
 use subject::{Build, Size};
 use vectors::Vectors;
 
-/// Measures, and prints a row as soon as it is known, or one JSON object in the end.
+/// Measures, and prints each row as soon as it is known, or one JSON object at the end.
 ///
 /// # Errors
 /// Threads that the system refuses, a subject that cannot be set up, a stdout that cannot be written.
@@ -68,7 +68,7 @@ fn pool(threads: usize) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::bad_input)
 }
 
-/// The rows of one group at one order; none where the subject would not fit.
+/// The rows of one group at one order; none if the subject would not fit into memory.
 fn measure(
     group: Group,
     size: Size,
@@ -106,7 +106,7 @@ fn three<A: Build, B: Build, C: Build>(
     Ok(rows)
 }
 
-/// One subject for one thread and one for all, measured in turns: what disturbs one disturbs the other.
+/// One subject for one thread and one for all, measured in turns, so that other load affects both alike.
 fn of<B: Build>(size: Size, pools: &[ThreadPool; 2], arguments: &BenchArguments) -> Result<Vec<Measurement>, Failure> {
     let mut subjects = Vec::new();
     for pool in pools {

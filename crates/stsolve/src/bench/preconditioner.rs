@@ -6,10 +6,10 @@ use basis::TemporalModes;
 use coupled::preconditioner::{FlowPreconditioner, LinePreconditioner};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
-/// Bytes of the blocks of A that are set up, at most: the factors take about half as much again.
+/// The largest memory of the blocks of A in bytes; the factors take about half as much again.
 const MOST_BYTES: f64 = 3e8;
 
-/// The largest block that is set up: its factorisation takes seconds.
+/// The largest block: its factorisation takes seconds.
 const LARGEST_BLOCK: usize = 1100;
 
 /// An operator with its preconditioner.
@@ -54,7 +54,7 @@ impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
 
     fn run(&mut self, number: usize) {
         match number {
-            // As a run does again and again: in the order of elimination and the memory of the first time.
+            // As in a run: with the order of elimination and the memory of the first set-up.
             0 => {
                 self.preconditioner.replace_jacobian(|a| self.flow.operator.update_space_jacobian(0.5, a));
                 self.preconditioner.factor(DT, 0.0);

@@ -1,4 +1,4 @@
-//! What the machine can do: the two roofs under which a kernel runs (Williams, Waterman & Patterson, Comm. ACM 52, 2009).
+//! The peak of the machine: the two roofs of the roofline model (Williams, Waterman & Patterson, Comm. ACM 52, 2009).
 
 use super::stopwatch::best;
 use super::subject::bytes;
@@ -11,7 +11,7 @@ use tensor::pulp::{Simd, WithSimd};
 /// Peak and bandwidth, on one core and on all.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Machine {
-    /// Threads that "all" means.
+    /// The number of threads of "all".
     pub(super) threads: usize,
     /// Lanes of double precision in a register.
     pub(super) lanes: usize,
@@ -49,13 +49,13 @@ impl WithSimd for Lanes {
     }
 }
 
-/// Accumulators: enough to hide the latency of two units, few enough for the registers of AVX2.
+/// Accumulators: enough to hide the latency of two units, and few enough for the registers of AVX2.
 const CHAINS: usize = 12;
 
 /// Steps of one burst, some hundred microseconds.
 const STEPS: usize = 100_000;
 
-/// Fused multiply-adds that wait for nothing: x := a x + b in [`CHAINS`] registers. Returns the number of operations.
+/// Independent fused multiply-adds: x := a x + b in [`CHAINS`] registers. Returns the number of operations.
 struct Chains(f64);
 
 impl WithSimd for Chains {
@@ -84,10 +84,10 @@ fn peak(pool: &ThreadPool, seconds: f64) -> f64 {
     pool.broadcast(rate).iter().sum::<f64>() * 1e-9
 }
 
-/// Numbers in each of the two vectors: 270 MB together, more than caches hold.
+/// The length of each of the two vectors: 270 MB together, more than caches hold.
 const LENGTH: usize = 1 << 24;
 
-/// y := x + a y: two numbers are read, one is written, and none is read only to be overwritten.
+/// y := x + a y: two numbers are read and one is written; none is read only to be overwritten.
 struct Stream {
     x: Vec<f64>,
     y: Vec<f64>,

@@ -1,19 +1,19 @@
-//! The best of many short bursts: a machine that is shared has good moments.
+//! The best of many short bursts, since a shared machine is not always busy.
 
 use rayon::ThreadPool;
 use std::time::Instant;
 
-/// Seconds that one call takes.
+/// The seconds of one call.
 fn time(mut call: impl FnMut()) -> f64 {
     let start = Instant::now();
     call();
     start.elapsed().as_secs_f64()
 }
 
-/// Seconds that a kernel runs before another has its turn.
+/// The seconds of a kernel before another has its turn.
 const BURST: f64 = 0.02;
 
-/// The shortest time of a call in a burst of them: the first ones refill the caches, where others have worked since.
+/// The shortest time of a call in a burst; its first calls refill the caches after other kernels.
 fn best_of_burst(mut call: impl FnMut()) -> f64 {
     let (start, mut best) = (Instant::now(), f64::INFINITY);
     loop {
@@ -24,7 +24,7 @@ fn best_of_burst(mut call: impl FnMut()) -> f64 {
     }
 }
 
-/// The shortest time of `call` in at least `seconds`, and three calls after a first one.
+/// The shortest time of `call` in at least `seconds`, and at least three calls after a first one.
 pub(super) fn best(seconds: f64, mut call: impl FnMut()) -> f64 {
     call();
     let (start, mut best) = (Instant::now(), f64::INFINITY);

@@ -1,4 +1,4 @@
-//! What is measured, and how much work it is.
+//! The measured kernels, and their amount of work.
 
 use clap::ValueEnum;
 
@@ -27,16 +27,16 @@ impl Group {
     }
 }
 
-/// One kernel and how much work a call of it is.
+/// A kernel and the work of one call.
 #[derive(Clone, Debug)]
 pub(super) struct Work {
     /// Its name.
     pub(super) kernel: &'static str,
-    /// Unknowns that it treats.
+    /// The number of unknowns.
     pub(super) unknowns: f64,
-    /// Floating-point operations, a fused multiply-add counting two; none where nobody counts.
+    /// Floating-point operations, a fused multiply-add counting two; None if they are not counted.
     pub(super) flops: Option<f64>,
-    /// Bytes that must be read from and written to memory, if every number is once.
+    /// Bytes that must be read from and written to memory, with every number once.
     pub(super) bytes: f64,
 }
 
@@ -45,10 +45,10 @@ pub(super) fn bytes(numbers: usize) -> f64 {
     8.0 * numbers as f64
 }
 
-/// The most nodes per direction in 3-D: more would fill the memory of a small machine.
+/// The largest number of nodes per direction in 3-D, for the memory of a small machine.
 const MOST_SPACE_NODES: usize = 64;
 
-/// How large a subject is to be.
+/// The requested size of a subject.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     /// Directions of space.
@@ -57,17 +57,18 @@ pub(super) struct Size {
     pub(super) order: usize,
     /// The same of the mesh under a flow.
     pub(super) mesh_order: usize,
-    /// Nodes per direction of the mesh, if the user wants a certain number.
+    /// Nodes per direction of the mesh, if the user gives a number.
     pub(super) nodes: Option<usize>,
 }
 
 impl Size {
-    /// Cells per direction, an even number so that packs are full, for about as many nodes per direction as wanted.
+    /// Cells per direction, an even number so that packs are full, for about the requested number of nodes per
+    /// direction.
     pub(super) fn even_cells(&self, plane: usize, space: usize) -> usize {
         let nodes = self.nodes(plane, space);
         2 * ((nodes as f64 / (2 * self.order) as f64).round() as usize).max(1)
     }
-    /// Nodes per direction: as wanted, else `plane` or `space` by the dimension.
+    /// Nodes per direction: as requested, or else `plane` or `space` by the dimension.
     pub(super) fn nodes(&self, plane: usize, space: usize) -> usize {
         match self.dimension {
             2 => self.nodes.unwrap_or(plane),
@@ -76,7 +77,7 @@ impl Size {
     }
 }
 
-/// Something with kernels to be measured. It lives in one pool of threads.
+/// A set of kernels to be measured, in one pool of threads.
 pub(super) trait Subject: Send {
     /// The kernels.
     fn work(&self) -> Vec<Work>;
@@ -86,9 +87,9 @@ pub(super) trait Subject: Send {
 
 /// A subject that can be set up for any order.
 pub(super) trait Build: Subject + Sized {
-    /// The subject of that size; nothing where it would take too much memory.
+    /// The subject of that size; `None` if it would take too much memory.
     ///
     /// # Errors
-    /// What the parts say.
+    /// The errors of its parts.
     fn build(size: Size) -> anyhow::Result<Option<Self>>;
 }

@@ -1,4 +1,4 @@
-//! What FGMRES does with vectors: a solve with a diagonal matrix, which is next to no work.
+//! The vector operations of FGMRES: a solve with a diagonal matrix, whose products cost almost nothing.
 
 use super::flow::{PLANE_NODES, SPACE_NODES};
 use super::subject::{Build, Size, Subject, Work, bytes};
@@ -9,7 +9,7 @@ use newton_krylov::operator::LinearSystem;
 /// Iterations of a solve, about as many as a Newton step takes.
 const ITERATIONS: usize = 20;
 
-/// A diagonal matrix with as many eigenvalues as FGMRES is given iterations, and more.
+/// A diagonal matrix with more eigenvalues than FGMRES has iterations.
 struct Diagonal {
     weights: Weighted,
 }
@@ -51,14 +51,14 @@ impl Subject for Vectors {
     fn work(&self) -> Vec<Work> {
         let (n, m) = (self.right.len(), ITERATIONS);
         let pairs = m * (m + 1) / 2;
-        // Products with the weights are formed once for a group of columns.
+        // Products with the weights are formed once per group of columns.
         let groups: usize = (1..=m).map(|j| j.div_ceil(AT_ONCE)).sum();
         let (flops, numbers) = ((4 * pairs + groups + 10 * m) * n, (2 * pairs + 9 * m) * n);
         let unknowns = (n * m) as f64;
         vec![Work { kernel: "FGMRES vectors", unknowns, flops: Some(flops as f64), bytes: bytes(numbers) }]
     }
 
-    /// The solve ends without convergence, as it is to.
+    /// The solve ends without convergence, as intended.
     fn run(&mut self, _: usize) {
         self.solution.fill(0.0);
         let settings = Settings {

@@ -3,18 +3,19 @@
 mod check;
 mod info;
 mod reference;
-mod session;
+mod report;
+mod run;
 mod table;
 
 pub use check::check;
-pub(crate) use check::memory::require_memory;
 pub use info::info;
-pub use session::{Session, output_directory, set_threads};
+pub use report::report;
+pub use run::{motion, run};
 
 use crate::cli::Arguments;
-use crate::failure::Failure;
 use clap::CommandFactory;
 use clap_complete::Shell;
+use simulation::Failure;
 use std::io::Write;
 
 /// `stsolve schema`, as JSON or as a page in Markdown.
@@ -22,7 +23,7 @@ use std::io::Write;
 /// # Errors
 /// If stdout cannot be written.
 pub fn schema(markdown: bool) -> Result<(), Failure> {
-    let schema = crate::case::schema();
+    let schema = case::schema();
     if markdown {
         return print(reference::markdown(schema.as_value()).trim_end());
     }
@@ -39,7 +40,7 @@ pub fn completions(shell: Shell) -> Result<(), Failure> {
     print(&String::from_utf8_lossy(&script))
 }
 
-/// Writes to stdout. A reader that has seen enough, as `head` does, is no failure.
+/// Writes to stdout. A reader that closes the pipe early, as `head` does, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::solve(error)),

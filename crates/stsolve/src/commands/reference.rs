@@ -1,4 +1,4 @@
-//! The reference of the case file, made of its schema.
+//! The reference of the case file, generated from its schema.
 
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 const TITLE: &str = "# Keys of a case file\n\nThis page is the output of `stsolve schema --markdown`.\n";
 
-/// All keys of the JSON `schema` as a page in Markdown: a section for each table and for each choice, by the shortest key that leads there.
+/// All keys of the JSON `schema` as a page in Markdown. Each table and each choice has a section, named by the shortest key of it.
 pub(super) fn markdown(schema: &Value) -> String {
     let mut page = Page { schema, keys: BTreeMap::new() };
     page.find_keys();
@@ -20,12 +20,12 @@ pub(super) fn markdown(schema: &Value) -> String {
 
 struct Page<'a> {
     schema: &'a Value,
-    /// The keys that lead to a definition, the shortest first.
+    /// The keys of a definition, the shortest first.
     keys: BTreeMap<&'a str, Vec<String>>,
 }
 
 impl<'a> Page<'a> {
-    /// Finds what keys lead to, level by level, so that the first key is a short one.
+    /// Finds the keys of definitions, level by level, so that the first key is a short one.
     fn find_keys(&mut self) {
         let mut level = vec![(String::new(), self.schema)];
         while !level.is_empty() {
@@ -57,7 +57,7 @@ impl<'a> Page<'a> {
     fn section(&self, text: &mut String, name: &str) {
         let (keys, definition) = (&self.keys[name], &self.schema["$defs"][name]);
         let level = if keys[0].contains('.') { "###" } else { "##" };
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "\n{level} `{}`\n\n{}", keys[0], description(definition));
         if keys.len() > 1 {
             let others: Vec<String> = keys[1..].iter().map(|key| format!("`{key}`")).collect();
@@ -77,7 +77,7 @@ impl<'a> Page<'a> {
         for (name, property) in entries(value, "properties") {
             let default = match &property["default"] {
                 _ if required.contains(&name.as_str()) => "required".to_owned(),
-                // Those of a table stand in its own section.
+                // The keys of a table are listed in its own section.
                 Value::Null | Value::Object(_) => String::new(),
                 default => format!("`{default}`").replace(",\"", ", \""),
             };
@@ -108,7 +108,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// What a value is, in words.
+    /// The type of a value, in words.
     fn kind(&self, value: &Value) -> String {
         if let Some(name) = self.definition(value) {
             let key = self.keys.get(name).and_then(|keys| keys.first()).map_or(name, String::as_str);
@@ -156,14 +156,14 @@ fn description(value: &Value) -> String {
     value["description"].as_str().unwrap_or_default().to_owned()
 }
 
-/// For a cell of a table. Outside of backticks a star is a star.
+/// For a cell of a table. Outside of backticks a star is escaped.
 fn one_line(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|");
     let part = |(index, part): (usize, &str)| if index % 2 == 0 { part.replace('*', "\\*") } else { part.to_owned() };
     line.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
 }
 
-/// The anchor that Markdown gives to a heading.
+/// The Markdown anchor of a heading.
 fn anchor(key: &str) -> String {
     key.to_lowercase().chars().filter(|c| c.is_alphanumeric() || "-_".contains(*c)).collect()
 }

@@ -14,7 +14,7 @@ impl Table {
         Table { title: title.to_owned(), rows: Vec::new() }
     }
 
-    /// Adds a row; `unit` or remark follows the value where people read it.
+    /// Adds a row; in text a unit or remark follows the value.
     pub(super) fn row(&mut self, key: &str, value: impl Into<Value>, unit: impl Into<String>) -> &mut Self {
         self.rows.push((key.to_owned(), value.into(), unit.into()));
         self
@@ -42,7 +42,7 @@ impl Table {
     }
 }
 
-/// Numbers short, texts without quotes, arrays as lists.
+/// Short numbers, texts without quotes, arrays as lists.
 fn plain(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -53,7 +53,7 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// Six digits, with an exponent where that is shorter.
+/// Six digits, with an exponent if that is shorter.
 fn short(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.5e}");

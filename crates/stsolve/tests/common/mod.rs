@@ -1,4 +1,4 @@
-//! What the tests of the command share.
+//! Helpers shared by the tests of the command.
 
 // Every test file compiles this module and uses a part of it.
 #![allow(dead_code)]
@@ -7,13 +7,13 @@ use assert_cmd::Command;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What a command has done.
+/// The outcome of a command.
 pub struct Outcome {
     /// The exit code.
     pub code: i32,
-    /// What it printed.
+    /// Its standard output.
     pub stdout: String,
-    /// What it reported.
+    /// Its standard error.
     pub stderr: String,
 }
 

@@ -20,7 +20,7 @@ impl Random {
         (self.bits() % count as u64) as usize
     }
 
-    /// One of the `choices`; None of none.
+    /// One of the `choices`; None if there are none.
     pub fn choose<T: Clone>(&mut self, choices: &[T]) -> Option<T> {
         (!choices.is_empty()).then(|| choices[self.below(choices.len())].clone())
     }

@@ -1,4 +1,4 @@
-//! Damage to a case file: what a slip of the hand does to one line.
+//! Damage to a case file: typing errors in one line.
 
 use crate::random::Random;
 use std::ops::Range;
@@ -10,7 +10,7 @@ pub enum Kind {
     Key,
     /// A character of a text in quotes is wrong: a name, a formula.
     Text,
-    /// A number is another one, or none.
+    /// A number is wrong or invalid.
     Number,
     /// A value is of another type.
     Type,
@@ -29,11 +29,11 @@ const KINDS: [Kind; 8] =
 
 /// A damaged file.
 pub struct Damaged {
-    /// What happened.
+    /// The kind of damage.
     pub kind: Kind,
     /// The whole text.
     pub text: String,
-    /// The line that it happened to, from 1.
+    /// The damaged line, from 1.
     pub line: usize,
 }
 
@@ -54,7 +54,7 @@ pub fn damage(text: &str, random: &mut Random) -> Damaged {
     }
 }
 
-/// None where the line has nothing that this kind of damage concerns.
+/// None if this kind of damage does not apply to the line.
 fn damaged_line(line: &str, kind: Kind, random: &mut Random) -> Option<String> {
     let tokens = Tokens::of(line);
     let replace = |range: Range<usize>, new: &str| [&line[..range.start], new, &line[range.end..]].concat();
@@ -77,7 +77,7 @@ fn damaged_line(line: &str, kind: Kind, random: &mut Random) -> Option<String> {
     }
 }
 
-/// A character left out, doubled, exchanged with the next one, replaced or put in.
+/// A character is left out, doubled, exchanged with the next one, replaced or inserted.
 fn typo(word: &str, random: &mut Random) -> String {
     let mut letters: Vec<char> = word.chars().collect();
     if letters.is_empty() {
@@ -109,7 +109,7 @@ fn wrong_number(number: &str, random: &mut Random) -> String {
     }
 }
 
-/// Where a line has what.
+/// The positions of the parts of a line.
 #[derive(Default)]
 struct Tokens {
     keys: Vec<Range<usize>>,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// Every value that is neither a table with keys nor a list with entries, by its path such as `mesh.generate.box.lower[0]`.
 pub type Leaves = BTreeMap<String, toml::Value>;
 
-/// The leaves of a text; None if it is no TOML.
+/// The leaves of a text; None if it is not TOML.
 pub fn leaves(text: &str) -> Option<Leaves> {
     let table: toml::Table = text.parse().ok()?;
     let mut leaves = Leaves::new();
@@ -36,7 +36,7 @@ pub fn same(one: &toml::Value, other: &toml::Value) -> bool {
     }
 }
 
-/// The paths that one text has and the other has not, or has with another value.
+/// The paths that only one text has, or that have different values.
 pub fn differing(one: &Leaves, other: &Leaves) -> Vec<String> {
     let lacks = |a: &Leaves, b: &Leaves| -> Vec<String> {
         let differs = |(path, value): &(&String, &toml::Value)| b.get(*path).is_none_or(|found| !same(found, value));

@@ -1,8 +1,8 @@
-//! Which numbers a key may have, from its meaning and not from the checks of the program.
+//! The legal numbers of keys, from their meaning and not from the checks of the program.
 
 use crate::leaves::last_name;
 
-/// Whether `value` makes sense at `path`. All numbers of a case are finite; of the keys below more is known.
+/// Whether `value` makes sense at `path`. All numbers of a case are finite; for the keys below more is known.
 pub fn is_legal_number(path: &str, value: &toml::Value) -> bool {
     let Some(number) = value.as_float().or_else(|| value.as_integer().map(|n| n as f64)) else { return true };
     let domain = match last_name(path) {

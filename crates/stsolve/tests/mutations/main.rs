@@ -1,9 +1,9 @@
-//! A thousand slips of the hand in the shipped cases: each is refused with its line and key, or is provably no error.
+//! 1,000 random edits of the shipped case files: each is refused with its line and key, or is provably no error.
 //!
-//! What a slip did is found by comparing the TOML of both texts, without any knowledge of cases (`leaves`). A damaged case may
-//! be accepted in three ways only: its values are those of the original; a value that it changes is legal by its meaning
-//! (`legal`) and the checked case holds just this value; a key that it lacks is one with a default, which the checked case
-//! lists as taken.
+//! The effect of an edit is found by comparing the TOML of both texts, without any knowledge of cases (`leaves`). A damaged
+//! case may be accepted in three ways only. Its values equal those of the original. Or a changed value is legal by its meaning
+//! (`legal`) and the checked case holds just this value. Or a missing key has a default, which the checked case lists as
+//! taken.
 
 #![allow(clippy::unwrap_used)]
 
@@ -14,29 +14,29 @@ mod damage;
 mod leaves;
 mod legal;
 
+use case::{AnyCase, CaseError, Document, Place};
 use damage::{Damaged, damage};
 use leaves::{Leaves, differing, first_name, last_name, leaves, same};
 use legal::is_legal_number;
 use random::Random;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use stsolve::case::{AnyCase, CaseError, Document, Place};
 
-/// Damaged files in all.
+/// The number of damaged files.
 const FILES: usize = 1000;
 
-/// Cases whose mesh takes long to make, and what makes it coarser without moving any line.
+/// Cases whose mesh takes long to build, and a replacement that makes it coarser without moving any line.
 const COARSER: [(&str, &str, &str); 2] =
     [("turbine_blade_roughness", "order = 8", "order = 3"), ("turbine_blade_roughness_3d", "order = 4", "order = 3")];
 
-/// What became of a damaged file.
+/// The treatment of a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum WorstCellCause {
-    /// Refused at the damaged line, with the damaged key where the file is still TOML.
+    /// Refused at the damaged line, with the damaged key if the file is still TOML.
     RefusedThere,
-    /// Refused where the damage shows, with its name.
+    /// Refused where the damage has its effect, with its name.
     RefusedByName,
-    /// Accepted: the values are those of the original.
+    /// Accepted: the values equal those of the original.
     Equal,
     /// Accepted: another legal value, which the checked case holds.
     OtherValue,
@@ -98,7 +98,7 @@ fn check(path: &Path, text: &str) -> Result<AnyCase, Box<CaseError>> {
     AnyCase::check(&Document::parse(path, text.to_owned(), &[])?)
 }
 
-/// The verdict on a damaged file, or what is wrong with its treatment.
+/// The verdict on a damaged file, or the error in its treatment.
 fn judge(path: &Path, original: &str, damaged: &Damaged) -> Result<WorstCellCause, String> {
     let before = leaves(original).ok_or("the original is no TOML")?;
     match (check(path, &damaged.text), leaves(&damaged.text)) {
@@ -117,8 +117,8 @@ fn place(error: &CaseError) -> Result<(usize, &str), String> {
     }
 }
 
-/// A text that is no TOML shows where it stops to be one: in the damaged line, or in the next one with anything in it; or it shows
-/// the bracket before the damaged line that is not closed.
+/// If a text is not TOML, the error must show where it stops being TOML: in the damaged line, or in the next non-empty one. Or it
+/// shows the unclosed bracket before the damaged line.
 fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<WorstCellCause, String> {
     let (line, _) = place(error)?;
     let filled = |text: &&str| !text.trim().is_empty() && !text.trim_start().starts_with('#');
@@ -140,7 +140,7 @@ fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result
     let (line, _) = place(error)?;
     let concerns = |path: &String| within(path, &error.key) || within(&error.key, path);
     let message = error.to_string();
-    // Of a table that is missing its own name is told, not those of its keys.
+    // If a table is missing, its own name is reported, not the names of its keys.
     let missing = |path: &str| path.strip_prefix(&error.key).is_some_and(|rest| is_named(&message, first_name(rest)));
     let named = |path: &String| is_named(&message, last_name(path)) || missing(path);
     if line == damaged.line && differing.iter().any(concerns) {
@@ -152,13 +152,13 @@ fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result
     }
 }
 
-/// Whether `inner` is `outer` or lies in it; everything lies in the whole document, which says nothing.
+/// Whether `inner` is `outer` or lies in it. Everything lies in the whole document, which does not count.
 fn within(inner: &str, outer: &str) -> bool {
     let rest = inner.strip_prefix(outer).filter(|_| !outer.is_empty());
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
-/// Whether `name` stands in `text` as a word.
+/// Whether `name` occurs in `text` as a word.
 fn is_named(text: &str, name: &str) -> bool {
     let of_a_word = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(name).any(|(at, _)| {
@@ -166,7 +166,7 @@ fn is_named(text: &str, name: &str) -> bool {
     })
 }
 
-/// A case that was accepted must hold what was written, and what was written must be legal.
+/// An accepted case must hold the written values, and these must be legal.
 fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<WorstCellCause, String> {
     let resolved = leaves(&case.about().resolved).ok_or("the resolved case is no TOML")?;
     let lost = |(path, value): &(&String, &toml::Value)| !is_empty(value) && !holds(&resolved, path, value);
@@ -193,7 +193,7 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<WorstCell
     }
 }
 
-/// A table or a list without anything in it may stand for all of its defaults.
+/// An empty table or list may stand for all of its defaults.
 fn is_empty(value: &toml::Value) -> bool {
     value.as_table().is_some_and(toml::Table::is_empty) || value.as_array().is_some_and(Vec::is_empty)
 }

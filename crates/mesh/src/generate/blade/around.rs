@@ -4,7 +4,7 @@ use super::shear::Shear;
 use super::{BladeCells, BladeMesh, ClosedCurve, Point};
 use std::array::from_fn;
 
-/// The O-block: s counts cells from corner FL clockwise, so that FU, RU, RL follow, and FL again.
+/// The O-block: s counts cells clockwise from corner FL to FU, RU, RL, and back to FL.
 pub(super) struct Around<'a> {
     profile: &'a ClosedCurve,
     layer: f64,
@@ -18,7 +18,7 @@ impl<'a> Around<'a> {
     pub(super) fn new(mesh: &'a BladeMesh, shear: &Shear) -> Self {
         let (profile, BladeCells { side, end, .. }) = (&mesh.profile, mesh.cells);
         let length = profile.length();
-        // A corner is where the edge reaches farthest outwards along a diagonal of (x, Y).
+        // A corner is the point of the edge that is farthest outwards along a diagonal of (x, Y).
         let corner = |[dx, dy]: Point| {
             farthest(length, |u| {
                 let [x, y] = shear.straightened(offset(profile, u, mesh.layer));
@@ -53,7 +53,7 @@ impl<'a> Around<'a> {
     }
 }
 
-/// How strongly cells gather where the profile turns, see [`distributed`].
+/// The strength of the refinement where the profile turns, see [`distributed`].
 const TURN: f64 = 3.0;
 
 /// The point at distance `height` from the profile.
@@ -62,7 +62,7 @@ fn offset(profile: &ClosedCurve, u: f64, height: f64) -> Point {
     from_fn(|i| x[i] + height * normal[i])
 }
 
-/// Where in [0, period) the periodic function f is largest.
+/// The place in [0, period) where the periodic function f is largest.
 fn farthest(period: f64, f: impl Fn(f64) -> f64) -> f64 {
     let step = period / 4000.0;
     let samples = (0..4000).map(|k| step * f64::from(k));
@@ -76,8 +76,8 @@ fn farthest(period: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0.5 * (low + high)).rem_euclid(period)
 }
 
-/// `cells` + 1 parameters from `from` to `to`, in equal steps of int sqrt(|x'|^2 + (c theta')^2) du, theta the angle of
-/// the tangent: where the curve is not straight cells are shorter, by as much as an edge at the distance c is longer.
+/// `cells` + 1 parameters from `from` to `to`, in equal steps of int sqrt(|x'|^2 + (c theta')^2) du, where theta is the
+/// angle of the tangent. On curved parts cells are shorter, in the ratio in which an edge at the distance c is longer.
 fn distributed(profile: &ClosedCurve, c: f64, from: f64, to: f64, cells: usize) -> Vec<f64> {
     let density = |u: f64| {
         let (t, b) = (profile.tangent(u), profile.bend(u));

@@ -12,7 +12,7 @@ pub(super) struct Frame<'a> {
     mesh: &'a BladeMesh,
     around: &'a Around<'a>,
     shear: &'a Shear,
-    /// x of the four lines between the columns, where they meet the periodic lines.
+    /// x of the four lines between the columns, at the periodic lines.
     columns: [f64; 4],
 }
 
@@ -59,7 +59,7 @@ impl<'a> Frame<'a> {
     /// Line `row` (0..=3, from the lower to the upper periodic one) in `column`, s from 0 to 1.
     fn along(&self, column: usize, row: usize, s: f64) -> Point {
         match (column, row) {
-            // The lower side is met from its end, corner FL after a full turn.
+            // The lower side is reached from its end, corner FL after a full turn.
             (1, 1) => self.edge(4, 3, s),
             (1, 2) => self.edge(1, 2, s),
             _ => blend(self.vertex(column, row), self.vertex(column + 1, row), s),
@@ -75,13 +75,13 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Where line `column` and line `row` cross.
+    /// The intersection of line `column` and line `row`.
     fn vertex(&self, column: usize, row: usize) -> Point {
         if let (1 | 2, 1 | 2) = (column, row) {
             let corner = CORNERS[column - 1][row - 1];
             return self.edge(corner, corner, 0.0);
         }
-        // Inflow and outflow are cut in proportion to the cells.
+        // Inflow and outflow are divided in proportion to the cells.
         let BladeCells { gap, end, .. } = self.mesh.cells;
         let cells_below = [0, gap, gap + end, 2 * gap + end][row];
         let share = cells_below as f64 / (2 * gap + end) as f64;
@@ -94,7 +94,7 @@ fn blend(a: Point, b: Point, s: f64) -> Point {
 }
 
 /// The point (s, t) of a block with given points on its sides (Gordon & Hall 1973): the sum of the two linear
-/// interpolations between opposite sides less the bilinear one between the corners.
+/// interpolations between opposite sides minus the bilinear interpolation between the corners.
 ///
 /// * `sides`: at s on the lower and the upper side; `ends`: at t on the left and the right one
 /// * `corners`: `[left, right][lower, upper]`

@@ -1,6 +1,6 @@
 //! A passage of a blade row: one blade, periodic in the pitch.
 //!
-//! An O-block of lines normal to the blade, and around it a frame of 3 x 3 blocks without the middle one:
+//! An O-block with lines normal to the blade, and around it a frame of 3 x 3 blocks without the middle one:
 //!
 //! ```text
 //!            upper periodic line
@@ -14,10 +14,10 @@
 //!            lower periodic line
 //! ```
 //!
-//! The frame is straight in the coordinates (x, Y) of [`shear`], in which the flow goes along x; the periodic lines are
-//! Y = -pitch/2 and +pitch/2. In these coordinates blocks are filled by transfinite interpolation of their sides and
-//! smoothed ([`Harmonic`](super::smoothing::Harmonic)). The shear has determinant 1: what is valid there is valid in
-//! (x, y).
+//! The frame is straight in the coordinates (x, Y) of [`shear`], in which the flow is along x. The periodic lines are Y
+//! = -pitch/2 and +pitch/2. In these coordinates blocks are filled by transfinite interpolation of their sides and
+//! smoothed ([`Harmonic`](super::smoothing::Harmonic)). The shear has determinant 1, so validity there implies validity
+//! in (x, y).
 
 mod around;
 mod frame;
@@ -47,11 +47,11 @@ pub struct BladeMesh {
     pub slopes: [f64; 2],
     /// Distance of the inflow from the front of the O-block, and of the outflow from its rear, along x.
     pub distances: [f64; 2],
-    /// Thickness of the O-block: less than the radius of every hollow of the blade.
+    /// Thickness of the O-block, less than the radius of curvature of every concave part of the blade.
     pub layer: f64,
     /// Height of the cells at the blade.
     pub first_cell: f64,
-    /// How cells are laid out.
+    /// The numbers of cells.
     pub cells: BladeCells,
     /// N, nodes per direction of the geometry.
     pub order: usize,
@@ -110,7 +110,7 @@ impl BladeMesh {
         assembly.build(&[("upper", "lower", [0.0, -self.pitch])])
     }
 
-    /// Checks the numbers and returns how cells of the O-block grow.
+    /// Checks the numbers and returns the growth of the cells of the O-block.
     fn check(&self) -> Result<Growth, MeshError> {
         let check = Check { mesh: "blade" };
         let BladeCells { side, end, normal, gap, before, after } = self.cells;

@@ -19,8 +19,8 @@ pub(super) struct Shear {
 }
 
 impl Shear {
-    /// From the slope of the inflow to that of the outflow over the blade, through the mean of its highest and lowest
-    /// point at mid-chord.
+    /// The slope of C changes from the inflow's to the outflow's over the blade. C passes through the mean of the
+    /// blade's highest and lowest point at mid-chord.
     pub(super) fn new(mesh: &BladeMesh) -> Self {
         let samples = (0..1000).map(|k| mesh.profile.position(1e-3 * f64::from(k) * mesh.profile.length()));
         let points: Vec<[f64; 2]> = samples.collect();
@@ -55,5 +55,5 @@ impl Shear {
     }
 }
 
-/// w of (shear) as a fraction of the axial chord: C' has done 90 % of its way at the ends of the blade.
+/// w of (shear) as a fraction of the axial chord: C' reaches 90 % of its change at the ends of the blade.
 const SHEAR_WIDTH: f64 = 0.34;

@@ -22,7 +22,7 @@ fn every_node_of_the_wall_lies_on_the_profile() {
     }
 }
 
-/// The passage has the area axial length times pitch, less the blade: by the spline, and by the mesh's wall.
+/// The passage has the area axial length times pitch, minus the blade: by the spline, and by the mesh's wall.
 #[test]
 fn the_area_is_that_of_the_passage_without_the_blade() {
     let blade = BladeMesh::low_pressure_turbine(5).unwrap();
@@ -92,6 +92,6 @@ fn impossible_blades_are_refused() {
     assert!(refused(|b| b.cells.gap = 0).contains("beside the O-block is 0"));
     assert!(refused(|b| b.slopes[1] = f64::INFINITY).contains("slope of the flow"));
     assert!(refused(|b| b.first_cell = 1.0).contains("at most the layer"));
-    // The next blade is in the way.
+    // The next blade overlaps.
     assert!(refused(|b| b.pitch = 0.1).contains("inverted"));
 }

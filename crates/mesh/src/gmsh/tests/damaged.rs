@@ -1,4 +1,4 @@
-//! Damaged files: an error or, where the damage does not matter, a mesh; never a panic, never much memory.
+//! Damaged files give an error or, if the damage does not matter, a mesh; never a panic, never much memory.
 
 use super::{Encoding, SQUARE_2, SQUARE_4, two_cells};
 use crate::Mesh;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// How a sample is written.
+/// The format of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Encoding {
     Text,

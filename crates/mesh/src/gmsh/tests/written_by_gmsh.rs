@@ -103,8 +103,8 @@ fn every_shape_degree_version_and_encoding() {
             2 => check::<2>(&shape, degree, &paths),
             _ => check::<3>(&shape, degree, &paths),
         };
-        // Cells of the wrong order of nodes would be invalid; nodes off the circle would stop the convergence.
-        // Gmsh itself puts nodes on extruded surfaces to about 1e-6.
+        // A wrong order of nodes would make cells invalid; nodes off the circle would stop the convergence. Gmsh itself
+        // is accurate to about 1e-6 on extruded surfaces.
         assert!(error < 0.1_f64.powi(degree.min(6) as i32), "{shape} {dimension} degree {degree}: {error:e}");
     }
 }

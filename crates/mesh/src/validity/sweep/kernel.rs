@@ -5,7 +5,7 @@ use basis::{apply_all_axes, contract};
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
 
-/// What is known of det J / det J_0 in eight cells.
+/// Bounds of det J / det J_0 in eight cells.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::validity) struct Swept {
     /// Proved.
@@ -13,7 +13,7 @@ pub(in crate::validity) struct Swept {
     /// The smallest and the largest value on the grid.
     pub(in crate::validity) sampled_min: Pack,
     pub(in crate::validity) sampled_max: Pack,
-    /// The number of the grid point with the smallest.
+    /// The number of the grid point with the smallest value.
     pub(in crate::validity) place: Pack,
     /// max |det J|, and a bound of its error.
     largest: Pack,
@@ -60,13 +60,13 @@ impl<const D: usize> Sweep<D> {
         }
     }
 
-    /// det J, what is seen of det J / det J_0, and how wrong det J may be.
+    /// det J, the sampled values of det J / det J_0, and an error bound of det J.
     #[inline(always)]
     fn determinants<S: Simd>(&self, simd: S, work: &mut Scratch, out: &mut Swept, part: usize) {
         let (points, zero) = (work.reference.len(), Lanes::splat(simd, 0.0));
         let (mut lowest, mut highest) = (Lanes::splat(simd, f64::INFINITY), Lanes::splat(simd, f64::NEG_INFINITY));
         let (mut place, mut largest, mut squares) = (zero, zero, [zero; D]);
-        // Not a number as soon as one of the values is not: the minima pass over those.
+        // It becomes NaN as soon as one of the values is NaN, which the minima ignore.
         let mut defect = zero;
         let column_length = work.columns.len() / D;
         for q in 0..work.values.len() {
@@ -114,7 +114,7 @@ impl<const D: usize> Sweep<D> {
         sum
     }
 
-    /// (lower) of one part of the box, if it is less than that of others.
+    /// (lower) of one part of the box, if it is lower than the bound of the others.
     #[inline(always)]
     fn bound<S: Simd>(&self, simd: S, part: &Part, work: &mut Scratch, out: &mut Swept) {
         let mut matrices = [&part.matrices[0]; 4];
@@ -176,7 +176,7 @@ impl<const D: usize> Sweep<D> {
         Lanes::read(simd, &tail[0], part)
     }
 
-    /// (lower); nothing is known if det J_0 is not proved to be positive.
+    /// (lower); there is no bound if det J_0 is not proved to be positive.
     #[inline(always)]
     fn lower<S: Simd>(
         &self,
@@ -196,7 +196,7 @@ impl<const D: usize> Sweep<D> {
             }
             let (least, low) = (smallest - margin, reference - reference_margin);
             let ratio = least / least.select_ge(zero, reference + reference_margin, low);
-            // What is not a number is kept by this order.
+            // This order of operands keeps a NaN.
             lowest = lowest.min(zero.select_ge(low, nothing, ratio));
         }
         lowest

@@ -1,4 +1,4 @@
-//! Dense sampling of eight cells, by another route than the proof.
+//! Dense sampling of eight cells, independent of the proof.
 
 use basis::{Lagrange, Matrix, apply_all_axes, contract, gauss_lobatto, scratch_length};
 use tensor::Arch;
@@ -48,7 +48,8 @@ impl<const D: usize> Oracle<D> {
         smallest
     }
 
-    /// Visits det J / det J_0 slice by slice across the last axis, at all times: a whole grid would not fit into the cache.
+    /// Visits det J / det J_0 slice by slice across the last axis, at all times, because a whole grid would not fit into
+    /// the cache.
     fn visit(&self, positions: &[Pack], mut visit: impl FnMut(usize, &[Pack])) {
         let (n, length) = (self.rows.len(), positions.len() / self.times.cols());
         let mut nodes = zeroed(length * self.times.rows());

@@ -1,4 +1,4 @@
-//! Proofs against dense sampling, for random cells that curve and move.
+//! Proofs against dense sampling, for random curved cells that move.
 
 use super::super::{MotionCheck, Validity, ValidityCheck};
 use super::oracle::Oracle;
@@ -66,8 +66,8 @@ impl<const D: usize> RandomPack<D> {
         self.straight.iter().zip(&self.bump).map(sum).collect()
     }
 
-    /// Every other cell of any roughness, about half of these invalid; the others rough to the limit, give or take a
-    /// part of it that is small more often than not.
+    /// Every other cell has any roughness, about half of these are invalid. The others have the limit roughness, varied
+    /// by a factor that is small more often than not.
     fn roughness(&self, random: &mut SplitMix64) -> [f64; WIDTH] {
         let limit = self.limit();
         from_fn(|lane| match lane % 2 {
@@ -76,7 +76,7 @@ impl<const D: usize> RandomPack<D> {
         })
     }
 
-    /// The roughness at which det J vanishes first, about.
+    /// The approximate roughness at which det J first vanishes.
     fn limit(&self) -> [f64; WIDTH] {
         let oracle = Oracle::<D>::new(self.order, &self.times, 2 * self.order, None);
         let (mut low, mut high) = ([0.0; WIDTH], [4.0; WIDTH]);
@@ -140,8 +140,8 @@ impl Count {
     }
 }
 
-/// Decides about `cells` random cells of all orders up to `max_order` and compares with the samples on `dense` times as many
-/// points per direction as nodes.
+/// Decides `cells` random cells of all orders up to `max_order` and compares with samples at `dense` times as many points
+/// per direction as nodes.
 fn compare_with_sampling<const D: usize>(cells: usize, max_order: usize, dense: usize) -> Count {
     let (mut random, mut count) = (SplitMix64::new(D as u64), Count::default());
     let kinds = (max_order - 1) * 3;
@@ -165,7 +165,7 @@ fn compare_with_sampling<const D: usize>(cells: usize, max_order: usize, dense: 
     count
 }
 
-/// The displacements that lead to `positions` from `mesh`, and where the cells are then to the last digit, but for the
+/// The displacements that lead from `mesh` to `positions`, and the resulting positions to the last digit, without the
 /// offset.
 fn displacements<const D: usize>(
     mesh: &Mesh<D>,

@@ -1,38 +1,35 @@
-//! What is found out by trying: seconds, and the mesh over the run.
+//! Measurements of trial computations: seconds, and the mesh over the run.
 
 use super::super::table::Table;
-use crate::case::{Case, Motion};
 use crate::cli::Probe;
-use crate::run::{MeshOverRun, Timing};
+use case::{Case, Motion};
 use elasticity::Law;
+use simulation::{MeshOverRun, TYPICAL_ITERATIONS, Timing};
 
-/// Newton steps of a slab of a run without surprises.
+/// Newton steps of a typical slab.
 const TYPICAL_STEPS: usize = 3;
 
-/// Krylov iterations of such a step.
-pub(super) const TYPICAL_ITERATIONS: usize = 8;
-
-/// Work up to which a probe takes some seconds: displacements times slabs, unknowns of a mesh in space, unknowns of the flow in a slab of
-/// two and of three dimensions.
+/// The amount of work for which a probe takes some seconds: displacements times slabs, unknowns of a three-dimensional mesh, unknowns of
+/// the flow in a slab of two and of three dimensions.
 const CHEAP_MOTION: usize = 10_000_000;
 const CHEAP_MESH_IN_SPACE: usize = 60_000;
 const CHEAP_FLOW: [usize; 2] = [1_000_000, 200_000];
 
-/// Operations of a formula that take about as long as the rest of a displacement.
+/// The number of operations of a formula that take about as long as the rest of a displacement.
 const CHEAP_FORMULA: usize = 1000;
 
-/// Whether the mesh is moved over the run.
+/// Whether the mesh is moved over the run for the check.
 pub(super) fn moves_mesh<const D: usize>(case: &Case<D>, probe: Probe) -> bool {
     let Some(motion) = &case.motion else { return false };
     let newton = if matches!(motion, Motion::Elastic { law: Law::NeoHookean, .. }) { 10 } else { 1 };
     let displacements = case.mesh.coordinates().len();
-    // A long formula costs more than what is done with its value.
+    // A long formula costs more than the use of its value.
     let formulas = 1 + motion.operations() / CHEAP_FORMULA;
     let work = (displacements * case.time.order * newton * formulas).saturating_mul(case.time.slabs);
     chosen(probe, work <= CHEAP_MOTION && (D == 2 || displacements <= CHEAP_MESH_IN_SPACE))
 }
 
-/// Whether a flow with so many unknowns is timed.
+/// Whether a flow with this number of unknowns is timed.
 pub(super) fn times_flow<const D: usize>(unknowns: usize, probe: Probe) -> bool {
     chosen(probe, unknowns <= CHEAP_FLOW[D - 2])
 }
@@ -68,7 +65,7 @@ pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> T
     table
 }
 
-/// What was proved of the mesh over the run.
+/// The proved bounds of the mesh over the run.
 pub(super) fn mesh_table(mesh: &MeshOverRun) -> Table {
     let quality = &mesh.quality;
     let mut table = Table::new("mesh over the run");

@@ -2,17 +2,13 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `tables` | what is known of a case without trying |
-//! | `scales` | how fast and how far the mesh is moved |
-//! | `walls` | what the first cell at a wall resolves |
-//! | `memory` | the memory of a run, estimated |
-//! | `mesh_memory` | the part of it that the mesh takes |
-//! | `measured` | what is found out by trying |
+//! | `tables` | figures of a case without trial computations |
+//! | `scales` | speed and amplitude of the motion of the mesh |
+//! | `walls` | resolution of the first cell at a wall |
+//! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
 
 mod measured;
-pub(crate) mod memory;
-mod mesh_memory;
 mod scales;
 mod tables;
 mod walls;
@@ -20,21 +16,20 @@ mod warnings;
 
 use super::print;
 use super::table::Table;
-use crate::case::{AnyCase, Case, Flow, State};
 use crate::cli::Probe;
-use crate::failure::Failure;
-use crate::run::{check_restart, move_over_run, openings, time_flow};
+use case::{AnyCase, Case, Flow, State};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use scales::MotionScales;
 use serde_json::{Map, Value};
+use simulation::{Failure, OpeningRecord, check_restart, move_over_run, openings_at_start, time_flow};
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
-/// Explains a checked case; `probe` says whether to try what it will do.
+/// Explains a checked case; `probe` decides about trial computations.
 ///
 /// # Errors
-/// If stdout cannot be written, or if the case starts from a result that is not there or does not fit.
+/// If stdout cannot be written, or if the case starts from a result that does not exist or does not fit.
 pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     // Inside the pool, as in a run.
     let tables = rayon::scope(|_| match case {
@@ -48,14 +43,14 @@ pub fn check(case: &AnyCase, json: bool, probe: Probe) -> Result<(), Failure> {
     print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
 }
 
-/// A case, and what follows from it.
+/// A case, and figures that follow from it.
 pub(super) struct Facts<'a, const D: usize> {
     case: &'a Case<D>,
     /// The smallest edge of the boxes, along the axes, around the cells.
     smallest_size: f64,
     motion: Option<MotionScales>,
     walls: Option<Walls>,
-    /// The boundary layer that a flow with viscosity has.
+    /// The boundary layer of a flow with viscosity.
     plate: Option<FlatPlate>,
 }
 
@@ -76,32 +71,21 @@ impl<'a, const D: usize> Facts<'a, D> {
         }
     }
 
-    /// The sizes alone, without what takes long to find out.
-    fn without_scales(case: &'a Case<D>) -> Self {
-        Facts { case, smallest_size: 0.0, motion: None, walls: None, plate: None }
-    }
-
     fn orders(&self, flow: &Flow<D>) -> fem::Orders {
         fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order }
     }
 
-    /// Of the smallest cells, those that the fastest wave crosses in a slab.
+    /// The number of the smallest cells that the fastest wave crosses in a slab.
     fn cells_crossed(&self, flow: &Flow<D>) -> f64 {
         let wave = flow.reference_speed * (1.0 + 1.0 / flow.law.reference.mach());
         wave * self.case.time.step / self.smallest_size
     }
 
-    /// Unknowns of the flow in a cell at a time, and in a slab.
-    fn flow_unknowns(&self) -> (usize, usize) {
-        let per_cell = self.case.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
-        (per_cell, self.case.mesh.n_cells() * per_cell * self.case.time.order)
-    }
-
-    /// Coefficients and fields of the slabs that are written, in MB.
+    /// The size of coefficients and fields of the slabs that are written, in MB.
     fn result_megabytes(&self) -> f64 {
         let coordinates = self.case.mesh.coordinates().len() / D;
         let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
-        let coefficients = self.flow_unknowns().1 + D * coordinates * self.case.time.order;
+        let coefficients = self.case.flow_unknowns() + D * coordinates * self.case.time.order;
         8e-6 * (points + coefficients) as f64 * (slabs / self.case.output.every + 2) as f64
     }
 }
@@ -133,14 +117,14 @@ where
     State<D>: ExactState<D, M>,
 {
     let Some(flow) = &case.flow else { return Vec::new() };
-    let warning = |record: &openings::Record| {
+    let warning = |record: &OpeningRecord| {
         let name = &case.mesh.boundary_names()[record.now.boundary];
         Warning { subject: "opening", text: format!("{}: {}", record.told(name), record.now.misuse.remedy(name)) }
     };
-    openings::at_start::<D, M>(case, flow).iter().map(warning).collect()
+    openings_at_start::<D, M>(case, flow).iter().map(warning).collect()
 }
 
-/// Moves the mesh over the run, if that is wanted, and warns of what cannot be proved.
+/// Moves the mesh over the run, if requested, and warns if it is not proved valid.
 fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Vec<Warning>) -> Option<Table> {
     if !measured::moves_mesh(case, probe) {
         return None;
@@ -163,7 +147,7 @@ fn mesh_over_run<const D: usize>(case: &Case<D>, probe: Probe, warnings: &mut Ve
     Some(measured::mesh_table(&over_run))
 }
 
-/// Times the parts of a slab, if that is wanted.
+/// Times the parts of a slab, if requested.
 fn seconds<const D: usize, const M: usize>(
     facts: &Facts<'_, D>,
     probe: Probe,
@@ -176,7 +160,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let flow = facts.case.flow.as_ref()?;
-    if !measured::times_flow::<D>(facts.flow_unknowns().1, probe) {
+    if !measured::times_flow::<D>(facts.case.flow_unknowns(), probe) {
         return None;
     }
     match time_flow::<D, M>(facts.case, flow) {

@@ -1,39 +1,40 @@
-//! How fast and how far a mesh is moved.
+//! Speed and amplitude of the motion of a mesh.
 
-use crate::case::{Case, Flow, Motion, Wall};
-use crate::run::{PrescribedNode, prescribed_nodes};
+use case::{Case, Flow, Motion, Wall};
 use mesh::NodeNumbering;
+use simulation::{PrescribedNode, prescribed_nodes};
 use std::collections::BTreeSet;
 
-/// Nodes that are looked at, at most.
+/// The largest number of nodes examined.
 const NODES: usize = 200;
 
-/// Instants in a slab, and in a run at most.
+/// The number of times examined in a slab, and the largest number in a run.
 const INSTANTS: [usize; 2] = [8, 4000];
 
-/// Instants of a run at least, however long its formulas are.
+/// The least number of times in a run, for formulas of any length.
 const FEWEST_INSTANTS: usize = 40;
 
-/// Operations of formulas that all of that may take: below a second.
+/// The largest number of operations of formulas for all of that, below a second.
 const OPERATIONS: usize = 200_000_000;
 
-/// The part of the time between instants after which the motion at the start is looked at: it may start from rest and be fast by then.
+/// The fraction of the time between examined times after which the motion at the start is examined. The motion may start from rest and
+/// be fast by the next examined time.
 const MOMENT: f64 = 1e-4;
 
 /// Typical sizes of a prescribed motion, the largest over the nodes that it moves.
 ///
-/// A node that oscillates harmonically with the amplitude A and the angular frequency omega has the speed V = omega A at most. So
-/// omega = V / A for the node with the largest A is the frequency of a harmonic motion, and a typical one of any other.
+/// A node that oscillates harmonically with the amplitude A and the angular frequency omega has the largest speed V = omega A. So
+/// omega = V / A for the node with the largest A is exact for a harmonic motion, and typical of any other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MotionScales {
     /// A: half of the extent of the path, in the coordinate in which it is largest.
     pub(super) amplitude: f64,
-    /// V, between instants.
+    /// V, between examined times.
     pub(super) speed: f64,
 }
 
 impl MotionScales {
-    /// Of the motion that `case` prescribes; None if it moves nothing.
+    /// The scales of the motion that `case` prescribes; None if it moves nothing.
     pub(super) fn new<const D: usize>(case: &Case<D>) -> Option<Self> {
         let nodes = prescribed_nodes(case);
         let stride = nodes.len().div_ceil(NODES).max(1);
@@ -50,7 +51,8 @@ impl MotionScales {
         (scales.amplitude > 0.0).then_some(scales)
     }
 
-    /// Of a path, the displacement as a function of the number of the instant; these are `dt` apart, the last is number `instants`.
+    /// The scales of a path, the displacement as a function of the number of the time. Times are `dt` apart, the last one is number
+    /// `instants`.
     fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], instants: usize, dt: f64) -> Self {
         let path: Vec<[f64; D]> = (0..=instants).map(|i| at(i as f64)).collect();
         let extent = |axis: usize| {
@@ -73,7 +75,7 @@ impl MotionScales {
     }
 }
 
-/// The largest speed at the start of a node on a wall of `flow` that is moved as prescribed; None if no wall is.
+/// The largest initial speed of a node with a prescribed motion on a wall of `flow`; None if there is no such wall.
 pub(super) fn walls_at_start<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<f64> {
     let moment = MOMENT * case.time.step / INSTANTS[0] as f64;
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());

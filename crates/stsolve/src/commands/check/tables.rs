@@ -1,16 +1,14 @@
-//! What is known of a case without trying.
+//! Figures of a case without trial computations.
 
 use super::super::table::Table;
 use super::Facts;
-use super::measured::TYPICAL_ITERATIONS;
-use super::memory::Memory;
-use crate::case::{About, Analysis, Case, Flow, Motion, Plane, Structure, Support};
-use crate::run::elasticity_plan;
+use case::{About, Analysis, Case, Flow, Motion, Plane, Structure, StructureLaw, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
 use serde_json::Value;
+use simulation::{MemoryEstimate, TYPICAL_ITERATIONS, elasticity_plan};
 
-/// All tables but the defaults.
+/// All tables except the defaults.
 pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
     let case = facts.case;
     let mut tables = vec![about(&case.about), mesh_table(case, facts.smallest_size), time_table(case)];
@@ -41,6 +39,9 @@ fn mesh_table<const D: usize>(case: &Case<D>, size: f64) -> Table {
         .row("smallest cell", size, "")
         .row("largest aspect ratio", largest_aspect_ratio(mesh), "")
         .row("boundaries", mesh.boundary_names().to_vec(), "");
+    for region in mesh.regions() {
+        table.row(&format!("region {}", region.name), region.cells.len(), "cells");
+    }
     table
 }
 
@@ -71,10 +72,12 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
     let mut table = Table::new("motion");
     match motion {
         Motion::Prescribed(_) => table.row("interior", "prescribed everywhere", ""),
-        Motion::Elastic { poisson_ratio, law, boundary, .. } => table
+        Motion::Followed => table.row("interior", "follows bodies by weights", ""),
+        Motion::Elastic { poisson_ratio, law, boundary, slides, .. } => table
             .row("interior", law_name(*law), "")
             .row("Poisson's ratio", *poisson_ratio, "")
-            .row("moving boundaries", boundary.iter().flatten().count(), ""),
+            .row("moving boundaries", boundary.iter().flatten().count(), "")
+            .row("sliding boundaries", slides.iter().flatten().count(), ""),
     };
     if let Some(plan) = elasticity_plan(case) {
         let solver = match plan.solver {
@@ -98,6 +101,12 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
     let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
     let mut table = Table::new("structure");
     table.row("analysis", if structure.analysis == Analysis::Static { "static" } else { "dynamic" }, "");
+    let law = match structure.law {
+        StructureLaw::Linear => "linear",
+        StructureLaw::StVenantKirchhoff => "St. Venant-Kirchhoff",
+        StructureLaw::NeoHookean => "neo-Hookean",
+    };
+    table.row("law", law, "");
     if D == 2 {
         table.row("plane", if structure.plane == Plane::Stress { "stress" } else { "strain" }, "");
     }
@@ -118,7 +127,11 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
     }
     table
         .row("supported boundaries", count(|support| support.fixes() != [false; D]), "")
-        .row("loaded boundaries", count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_))), "")
+        .row(
+            "loaded boundaries",
+            count(|s| matches!(s, Support::Traction(_) | Support::Pressure(_) | Support::FollowerPressure(_))),
+            "",
+        )
         .row("natural modes", structure.natural_modes, "");
     table
 }
@@ -128,6 +141,7 @@ fn law_name(law: Law) -> &'static str {
         Law::Linear => "linear elasticity about the initial mesh",
         Law::Incremental => "linear elasticity about the mesh at the start of each slab",
         Law::NeoHookean => "neo-Hookean elasticity about the initial mesh",
+        Law::StVenantKirchhoff => "St. Venant-Kirchhoff elasticity about the initial mesh",
     }
 }
 
@@ -135,7 +149,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     let (gas, reference) = (&flow.law.gas, &flow.law.reference);
     let reynolds = reference.reynolds(gas, flow.reference_length);
     let orders = facts.orders(flow);
-    // The fastest wave over the distance of nodes.
+    // The fastest wave relative to the node spacing.
     let cfl = facts.cells_crossed(flow) * (flow.order as f64 - 1.0);
     let mut table = Table::new("flow");
     table
@@ -161,7 +175,7 @@ fn flow_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Table {
     table
 }
 
-/// What the first cell at the walls resolves.
+/// The resolution of the first cell at the walls.
 fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Table> {
     let walls = facts.walls?;
     let mut table = Table::new("walls");
@@ -185,12 +199,11 @@ fn wall_table<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Ta
 fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
     let case = facts.case;
     let mesh = case.mesh_unknowns().unwrap_or(0);
-    let (_, flow) = facts.flow_unknowns();
-    let memory = Memory::new(facts);
+    let memory = MemoryEstimate::new(case);
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
     let mut table = Table::new("unknowns and memory");
     table
-        .row("flow unknowns", flow, "per slab")
+        .row("flow unknowns", case.flow_unknowns(), "per slab")
         .row("mesh unknowns", mesh, "per slab")
         .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
         .row("mesh", megabytes(memory.mesh), "MB, with the solver of an elastic one")

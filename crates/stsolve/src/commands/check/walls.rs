@@ -1,10 +1,10 @@
-//! What the first cell at a wall resolves, by the boundary layer of a flat plate.
+//! The resolution of the first cell at a wall, by the boundary layer of a flat plate.
 
-use crate::case::{Case, Flow};
+use case::{Case, Flow};
 use mesh::{BoundaryDistance, BoundaryFacet, face_nodes};
 use navier_stokes::Boundary;
 
-/// Where the boundary layer of a flat plate turns turbulent.
+/// The Reynolds number at which the boundary layer of a flat plate becomes turbulent.
 const TRANSITION: f64 = 5e5;
 
 /// The boundary layer of a flat plate at the distance L from its edge, Re = U L / nu (H. Schlichting, Boundary-Layer Theory).
@@ -44,7 +44,7 @@ impl FlatPlate {
 /// The walls of a case and the cells at them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Walls {
-    /// The largest height of a cell at a wall without slip; None if there are no such walls.
+    /// The largest height of a cell at a no-slip wall; None if there are no such walls.
     pub(super) cell_height: Option<f64>,
     /// The distance from walls to the far field; infinite if one of them is missing.
     pub(super) far_field: f64,
@@ -77,7 +77,7 @@ fn face<const D: usize>(case: &Case<D>, cell: usize, face: usize) -> Vec<[f64; D
     face_nodes(D, case.mesh.order(), face).into_iter().map(position).collect()
 }
 
-/// The shortest way across the cell of a facet, along the lines of its lattice.
+/// The shortest path across the cell of a facet, along the lines of its lattice.
 fn height<const D: usize>(case: &Case<D>, facet: &BoundaryFacet) -> f64 {
     // Faces 2 axis and 2 axis + 1 are opposite, and their lattices are the same.
     let opposite = face(case, facet.side.cell, facet.side.face ^ 1);

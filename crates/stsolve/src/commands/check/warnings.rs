@@ -2,37 +2,38 @@
 
 use super::Facts;
 use super::scales::walls_at_start;
-use crate::case::{Flow, Motion, Preconditioner, State};
+use case::{Flow, Motion, Preconditioner, State};
 use fem::Quadrature;
 use navier_stokes::{Boundary, Riemann, Viscosity};
 
-/// Nodes in time in a period of the motion below which it is badly resolved.
+/// A motion with fewer nodes in time per period is badly resolved.
 const NODES_PER_PERIOD: f64 = 12.0;
 
-/// Nodes across the boundary layer below which it is badly resolved.
+/// A boundary layer with fewer nodes across is badly resolved.
 const NODES_IN_LAYER: f64 = 5.0;
 
-/// The distance of the far field, in reference lengths, below which it is felt.
+/// A far field nearer than this, in reference lengths, influences the flow.
 const FAR: f64 = 10.0;
 
-/// The speed of a wall at the start, relative to the flow, above which the start is a shock.
+/// A wall that is faster than this at the start, relative to the flow, causes a shock.
 const SUDDEN: f64 = 0.01;
 
-/// Of the smallest cells, those that sound crosses in a slab beyond which cells alone are a poor preconditioner: on a vortex of order 4
-/// they take 18 iterations per slab at 0.3, 44 at 0.75, 116 at 1.5, where blocks take 7, 9 and 12.
+/// If sound crosses more of the smallest cells than this in a slab, cells alone are a poor preconditioner. On a vortex of order 4 they
+/// take 18 iterations per slab at 0.3, 44 at 0.75, 116 at 1.5; blocks take 7, 9 and 12.
 const CELLS_CROSSED: f64 = 1.0;
 
-/// The factor between the reference temperature and that of Sutherland's law beyond which the gas constant is doubtful.
+/// If the reference temperature and Sutherland's temperature differ by more than this factor, the gas constant is
+/// doubtful.
 const FAR_FROM_SUTHERLAND: f64 = 3.0;
 
-/// A result file above this size is worth a thought, in MB.
+/// A result file above this size causes a warning, in MB.
 const LARGE_FILE: f64 = 5000.0;
 
 /// A choice that is likely wrong.
 pub(super) struct Warning {
-    /// What it concerns, in a word or two.
+    /// Its subject, in a word or two.
     pub(super) subject: &'static str,
-    /// What is likely wrong, and the remedy.
+    /// The problem, and the remedy.
     pub(super) text: String,
 }
 
@@ -52,7 +53,7 @@ fn warning(subject: &'static str, text: String) -> Option<Warning> {
     Some(Warning { subject, text })
 }
 
-/// A boundary that moves while others rest is a body, as a rule.
+/// A boundary that moves while others rest is usually a body.
 fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let Some(Motion::Elastic { boundary, .. }) = &facts.case.motion else { return None };
     let rests = boundary.iter().any(Option::is_none);
@@ -66,7 +67,7 @@ fn body<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning>
     warning("moving boundary", text)
 }
 
-/// Without viscosity nothing makes a gas stick to a wall.
+/// Without viscosity a gas slips along walls.
 fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     if flow.law.gas.viscosity() != Viscosity::Inviscid {
         return None;
@@ -82,7 +83,7 @@ fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warn
     warning("viscosity", text)
 }
 
-/// A uniform flow and a vortex know of no walls.
+/// A uniform flow and a vortex do not satisfy wall conditions.
 fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
     if flow.walls.is_empty() || !knows_no_walls || flow.manufactured {
@@ -109,7 +110,7 @@ fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     let (time, scales) = (&facts.case.time, facts.motion?);
     let period = std::f64::consts::TAU / scales.frequency();
     let nodes = period / time.step * time.order as f64;
-    // A motion shorter than its period is not one that repeats itself.
+    // A run shorter than half a period has no periodic motion.
     if nodes >= NODES_PER_PERIOD || time.end - time.start < 0.5 * period {
         return None;
     }
@@ -121,7 +122,7 @@ fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
     warning("slab length", text)
 }
 
-/// The preconditioner by lines leaves neighbours out.
+/// The preconditioner by lines neglects neighbours.
 fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let crossed = facts.cells_crossed(flow);
     if facts.case.solver.preconditioner != Preconditioner::Lines || crossed <= CELLS_CROSSED {
@@ -166,7 +167,7 @@ fn layer<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning
     warning("first cell", text)
 }
 
-/// A wall that has a speed at the start pushes the gas at once, whatever moves the mesh inside.
+/// A wall that has a speed at the start pushes the gas suddenly, for any motion of the interior mesh.
 fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let speed = walls_at_start(facts.case, flow)?;
     let relative = speed / flow.reference_speed;
@@ -180,7 +181,8 @@ fn start<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning
     warning("start of the motion", text)
 }
 
-/// Sutherland's law depends on the temperature itself, and that on the gas constant: with R left at 1 it is p / rho.
+/// Sutherland's law depends on the temperature itself, which depends on the gas constant: with R left at 1 it is p /
+/// rho.
 fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let gas = &flow.law.gas;
     let Viscosity::Sutherland { temperature, .. } = gas.viscosity() else { return None };
@@ -199,7 +201,7 @@ fn sutherland<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     warning("Sutherland's law", text)
 }
 
-/// A uniform stream does not stick to walls: where it is the state at the start, their layers arise at once.
+/// A uniform stream does not satisfy no-slip walls: as the initial state it makes boundary layers form suddenly.
 fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let moves = flow.uniform_velocity?.iter().any(|w| *w != 0.0);
     if !moves || facts.walls?.cell_height.is_none() || flow.exact.is_some() || facts.case.solver.steady.is_some() {

@@ -1,20 +1,20 @@
-//! What a mesh file holds.
+//! The contents of a mesh file.
 
-use crate::any_mesh::AnyMesh;
 use crate::commands::print;
 use crate::commands::table::Table;
-use crate::failure::Failure;
-use crate::mesh_file;
+use case::AnyMesh;
+use case::mesh_file;
 use mesh::{Mesh, ValidityCheck};
 use serde_json::{Map, Value};
+use simulation::Failure;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// How a Gmsh file begins.
+/// The beginning of a Gmsh file.
 const BEGINNING: &[u8] = b"$MeshFormat";
 
-/// Whether the file at `path` is, or should be, one of Gmsh.
+/// Whether the file at `path` is, or should be, a Gmsh file.
 pub(super) fn is_one(path: &Path) -> bool {
     let mut beginning = Vec::new();
     // A file that cannot be read is reported later.
@@ -22,7 +22,7 @@ pub(super) fn is_one(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "msh") || matches!(read, Ok(Ok(_)) if beginning == BEGINNING)
 }
 
-/// Tells what the Gmsh file at `path` holds.
+/// Describes the Gmsh file at `path`.
 ///
 /// # Errors
 /// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
@@ -40,7 +40,7 @@ pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     print(&tables.iter().map(Table::text).collect::<Vec<_>>().join("\n"))
 }
 
-fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
+fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 4] {
     let (cell, aspect_ratio) = largest((0..mesh.n_cells()).map(|cell| mesh.aspect_ratio(cell)));
     let mut shape = Table::new(&path.display().to_string());
     shape
@@ -51,7 +51,7 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
         .row("largest aspect ratio", aspect_ratio, "")
         .row("  in cell", cell, "")
         .row("smallest scaled Jacobian", smallest_scaled_jacobian(mesh), "sampled")
-        // Every mesh that was read is.
+        // Every mesh that was read is valid.
         .row("valid", "yes", "det J > 0 is proved in every cell");
     let mut boundaries = Table::new("boundaries");
     for (boundary, name) in mesh.boundary_names().iter().enumerate() {
@@ -63,7 +63,18 @@ fn tables<const D: usize>(path: &Path, mesh: &Mesh<D>) -> [Table; 3] {
         let [minus, plus] = [pair.minus, pair.plus].map(|boundary| mesh.boundary_names()[boundary].as_str());
         periodic.row(&format!("{minus}, {plus}"), pair.translation.to_vec(), "apart");
     }
-    [shape, boundaries, periodic]
+    [shape, boundaries, regions(mesh), periodic]
+}
+
+fn regions<const D: usize>(mesh: &Mesh<D>) -> Table {
+    let mut regions = Table::new("regions, and boundaries between them");
+    for region in mesh.regions() {
+        regions.row(&region.name, region.cells.len(), "cells");
+    }
+    for (name, sides) in mesh.interfaces() {
+        regions.row(name, sides.len(), "facets");
+    }
+    regions
 }
 
 /// The largest value, and its place.

@@ -4,18 +4,18 @@ mod mesh_file;
 
 use super::print;
 use super::table::Table;
-use crate::failure::Failure;
-use crate::input_file;
+use case::input_file;
 use output::{RESULT_FILE, ResultInfo};
+use simulation::Failure;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// How an HDF5 file begins.
+/// The beginning of an HDF5 file.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Tells what the file at `path` holds: a mesh file, which begins with `$MeshFormat` or ends in .msh, or a result file; of a directory,
-/// the result file in it.
+/// Describes the file at `path`: a mesh file, which begins with `$MeshFormat` or ends in .msh, or a result file. For a directory, it
+/// describes the result file in it.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged or neither.
@@ -37,7 +37,7 @@ pub fn info(path: &Path, json: bool) -> Result<(), Failure> {
     print(&describe(path, &info))
 }
 
-/// What a file is that is no result, not even a damaged one.
+/// The kind of a file that is no result, not even a damaged one.
 fn other_kind(path: &Path) -> Option<String> {
     let named = |extension: &str| path.extension().is_some_and(|found| found == extension);
     let mut beginning = Vec::new();

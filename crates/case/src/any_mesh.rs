@@ -1,0 +1,46 @@
+//! A mesh whose dimension is known only after it is read.
+
+use mesh::{GmshError, Mesh};
+
+/// A mesh in two or three dimensions.
+#[derive(Debug)]
+pub enum AnyMesh {
+    /// Two dimensions.
+    Plane(Mesh<2>),
+    /// Three dimensions.
+    Space(Mesh<3>),
+}
+
+impl AnyMesh {
+    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: three-dimensional if it has hexahedra.
+    pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
+        match Mesh::from_gmsh(bytes, periodic) {
+            Err(GmshError::Dimension { hexahedra: 0, .. }) => Mesh::from_gmsh(bytes, periodic).map(AnyMesh::Plane),
+            read => read.map(AnyMesh::Space),
+        }
+    }
+
+    /// N, the number of nodes per direction of the geometry.
+    pub fn order(&self) -> usize {
+        match self {
+            AnyMesh::Plane(mesh) => mesh.order(),
+            AnyMesh::Space(mesh) => mesh.order(),
+        }
+    }
+
+    /// See [`Mesh::with_order`].
+    pub fn with_order(self, order: usize) -> Self {
+        match self {
+            AnyMesh::Plane(mesh) => AnyMesh::Plane(mesh.with_order(order)),
+            AnyMesh::Space(mesh) => AnyMesh::Space(mesh.with_order(order)),
+        }
+    }
+
+    /// See [`Mesh::scrambled`].
+    pub fn scrambled(self, seed: u64) -> Self {
+        match self {
+            AnyMesh::Plane(mesh) => AnyMesh::Plane(mesh.scrambled(seed)),
+            AnyMesh::Space(mesh) => AnyMesh::Space(mesh.scrambled(seed)),
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! Rigid bodies that the flow moves.
+
+use super::flow::Flow;
+use super::mesh_crate::{Mesh, NodeNumbering};
+use super::time::Time;
+use crate::checker::{Checked, Checker};
+use crate::expression::Program;
+use crate::key::Key;
+use crate::raw;
+use crate::vector::Vector;
+use coupled::blocks::rigid_body::Stops;
+use std::collections::BTreeMap;
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidBody<const D: usize> {
+    /// Its name.
+    pub name: String,
+    /// The boundaries that are its walls.
+    pub walls: Vec<usize>,
+    /// Its mass.
+    pub mass: f64,
+    /// Its moment of inertia about the axis through the centre of mass.
+    pub moment_of_inertia: f64,
+    /// A point on the axis of rotation.
+    pub pivot: [f64; D],
+    /// The axis of rotation, a unit vector.
+    pub axis: [f64; 3],
+    /// The centre of mass.
+    pub centre_of_mass: [f64; D],
+    /// The outer force.
+    pub force: Option<Vector<D>>,
+    /// Its coordinates: translations, then the rotation.
+    pub freedoms: Vec<Freedom>,
+    /// How the mesh follows; None: as an elastic body.
+    pub mesh: Option<FollowingMesh>,
+}
+
+/// A translation or rotation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freedom {
+    /// The axis of a translation; None: the rotation.
+    pub axis: Option<usize>,
+    /// Spring, cubic spring, where they rest, damping.
+    pub spring: f64,
+    /// Force per cube of the displacement.
+    pub cubic_spring: f64,
+    /// Where the springs are at rest.
+    pub rest: f64,
+    /// Force per rate.
+    pub damping: f64,
+    /// The rate at the start.
+    pub rate: f64,
+    /// Springs outside of a range.
+    pub stops: Option<Stops>,
+    /// The displacement or angle that it is driven to.
+    pub motion: Option<Program>,
+    /// When it is released.
+    pub release: Option<f64>,
+}
+
+/// How the mesh follows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FollowingMesh {
+    /// By the distance from the pivot.
+    Between {
+        /// The weight is one up to here.
+        inner: f64,
+        /// The weight is zero from here on.
+        outer: f64,
+    },
+    /// By a formula in the position at rest.
+    Weight(Program),
+}
+
+impl<const D: usize> RigidBody<D> {
+    /// The weight of the mesh at `x`, where the mesh follows by weights.
+    pub fn weight(&self, x: &[f64; D]) -> Option<f64> {
+        Some(match self.mesh.as_ref()? {
+            FollowingMesh::Weight(formula) => formula.evaluate(x, 0.0),
+            FollowingMesh::Between { inner, outer } => {
+                let distance = (0..D).map(|d| (x[d] - self.pivot[d]).powi(2)).sum::<f64>().sqrt();
+                1.0 - smooth_step((distance - inner) / (outer - inner))
+            }
+        })
+    }
+}
+
+/// 6 s^5 - 15 s^4 + 10 s^3 between 0 and 1: two derivatives vanish at both ends.
+fn smooth_step(s: f64) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    s * s * s * (s * (6.0 * s - 15.0) + 10.0)
+}
+
+/// What the check of a body needs to know.
+struct Given<'a, const D: usize> {
+    checker: &'a Checker<'a>,
+    mesh: &'a Mesh<D>,
+    flow: Option<&'a Flow<D>>,
+    time: &'a Time,
+}
+
+/// Checks `[bodies]`.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &BTreeMap<String, raw::Body>,
+    mesh: &Mesh<D>,
+    flow: Option<&Flow<D>>,
+    time: &Time,
+) -> Checked<Vec<RigidBody<D>>> {
+    let given = Given { checker, mesh, flow, time };
+    let bodies = raw.iter().map(|(name, body)| given.body(name, body)).collect::<Checked<Vec<_>>>()?;
+    for (number, body) in bodies.iter().enumerate() {
+        let shared = bodies[..number].iter().find(|other| other.walls.iter().any(|wall| body.walls.contains(wall)));
+        if let Some(other) = shared {
+            let problem = format!("a wall of `{}` belongs to `{}` too", body.name, other.name);
+            return Err(checker.combination(&key_of(&body.name), &problem, "each wall in one body"));
+        }
+        if body.mesh.is_some() != bodies[0].mesh.is_some() {
+            let problem = "the mesh follows one body by weights and another one as an elastic body";
+            return Err(checker.combination(&key_of(&body.name), problem, "`mesh` in all bodies, or in none"));
+        }
+    }
+    Ok(bodies)
+}
+
+fn key_of(name: &str) -> Key {
+    Key::new("bodies").child(name)
+}
+
+impl<const D: usize> Given<'_, D> {
+    fn body(&self, name: &str, raw: &raw::Body) -> Checked<RigidBody<D>> {
+        let (checker, key) = (self.checker, key_of(name));
+        if self.flow.is_none() {
+            return Err(checker.combination(&key, "nothing moves a body without a flow", "a section [flow]"));
+        }
+        let freedoms = self.freedoms(&key, raw)?;
+        let rotates = freedoms.iter().any(|freedom| freedom.axis.is_none());
+        let point = |name: &str, given: &Option<Vec<f64>>, default: [f64; D]| match given {
+            Some(given) => checker.finite_vector(&key.child(name), name, given),
+            None => Ok(default),
+        };
+        let pivot = point("pivot", &raw.pivot, [0.0; D])?;
+        let body = RigidBody {
+            name: name.to_owned(),
+            walls: self.walls(name, &key, raw)?,
+            mass: checker.positive(&key.child("mass"), "the mass", checker.number(&key.child("mass"), &raw.mass)?)?,
+            moment_of_inertia: self.moment_of_inertia(&key, raw, rotates)?,
+            pivot,
+            axis: match raw.axis {
+                Some(axis) => super::unit_axis::<D>(checker, &key.child("axis"), axis, "a rotation")?,
+                None => [0.0, 0.0, 1.0],
+            },
+            centre_of_mass: point("centre_of_mass", &raw.centre_of_mass, pivot)?,
+            force: raw.force.as_ref().map(|force| checker.formulas_of_time(&key.child("force"), force)).transpose()?,
+            freedoms,
+            mesh: raw.mesh.as_ref().map(|mesh| self.following(&key.child("mesh"), mesh)).transpose()?,
+        };
+        self.check_weights(&key, &body)?;
+        Ok(body)
+    }
+
+    fn walls(&self, name: &str, key: &Key, raw: &raw::Body) -> Checked<Vec<usize>> {
+        let own = [name.to_owned()];
+        let (key, names) = match &raw.walls {
+            Some(walls) => (key.child("walls"), &walls[..]),
+            None => (key.clone(), &own[..]),
+        };
+        let walls = self.checker.boundaries(&key, names, self.mesh.boundary_names())?;
+        self.checker.require(&key, "the list", !walls.is_empty(), "the name of a wall, or several")?;
+        let is_wall = |wall: &usize| self.flow.is_none_or(|flow| flow.boundary[*wall].condition.is_wall());
+        match walls.iter().find(|wall| !is_wall(wall)) {
+            Some(wall) => {
+                let problem = format!(
+                    "boundary `{}` is no wall: the flow does not press on it",
+                    self.mesh.boundary_names()[*wall]
+                );
+                let accepted = "boundaries whose condition is a wall";
+                Err(self.checker.combination(&key, &problem, accepted))
+            }
+            None => Ok(walls),
+        }
+    }
+
+    fn moment_of_inertia(&self, key: &Key, raw: &raw::Body, rotates: bool) -> Checked<f64> {
+        match &raw.moment_of_inertia {
+            Some(inertia) => {
+                let key = key.child("moment_of_inertia");
+                self.checker.positive(&key, "the moment of inertia", self.checker.number(&key, inertia)?)
+            }
+            None if rotates => {
+                let accepted = "`moment_of_inertia`, about the axis through the centre of mass";
+                Err(self.checker.combination(key, "a body that rotates has no moment of inertia", accepted))
+            }
+            None => Ok(1.0),
+        }
+    }
+
+    fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
+        let given =
+            [("x", Some(0), &raw.x), ("y", Some(1), &raw.y), ("z", Some(2), &raw.z), ("rotation", None, &raw.rotation)];
+        let mut freedoms = Vec::new();
+        for (name, axis, freedom) in given {
+            let Some(freedom) = freedom else { continue };
+            let key = key.child(name);
+            if axis.is_some_and(|axis| axis >= D) {
+                return Err(self.checker.combination(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
+            }
+            freedoms.push(self.freedom(&key, axis, freedom)?);
+        }
+        if freedoms.is_empty() {
+            let accepted =
+                "a section for each coordinate that it has: `x`, `y`, `z`, `rotation`; empty where it is free";
+            return Err(self.checker.combination(key, "a body that cannot move", accepted));
+        }
+        Ok(freedoms)
+    }
+
+    fn freedom(&self, key: &Key, axis: Option<usize>, raw: &raw::Freedom) -> Checked<Freedom> {
+        let checker = self.checker;
+        let number = |name: &str, formula: &raw::Formula| -> Checked<f64> {
+            let (key, quantity) = (key.child(name), format!("the {}", name.replace('_', " ")));
+            let value = checker.number(&key, formula)?;
+            checker.require(&key, &quantity, value.is_finite(), "a finite number")?;
+            Ok(value)
+        };
+        if let Some(raw::Stops { lower, upper, stiffness }) = raw.stops {
+            let key = key.child("stops");
+            checker.require(
+                &key.child("upper"),
+                "the upper stop",
+                upper > lower && lower.is_finite(),
+                "a number above `lower`",
+            )?;
+            checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness)?;
+        }
+        let motion = raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), motion)).transpose()?;
+        if raw.release.is_some() && motion.is_none() {
+            let accepted = "this key together with `motion`";
+            return Err(checker.combination(
+                &key.child("release"),
+                "a coordinate that nothing drives is free already",
+                accepted,
+            ));
+        }
+        let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
+        Ok(Freedom {
+            axis,
+            spring: number("spring", &raw.spring)?,
+            cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
+            rest: number("rest", &raw.rest)?,
+            damping: number("damping", &raw.damping)?,
+            rate: number("rate", &raw.rate)?,
+            stops,
+            motion,
+            release: raw.release,
+        })
+    }
+
+    /// A driven coordinate starts at zero and has a value over the whole run.
+    fn drive(&self, key: &Key, raw: &raw::Formula) -> Checked<Program> {
+        let motion = self.checker.formula_of_time(key, raw)?;
+        let start = motion.evaluate::<f64>(&[], self.time.start);
+        let at_rest = start.abs() <= 1e-12 * self.mesh.diameter();
+        self.checker.require(
+            key,
+            &format!("the motion at the start, {start},"),
+            at_rest,
+            "a formula that is zero at the start",
+        )?;
+        for t in self.time.instants() {
+            let value = motion.evaluate::<f64>(&[], t);
+            let quantity = format!("the motion at t = {t}, {value},");
+            self.checker.require(key, &quantity, value.is_finite(), "a formula that is finite over the whole run")?;
+        }
+        Ok(motion)
+    }
+
+    fn following(&self, key: &Key, raw: &raw::FollowingMesh) -> Checked<FollowingMesh> {
+        match raw {
+            raw::FollowingMesh::Between { inner, outer } => {
+                let key = key.child("between");
+                self.checker.require(&key.child("inner"), "the inner distance", *inner >= 0.0, "a number from 0")?;
+                let accepted = "a number above `inner`";
+                self.checker.require(
+                    &key.child("outer"),
+                    "the outer distance",
+                    outer > inner && outer.is_finite(),
+                    accepted,
+                )?;
+                Ok(FollowingMesh::Between { inner: *inner, outer: *outer })
+            }
+            raw::FollowingMesh::Weight(formula) => {
+                Ok(FollowingMesh::Weight(self.checker.formula_of_position::<D>(&key.child("weight"), formula)?))
+            }
+        }
+    }
+
+    /// Weights are one on the walls of the body and finite everywhere.
+    fn check_weights(&self, key: &Key, body: &RigidBody<D>) -> Checked<()> {
+        if body.mesh.is_none() {
+            return Ok(());
+        }
+        let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
+        let key = key.child("mesh");
+        let mut positions = vec![[0.0; D]; numbering.count];
+        for cell in 0..self.mesh.n_cells() {
+            for (node, x) in numbering.cell(cell).iter().zip(self.mesh.cell_coordinates(cell).chunks_exact(D)) {
+                positions[*node] = std::array::from_fn(|d| x[d]);
+            }
+        }
+        let weight = |x: &[f64; D]| body.weight(x).unwrap_or(f64::NAN);
+        if let Some(x) = positions.iter().find(|x| !weight(x).is_finite()) {
+            let problem = format!("the weight at {x:?} is {}", weight(x));
+            return Err(self.checker.combination(&key, &problem, "a weight that is finite in the whole mesh"));
+        }
+        for wall in &body.walls {
+            for node in numbering.on_boundary(self.mesh, *wall) {
+                let x = &positions[node];
+                if (weight(x) - 1.0).abs() > 1e-9 {
+                    let problem = format!("the weight at {x:?} on a wall of the body is {}", weight(x));
+                    return Err(self.checker.combination(&key, &problem, "a weight of one on the walls of the body"));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,148 @@
+//! The motions of the boundaries.
+
+use super::Time;
+use super::mesh_crate::{Mesh, NodeNumbering};
+use super::motion::check_start;
+use super::shared_nodes::{SharedNodes, nodes_on};
+use super::sliding_mesh::Held;
+use crate::boundary_motion::{BoundaryMotion, NormalMotion, RigidMotion, RigidStep};
+use crate::checker::{Checked, Checker};
+use crate::error::Cause;
+use crate::expression::{Program, Variable};
+use crate::key::Key;
+use crate::raw;
+use crate::vector::Vector;
+use coupled::BoundaryField;
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// Data shared by the checks of all boundaries.
+pub(super) struct Boundaries<'a, const D: usize> {
+    checker: &'a Checker<'a>,
+    mesh: &'a Mesh<D>,
+    /// The C0 nodes, computed at first use.
+    numbering: OnceCell<NodeNumbering>,
+    time: Time,
+}
+
+impl<'a, const D: usize> Boundaries<'a, D> {
+    /// For the boundaries of `mesh`, in a run that covers `time`.
+    pub(super) fn new(checker: &'a Checker<'a>, mesh: &'a Mesh<D>, time: &Time) -> Self {
+        Boundaries { checker, mesh, numbering: OnceCell::new(), time: *time }
+    }
+
+    /// The motion of boundary number `boundary`, given at `key`; None: it rests or slides.
+    pub(super) fn motion(
+        &self,
+        boundary: usize,
+        key: &Key,
+        raw: &raw::BoundaryMotion,
+    ) -> Checked<Option<BoundaryMotion<D>>> {
+        let (key, motion) = match raw {
+            raw::BoundaryMotion::Fixed | raw::BoundaryMotion::Slide => return Ok(None),
+            raw::BoundaryMotion::Displacement(formulas) => {
+                let key = key.child("displacement");
+                let displacement = self.checker.formulas(&key, formulas)?;
+                (key, BoundaryMotion::Formulas(displacement))
+            }
+            raw::BoundaryMotion::Rigid(steps) => {
+                let key = key.child("rigid");
+                if steps.is_empty() {
+                    let accepted = "`[{ translate = [...] }]`, `[{ rotate = { angle = ... } }]` or several of them; \"fixed\" for a boundary that rests";
+                    return Err(self.checker.combination(&key, "a rigid motion without a step", accepted));
+                }
+                let step = |(index, step)| rigid_step(self.checker, &key.entry(index), step);
+                let steps = steps.iter().enumerate().map(step).collect::<Checked<_>>()?;
+                (key, BoundaryMotion::Rigid(RigidMotion { steps }))
+            }
+            raw::BoundaryMotion::Normal(formula) => {
+                let key = key.child("normal");
+                let motion = self.normal(boundary, &key, formula)?;
+                (key, BoundaryMotion::Normal(motion))
+            }
+        };
+        self.check_start(boundary, &key, &motion)?;
+        Ok(Some(motion))
+    }
+
+    /// The nodes of boundary number `boundary`, and the components that it holds there, if what is given at `key` lets it slide.
+    pub(super) fn slide(&self, boundary: usize, key: &Key, raw: &raw::BoundaryMotion) -> Checked<Option<Held<D>>> {
+        if *raw != raw::BoundaryMotion::Slide {
+            return Ok(None);
+        }
+        let axes = self.mesh.normal_axes(self.numbering(), boundary);
+        axes.map(Some).map_err(|error| self.checker.error(key, Cause::Mesh(error)))
+    }
+
+    /// Checks that the `motions` of all boundaries, with their keys, agree at shared nodes. Boundaries that slide hold only the components
+    /// in `slides`.
+    pub(super) fn check_shared(
+        &self,
+        keys: &[Key],
+        motions: &[Option<BoundaryMotion<D>>],
+        slides: &[Option<Held<D>>],
+    ) -> Checked<()> {
+        let (checker, mesh, numbering, time) = (self.checker, self.mesh, self.numbering(), self.time);
+        SharedNodes { checker, mesh, numbering, time }.check(keys, &|boundary, node, x, t| {
+            let held = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
+            let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
+            std::array::from_fn(|i| held[i].then_some(d[i]))
+        })
+    }
+
+    fn numbering(&self) -> &NodeNumbering {
+        self.numbering.get_or_init(|| NodeNumbering::new(self.mesh, self.mesh.order()))
+    }
+
+    fn normal(&self, boundary: usize, key: &Key, formula: &raw::Formula) -> Checked<NormalMotion<D>> {
+        let amount = self.checker.formula_on_boundary::<D>(key, formula)?;
+        let numbering = self.numbering();
+        let normals = self.mesh.boundary_normals(numbering, boundary);
+        let normals = normals.map_err(|error| self.checker.error(key, Cause::Mesh(error)))?;
+        let arc = self.mesh.arc_fractions(numbering, boundary);
+        // In three dimensions formulas have no s.
+        if D == 2 && arc.is_none() && amount.contains(Variable::Coordinate(D)) {
+            let problem = "`s` is the place along a closed curve, which this boundary is not";
+            return Err(self.checker.combination(key, problem, "a formula in x, y and t"));
+        }
+        let arc = arc.unwrap_or_default();
+        let with_arc = |(node, normal)| (node, (normal, arc.get(&node).copied().unwrap_or(0.0)));
+        Ok(NormalMotion { amount, nodes: Arc::new(normals.into_iter().map(with_arc).collect()) })
+    }
+
+    /// Checks that the boundary starts at rest: its displacement at the start is zero up to round-off of the size of
+    /// the mesh.
+    fn check_start(&self, boundary: usize, key: &Key, motion: &BoundaryMotion<D>) -> Checked<()> {
+        // Only formulas have an entry for each axis.
+        let key_of = |axis| match motion {
+            BoundaryMotion::Formulas(_) => key.entry(axis),
+            _ => key.clone(),
+        };
+        let size = self.mesh.diameter();
+        nodes_on(self.mesh, self.numbering(), boundary).try_for_each(|(node, x)| {
+            let d = motion.displacement(node, &x, self.time.start);
+            check_start(self.checker, key_of, &x, &d, self.time.start, size)
+        })
+    }
+}
+
+fn rigid_step<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::RigidStep) -> Checked<RigidStep<D>> {
+    let rotation = match raw {
+        raw::RigidStep::Translate(formulas) => {
+            return Ok(RigidStep::Translate(checker.formulas_of_time(&key.child("translate"), formulas)?));
+        }
+        raw::RigidStep::Rotate(rotation) => rotation,
+    };
+    let key = key.child("rotate");
+    let angle = checker.formula_of_time(&key.child("angle"), &rotation.angle)?;
+    let centre = match &rotation.centre {
+        Some(formulas) => checker.formulas_of_time(&key.child("centre"), formulas)?,
+        None => Vector::new(std::array::from_fn(|_| Program::constant(0.0))),
+    };
+    Ok(RigidStep::Rotate { angle, centre, axis: axis::<D>(checker, &key.child("axis"), rotation.axis)? })
+}
+
+/// The unit vector along the axis of a rotation.
+fn axis<const D: usize>(checker: &Checker<'_>, key: &Key, raw: Option<[f64; 3]>) -> Checked<[f64; 3]> {
+    raw.map_or(Ok([0.0, 0.0, 1.0]), |raw| super::unit_axis::<D>(checker, key, raw, "a rotation"))
+}

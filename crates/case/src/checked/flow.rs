@@ -1,0 +1,295 @@
+//! The flow.
+
+use super::forces::{self, Wall};
+use super::initial;
+use super::mesh_crate::Mesh;
+use super::openings;
+use super::slide;
+use super::states::{self, Typical};
+use super::time::Time;
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use crate::raw;
+use crate::state::State;
+use navier_stokes::{
+    AdiabaticWall, Boundary, FarField, Gas, IsothermalWall, NavierStokes, PrescribedState, Reference, Riemann,
+    SlipWall, Viscosity,
+};
+
+/// The compressible flow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flow<const D: usize> {
+    /// N_s, nodes per direction and cell.
+    pub order: usize,
+    /// The gas, the numerical flux, the reference state.
+    pub law: NavierStokes<D>,
+    /// A typical speed, that of the reference state.
+    pub reference_speed: f64,
+    /// A typical length, for the Reynolds number.
+    pub reference_length: f64,
+    /// The quadrature points.
+    pub quadrature: fem::Quadrature,
+    /// The state at the start.
+    pub initial: State<D>,
+    /// The velocity at the start, if it is uniform.
+    pub uniform_velocity: Option<[f64; D]>,
+    /// The solution, if it is known.
+    pub exact: Option<State<D>>,
+    /// Whether there is the source that makes `exact` the solution.
+    pub manufactured: bool,
+    /// The condition on each boundary, in the order of `Mesh::boundary_names`.
+    pub boundary: Vec<BoundaryData<D>>,
+    /// The boundaries that are walls.
+    pub walls: Vec<Wall<D>>,
+}
+
+impl<const D: usize> Flow<D> {
+    /// The pressure of the reference state.
+    pub fn reference_pressure(&self) -> f64 {
+        self.law.reference.pressure(&self.law.gas)
+    }
+}
+
+/// The condition on a boundary, and its prescribed state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryData<const D: usize> {
+    /// The condition.
+    pub condition: Boundary<D>,
+    /// The prescribed state, if the condition takes one.
+    pub state: Option<State<D>>,
+}
+
+/// Checks `[flow]` of a run that covers `time`.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Flow,
+    mesh: &Mesh<D>,
+    time: &Time,
+) -> Checked<Flow<D>> {
+    let key = Key::new("flow");
+    let order = super::order(checker, &key.child("order"), "the order of the flow", raw.order)?;
+    let gas = gas(checker, &key.child("gas"), &raw.gas)?;
+    let state = |name: &str, state: &Option<raw::State>| {
+        state.as_ref().map(|state| states::check::<D>(checker, &key.child(name), state, gas)).transpose()
+    };
+    let (exact, initial) = (state("exact", &raw.exact)?, state("initial", &raw.initial)?);
+    let Some(start_state) = initial.as_ref().or(exact.as_ref()).map(|typical| typical.state.clone()) else {
+        let accepted = "a key `initial`, or `exact` from which it is taken";
+        return Err(checker.combination(&key, "there is no initial state", accepted));
+    };
+    let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
+    let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
+    let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
+    let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
+    let exact = exact.map(|typical| typical.state);
+    if initial.is_none() && exact.is_some() {
+        checker.note_default(&key.child("initial"), "flow.exact");
+    }
+    let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
+    initial::check(checker, &of_start, &start_state, mesh, order, time.start)?;
+    if raw.source.is_some() && exact.is_none() {
+        let problem = "a manufactured source needs a solution to be made for";
+        return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
+    }
+    let given = Given { exact: exact.as_ref(), gas, reference };
+    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, time)?;
+    let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
+    let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
+    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
+    let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
+    let manufactured = raw.source.is_some();
+    Ok(Flow {
+        order,
+        law,
+        reference_speed,
+        reference_length,
+        quadrature,
+        initial: start_state,
+        uniform_velocity,
+        exact,
+        manufactured,
+        boundary,
+        walls,
+    })
+}
+
+fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
+    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
+    let gamma = (1.0001..=100.0).contains(&raw.gamma);
+    checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted)?;
+    let prandtl = (1e-6..=1e6).contains(&raw.prandtl);
+    checker.require(
+        &key.child("prandtl"),
+        "the Prandtl number",
+        prandtl,
+        "a positive number, 1e-6 to 1e6 (air: 0.72)",
+    )?;
+    let gas_constant = match (raw.gas_constant, raw.mach) {
+        (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
+        (None, None) => {
+            checker.note_default(&key.child("gas_constant"), "1.0");
+            1.0
+        }
+        (None, Some(mach)) => {
+            let mach = checker.positive(&key.child("mach"), "the Mach number", mach)?;
+            1.0 / (raw.gamma * mach * mach)
+        }
+        _ => return Err(checker.combination(key, "the gas constant is given twice", "`gas_constant` or `mach`")),
+    };
+    let viscosity = viscosity(checker, &key.child("viscosity"), &raw.viscosity)?;
+    checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity))
+}
+
+fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
+    match *raw {
+        raw::Viscosity::Inviscid => Ok(Viscosity::Inviscid),
+        raw::Viscosity::Constant(viscosity) => {
+            Ok(Viscosity::Constant(checker.positive(&key.child("constant"), "the viscosity", viscosity)?))
+        }
+        raw::Viscosity::Sutherland { viscosity, temperature, constant } => {
+            let key = key.child("sutherland");
+            for (name, value) in [("viscosity", viscosity), ("temperature", temperature), ("constant", constant)] {
+                checker.positive(&key.child(name), "the number", value)?;
+            }
+            Ok(Viscosity::Sutherland { viscosity, temperature, constant })
+        }
+    }
+}
+
+/// The given reference state, or the `stream`; with its speed and a length.
+fn reference<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: Option<&raw::Reference>,
+    stream: Option<navier_stokes::Primitive<f64, D>>,
+    gas: Gas,
+) -> Checked<(Reference, f64, f64)> {
+    let key_reference = key.child("reference");
+    if let Some(raw) = raw {
+        let numbers =
+            [("density", raw.density), ("speed", raw.speed), ("pressure", raw.pressure), ("length", raw.length)];
+        for (name, value) in numbers {
+            checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
+        }
+        let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
+        let reference = checker.physics(&key_reference, reference)?;
+        let (mach, accepted) = (reference.mach(), "sizes of one flow: a Mach number from 1e-6 to 100");
+        let quantity = format!("the Mach number, speed over sqrt(gamma p / rho), {mach:.3e},");
+        checker.require(&key_reference.child("speed"), &quantity, (1e-6..=100.0).contains(&mach), accepted)?;
+        return Ok((reference, raw.speed, raw.length));
+    }
+    let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
+    let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
+    let Some(stream) = stream.filter(|_| speed > 0.0) else {
+        let problem = "the size of the velocity cannot be told from the exact or the initial state";
+        return Err(checker.combination(&key_reference, problem, accepted));
+    };
+    let (density, pressure) = (stream.density, stream.pressure);
+    let taken =
+        format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
+    checker.note_default(&key_reference, &taken);
+    let reference = Reference::new(&gas, density, speed, pressure);
+    Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
+}
+
+fn riemann(raw: raw::Riemann) -> Riemann {
+    match raw {
+        raw::Riemann::Roe => Riemann::Roe,
+        raw::Riemann::Hllc => Riemann::Hllc,
+        raw::Riemann::LaxFriedrichs => Riemann::LaxFriedrichs,
+    }
+}
+
+fn quadrature(checker: &Checker<'_>, key: &Key, raw: raw::Quadrature, order: usize) -> Checked<fem::Quadrature> {
+    match raw {
+        raw::Quadrature::Conserving => Ok(fem::Quadrature::Conserving),
+        raw::Quadrature::Double => Ok(fem::Quadrature::Double),
+        raw::Quadrature::Points(points) => {
+            let accepted = format!("{order}, the order of the flow, to 64");
+            checker.require(&key.child("points"), "the number of points", (order..=64).contains(&points), &accepted)?;
+            Ok(fem::Quadrature::Points(points))
+        }
+    }
+}
+
+fn boundary<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+    mesh: &Mesh<D>,
+    given: &Given<'_, D>,
+    time: &Time,
+) -> Checked<Vec<BoundaryData<D>>> {
+    let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
+    let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
+        let data = self::condition(checker, key, raw, given)?;
+        slide::check(checker, key, raw, mesh, index)?;
+        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time.start)?;
+        if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
+            initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
+        }
+        Ok(data)
+    };
+    named.iter().enumerate().map(check).collect()
+}
+
+/// The data to which conditions refer.
+struct Given<'a, const D: usize> {
+    exact: Option<&'a State<D>>,
+    gas: Gas,
+    reference: Reference,
+}
+
+fn condition<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Condition,
+    given: &Given<'_, D>,
+) -> Checked<BoundaryData<D>> {
+    let Given { exact, gas, ref reference } = *given;
+    let prescribed = |state| BoundaryData { condition: Boundary::PrescribedState(PrescribedState), state: Some(state) };
+    let condition = match raw {
+        raw::Condition::Exact => {
+            let missing = || {
+                checker.combination(
+                    key,
+                    "there is no exact solution to take",
+                    "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`",
+                )
+            };
+            return exact.cloned().map(prescribed).ok_or_else(missing);
+        }
+        raw::Condition::PrescribedState(state) => {
+            let Typical { state, .. } = states::check(checker, &key.child("prescribed_state"), state, gas)?;
+            return Ok(prescribed(state));
+        }
+        raw::Condition::SlipWall => Boundary::SlipWall(SlipWall),
+        raw::Condition::Symmetry => Boundary::Symmetry(SlipWall),
+        raw::Condition::FarField(stream) => {
+            let key = key.child("far_field");
+            Boundary::FarField(checker.physics(&key, FarField::new(states::free_stream(checker, &key, stream, gas)?))?)
+        }
+        raw::Condition::AdiabaticWall(wall) => {
+            let key = key.child("adiabatic_wall");
+            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
+            Boundary::AdiabaticWall(checker.physics(&key, AdiabaticWall::new(slide))?)
+        }
+        raw::Condition::IsothermalWall(wall) => {
+            let key = key.child("isothermal_wall");
+            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
+            let temperature = checker.positive(&key.child("temperature"), "the temperature", wall.temperature)?;
+            Boundary::IsothermalWall(checker.physics(&key, IsothermalWall::new(temperature, slide))?)
+        }
+        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow)?,
+        raw::Condition::VelocityInflow(inflow) => {
+            return openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow, gas);
+        }
+        raw::Condition::SupersonicInflow(state) => {
+            return openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas);
+        }
+        raw::Condition::Outflow(outflow) => {
+            openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference)?
+        }
+    };
+    Ok(BoundaryData { condition, state: None })
+}

@@ -1,0 +1,73 @@
+//! Segments and regions of `[mesh.generate.box]`
+
+use super::family::Family;
+use crate::checker::Checked;
+use crate::error::CaseError;
+use crate::key::Key;
+use crate::raw::{Axis, BoxGenerator};
+use ::mesh::generate::{BoxRegion, Segment};
+use ::mesh::{BoxMesh, Mesh, MeshError, REST};
+
+/// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. Cells that are inverted are the fault of
+/// what is given at `curving`.
+pub(super) fn build<const D: usize>(
+    family: &Family<'_>,
+    raw: &BoxGenerator,
+    generator: &BoxMesh<D>,
+    ratios: [f64; D],
+    curving: &Key,
+) -> Checked<Mesh<D>> {
+    let mut segments: [Vec<Segment>; D] = std::array::from_fn(|axis| {
+        vec![Segment { end: generator.upper[axis], cells: generator.cells[axis], ratio: ratios[axis] }]
+    });
+    for (axis, pieces) in &raw.segments {
+        let number = number::<D>(family, *axis, ratios)?;
+        let segment =
+            |piece: &crate::raw::Segment| Segment { end: piece.end, cells: piece.cells, ratio: piece.size_ratio };
+        segments[number] = pieces.iter().map(segment).collect();
+    }
+    let regions = raw.regions.keys().map(|name| region(family, raw, name)).collect::<Checked<Vec<_>>>()?;
+    generator.build_in_regions(&segments, &regions).map_err(|error| refused(family, raw, curving, error))
+}
+
+/// The number of an axis with segments: it is one of the box, and has no size ratio beside them.
+fn number<const D: usize>(family: &Family<'_>, axis: Axis, ratios: [f64; D]) -> Checked<usize> {
+    let (number, key) = (axis as usize, key_of_segments(family, axis as usize));
+    if number >= D {
+        return Err(family.checker.combination(&key, "the box has no such axis", "segments along x and y"));
+    }
+    if ratios[number] != 1.0 {
+        let problem = "`size_ratio` has no effect along an axis with segments";
+        return Err(family.checker.combination(&key, problem, "1 there, and a `size_ratio` for each segment"));
+    }
+    Ok(number)
+}
+
+fn key_of_segments(family: &Family<'_>, axis: usize) -> Key {
+    family.key.child("segments").child(["x", "y", "z"][axis])
+}
+
+fn region<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, name: &str) -> Checked<BoxRegion<D>> {
+    let (key, region) = (family.key.child("regions").child(name), &raw.regions[name]);
+    if name == REST {
+        let problem = format!("`{REST}` is the name of all cells outside of the regions");
+        return Err(family.checker.combination(&key, &problem, "another name"));
+    }
+    let at = |end: &str, values| family.checker.finite_vector::<D>(&key.child(end), "the corner", values);
+    Ok(BoxRegion { name: name.to_owned(), lower: at("lower", &region.lower)?, upper: at("upper", &region.upper)? })
+}
+
+/// The error of the generator at the key that it is about.
+fn refused(family: &Family<'_>, raw: &BoxGenerator, curving: &Key, error: MeshError) -> Box<CaseError> {
+    let of_region = |name: &str| family.key.child("regions").child(name);
+    let key = match &error {
+        MeshError::Segments { axis, segment, .. } => key_of_segments(family, *axis).entry(*segment),
+        MeshError::Unaligned { name, axis, value, .. } => {
+            let is_lower = raw.regions.get(name).is_some_and(|region| region.lower[*axis] == *value);
+            of_region(name).child(if is_lower { "lower" } else { "upper" }).entry(*axis)
+        }
+        MeshError::EmptyRegion { name } | MeshError::TwoRegions { second: name, .. } => of_region(name),
+        _ => curving.clone(),
+    };
+    family.refused_at(&key, error)
+}

@@ -1,0 +1,98 @@
+//! The mesh of a case: one file for each generator.
+
+mod airfoil;
+mod annulus;
+mod box_mesh;
+mod box_regions;
+mod channel;
+mod channel_cylinder;
+mod channel_flag;
+mod disc;
+mod family;
+mod gmsh;
+mod rotating_box;
+mod turbine_blade;
+
+use super::order;
+use crate::any_mesh::AnyMesh;
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use crate::raw::{Extrude, Generate, Mesh as Raw};
+use ::mesh::generate::Extrusion;
+use family::Family;
+
+/// Builds the mesh.
+pub(super) fn build(checker: &Checker<'_>, raw: &Raw) -> Checked<AnyMesh> {
+    let key = Key::new("mesh");
+    let one_of = "one of `generate` and `file`";
+    let mesh = match (&raw.generate, &raw.file) {
+        (Some(generate), None) => generated(checker, raw, generate)?,
+        (None, Some(file)) => raised(checker, raw, gmsh::read(checker, raw, file)?)?,
+        (None, None) => return Err(checker.combination(&key, "there is no mesh", one_of)),
+        (Some(_), Some(_)) => return Err(checker.combination(&key, "the mesh is given twice", one_of)),
+    };
+    let mesh = match &raw.extrude {
+        Some(extrude) => extruded(checker, extrude, mesh)?,
+        None => mesh,
+    };
+    Ok(match raw.scramble {
+        Some(seed) => mesh.scrambled(seed),
+        None => mesh,
+    })
+}
+
+fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<AnyMesh> {
+    let key = Key::new("mesh.order");
+    let missing =
+        || checker.combination(&key, "the order of the mesh is missing", "`order`, 2 to 16 nodes per direction");
+    let order = order(checker, &key, "the order of the mesh", raw.order.ok_or_else(missing)?)?;
+    if !raw.periodic.is_empty() {
+        let accepted = "the key `periodic` of the generator, if it has one";
+        return Err(checker.combination(
+            &Key::new("mesh.periodic"),
+            "only boundaries of a file are joined by name",
+            accepted,
+        ));
+    }
+    match generate {
+        Generate::Box(raw) => box_mesh::build(checker, raw, order),
+        Generate::Channel(raw) => channel::build(checker, raw, order),
+        Generate::ChannelCylinder(raw) => channel_cylinder::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::ChannelFlag(raw) => channel_flag::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::RotatingBox(raw) => rotating_box::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::Annulus(raw) => annulus::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::Disc(raw) => disc::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::Airfoil(raw) => airfoil::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::TurbineBlade(raw) => turbine_blade::build(checker, raw, order).map(AnyMesh::Plane),
+    }
+}
+
+/// The mesh of a file, in the requested order.
+fn raised(checker: &Checker<'_>, raw: &Raw, mesh: AnyMesh) -> Checked<AnyMesh> {
+    let (key, of_file) = (Key::new("mesh.order"), mesh.order());
+    let Some(asked) = raw.order else {
+        checker.note_default(&key, &format!("{of_file}, that of the file"));
+        return Ok(mesh);
+    };
+    let asked = order(checker, &key, "the order of the mesh", asked)?;
+    let accepted = format!("{of_file}, the order of the file, or more: with less the shape of the cells would change");
+    checker.require(&key, "the order of the mesh", asked >= of_file, &accepted)?;
+    match &mesh {
+        AnyMesh::Plane(mesh) => family::check_size::<2>(checker, &key, mesh.n_cells(), asked)?,
+        AnyMesh::Space(mesh) => family::check_size::<3>(checker, &key, mesh.n_cells(), asked)?,
+    }
+    Ok(mesh.with_order(asked))
+}
+
+fn extruded(checker: &Checker<'_>, raw: &Extrude, mesh: AnyMesh) -> Checked<AnyMesh> {
+    let parameters = &[("the depth", "depth"), ("the number of layers", "layers"), ("z of the front", "lower")];
+    let family = Family { checker, key: Key::new("mesh.extrude"), parameters };
+    let AnyMesh::Plane(plane) = mesh else {
+        let accepted = "a mesh of two dimensions, or no `extrude`";
+        return Err(checker.combination(&family.key, "the mesh has three dimensions already", accepted));
+    };
+    family.check_size::<3>("layers", &[plane.n_cells(), raw.layers], plane.order())?;
+    let Extrude { lower, depth, layers, periodic } = *raw;
+    let extrusion = Extrusion { lower, depth, layers, periodic };
+    plane.extruded(&extrusion).map(AnyMesh::Space).map_err(|error| family.refused(error))
+}

@@ -1,0 +1,283 @@
+//! The checked case: plain enums and numbers, compiled formulas, the mesh.
+
+mod bodies;
+mod boundary_motion;
+mod displacement;
+mod flow;
+mod forces;
+mod initial;
+mod mesh;
+mod motion;
+mod openings;
+mod resolved;
+mod shared_nodes;
+mod slide;
+mod sliding_mesh;
+mod solver;
+mod states;
+mod structure;
+mod tables;
+mod time;
+
+pub use super::raw::{
+    AllowedChange, Analysis, Damping, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
+    StructureLaw,
+};
+pub use bodies::{FollowingMesh, Freedom, RigidBody};
+pub use flow::{BoundaryData, Flow};
+pub use forces::Wall;
+pub use motion::{Motion, Stiffness};
+pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
+pub use sliding_mesh::{Held, constrained};
+pub use structure::{Largest, Structure, Support};
+pub use time::{Output, Time};
+
+use super::checker::{Checked, Checker};
+use super::continuation::lasting;
+use super::document::Document;
+use super::error::CaseError;
+use super::key::Key;
+use super::raw;
+use crate::any_mesh::AnyMesh;
+// The crate, besides a module of the same name.
+use ::mesh as mesh_crate;
+use std::path::{Path, PathBuf};
+
+/// A case in two or three dimensions.
+#[derive(Debug)]
+pub enum AnyCase {
+    /// Two dimensions.
+    Plane(Box<Case<2>>),
+    /// Three dimensions.
+    Space(Box<Case<3>>),
+}
+
+/// A case that has been checked.
+#[derive(Clone, Debug)]
+pub struct Case<const D: usize> {
+    /// Name and texts.
+    pub about: About,
+    /// The mesh at rest.
+    pub mesh: mesh_crate::Mesh<D>,
+    /// The motion of the mesh; None: it rests.
+    pub motion: Option<Motion<D>>,
+    /// The flow; None: only the mesh moves.
+    pub flow: Option<Flow<D>>,
+    /// The rigid bodies that the flow moves.
+    pub bodies: Vec<RigidBody<D>>,
+    /// The structure that fills the mesh; then there is neither motion nor flow.
+    pub structure: Option<Structure<D>>,
+    /// The time to cover.
+    pub time: Time,
+    /// The result, or its directory, from which the run starts instead of the initial state.
+    pub restart: Option<PathBuf>,
+    /// Differences that are allowed between this case and the case of that run.
+    pub allowed_changes: Vec<AllowedChange>,
+    /// The solver settings.
+    pub solver: Solver,
+    /// Directory and contents of the output.
+    pub output: Output,
+}
+
+/// The description of a case, without its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct About {
+    /// The name of the file without its extension.
+    pub name: String,
+    /// A title in one line.
+    pub title: String,
+    /// The resolved case with all defaults and the contents of its tables, which can be run again.
+    pub resolved: String,
+    /// The part of `resolved` that the states of a run depend on: equal for cases that may continue each other.
+    pub lasting: String,
+    /// Every key that was left to its default, and the value taken.
+    pub defaults: Vec<(String, String)>,
+}
+
+impl AnyCase {
+    /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
+    ///
+    /// # Errors
+    /// The first error of the case.
+    pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
+        Self::check(&Document::read(path, options)?)
+    }
+
+    /// Checks a case.
+    ///
+    /// # Errors
+    /// As [`AnyCase::read`].
+    pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
+        let raw: raw::Case = document.deserialize()?;
+        let checker = checker_of(document, &raw)?;
+        match mesh::build(&checker, &raw.mesh)? {
+            AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
+            AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
+        }
+    }
+
+    /// The output directory given in the case, if any.
+    pub fn output_directory(&self) -> Option<&Path> {
+        match self {
+            AnyCase::Plane(case) => case.output.directory.as_deref(),
+            AnyCase::Space(case) => case.output.directory.as_deref(),
+        }
+    }
+
+    /// The result, or its directory, from which the run starts instead of the initial state.
+    pub fn restart(&self) -> Option<&Path> {
+        match self {
+            AnyCase::Plane(case) => case.restart.as_deref(),
+            AnyCase::Space(case) => case.restart.as_deref(),
+        }
+    }
+
+    /// The description of the case, without its numbers.
+    pub fn about(&self) -> &About {
+        match self {
+            AnyCase::Plane(case) => &case.about,
+            AnyCase::Space(case) => &case.about,
+        }
+    }
+}
+
+impl<const D: usize> Case<D> {
+    fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
+        let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
+        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, &time)).transpose()?;
+        let bodies = bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time)?;
+        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &bodies, &time)?;
+        let structure =
+            raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
+        sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
+        check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
+        if raw.restart.is_some() && flow.is_none() {
+            let problem = "only a flow can start where another run stands";
+            return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
+        }
+        solver::check(checker, &raw.solver)?;
+        let output = time::check_output(checker, &raw.output)?;
+        Ok(Case {
+            about: About::new(checker, document, raw),
+            mesh,
+            motion,
+            flow,
+            bodies,
+            structure,
+            time,
+            restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
+            allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
+            solver: raw.solver.clone(),
+            output,
+        })
+    }
+}
+
+impl<const D: usize> Case<D> {
+    /// Whether this difference to the case of the earlier run is allowed.
+    pub fn allows(&self, change: AllowedChange) -> bool {
+        self.allowed_changes.contains(&change)
+    }
+
+    /// The unknown displacements of a slab: the components at the nodes of an elastic mesh that no boundary prescribes.
+    pub fn mesh_unknowns(&self) -> Option<usize> {
+        let Some(Motion::Elastic { slides, .. }) = &self.motion else { return None };
+        let numbering = mesh_crate::NodeNumbering::new(&self.mesh, self.mesh.order());
+        let constrained = constrained(&self.mesh, &numbering, slides);
+        Some(constrained.as_flattened().iter().filter(|constrained| !**constrained).count() * self.time.order)
+    }
+
+    /// Unknowns of the flow in a slab, 0 without a flow.
+    pub fn flow_unknowns(&self) -> usize {
+        let per_cell = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
+        self.mesh.n_cells() * per_cell * self.time.order
+    }
+}
+
+/// Whether the present sections among [motion], [flow] and [structure] fit together.
+fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
+    match sections {
+        [false, false, false] => {
+            let problem = "there is nothing to solve: neither motion nor flow nor structure";
+            let accepted = "a section [motion], a section [flow], or both; or a section [structure]";
+            Err(checker.combination(&Key::default(), problem, accepted))
+        }
+        [_, _, false] | [false, false, true] => Ok(()),
+        [_, _, true] => {
+            let problem = "a structure moves by itself and has no flow";
+            let accepted = "this section, or [motion] and [flow]: remove the one or the others";
+            Err(checker.combination(&Key::new("structure"), problem, accepted))
+        }
+    }
+}
+
+impl About {
+    fn new(checker: &Checker<'_>, document: &Document, raw: &raw::Case) -> Self {
+        let name = document.path().file_stem().map_or_else(|| "case".into(), |stem| stem.to_string_lossy());
+        let whole = raw::Case { tables: tables::written_out(checker, &raw.tables), ..raw.clone() };
+        About {
+            name: name.into_owned(),
+            title: raw.title.clone(),
+            resolved: as_toml(&whole),
+            lasting: as_toml(&lasting(&whole)),
+            defaults: defaults_taken(document, raw).into_iter().chain(checker.noted_defaults()).collect(),
+        }
+    }
+}
+
+/// A checker of `raw`, with its constants and tables.
+fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
+    let mut checker = Checker::new(document, &raw.constants)?;
+    for (name, table) in &raw.tables {
+        let key = Key::new("tables").child(name);
+        let table = tables::check(&checker, &key, table)?;
+        checker.define_table(&key, name, table)?;
+    }
+    Ok(checker)
+}
+
+fn as_toml(raw: &raw::Case) -> String {
+    toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
+}
+
+/// The keys of the resolved case that are not in the document.
+fn defaults_taken(document: &Document, raw: &raw::Case) -> Vec<(String, String)> {
+    let full =
+        toml::Value::try_from(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write");
+    let mut defaults = Vec::new();
+    collect_defaults(document, &Key::default(), &full, &mut defaults);
+    defaults
+}
+
+fn collect_defaults(document: &Document, key: &Key, value: &toml::Value, defaults: &mut Vec<(String, String)>) {
+    match value {
+        toml::Value::Table(table) => {
+            table.iter().for_each(|(name, value)| collect_defaults(document, &key.child(name), value, defaults));
+        }
+        toml::Value::String(text) if text.is_empty() => {}
+        _ if document.position(key).is_none() => {
+            // Rust writes small numbers shorter than TOML does.
+            let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+            defaults.push((key.to_string(), text));
+        }
+        _ => {}
+    }
+}
+
+/// The unit vector along the axis of `what`, which exists only in three dimensions.
+fn unit_axis<const D: usize>(checker: &Checker<'_>, key: &Key, axis: [f64; 3], what: &str) -> Checked<[f64; 3]> {
+    if D == 2 {
+        let problem = format!("in two dimensions {what} has no axis but that along z");
+        return Err(checker.combination(key, &problem, "no `axis`"));
+    }
+    let length = tensor::norm(&axis);
+    checker.require(key, "the axis", length > 0.0 && length.is_finite(), "three numbers that are not all zero")?;
+    Ok(axis.map(|x| x / length))
+}
+
+/// The accepted orders of mesh and flow, as the sentence of an error.
+fn order(checker: &Checker<'_>, key: &Key, quantity: &str, order: usize) -> Checked<usize> {
+    let accepted = format!("{} to {} nodes per direction", mesh_crate::ORDERS.start(), mesh_crate::ORDERS.end());
+    checker.require(key, quantity, mesh_crate::ORDERS.contains(&order), &accepted)?;
+    Ok(order)
+}

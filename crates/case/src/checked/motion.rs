@@ -1,0 +1,323 @@
+//! The motion of the mesh.
+
+use super::Time;
+use super::bodies::RigidBody;
+use super::boundary_motion::Boundaries;
+use super::displacement::check_displacement;
+use super::mesh_crate::Mesh;
+use super::sliding_mesh::{Held, check_held};
+use crate::boundary_motion::BoundaryMotion;
+use crate::checker::{Checked, Checker};
+use crate::error::Cause;
+use crate::expression::Program;
+use crate::key::Key;
+use crate::raw;
+use crate::vector::Vector;
+use elasticity::{Law, Solver};
+use std::collections::BTreeMap;
+
+/// The motion of the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion<const D: usize> {
+    /// A prescribed displacement of every point, as a function of the position at rest and time.
+    Prescribed(Vector<D>),
+    /// Every point with rigid bodies, by weights.
+    Followed,
+    /// A prescribed motion of the boundary with an elastic interior.
+    Elastic {
+        /// Poisson's ratio.
+        poisson_ratio: f64,
+        /// Young's modulus over the mesh.
+        stiffness: Stiffness,
+        /// The law.
+        law: Law,
+        /// The tolerance of Newton's method, a root mean square error of position relative to the node spacing.
+        tolerance: f64,
+        /// The solver of the mesh equations.
+        solver: Solver,
+        /// The displacement of each boundary, in the order of `Mesh::boundary_names`; None: it rests or slides.
+        boundary: Vec<Option<BoundaryMotion<D>>>,
+        /// In the same order, for boundaries that slide, what they hold.
+        slides: Vec<Option<Held<D>>>,
+    },
+}
+
+impl<const D: usize> Motion<D> {
+    /// The number of operations of its longest formula, at a node and a time.
+    pub fn operations(&self) -> usize {
+        match self {
+            Motion::Prescribed(displacement) => displacement.operations(),
+            Motion::Followed => 0,
+            Motion::Elastic { boundary, .. } => {
+                boundary.iter().flatten().map(BoundaryMotion::operations).max().unwrap_or(0)
+            }
+        }
+    }
+}
+
+/// The default of [`Motion::Elastic::tolerance`]. det J, and the start of the next slab, are then correct to four digits. The tolerance
+/// is a mean over all nodes, and a few nodes at a corner may have a hundred times the error: with 1e-2, det J was wrong by 40 %. Newton's
+/// method converges quadratically, so the tight tolerance costs only a fifth more time.
+const TOLERANCE: f64 = 1e-6;
+
+/// The largest tolerance that a case may ask for.
+const LARGEST_TOLERANCE: f64 = 1e-3;
+
+/// Young's modulus over the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stiffness {
+    /// Constant.
+    Constant,
+    /// (det J)^-power.
+    InverseJacobian {
+        /// The power.
+        power: f64,
+    },
+    /// A formula in the position at rest.
+    Expression(Program),
+    /// By the distance to boundaries, see [`elasticity::WallDistance`].
+    WallDistance {
+        /// A.
+        amplitude: f64,
+        /// d_0.
+        distance: f64,
+        /// Boundaries that move, by index.
+        inner: Vec<usize>,
+        /// Boundaries that rest.
+        outer: Vec<usize>,
+    },
+}
+
+/// The largest absolute power of det J. With larger ones the stiffness overflows or the matrix becomes singular.
+const LARGEST_POWER: f64 = 10.0;
+
+/// Checks `[motion]` of a run that covers `time`, in which `bodies` move parts of the mesh. None: the mesh rests.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    raw: Option<&raw::Motion>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+    time: &Time,
+) -> Checked<Option<Motion<D>>> {
+    let by_weights = bodies.iter().any(|body| body.mesh.is_some());
+    match raw {
+        Some(_) if by_weights => {
+            let problem = "`bodies` move the whole mesh by weights";
+            Err(checker.combination(
+                &Key::new("motion"),
+                problem,
+                "this section, or the key `mesh` of the bodies: remove one",
+            ))
+        }
+        None if by_weights => Ok(Some(Motion::Followed)),
+        Some(raw) => Ok(Some(check_given(checker, raw, mesh, bodies, time)?)),
+        None if !bodies.is_empty() => {
+            let still = raw::Motion { displacement: None, elasticity: None, boundary: others_fixed() };
+            Ok(Some(check_given(checker, &still, mesh, bodies, time)?))
+        }
+        None => Ok(None),
+    }
+}
+
+fn others_fixed() -> BTreeMap<String, raw::BoundaryMotion> {
+    BTreeMap::from([("others".to_owned(), raw::BoundaryMotion::Fixed)])
+}
+
+fn check_given<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Motion,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+    time: &Time,
+) -> Checked<Motion<D>> {
+    let key = Key::new("motion");
+    let Some(formulas) = &raw.displacement else {
+        let motion = elastic(checker, &key, raw, mesh, time)?;
+        return check_walls(checker, &key, motion, mesh, bodies);
+    };
+    if !bodies.is_empty() {
+        let problem = "`motion.displacement` prescribes the motion everywhere, and a body moves its walls";
+        return Err(checker.combination(&key.child("displacement"), problem, "one of the two: remove the other"));
+    }
+    for (name, given) in [("elasticity", raw.elasticity.is_some()), ("boundary", !raw.boundary.is_empty())] {
+        if given {
+            let problem =
+                format!("`motion.{name}` has no effect: `motion.displacement` prescribes the motion everywhere");
+            return Err(checker.combination(&key.child(name), &problem, "one of the two: remove the other"));
+        }
+    }
+    let key = key.child("displacement");
+    let displacement = checker.formulas(&key, formulas)?;
+    let (size, start) = (mesh.diameter(), time.start);
+    mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
+        check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
+    })?;
+    for t in time.instants() {
+        let mut all = mesh.coordinates().chunks_exact(D).map(position);
+        all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
+    }
+    Ok(Motion::Prescribed(displacement))
+}
+
+/// The walls of bodies have no other motion, and do not slide.
+fn check_walls<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    motion: Motion<D>,
+    mesh: &Mesh<D>,
+    bodies: &[RigidBody<D>],
+) -> Checked<Motion<D>> {
+    let Motion::Elastic { boundary, slides, .. } = &motion else { return Ok(motion) };
+    let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
+    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some()) {
+        let name = &mesh.boundary_names()[wall];
+        let problem = format!("boundary `{name}` is moved by the body `{body}`");
+        return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
+    }
+    Ok(motion)
+}
+
+fn elastic<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Motion,
+    mesh: &Mesh<D>,
+    time: &Time,
+) -> Checked<Motion<D>> {
+    let elasticity = raw.elasticity.clone().unwrap_or_default();
+    let key_elasticity = key.child("elasticity");
+    let nu = checker.poisson_ratio(&key_elasticity.child("poisson_ratio"), elasticity.poisson_ratio)?;
+    let stiffness = stiffness(checker, &key_elasticity.child("stiffness"), &elasticity.stiffness, mesh)?;
+    let law = law(checker, &key_elasticity, &elasticity)?;
+    let named = checker.by_boundary(&key.child("boundary"), "motion", &raw.boundary, mesh.boundary_names())?;
+    let boundaries = Boundaries::new(checker, mesh, time);
+    let motion = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.motion(index, key, motion);
+    let boundary = named.iter().enumerate().map(motion).collect::<Checked<Vec<_>>>()?;
+    let slide = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.slide(index, key, motion);
+    let slides = named.iter().enumerate().map(slide).collect::<Checked<Vec<_>>>()?;
+    let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
+    boundaries.check_shared(&keys, &boundary, &slides)?;
+    check_held(checker, &key.child("boundary"), &slides)?;
+    Ok(Motion::Elastic {
+        poisson_ratio: nu,
+        stiffness,
+        law,
+        solver: solver(elasticity.solver),
+        tolerance: elasticity.tolerance.unwrap_or(TOLERANCE),
+        boundary,
+        slides,
+    })
+}
+
+/// The law; keys of other laws are refused.
+fn law(checker: &Checker<'_>, key: &Key, raw: &raw::Elasticity) -> Checked<Law> {
+    let without_effect = |name: &str, law: &str, remedy: &str| {
+        let problem = format!("`motion.elasticity.{name}` has no effect with the {law} law");
+        checker.combination(&key.child(name), &problem, remedy)
+    };
+    if let Some(tolerance) = raw.tolerance {
+        let accepted = format!(
+            "a positive number of at most {LARGEST_TOLERANCE:e}, for instance {TOLERANCE:e}: a mesh further from equilibrium is \
+             no start for the next slab"
+        );
+        let fine = tolerance > 0.0 && tolerance <= LARGEST_TOLERANCE;
+        checker.require(&key.child("tolerance"), "the tolerance", fine, &accepted)?;
+    }
+    match (raw.law, raw.reference) {
+        (raw::Law::Linear, _) if raw.tolerance.is_some() => {
+            Err(without_effect("tolerance", "linear", "remove it: one solve is exact"))
+        }
+        (raw::Law::Linear, Some(raw::ReferenceMesh::Updated)) => Ok(Law::Incremental),
+        (raw::Law::Linear, _) => Ok(Law::Linear),
+        (raw::Law::NeoHookean, Some(raw::ReferenceMesh::Updated)) => {
+            let remedy = "\"initial\": remove it, or choose the linear law";
+            Err(without_effect("reference", "neo-Hookean", remedy))
+        }
+        (raw::Law::NeoHookean, _) => Ok(Law::NeoHookean),
+    }
+}
+
+fn solver(raw: raw::ElasticitySolver) -> Solver {
+    match raw {
+        raw::ElasticitySolver::Automatic => Solver::Automatic,
+        raw::ElasticitySolver::Direct => Solver::Direct,
+        raw::ElasticitySolver::Cg => Solver::ConjugateGradients,
+        raw::ElasticitySolver::Multigrid => Solver::Multigrid,
+    }
+}
+
+fn stiffness<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Stiffness,
+    mesh: &Mesh<D>,
+) -> Checked<Stiffness> {
+    match raw {
+        raw::Stiffness::Constant => Ok(Stiffness::Constant),
+        raw::Stiffness::InverseJacobian { power } => {
+            let key = key.child("inverse_jacobian").child("power");
+            checker.require(&key, "the power", power.abs() <= LARGEST_POWER, "a number from -10 to 10")?;
+            Ok(Stiffness::InverseJacobian { power: *power })
+        }
+        raw::Stiffness::Expression(formula) => {
+            let key = key.child("expression");
+            let modulus = checker.formula_of_position::<D>(&key, formula)?;
+            let positive = |x: [f64; D]| {
+                let value = modulus.evaluate(&x, 0.0);
+                value > 0.0 && value.is_finite()
+            };
+            let everywhere = mesh.coordinates().chunks_exact(D).map(position).all(positive);
+            checker.require(&key, "the stiffness", everywhere, "a formula that is positive everywhere in the mesh")?;
+            Ok(Stiffness::Expression(modulus))
+        }
+        raw::Stiffness::WallDistance(raw) => wall_distance(checker, &key.child("wall_distance"), raw, mesh),
+    }
+}
+
+fn wall_distance<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::WallDistance,
+    mesh: &Mesh<D>,
+) -> Checked<Stiffness> {
+    let boundaries = |name: &str, names| checker.boundaries(&key.child(name), names, mesh.boundary_names());
+    let (inner, outer) = (boundaries("inner", &raw.inner)?, boundaries("outer", &raw.outer)?);
+    checker.require(&key.child("inner"), "the list", !inner.is_empty(), "the name of a boundary, or several")?;
+    if let Some(entry) = outer.iter().position(|boundary| inner.contains(boundary)) {
+        let problem = format!("boundary `{}` is in `inner` too: it moves or rests", raw.outer[entry]);
+        return Err(checker.combination(
+            &key.child("outer").entry(entry),
+            &problem,
+            "each boundary in one of the lists",
+        ));
+    }
+    Ok(Stiffness::WallDistance {
+        amplitude: checker.positive(&key.child("amplitude"), "the amplitude", raw.amplitude)?,
+        distance: checker.positive(&key.child("distance"), "the distance", raw.distance)?,
+        inner,
+        outer,
+    })
+}
+
+/// Checks that the mesh starts at rest: the displacement `d` of the point `x` at `start` must be zero up to round-off of the `size`
+/// of the mesh. `key` is the key of its component along an axis.
+pub(super) fn check_start<const D: usize>(
+    checker: &Checker<'_>,
+    key: impl Fn(usize) -> Key,
+    x: &[f64; D],
+    d: &[f64; D],
+    start: f64,
+    size: f64,
+) -> Checked<()> {
+    match d.iter().position(|d| d.is_nan() || d.abs() > 1e-12 * size) {
+        Some(axis) => {
+            let cause = Cause::MovedAtStart { time: start, position: x.to_vec(), value: d[axis] };
+            Err(checker.error(&key(axis), cause))
+        }
+        None => Ok(()),
+    }
+}
+
+fn position<const D: usize>(coordinates: &[f64]) -> [f64; D] {
+    std::array::from_fn(|axis| coordinates[axis])
+}

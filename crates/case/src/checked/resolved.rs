@@ -1,0 +1,86 @@
+//! What a case tells that was resolved, which is how a result file keeps it.
+
+use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
+use crate::document::Document;
+use crate::error::CaseError;
+use crate::raw;
+use std::path::Path;
+
+/// The title of a case that was resolved, if it has one.
+pub fn title_of(resolved: &str) -> Option<String> {
+    let case: toml::Table = resolved.parse().ok()?;
+    Some(case.get("title")?.as_str()?.to_owned())
+}
+
+/// The ratio of specific heats of a case that was resolved; `None` without a flow.
+///
+/// # Errors
+/// What is wrong with `resolved`. Another version of the program may have written it: no other key is looked at.
+pub fn ratio_of_specific_heats_of(resolved: &str) -> Result<Option<f64>, String> {
+    let case: toml::Table = resolved.parse().map_err(|error: toml::de::Error| error.message().to_owned())?;
+    let Some(flow) = case.get("flow") else { return Ok(None) };
+    let gamma = flow.get("gas").and_then(|gas| gas.get("gamma")).and_then(toml::Value::as_float);
+    gamma.map(Some).ok_or_else(|| "it has no number `flow.gas.gamma`".to_owned())
+}
+
+/// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
+///
+/// # Errors
+/// The error of `resolved`, which another version of the program may have written.
+pub fn gas_of(resolved: &str, allowed: &[AllowedChange]) -> Result<Option<String>, String> {
+    let raw: raw::Case = toml::from_str(resolved).map_err(|error| error.message().to_owned())?;
+    let text = |flow: &raw::Flow| {
+        let mut gas = flow.gas.clone();
+        if allowed.contains(&AllowedChange::Viscosity) {
+            gas.viscosity = raw::Viscosity::Inviscid;
+        }
+        if allowed.contains(&AllowedChange::Mach) {
+            (gas.mach, gas.gas_constant) = (None, None);
+        }
+        serde_json::to_string(&gas).map_err(|error| error.to_string())
+    };
+    raw.flow.as_ref().map(text).transpose()
+}
+
+/// The motion that a resolved case, as text, gives to `mesh`.
+///
+/// # Errors
+/// The error of `resolved`, which another version of the program may have written.
+pub fn motion_of<const D: usize>(
+    resolved: &str,
+    mesh: &mesh_crate::Mesh<D>,
+) -> Result<Option<Motion<D>>, Box<CaseError>> {
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
+    let raw: raw::Case = document.deserialize()?;
+    let checker = checker_of(&document, &raw)?;
+    let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
+    motion::check(&checker, raw.motion.as_ref(), mesh, &[], &time)
+}
+
+/// The reference pressure of a resolved case with a flow.
+///
+/// # Errors
+/// As [`gas_of`].
+pub fn reference_pressure_of(resolved: &str) -> Result<f64, String> {
+    let document = Document::parse(Path::new("case"), resolved.to_owned(), &[]).map_err(|error| error.to_string())?;
+    let pressure = match AnyCase::check(&document).map_err(|error| error.to_string())? {
+        AnyCase::Plane(case) => case.flow.as_ref().map(Flow::reference_pressure),
+        AnyCase::Space(case) => case.flow.as_ref().map(Flow::reference_pressure),
+    };
+    pressure.ok_or_else(|| "there is no flow".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_case_of_another_version_tells_what_is_there() {
+        let text = "title = \"a\"\nunknown = 1\n[flow.gas]\ngamma = 1.3\n";
+        assert_eq!(title_of(text).as_deref(), Some("a"));
+        assert_eq!(ratio_of_specific_heats_of(text), Ok(Some(1.3)));
+        assert_eq!((title_of("[mesh]"), ratio_of_specific_heats_of("[mesh]")), (None, Ok(None)));
+        assert_eq!(title_of("="), None);
+        assert!(ratio_of_specific_heats_of("[flow]").is_err() && ratio_of_specific_heats_of("=").is_err());
+    }
+}

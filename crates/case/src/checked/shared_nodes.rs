@@ -1,0 +1,100 @@
+//! Boundaries that share a node must give it the same displacement.
+
+use super::Time;
+use super::displacement::check_displacement;
+use super::mesh_crate::{Mesh, NodeNumbering, face_nodes};
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use std::collections::BTreeMap;
+
+/// The displacement of a node of a boundary, each component if it is prescribed, for (boundary, node, position at rest, time).
+pub(super) type Displacement<'a, const D: usize> = dyn Fn(usize, usize, &[f64; D], f64) -> [Option<f64>; D] + 'a;
+
+/// The boundaries of a mesh whose nodes are moved.
+pub(super) struct SharedNodes<'a, const D: usize> {
+    /// The source of errors.
+    pub(super) checker: &'a Checker<'a>,
+    /// The mesh.
+    pub(super) mesh: &'a Mesh<D>,
+    /// Its C0 nodes.
+    pub(super) numbering: &'a NodeNumbering,
+    /// The time that the run covers.
+    pub(super) time: Time,
+}
+
+/// The first boundary that moves a node, the position at rest and the displacement.
+#[derive(Clone, Copy)]
+struct First<const D: usize> {
+    boundary: usize,
+    x: [f64; D],
+    d: [Option<f64>; D],
+}
+
+impl<const D: usize> SharedNodes<'_, D> {
+    /// Checks the displacements of all boundaries, given at `keys`. They must have values over the whole run, and agree at nodes that two
+    /// boundaries share or that periodicity identifies.
+    pub(super) fn check(&self, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
+        self.time.instants().into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
+    }
+
+    fn check_at(&self, t: f64, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
+        let size = self.mesh.diameter();
+        let tolerance = 1e-9 * size;
+        let mut moved: BTreeMap<usize, First<D>> = BTreeMap::new();
+        for (boundary, key) in keys.iter().enumerate() {
+            for (node, x) in nodes_on(self.mesh, self.numbering, boundary) {
+                let d = displacement(boundary, node, &x, t);
+                check_displacement(self.checker, key, &x, &d.map(|d| d.unwrap_or(0.0)), t, size)?;
+                let first = *moved.entry(node).or_insert(First { boundary, x, d });
+                let apart = |i: usize| matches!((d[i], first.d[i]), (Some(a), Some(b)) if (a - b).abs() > tolerance);
+                if (0..D).any(apart) {
+                    return Err(self.conflict(key, first, First { boundary, x, d }, t));
+                }
+                // Components that the first boundary leaves free may be prescribed by another one.
+                moved.insert(node, First { d: std::array::from_fn(|i| first.d[i].or(d[i])), ..first });
+            }
+        }
+        Ok(())
+    }
+
+    fn conflict(&self, key: &Key, first: First<D>, second: First<D>, t: f64) -> Box<crate::CaseError> {
+        let name = |boundary: usize| &self.mesh.boundary_names()[boundary];
+        let (a, b) = (plain(&first.d), plain(&second.d));
+        let constants = self.checker.constants_in_words();
+        if first.boundary == second.boundary {
+            let (from, other) = (first.x, second.x);
+            let problem = format!(
+                "the displacement is not periodic: {from:?} and {other:?} are one node of the mesh, but move by {a} and by {b} until t = {t}{constants}"
+            );
+            return self.checker.combination(key, &problem, "a displacement with the period of the mesh");
+        }
+        let (one, other) = (name(first.boundary), name(second.boundary));
+        let problem = format!(
+            "boundaries `{one}` and `{other}` share the node at {:?}, but until t = {t} `{one}` moves it by {a} and `{other}` by {b}{constants}",
+            second.x
+        );
+        let remedy = "motions that agree where boundaries meet: the same formulas for both, or a formula in x, y, z that is that of the other one there";
+        self.checker.combination(key, &problem, remedy)
+    }
+}
+
+/// A displacement as text, with `free` for components that are not prescribed.
+fn plain<const D: usize>(d: &[Option<f64>; D]) -> String {
+    let components = d.iter().map(|d| d.map_or_else(|| "free".to_owned(), |d| format!("{d:.6}")));
+    format!("[{}]", components.collect::<Vec<_>>().join(", "))
+}
+
+/// The C0 nodes on a boundary and their positions, facet by facet.
+pub(super) fn nodes_on<const D: usize>(
+    mesh: &Mesh<D>,
+    numbering: &NodeNumbering,
+    boundary: usize,
+) -> impl Iterator<Item = (usize, [f64; D])> {
+    let facets = mesh.boundary_facets().iter().filter(move |facet| facet.boundary == boundary);
+    facets.flat_map(move |facet| {
+        let (cell, face) = (facet.side.cell, facet.side.face);
+        let (numbers, positions) = (numbering.cell(cell), mesh.cell_coordinates(cell));
+        let node = |k: usize| (numbers[k], std::array::from_fn(|i| positions[k * D + i]));
+        face_nodes(D, mesh.order(), face).into_iter().map(node)
+    })
+}

@@ -1,0 +1,96 @@
+//! `[tables]`
+
+use crate::checker::{Checked, Checker};
+use crate::error::Cause;
+use crate::expression::{Ends, Table, TableError};
+use crate::input_file::{self, LARGEST_TABLE};
+use crate::key::Key;
+use crate::raw;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const ONE_OF_TWO: &str = "`t` and `values`, or `file`";
+
+/// The table at `key`.
+pub(crate) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table) -> Checked<Table> {
+    let (t, values, values_key) = match (&raw.t, &raw.values, &raw.file) {
+        (Some(_), Some(_), None) if raw.column.is_some() => {
+            let problem = "`column` is that of a file, and there is none";
+            return Err(checker.combination(&key.child("column"), problem, "`file` instead of `t` and `values`"));
+        }
+        (Some(t), Some(values), None) => (t.clone(), values.clone(), key.child("values")),
+        (None, None, Some(file)) => {
+            let (t, values) = read(checker, key, file, raw.column.as_deref())?;
+            (t, values, key.child("file"))
+        }
+        (None, None, None) => return Err(checker.combination(key, "the table is empty", ONE_OF_TWO)),
+        (_, _, Some(_)) => return Err(checker.combination(key, "the table is given twice", ONE_OF_TWO)),
+        _ => return Err(checker.combination(key, "half of the table is missing", ONE_OF_TWO)),
+    };
+    let ends = match raw.ends {
+        raw::Ends::Free => Ends::Free,
+        raw::Ends::AtRest => Ends::AtRest,
+        raw::Ends::Periodic => Ends::Periodic,
+    };
+    let of_file = raw.file.is_some();
+    let times_are_finite = t.iter().all(|t| t.is_finite());
+    Table::new(t, values, ends).map_err(|error| {
+        let of_times = match error {
+            TableError::NotIncreasing { .. } => true,
+            TableError::NotFinite(_) => !times_are_finite,
+            _ => false,
+        };
+        let key = if of_times && !of_file { key.child("t") } else { values_key };
+        checker.error(&key, Cause::Table(error))
+    })
+}
+
+/// The tables, with the data of their files in place of the files.
+pub(crate) fn written_out(checker: &Checker<'_>, raw: &BTreeMap<String, raw::Table>) -> BTreeMap<String, raw::Table> {
+    let written = |(name, table): (&str, &Table)| {
+        let (t, values) = table.points();
+        let ends = raw.get(name)?.ends;
+        let table = raw::Table { t: Some(t.to_vec()), values: Some(values.to_vec()), file: None, column: None, ends };
+        Some((name.to_owned(), table))
+    };
+    checker.tables().filter_map(written).collect()
+}
+
+/// The first column of `file` and another one.
+fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> Checked<(Vec<f64>, Vec<f64>)> {
+    let (file_key, path) = (key.child("file"), checker.beside_case(file));
+    let refused = |cause| checker.error(&file_key, cause);
+    let text = input_file::read_text(&path, LARGEST_TABLE)
+        .map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, entries(line)));
+    let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
+    let header = lines.next_if(|(_, entries)| entries.iter().all(|entry| entry.parse::<f64>().is_err()));
+    let names: Vec<String> =
+        header.map(|(_, names)| names.into_iter().map(str::to_owned).collect()).unwrap_or_default();
+    let unknown = |name: &str| {
+        let cause = Cause::Unknown { kind: "column", name: name.to_owned(), accepted: names.clone() };
+        checker.error(&key.child("column"), cause)
+    };
+    let place = |name: &str| names.iter().position(|known| known == name).ok_or_else(|| unknown(name));
+    let column = column.map_or(Ok(1), place)?;
+    let (mut t, mut values) = (Vec::new(), Vec::new());
+    for (line, entries) in lines {
+        let number = |index: usize| entries.get(index).and_then(|entry| entry.parse::<f64>().ok());
+        let (Some(time), Some(value)) = (number(0), number(column)) else {
+            let found = entries.join(", ");
+            return Err(refused(Cause::Row { path, line, found, column: column + 1 }));
+        };
+        t.push(time);
+        values.push(value);
+    }
+    Ok((t, values))
+}
+
+/// The entries of a line without its comment, separated by commas if there are any, otherwise by blanks.
+fn entries(line: &str) -> Vec<&str> {
+    let line = line.split('#').next().unwrap_or_default().trim();
+    match line.contains(',') {
+        true => line.split(',').map(str::trim).collect(),
+        false => line.split_whitespace().collect(),
+    }
+}

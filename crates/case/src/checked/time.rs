@@ -1,0 +1,162 @@
+//! The time to cover, and the output.
+
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use crate::raw::{self, Field};
+use coupled::{Schedule, StepControl};
+use std::path::PathBuf;
+
+/// The time to cover, slab by slab.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Time {
+    /// N_t, nodes per slab.
+    pub order: usize,
+    /// The start.
+    pub start: f64,
+    /// The end.
+    pub end: f64,
+    /// The length of a slab; the last one may be shorter.
+    pub step: f64,
+    /// The number of slabs.
+    pub slabs: usize,
+    /// The control of the length of the slabs.
+    pub control: Option<StepControl>,
+}
+
+/// Times at which formulas are checked, as fractions of the length of the run. Apart from the ends they have no simple ratio, so a
+/// formula that vanishes at all of them is likely to be zero.
+const INSTANTS: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
+
+impl Time {
+    /// Times of the run at which formulas are checked, including its ends.
+    pub(super) fn instants(&self) -> [f64; 5] {
+        INSTANTS.map(|part| (1.0 - part) * self.start + part * self.end)
+    }
+
+    /// The slabs.
+    pub fn schedule(&self) -> Schedule {
+        let Time { start, end, step, slabs, control, .. } = *self;
+        Schedule { start, end, step, slabs, control }
+    }
+}
+
+/// Directory and contents of the output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// The directory given in the case; None: the default.
+    pub directory: Option<PathBuf>,
+    /// Slabs between checkpoints.
+    pub checkpoint_every: usize,
+    /// Slabs between fields.
+    pub every: usize,
+    /// Fields for display.
+    pub fields: Vec<Field>,
+}
+
+/// Checks `[time]`. A run that `begins_steady` may end at its start, with the steady flow.
+pub(super) fn check(checker: &Checker<'_>, raw: &raw::Time, begins_steady: bool) -> Checked<Time> {
+    let key = Key::new("time");
+    let orders = 1..=16;
+    checker.require(&key.child("order"), "the order in time", orders.contains(&raw.order), "1 to 16 nodes per slab")?;
+    checker.require(&key.child("start"), "the start", raw.start.is_finite(), "a finite number")?;
+    let duration = raw.end - raw.start;
+    let accepted = format!("a time after the start, {}; the start itself with `solver.steady`", raw.start);
+    let covers = duration > 0.0 || (duration == 0.0 && begins_steady);
+    checker.require(&key.child("end"), "the end", covers && duration.is_finite(), &accepted)?;
+    let (step, slabs) = match (raw.step, raw.slabs) {
+        (Some(step), None) => {
+            let step = checker.positive(&key.child("step"), "the length of a slab", step)?;
+            check_resolved(checker, &key.child("step"), raw, step)?;
+            if duration > 0.0 { (step.min(duration), slabs_to_cover(duration, step)) } else { (step, 0) }
+        }
+        (None, Some(slabs)) if duration > 0.0 => {
+            checker.at_least_one(&key.child("slabs"), "the number of slabs", slabs)?;
+            check_resolved(checker, &key.child("slabs"), raw, duration / slabs as f64)?;
+            (duration / slabs as f64, slabs)
+        }
+        (None, None) => {
+            return Err(checker.combination(&key, "the length of the slabs is missing", "`step` or `slabs`"));
+        }
+        (None, Some(_)) => {
+            let problem = "slabs that cover no time have no length";
+            return Err(checker.combination(&key.child("slabs"), problem, "`time.step` in its place"));
+        }
+        _ => return Err(checker.combination(&key, "the length of the slabs is given twice", "`step` or `slabs`")),
+    };
+    let control = raw.adaptive.as_ref().map(|adaptive| control(checker, raw, adaptive, step, duration)).transpose()?;
+    Ok(Time { order: raw.order, start: raw.start, end: end(raw, step, slabs), step, slabs, control })
+}
+
+/// The largest shift of the ends of a slab by round-off of the time, as a fraction of its length.
+const ROUND_OFF: f64 = 1e-3;
+
+/// Checks that slabs of `length`, which follows from the value at `key`, are longer than the round-off of time. A run with shorter ones
+/// makes no progress.
+fn check_resolved(checker: &Checker<'_>, key: &Key, raw: &raw::Time, length: f64) -> Checked<()> {
+    let latest = raw.start.abs().max(raw.end.abs());
+    let shortest = f64::EPSILON * latest / ROUND_OFF;
+    if length >= shortest {
+        return Ok(());
+    }
+    let problem = format!(
+        "slabs of length {length:e} drown in the round-off of the time, which is {:.1e} at t = {latest}",
+        f64::EPSILON * latest
+    );
+    Err(checker.combination(key, &problem, &format!("slabs of length {shortest:.1e} or more")))
+}
+
+/// Checks `[time.adaptive]` of a run of length `duration` with the first slab of length `step`.
+fn control(
+    checker: &Checker<'_>,
+    raw: &raw::Time,
+    adaptive: &raw::Adaptive,
+    step: f64,
+    duration: f64,
+) -> Checked<StepControl> {
+    let key = Key::new("time.adaptive");
+    if raw.slabs.is_some() {
+        let problem = "`time.slabs` makes all slabs of the same length, `time.adaptive` does not";
+        return Err(checker.combination(&Key::new("time.slabs"), problem, "`time.step`, the length of the first slab"));
+    }
+    let tolerance = adaptive.tolerance;
+    let accepted = "a positive number, 1e-14 to 1: a jump in units of `flow.reference`";
+    checker.require(&key.child("tolerance"), "the tolerance", (1e-14..=1.0).contains(&tolerance), accepted)?;
+    let smallest = adaptive.smallest.unwrap_or(1e-3 * step);
+    let accepted = format!("a positive number, at most the step, {step}");
+    checker.require(&key.child("smallest"), "the shortest slab", smallest > 0.0 && smallest <= step, &accepted)?;
+    check_resolved(checker, &key.child("smallest"), raw, smallest)?;
+    let largest = adaptive.largest.unwrap_or(duration.max(step));
+    let accepted = format!("at least the step, {step}");
+    checker.require(&key.child("largest"), "the longest slab", largest >= step && largest.is_finite(), &accepted)?;
+    Ok(StepControl { tolerance, smallest, largest })
+}
+
+/// If the end is a multiple of the step up to round-off, this exact multiple is taken, which a longer run passes too.
+fn end(raw: &raw::Time, step: f64, slabs: usize) -> f64 {
+    let multiple = raw.start + step * slabs as f64;
+    if (multiple - raw.end).abs() <= 1e-12 * (raw.end - raw.start) { multiple } else { raw.end }
+}
+
+/// A step that fits up to round-off leaves no short slab at the end.
+fn slabs_to_cover(duration: f64, step: f64) -> usize {
+    ((duration / step) * (1.0 - 1e-12)).ceil().max(1.0) as usize
+}
+
+/// Checks `[output]`.
+pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<Output> {
+    let key = Key::new("output");
+    if raw.directory.as_ref().is_some_and(|directory| directory.as_os_str().is_empty()) {
+        let accepted = "a directory beside the case file, or no key `directory`";
+        return Err(checker.combination(&key.child("directory"), "the name of the directory is empty", accepted));
+    }
+    Ok(Output {
+        directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
+        checkpoint_every: checker.at_least_one(
+            &key.child("checkpoint_every"),
+            "the number of slabs",
+            raw.checkpoint_every,
+        )?,
+        every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
+        fields: checker.distinct(&key.child("fields"), "field", &raw.fields)?.to_vec(),
+    })
+}

@@ -1,0 +1,311 @@
+//! Checks used by several sections of a case. Every method names the key of its error.
+
+use super::choices::choices;
+use super::document::Document;
+use super::error::{CaseError, Cause};
+use super::key::Key;
+use super::magnitude::is_bounded;
+use super::raw::{Axis, Formula};
+use super::vector::Vector;
+use crate::expression::{Names, Program, Table};
+use navier_stokes::InvalidParameter;
+use serde::Serialize;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The result of a check.
+pub(super) type Checked<T> = Result<T, Box<CaseError>>;
+
+/// The document for the places of errors, and the constants and tables for formulas.
+pub(super) struct Checker<'a> {
+    document: &'a Document,
+    names: Names,
+    defaults: RefCell<Vec<(String, String)>>,
+}
+
+/// The name for all boundaries that are not named.
+const OTHERS: &str = "others";
+
+const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
+
+impl<'a> Checker<'a> {
+    /// A checker of `document` with its `constants`.
+    pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
+        let mut checker = Checker { document, names: Names::constants_only(), defaults: RefCell::default() };
+        let table = Key::new("constants");
+        // In the order of the text, so that a constant may use those above it.
+        let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
+        ordered.sort_by_key(|(key, ..)| document.position(key));
+        for (key, name, formula) in ordered {
+            let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
+            checker.bounded(&key, "the constant", value)?;
+            if !checker.names.define(name, value) {
+                return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
+            }
+        }
+        Ok(checker)
+    }
+
+    /// Defines the function `name` of `table` for formulas.
+    pub(super) fn define_table(&mut self, key: &Key, name: &str, table: Table) -> Checked<()> {
+        if self.names.define_table(name, table) {
+            return Ok(());
+        }
+        Err(self.combination(key, &format!("a table cannot be called `{name}`"), FREE_NAME))
+    }
+
+    /// Whether the mesh is an elastic body, or is moved as one.
+    pub(super) fn is_elastic(&self) -> bool {
+        let has = |key: &str| self.document.position(&Key::new(key)).is_some();
+        has("structure") || has("motion.boundary")
+    }
+
+    /// The constants of formulas, in words, since the error of a formula may come from one of them. Empty if there are none.
+    pub(super) fn constants_in_words(&self) -> String {
+        let constants: Vec<_> = self.names.constants().map(|(name, value)| format!("{name} = {value}")).collect();
+        if constants.is_empty() { String::new() } else { format!("; the constants are {}", constants.join(", ")) }
+    }
+
+    /// The tables of formulas, by name.
+    pub(super) fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
+        self.names.tables()
+    }
+
+    /// `path` as seen from the directory of the case file.
+    pub(super) fn beside_case(&self, path: &Path) -> PathBuf {
+        self.document.path().parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// Records a default that follows from other keys, with its value.
+    pub(super) fn note_default(&self, key: &Key, taken: &str) {
+        self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
+    }
+
+    /// The recorded defaults.
+    pub(super) fn noted_defaults(&self) -> Vec<(String, String)> {
+        self.defaults.borrow().clone()
+    }
+
+    /// An error at `key`.
+    pub(super) fn error(&self, key: &Key, cause: Cause) -> Box<CaseError> {
+        self.document.error(key, cause)
+    }
+
+    /// An error unless `holds` is true.
+    pub(super) fn require(&self, key: &Key, quantity: &str, holds: bool, accepted: &str) -> Checked<()> {
+        if holds {
+            return Ok(());
+        }
+        Err(self.error(key, Cause::OutOfRange { quantity: quantity.to_owned(), accepted: accepted.to_owned() }))
+    }
+
+    /// `value`, if it is positive and finite.
+    pub(super) fn positive(&self, key: &Key, quantity: &str, value: f64) -> Checked<f64> {
+        self.require(key, quantity, value > 0.0 && value.is_finite(), "a positive number")?;
+        Ok(value)
+    }
+
+    /// Whether the program can compute with the `value` of a formula.
+    pub(super) fn bounded(&self, key: &Key, quantity: &str, value: f64) -> Checked<()> {
+        self.require(
+            key,
+            &format!("{quantity}, {value:e},"),
+            is_bounded(value),
+            "a formula with a value up to 1e60 in size",
+        )
+    }
+
+    /// Poisson's ratio, where the elastic energy is definite.
+    pub(super) fn poisson_ratio(&self, key: &Key, nu: f64) -> Checked<f64> {
+        let accepted = "a number above -1 and below 0.5 (0.5 would be incompressible)";
+        self.require(key, "Poisson's ratio", nu > -1.0 && nu < 0.5, accepted)?;
+        Ok(nu)
+    }
+
+    /// For each axis of the mesh, whether it is listed.
+    pub(super) fn axes<const D: usize>(&self, key: &Key, axes: &[Axis]) -> Checked<[bool; D]> {
+        let mut listed = [false; D];
+        for (index, axis) in self.distinct(key, "axis", axes)?.iter().enumerate() {
+            let place = *axis as usize;
+            self.require(&key.entry(index), "the axis", place < D, "`x`, `y`: the mesh is two-dimensional")?;
+            listed[place] = true;
+        }
+        Ok(listed)
+    }
+
+    /// `entries` of the list at `key`, if none occurs twice.
+    pub(super) fn distinct<'b, T: Serialize + PartialEq>(
+        &self,
+        key: &Key,
+        kind: &'static str,
+        entries: &'b [T],
+    ) -> Checked<&'b [T]> {
+        let repeated = (0..entries.len()).find(|&index| entries[..index].contains(&entries[index]));
+        let Some(index) = repeated else { return Ok(entries) };
+        // A name of the case file, as written by serde.
+        let name = serde_json::to_string(&entries[index]).unwrap_or_default().trim_matches('"').to_owned();
+        Err(self.error(&key.entry(index), Cause::Twice { kind, name }))
+    }
+
+    /// `value`, if it is 1 or more.
+    pub(super) fn at_least_one(&self, key: &Key, quantity: &str, value: usize) -> Checked<usize> {
+        self.require(key, quantity, value >= 1, "1 or more")?;
+        Ok(value)
+    }
+
+    /// An error of two keys that exclude or need each other.
+    pub(super) fn combination(&self, key: &Key, problem: &str, accepted: &str) -> Box<CaseError> {
+        self.error(key, Cause::Combination { problem: problem.to_owned(), accepted: accepted.to_owned() })
+    }
+
+    /// One entry per axis.
+    pub(super) fn vector<T: Clone, const D: usize>(&self, key: &Key, entries: &[T]) -> Checked<[T; D]> {
+        let length = || self.error(key, Cause::Length { found: entries.len(), dimension: D });
+        <[T; D]>::try_from(entries.to_vec()).map_err(|_| length())
+    }
+
+    /// A finite number per axis.
+    pub(super) fn finite_vector<const D: usize>(
+        &self,
+        key: &Key,
+        quantity: &str,
+        entries: &[f64],
+    ) -> Checked<[f64; D]> {
+        let vector: [f64; D] = self.vector(key, entries)?;
+        for (axis, entry) in vector.iter().enumerate() {
+            self.require(&key.entry(axis), quantity, entry.is_finite(), "a finite number")?;
+        }
+        Ok(vector)
+    }
+
+    /// A finite number per axis, zeros if there are none.
+    pub(super) fn vector_or_zero<const D: usize>(
+        &self,
+        key: &Key,
+        quantity: &str,
+        entries: Option<&Vec<f64>>,
+    ) -> Checked<[f64; D]> {
+        entries.map_or(Ok([0.0; D]), |entries| self.finite_vector(key, quantity, entries))
+    }
+
+    /// The value of a check of the physics, with the error at `key`.
+    pub(super) fn physics<T>(&self, key: &Key, result: Result<T, InvalidParameter>) -> Checked<T> {
+        result.map_err(|error| self.error(key, Cause::Physics(error)))
+    }
+
+    /// A formula in the position.
+    pub(super) fn formula_of_position<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_coordinates(D))
+    }
+
+    /// A formula in position and time.
+    pub(super) fn formula<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_coordinates(D).with_time())
+    }
+
+    /// A formula in time.
+    pub(super) fn formula_of_time(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_time())
+    }
+
+    /// A formula in position and time, and in two dimensions in the arc length s.
+    pub(super) fn formula_on_boundary<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        let names = self.names.with_coordinates(D).with_time();
+        self.program(key, formula, &if D == 2 { names.with_arc_length() } else { names })
+    }
+
+    /// A formula in position and time for each axis.
+    pub(super) fn formulas<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        self.programs(key, formulas, &self.names.with_coordinates(D).with_time())
+    }
+
+    /// A formula in time for each axis.
+    pub(super) fn formulas_of_time<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        self.programs(key, formulas, &self.names.with_time())
+    }
+
+    /// The value of a formula of constants.
+    pub(super) fn number(&self, key: &Key, formula: &Formula) -> Checked<f64> {
+        Ok(self.program(key, formula, &self.names)?.evaluate(&[], 0.0))
+    }
+
+    fn programs<const D: usize>(&self, key: &Key, formulas: &[Formula], names: &Names) -> Checked<Vector<D>> {
+        let formulas: [Formula; D] = self.vector(key, formulas)?;
+        let program = |(axis, formula): (usize, &Formula)| self.program(&key.entry(axis), formula, names);
+        let programs: Checked<Vec<Program>> = formulas.iter().enumerate().map(program).collect();
+        Ok(Vector::new(self.vector(key, &programs?)?))
+    }
+
+    fn program(&self, key: &Key, formula: &Formula, names: &Names) -> Checked<Program> {
+        match formula {
+            Formula::Number(value) => Ok(Program::constant(*value)),
+            Formula::Text(text) => {
+                let program =
+                    Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
+                // Where a formula has no value, the place where one is needed is told.
+                let constant = program.as_constant().filter(|value| value.is_finite());
+                self.computable(key, "the formula", constant.unwrap_or(0.0))?;
+                Ok(program)
+            }
+        }
+    }
+
+    /// The indices of the boundaries of the mesh with these `names`.
+    pub(super) fn boundaries(&self, key: &Key, names: &[String], known: &[String]) -> Checked<Vec<usize>> {
+        let index = |(entry, name): (usize, &String)| {
+            let unknown = || {
+                let cause = Cause::Unknown { kind: "boundary", name: name.clone(), accepted: known.to_vec() };
+                self.error(&key.entry(entry), cause)
+            };
+            known.iter().position(|other| other == name).ok_or_else(unknown)
+        };
+        self.distinct(key, "boundary", names)?.iter().enumerate().map(index).collect()
+    }
+
+    /// For each of the `boundaries` of the mesh its entry in the table `given` at `key`, with the key of that entry.
+    pub(super) fn by_boundary<'b, T>(
+        &self,
+        key: &Key,
+        kind: &'static str,
+        given: &'b BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Checked<Vec<(Key, &'b T)>> {
+        self.known_boundaries(key, given, boundaries)?;
+        let entry = |boundary: &String| given.get_key_value(name_of(given, boundary));
+        let names: Vec<String> = boundaries.iter().filter(|boundary| entry(boundary).is_none()).cloned().collect();
+        if !names.is_empty() {
+            let choices = choices(&key.child("others"));
+            return Err(self.error(key, Cause::NoCondition { names, kind, choices }));
+        }
+        Ok(boundaries.iter().filter_map(entry).map(|(name, value)| (key.child(name), value)).collect())
+    }
+
+    /// The same if boundaries need no entry.
+    pub(super) fn by_boundary_or_default<T: Clone + Default>(
+        &self,
+        key: &Key,
+        given: &BTreeMap<String, T>,
+        boundaries: &[String],
+    ) -> Checked<Vec<(Key, T)>> {
+        self.known_boundaries(key, given, boundaries)?;
+        let entry = |boundary: &String| {
+            let name = name_of(given, boundary);
+            (key.child(name), given.get(name).cloned().unwrap_or_default())
+        };
+        Ok(boundaries.iter().map(entry).collect())
+    }
+
+    /// Checks that the table `given` names only boundaries of the mesh.
+    fn known_boundaries<T>(&self, key: &Key, given: &BTreeMap<String, T>, boundaries: &[String]) -> Checked<()> {
+        let Some(name) = given.keys().find(|name| *name != OTHERS && !boundaries.contains(name)) else { return Ok(()) };
+        let accepted = boundaries.iter().cloned().chain([OTHERS.to_owned()]).collect();
+        let unknown = Cause::Unknown { kind: "boundary", name: name.clone(), accepted };
+        Err(self.error(&key.child(name), unknown))
+    }
+}
+
+/// The name under which `boundary` is found in the table `given`: its own, or the name for all others.
+fn name_of<'b, T>(given: &BTreeMap<String, T>, boundary: &'b str) -> &'b str {
+    if given.contains_key(boundary) { boundary } else { OTHERS }
+}

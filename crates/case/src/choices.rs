@@ -1,0 +1,66 @@
+//! The choices that the case file offers at a key, from its schema.
+
+use super::key::{Key, Step};
+use super::raw;
+use serde_json::Value;
+
+/// The names of the choices at `key`; empty if there is no choice.
+pub(super) fn choices(key: &Key) -> Vec<String> {
+    let schema = raw::schema().to_value();
+    let start = alternatives(&schema, &schema);
+    let found = key.0.iter().fold(start, |values, step| {
+        values
+            .into_iter()
+            .filter_map(|value| inside(value, step))
+            .flat_map(|value| alternatives(&schema, value))
+            .collect()
+    });
+    found.into_iter().flat_map(names).collect()
+}
+
+/// `value` itself, or the value it refers to, and the alternatives that it lists.
+/// The value at the `step` from `value`.
+fn alternatives<'a>(schema: &'a Value, value: &'a Value) -> Vec<&'a Value> {
+    if let Some(name) = value["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/")) {
+        return alternatives(schema, &schema["$defs"][name]);
+    }
+    let lists = ["anyOf", "oneOf"].iter().filter_map(|kind| value[kind].as_array());
+    std::iter::once(value).chain(lists.flatten().flat_map(|inner| alternatives(schema, inner))).collect()
+}
+
+/// The value at the `step` from `value`.
+fn inside<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
+    let parts = match step {
+        Step::Name(name) => [&value["properties"][name.as_str()], &value["additionalProperties"]],
+        Step::Entry(index) => [&value["prefixItems"][*index], &value["items"]],
+    };
+    parts.into_iter().find(|part| part.is_object())
+}
+
+/// The names of an alternative: a choice without settings, or the one key that it needs.
+fn names(value: &Value) -> Vec<String> {
+    let texts = |list: &Value| -> Vec<String> {
+        list.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+    };
+    let required = texts(&value["required"]);
+    let alone = value["properties"].as_object().is_some_and(|properties| properties.len() == 1 && required.len() == 1);
+    let mut names = texts(&value["enum"]);
+    names.extend(value["const"].as_str().map(str::to_owned));
+    names.extend(if alone { required } else { Vec::new() });
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_found_by_key() {
+        let of = |key: &str| choices(&Key::new(key));
+        assert!(["box", "airfoil"].iter().all(|name| of("mesh.generate").contains(&(*name).to_owned())));
+        assert!(["fixed", "rigid"].iter().all(|name| of("motion.boundary.airfoil").contains(&(*name).to_owned())));
+        assert!(of("flow.boundary.far").contains(&"far_field".to_owned()));
+        assert_eq!(of("time.end"), Vec::<String>::new());
+        assert_eq!(of("no.such.key"), Vec::<String>::new());
+    }
+}

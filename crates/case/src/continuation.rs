@@ -1,0 +1,92 @@
+//! Conditions for continuing the run of another case.
+
+use super::raw::{Adaptive, Case, Output, Solver, Steady, Time};
+use std::fmt;
+
+/// The part of a case that a run must share with the run that it continues, because the states depend on it. Tolerances and limits
+/// of the solver, the end of the run and the intervals of output are left out.
+pub(super) fn lasting(case: &Case) -> Case {
+    let Time { start, end, .. } = case.time;
+    let step = case.time.step.or(case.time.slabs.map(|slabs| (end - start) / slabs as f64));
+    let adaptive = case.time.adaptive.as_ref().map(|_| Adaptive { tolerance: 0.0, smallest: None, largest: None });
+    Case {
+        title: String::new(),
+        time: Time { end: 0.0, slabs: None, step, adaptive, ..case.time },
+        // The existence of a steady start is kept.
+        solver: Solver { steady: case.solver.steady.map(|_| Steady::default()), ..Solver::default() },
+        output: Output { fields: case.output.fields.clone(), ..Output::default() },
+        ..case.clone()
+    }
+}
+
+/// A key with different values in two cases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The key.
+    pub key: String,
+    /// Its value in the first case; None if it is missing.
+    pub before: Option<String>,
+    /// Its value in the second.
+    pub now: Option<String>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not there".to_owned());
+        write!(f, "`{}` was {} and is {}", self.key, text(&self.before), text(&self.now))
+    }
+}
+
+/// All differences of two cases, and those of the lasting part.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Differences {
+    /// In any key.
+    pub all: Vec<Difference>,
+    /// In the part that the states depend on.
+    pub lasting: Vec<Difference>,
+}
+
+/// The differences between the resolved cases `before` and `now`, as text.
+///
+/// # Errors
+/// The error of a text, which another version of the program may have written.
+pub fn differences(before: &str, now: &str) -> Result<Differences, String> {
+    let parsed = |text: &str| toml::from_str::<Case>(text).map_err(|error| error.message().to_owned());
+    let (before, now) = (parsed(before)?, parsed(now)?);
+    Ok(Differences { all: compared(&before, &now), lasting: compared(&lasting(&before), &lasting(&now)) })
+}
+
+fn compared(before: &Case, now: &Case) -> Vec<Difference> {
+    let table = |case| {
+        toml::Table::try_from(case).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
+    };
+    let mut differences = Vec::new();
+    collect("", &table(before), &table(now), &mut differences);
+    differences
+}
+
+/// The differences of two tables at `path`, in the order of their keys.
+fn collect(path: &str, before: &toml::Table, now: &toml::Table, differences: &mut Vec<Difference>) {
+    let added = now.keys().filter(|key| !before.contains_key(*key));
+    for name in before.keys().chain(added) {
+        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        match (before.get(name), now.get(name)) {
+            (Some(toml::Value::Table(before)), Some(toml::Value::Table(now))) => {
+                collect(&key, before, now, differences)
+            }
+            (before, now) if before != now => {
+                differences.push(Difference { key, before: before.map(text), now: now.map(text) });
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A value on a line, cut if it is long. Rust writes small numbers shorter than TOML does.
+fn text(value: &toml::Value) -> String {
+    let text = value.as_float().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{} ...", &text[..end]),
+        None => text,
+    }
+}

@@ -1,0 +1,362 @@
+//! Errors of a case, and their places.
+
+use crate::excerpt::{Excerpt, shortened};
+use crate::expression::{ExpressionError, TableError};
+use std::fmt;
+use std::path::PathBuf;
+
+/// The beginning of the parser's message about an invalid choice.
+pub(super) const ONE_OF_SEVERAL: &str = "wanted exactly 1 element";
+
+/// The parser's message about a choice that is neither a text nor a table.
+const NAME_OR_TABLE: &str = "wanted string or table";
+
+/// The largest number of characters of an option in an error.
+const LONGEST_OPTION: usize = 300;
+
+/// The largest number of characters of a name or a value in the sentence of an error.
+pub(super) const LONGEST_VALUE: usize = 60;
+
+/// An error of a case: the place, the key and its value, the cause, the accepted values.
+#[derive(Debug)]
+pub struct CaseError {
+    /// The place of the key or value.
+    pub place: Place,
+    /// The key, for instance `flow.boundary.left`; empty if the text is not TOML.
+    pub key: String,
+    /// The value as written, if there is one.
+    pub value: Option<String>,
+    /// The cause.
+    pub cause: Cause,
+}
+
+/// A place in the input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the case file.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The first character in the line, from 1.
+        column: usize,
+        /// The line itself.
+        text: String,
+        /// The number of marked characters.
+        length: usize,
+    },
+    /// In a `--set` option, as it was interpreted.
+    Option(String),
+    /// In no line of the case file.
+    Nowhere {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// The cause of an error.
+#[derive(Debug, thiserror::Error)]
+pub enum Cause {
+    /// The file cannot be read.
+    #[error("cannot read the case: {0}")]
+    Read(#[source] std::io::Error),
+    /// The text is not TOML, or a key is missing.
+    #[error("{0}")]
+    Toml(String),
+    /// A value of the wrong type.
+    #[error("wrong type: {found}")]
+    Type {
+        /// The type of the value.
+        found: String,
+        /// The accepted types.
+        accepted: String,
+    },
+    /// An unknown name.
+    #[error("unknown {kind} `{name}`")]
+    Unknown {
+        /// The kind of the name: a key, a boundary, ...
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The known names.
+        accepted: Vec<String>,
+    },
+    /// A value outside its range.
+    #[error("{quantity} is out of range")]
+    OutOfRange {
+        /// The name of the quantity.
+        quantity: String,
+        /// The accepted values.
+        accepted: String,
+    },
+    /// An array that does not have one entry per axis.
+    #[error("wrong number of entries: {found}, in {dimension} dimensions")]
+    Length {
+        /// The number of entries.
+        found: usize,
+        /// The number of dimensions.
+        dimension: usize,
+    },
+    /// A list with a wrong number of entries.
+    #[error("wrong number of entries: {found}")]
+    Entries {
+        /// The number of entries.
+        found: usize,
+        /// The required number.
+        accepted: usize,
+    },
+    /// An entry that occurs twice in a list.
+    #[error("{kind} `{name}` is listed twice")]
+    Twice {
+        /// The kind of the entry: a field, an axis, ...
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A boundary of the mesh without a condition.
+    #[error("{}", without(.names, .kind))]
+    NoCondition {
+        /// The boundaries.
+        names: Vec<String>,
+        /// The missing item: a condition of the flow, a motion.
+        kind: &'static str,
+        /// Some of the choices.
+        choices: Vec<String>,
+    },
+    /// A key that is needed because of another one, or keys that exclude each other.
+    #[error("{problem}")]
+    Combination {
+        /// The conflict.
+        problem: String,
+        /// The accepted input.
+        accepted: String,
+    },
+    /// A formula that cannot be compiled.
+    #[error("{0}")]
+    Expression(#[source] ExpressionError),
+    /// A displacement that is not zero at the start.
+    #[error("the displacement at the start, t = {time}, is {value:e} at {position:?}: it must be zero there")]
+    MovedAtStart {
+        /// The start.
+        time: f64,
+        /// The position at rest.
+        position: Vec<f64>,
+        /// The component of the displacement.
+        value: f64,
+    },
+    /// An impossible gas, state or boundary condition.
+    #[error("{0}")]
+    Physics(#[source] navier_stokes::InvalidParameter),
+    /// An impossible mesh.
+    #[error("{0}")]
+    Mesh(#[source] mesh::MeshError),
+    /// A file named in the case cannot be read.
+    #[error("cannot read {}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The error of the system.
+        error: std::io::Error,
+    },
+    /// A mesh file of the case that cannot be read.
+    #[error("{}: {error}", path.display())]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// The error, with its line or byte.
+        error: mesh::GmshError,
+    },
+    /// A table that does not define a function.
+    #[error("{0}")]
+    Table(#[source] TableError),
+    /// A line in the file of a table without the required numbers.
+    #[error("{}:{line}: no numbers in columns 1 and {column} of `{found}`", path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The text of the line.
+        found: String,
+        /// The column of the values, from 1.
+        column: usize,
+    },
+    /// A line of a file of coordinates that is not a point.
+    #[error("{}:{line}: `{found}` is not a point", path.display())]
+    Coordinates {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The text of the line.
+        found: String,
+    },
+}
+
+impl CaseError {
+    /// An error without a key.
+    pub(super) fn without_key(place: Place, cause: Cause) -> Box<Self> {
+        Box::new(CaseError { place, key: String::new(), value: None, cause })
+    }
+}
+
+impl Cause {
+    /// The cause of a `message` of serde about `value`, or about a table with these `names`. For an unknown name, the
+    /// message lists the known names between backticks. `choices` are the choices of the schema.
+    pub(super) fn from_serde(
+        message: &str,
+        value: Option<&str>,
+        names: &[String],
+        choices: impl FnOnce() -> Vec<String>,
+    ) -> Self {
+        for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
+            let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
+            if let (true, Some(name)) = (message.starts_with(start), names.next()) {
+                return Cause::Unknown { kind, name, accepted: names.collect() };
+            }
+        }
+        let described = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+        match described.and_then(|rest| rest.split_once(", expected ")) {
+            Some(("unit variant", _)) => {
+                let name = value.unwrap_or_default().trim_matches('"');
+                let accepted = format!("its settings in a table: `{{ {name} = {{ ... }} }}`");
+                Cause::Type { found: format!("`{name}` alone"), accepted }
+            }
+            Some((found, expected)) => {
+                Cause::Type { found: shortened(found, LONGEST_VALUE), accepted: plain_type(expected) }
+            }
+            None if message.starts_with(ONE_OF_SEVERAL) => {
+                let found =
+                    if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", quoted(names)) };
+                let problem = format!("one choice is needed here, and only one: {found}");
+                Cause::Combination {
+                    problem,
+                    accepted: format!("a table with a single key, the choice: {}", quoted(&choices())),
+                }
+            }
+            None if message == NAME_OR_TABLE => {
+                Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted: quoted(&choices()) }
+            }
+            None if message.ends_with("value was too large") => Cause::OutOfRange {
+                quantity: "the whole number".to_owned(),
+                accepted: "a whole number below 2^63".to_owned(),
+            },
+            None => Cause::Toml(message.replace("missing field", "missing key")),
+        }
+    }
+
+    /// The accepted input as a sentence, if the message itself does not contain it.
+    fn accepted(&self) -> Option<String> {
+        match self {
+            Cause::Unknown { accepted, .. } if accepted.is_empty() => Some("nothing: there are none here".to_owned()),
+            Cause::Unknown { accepted, .. } => Some(quoted(accepted)),
+            Cause::Type { accepted, .. } | Cause::OutOfRange { accepted, .. } | Cause::Combination { accepted, .. } => {
+                Some(accepted.clone())
+            }
+            Cause::Length { found: 3, dimension: 2 } => Some(
+                "2 entries, one per axis; `mesh.extrude = { depth = .., layers = .. }` gives the mesh a third".to_owned(),
+            ),
+            Cause::Length { dimension, .. } => Some(format!("{dimension} entries, one per axis")),
+            Cause::Entries { accepted, .. } => Some(format!("{accepted} entries")),
+            Cause::Twice { .. } => Some("each name once: remove this one".to_owned()),
+            Cause::NoCondition { names, choices, .. } => Some(format!(
+                "a key {} in this table, or `others` for all boundaries that are not named: {}; none where the mesh is `periodic`",
+                quoted(names),
+                quoted(choices)
+            )),
+            Cause::Mesh(mesh::MeshError::Inverted { .. }) => {
+                Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
+            }
+            Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
+            Cause::Row { .. } => Some("the time and the values, numbers separated by commas or blanks".to_owned()),
+            Cause::MovedAtStart { .. } => Some(
+                "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"
+                    .to_owned(),
+            ),
+            _ => None,
+        }
+    }
+
+    fn nearest(&self) -> Option<&str> {
+        match self {
+            Cause::Unknown { name, accepted, .. } => crate::nearest::nearest(name, accepted.iter().map(String::as_str)),
+            _ => None,
+        }
+    }
+}
+
+/// The words of a case file for a type of Rust as serde names it.
+fn plain_type(expected: &str) -> String {
+    match expected {
+        "usize" | "u64" => "a whole number, 0 or more".to_owned(),
+        "f64" => "a number".to_owned(),
+        "a string" => "a text in quotes".to_owned(),
+        "a sequence" => "a list in brackets, [ ... ]".to_owned(),
+        "a map" => "a table".to_owned(),
+        "path string" => "a path in quotes".to_owned(),
+        _ if expected.starts_with("struct ") => "a table, { ... }".to_owned(),
+        _ if expected.starts_with("string or table") => "a name in quotes, or a table".to_owned(),
+        _ => expected.to_owned(),
+    }
+}
+
+/// The missing items of boundaries, as a sentence.
+fn without(names: &[String], kind: &str) -> String {
+    let (boundaries, have) = if names.len() == 1 { ("boundary", "has") } else { ("boundaries", "have") };
+    format!("{boundaries} {} of the mesh {have} no {kind}", quoted(names))
+}
+
+/// `a`, `b`, `c`
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+impl fmt::Display for CaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Place::File { path, line, column, .. } => write!(f, "{}:{line}:{column}: ", path.display())?,
+            Place::Option(option) if option.len() <= LONGEST_OPTION => write!(f, "--set {option}: ")?,
+            Place::Option(option) => write!(f, "--set {}: ", shortened(option, LONGEST_OPTION))?,
+            Place::Nowhere { path } => write!(f, "{}: ", path.display())?,
+        }
+        // An option that sets just this key already contains key and value.
+        let said =
+            matches!(&self.place, Place::Option(option) if option.split('=').next().map(str::trim) == Some(&self.key));
+        match (&self.key, &self.value) {
+            (key, Some(value)) if !said && !key.is_empty() => write!(f, "`{key} = {value}`: ")?,
+            (key, None) if !said && !key.is_empty() => write!(f, "`{key}`: ")?,
+            _ => {}
+        }
+        write!(f, "{}", self.cause)?;
+        self.write_excerpt(f)?;
+        if let Some(accepted) = self.cause.accepted() {
+            write!(f, "\n  accepted: {accepted}")?;
+        }
+        if let Some(nearest) = self.cause.nearest() {
+            write!(f, "\n  did you mean `{nearest}`?")?;
+        }
+        Ok(())
+    }
+}
+
+impl CaseError {
+    /// The line, and carets below the place.
+    fn write_excerpt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place::File { line, column, text, length, .. } = &self.place else { return Ok(()) };
+        let margin = " ".repeat(line.to_string().len());
+        write!(f, "\n {margin} |\n")?;
+        let excerpt = Excerpt { line: text, position: column - 1, length: *length };
+        excerpt.write(f, &format!(" {line} | "), &format!(" {margin} | "))
+    }
+}
+
+impl std::error::Error for CaseError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.cause {
+            // The message contains it already, but not the chain of errors below it.
+            Cause::Read(error) => error.source(),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! The compiled formula: instructions of a stack machine, run on any number type.
+
+use super::names::{Function, Variable};
+use super::table::Table;
+use std::sync::Arc;
+use tensor::Transcendental;
+
+/// The largest number of values on the stack; a formula that needs more is refused when it is compiled.
+pub(super) const STACK: usize = 32;
+
+/// A comparison of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Comparison {
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+}
+
+/// One instruction: it takes its arguments from the stack and puts its result there.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Instruction {
+    Constant(f64),
+    Variable(Variable),
+    Negate,
+    Apply(Function),
+    /// The function of a table.
+    Interpolate(Arc<Table>),
+    /// An integer power, by multiplication, for any base.
+    IntegerPower(i32),
+    /// A constant real power, for a base that is not negative.
+    RealPower(f64),
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    /// A variable power, exp(b log a), for a positive base.
+    Power,
+    Min,
+    Max,
+    Compare(Comparison),
+    /// (condition, a, b): a if the condition is not zero, otherwise b.
+    Select,
+}
+
+impl Instruction {
+    /// The number of values that it takes from the stack; it puts one there.
+    pub(super) fn arguments(&self) -> usize {
+        use Instruction::*;
+        match self {
+            Constant(_) | Variable(_) => 0,
+            Negate | Apply(_) | Interpolate(_) | IntegerPower(_) | RealPower(_) => 1,
+            Add | Subtract | Multiply | Divide | Power | Min | Max | Compare(_) => 2,
+            Select => 3,
+        }
+    }
+}
+
+/// A compiled formula. Evaluation neither allocates nor fails: outside the domain of a function the result is NaN.
+///
+/// On duals the result carries exact derivatives; those of `if`, `min`, `max` and `abs` are of the branch taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    pub(super) instructions: Vec<Instruction>,
+}
+
+impl Program {
+    /// A formula that is a plain number.
+    pub fn constant(value: f64) -> Self {
+        Program { instructions: vec![Instruction::Constant(value)] }
+    }
+
+    /// The number of operations of an evaluation.
+    pub fn operations(&self) -> usize {
+        self.instructions.len()
+    }
+
+    /// The value of a formula without variables.
+    pub fn as_constant(&self) -> Option<f64> {
+        let varies = self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Variable(_)));
+        (!varies).then(|| self.evaluate(&[], 0.0))
+    }
+
+    /// Whether the value depends on `variable`.
+    pub fn contains(&self, variable: Variable) -> bool {
+        self.instructions.contains(&Instruction::Variable(variable))
+    }
+
+    /// The value at the point `x` and time `t`. Entries beyond the length of `x` are zero.
+    pub fn evaluate<T: Transcendental>(&self, x: &[T], t: T) -> T {
+        let mut stack = [T::from(0.0); STACK];
+        let mut top = 0;
+        for instruction in &self.instructions {
+            let base = top - instruction.arguments();
+            stack[base] = step(instruction, &stack[base..top], x, t);
+            top = base + 1;
+        }
+        stack[0]
+    }
+}
+
+/// The result of one instruction.
+fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T], t: T) -> T {
+    match instruction {
+        Instruction::Constant(value) => T::from(*value),
+        Instruction::Variable(Variable::Coordinate(axis)) => x.get(*axis).copied().unwrap_or(T::from(0.0)),
+        Instruction::Variable(Variable::Time) => t,
+        Instruction::Negate => -a[0],
+        Instruction::Apply(function) => apply(*function, a[0]),
+        Instruction::Interpolate(table) => table.evaluate(a[0]),
+        Instruction::IntegerPower(n) => integer_power(a[0], *n),
+        Instruction::RealPower(exponent) => real_power(a[0], *exponent),
+        Instruction::Add => a[0] + a[1],
+        Instruction::Subtract => a[0] - a[1],
+        Instruction::Multiply => a[0] * a[1],
+        Instruction::Divide => a[0] / a[1],
+        Instruction::Power => (a[1] * a[0].ln()).exp(),
+        Instruction::Min => a[0].min(a[1]),
+        Instruction::Max => a[0].max(a[1]),
+        Instruction::Compare(comparison) => {
+            T::from(f64::from(u8::from(compare(*comparison, a[0].value(), a[1].value()))))
+        }
+        Instruction::Select => {
+            if a[0].value() != 0.0 {
+                a[1]
+            } else {
+                a[2]
+            }
+        }
+    }
+}
+
+fn apply<T: Transcendental>(function: Function, a: T) -> T {
+    match function {
+        Function::Abs => a.abs(),
+        Function::Sqrt => a.sqrt(),
+        Function::Exp => a.exp(),
+        Function::Log => a.ln(),
+        Function::Sin => a.sin(),
+        Function::Cos => a.cos(),
+        Function::Tan => a.sin() / a.cos(),
+        Function::Atan => a.atan(),
+        Function::Tanh => a.tanh(),
+        // (e^a -+ e^-a) / 2
+        Function::Sinh => (a.exp() - (-a).exp()) * 0.5,
+        Function::Cosh => (a.exp() + (-a).exp()) * 0.5,
+    }
+}
+
+fn compare(comparison: Comparison, a: f64, b: f64) -> bool {
+    match comparison {
+        Comparison::Less => a < b,
+        Comparison::LessEqual => a <= b,
+        Comparison::Greater => a > b,
+        Comparison::GreaterEqual => a >= b,
+        Comparison::Equal => a == b,
+        Comparison::NotEqual => a != b,
+    }
+}
+
+/// a^n by repeated squaring.
+fn integer_power<T: Transcendental>(a: T, n: i32) -> T {
+    let (mut result, mut square, mut rest) = (T::from(1.0), a, n.unsigned_abs());
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result = result * square;
+        }
+        rest >>= 1;
+        if rest > 0 {
+            square = square * square;
+        }
+    }
+    if n < 0 { result.recip() } else { result }
+}
+
+/// a^exponent. At a = 0 with exponent > 1 the slope is 0, which the general formula (a^exponent / a) exponent does not
+/// give.
+fn real_power<T: Transcendental>(a: T, exponent: f64) -> T {
+    if a.value() == 0.0 && exponent > 1.0 { a * 0.0 } else { a.powf(exponent) }
+}

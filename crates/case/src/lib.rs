@@ -1,0 +1,61 @@
+//! Case files: TOML and formulas become a checked [`Case`].
+//!
+//! This crate is the only one that reads TOML. It computes only the mesh at rest, and prints nothing.
+//!
+//! ```text
+//! text + --set  ->  Document (every key and value with its place)  ->  raw::Case  ->  Case
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | `input_file`, `mesh_file` | input files, read as a whole; a mesh file, if it fits into memory |
+//! | `document` | the TOML document with places; `--set` |
+//! | `brackets` | unclosed brackets in it |
+//! | `key` | the path of a key, `flow.boundary.left` |
+//! | `error` | errors and their places |
+//! | `magnitude` | which numbers the program can compute with |
+//! | `raw` | the keys, their types, defaults and descriptions: the schema |
+//! | `continuation` | conditions for continuing the run of another case |
+//! | `checked` | the checked case; no other code uses `raw` |
+//! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
+//! | `state` | a state prescribed by name or by formulas |
+//! | `vector` | a displacement prescribed by formulas |
+//! | `boundary_motion` | the motion of a boundary |
+//! | `expression` | formulas and tables |
+//! | `any_mesh` | a mesh whose dimension is known only after it is read |
+//! | `memory` | available memory |
+//! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
+
+mod any_mesh;
+mod boundary_motion;
+mod brackets;
+mod checked;
+mod checker;
+mod choices;
+mod continuation;
+mod document;
+mod error;
+mod excerpt;
+pub mod expression;
+pub mod input_file;
+mod key;
+mod magnitude;
+pub mod memory;
+pub mod mesh_file;
+mod nearest;
+mod raw;
+mod shape;
+mod state;
+#[cfg(test)]
+mod tests;
+mod vector;
+
+pub use any_mesh::AnyMesh;
+pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
+pub use checked::*;
+pub use continuation::{Difference, Differences, differences};
+pub use document::Document;
+pub use error::{CaseError, Cause, Place};
+pub use raw::schema;
+pub use state::State;
+pub use vector::Vector;

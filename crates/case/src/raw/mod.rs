@@ -1,0 +1,79 @@
+//! The raw case: the keys of a case file with their types, defaults and descriptions.
+//!
+//! These doc comments are the reference of the case file: `stsolve schema` prints them.
+
+mod bodies;
+mod flow;
+mod formula;
+mod generate;
+mod mesh;
+mod motion;
+mod openings;
+mod run;
+mod solver;
+mod structure;
+mod table;
+
+pub use bodies::*;
+pub use flow::*;
+pub use formula::Formula;
+pub use generate::*;
+pub use mesh::*;
+pub use motion::*;
+pub use openings::*;
+pub use run::*;
+pub use solver::*;
+pub use structure::*;
+pub use table::*;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A case of stsolve: a mesh, its motion, the flow on it, and the time to cover; or a mesh, the structure that fills it, and the
+/// time.
+///
+/// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
+/// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
+/// the case. Its operators are + - * / ^, comparisons and if(condition, a, b). Its functions are min, max, abs, sqrt, exp,
+/// log, sin, cos, tan, atan, tanh, sinh and cosh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// A title in one line.
+    #[serde(default)]
+    pub title: String,
+    /// Names of numbers for formulas. A constant may be a formula of the constants above it.
+    #[serde(default)]
+    pub constants: BTreeMap<String, Formula>,
+    /// Functions given by tables, by name: with a table `heave`, formulas may contain "heave(t)". They are interpolated by cubic
+    /// splines, so that velocities are continuous.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tables: BTreeMap<String, Table>,
+    /// The mesh at rest.
+    pub mesh: Mesh,
+    /// The motion of the mesh. Without it the mesh rests.
+    pub motion: Option<Motion>,
+    /// The flow. Without it only the mesh moves.
+    pub flow: Option<Flow>,
+    /// Rigid bodies that the flow moves, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub bodies: BTreeMap<String, Body>,
+    /// An elastic structure that fills the mesh and moves by itself. It excludes `motion` and `flow`.
+    pub structure: Option<Structure>,
+    /// The time to cover.
+    pub time: Time,
+    /// Starts from the result of another run instead of the initial state.
+    pub restart: Option<Restart>,
+    /// The solver of a slab.
+    #[serde(default)]
+    pub solver: Solver,
+    /// The output.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The JSON Schema of a case file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(Case)
+}

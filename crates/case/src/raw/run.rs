@@ -1,0 +1,109 @@
+//! `[time]`, `[restart]` and `[output]`
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The time to cover, slab by slab: give `step` or `slabs`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// N_t, the nodes in time of a slab, 1 to 16: order of accuracy 2 N_t - 1 at the end of a slab.
+    pub order: usize,
+    /// The start.
+    #[serde(default)]
+    pub start: f64,
+    /// The end. It may equal the start, if only the steady flow is wanted.
+    pub end: f64,
+    /// The length of a slab. The last slab may be shorter. With `adaptive`, the length of the first.
+    pub step: Option<f64>,
+    /// Instead of the step: the number of slabs, all of the same length.
+    pub slabs: Option<usize>,
+    /// Adapts the length of the slabs to the changes of the flow. Default: all slabs have the same length.
+    pub adaptive: Option<Adaptive>,
+}
+
+/// Slabs as long as the jump of the flow from slab to slab allows. The jump is of order N_t, like the error inside the slab; the
+/// error at its end is much smaller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Adaptive {
+    /// The target of the jump: its L2 norm over the domain, every component in units of `flow.reference`.
+    pub tolerance: f64,
+    /// The shortest slab, which is accepted with any jump. Default: a thousandth of the step.
+    pub smallest: Option<f64>,
+    /// The longest slab. Default: as long as the run.
+    pub largest: Option<f64>,
+}
+
+/// A run that starts from the result of another one, with the same mesh at rest and the same gas. The orders of the flow and in time,
+/// slabs and solver may differ. Flow, mesh and its motion, time, sums and history are carried over; mass, momentum and energy are
+/// kept. Other differences are errors unless `allow` names them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Restart {
+    /// The result file of the other run, or its directory, relative to the case file. It is continued after its last checkpoint.
+    /// If that is its steady start, the steady flow is solved again from there.
+    pub from: PathBuf,
+    /// Intended differences to the other run: `["viscosity"]` leads from the steady flow of one Reynolds number to the steady flow of
+    /// the next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub allow: Vec<AllowedChange>,
+}
+
+/// A difference that a restart may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AllowedChange {
+    /// `flow.gas.viscosity`.
+    Viscosity,
+    /// The Mach number: `flow.gas.mach` or `flow.gas.gas_constant`. Density and velocity are kept, and the pressure is shifted everywhere
+    /// by the difference of the reference pressures.
+    Mach,
+    /// The motion of the mesh, even if its boundary jumps.
+    Motion,
+}
+
+/// The output.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// The directory, relative to the case file. Default: `runs/<case name>` in the working directory.
+    pub directory: Option<PathBuf>,
+    /// The number of slabs between checkpoints, from which a run can be resumed. A checkpoint is also written at the
+    /// end.
+    pub checkpoint_every: usize,
+    /// The number of slabs between outputs of the fields. They are also written at the start and the end.
+    pub every: usize,
+    /// The fields for display. The exact coefficients are always written.
+    pub fields: Vec<Field>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        let fields = vec![Field::Density, Field::Velocity, Field::Pressure, Field::Mach];
+        Output { directory: None, checkpoint_every: 10, every: 1, fields }
+    }
+}
+
+/// A field for display.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Field {
+    /// The density.
+    Density,
+    /// The velocity of the gas.
+    Velocity,
+    /// The pressure.
+    Pressure,
+    /// The temperature.
+    Temperature,
+    /// The Mach number.
+    Mach,
+    /// The curl of the velocity.
+    Vorticity,
+    /// The velocity of the mesh.
+    MeshVelocity,
+    /// det J of the motion of the mesh.
+    Jacobian,
+}

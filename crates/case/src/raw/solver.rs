@@ -1,0 +1,153 @@
+//! `[solver]`
+
+use newton_krylov::{newton, pseudo_time};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The solver of a slab.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Solver {
+    /// A slab has converged when the residual has fallen by this factor below the residual of its first guess. At most 0.1. Mass,
+    /// momentum and energy balance to round-off for any tolerance.
+    pub newton_tolerance: f64,
+    /// A slab has also converged when the residual is below this size, in units of the reference state, or at round-off. At most
+    /// 0.1.
+    pub newton_absolute_tolerance: f64,
+    /// The largest number of Newton steps per slab.
+    pub newton_steps: usize,
+    /// The largest tolerance of a linear solve; it is tightened as Newton's method converges.
+    pub krylov_tolerance: f64,
+    /// The largest number of Krylov iterations per Newton step.
+    pub krylov_iterations: usize,
+    /// Krylov iterations between restarts; each stores two vectors.
+    pub krylov_restart: usize,
+    /// The method for products with the Jacobian.
+    pub jacobian: Jacobian,
+    /// The preconditioner of the flow.
+    pub preconditioner: Preconditioner,
+    /// The first guess of a slab.
+    pub predictor: Predictor,
+    /// Pseudo-time damping of the first Newton steps of a slab.
+    pub pseudo_time: PseudoTime,
+    /// The largest number of times that a slab is halved before the run gives up.
+    pub slab_halvings: usize,
+    /// Start from the steady flow, found from the initial state by pseudo-time on the mesh at rest. Default: the run starts from
+    /// the initial state itself.
+    pub steady: Option<Steady>,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        let newton = newton::Settings::default();
+        Solver {
+            newton_tolerance: newton.relative_tolerance,
+            newton_absolute_tolerance: newton.absolute_tolerance,
+            newton_steps: newton.max_steps,
+            krylov_tolerance: newton.forcing.maximum,
+            krylov_iterations: newton.krylov.max_iterations,
+            krylov_restart: newton.krylov.restart,
+            jacobian: Jacobian::Exact,
+            preconditioner: Preconditioner::Blocks,
+            predictor: Predictor::Elastic,
+            pseudo_time: PseudoTime::default(),
+            slab_halvings: 6,
+            steady: None,
+        }
+    }
+}
+
+/// The method for products with the Jacobian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Jacobian {
+    /// By dual numbers.
+    Exact,
+    /// By differences of residuals; for comparison.
+    FiniteDifference,
+}
+
+/// The preconditioner of the flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preconditioner {
+    /// Block ILU(0) with one block per cell: for any slabs, flows and meshes.
+    Blocks,
+    /// Each cell alone, one direction after the other. It costs little time and memory at any order, and suits slabs so short that sound
+    /// crosses at most about one cell. Steady flows always use blocks.
+    Lines,
+}
+
+/// The first guess of a slab.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Predictor {
+    /// The flow extrapolated by the polynomial of the previous slab, on the mesh in equilibrium with its boundary.
+    Elastic,
+    /// Flow and mesh extrapolated by the polynomials of the previous slab.
+    Extrapolate,
+    /// Flow and mesh as at the end of the previous slab.
+    Constant,
+}
+
+/// Pseudo-transient continuation of mesh and flow by one rule: the pseudo-time step grows as the residual falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PseudoTime {
+    /// The inverse of the first pseudo-time step, in units of the slab; 0 starts with plain Newton.
+    pub initial_inverse: f64,
+    /// The same after a rejected step; 0 never damps.
+    pub restart_inverse: f64,
+    /// The power of the ratio of residuals by which the step grows.
+    pub power: f64,
+}
+
+impl Default for PseudoTime {
+    fn default() -> Self {
+        let pseudo_time::Settings { initial_inverse, restart_inverse, power, .. } = pseudo_time::Settings::default();
+        PseudoTime { initial_inverse, restart_inverse, power }
+    }
+}
+
+/// The search for the steady flow: implicit steps in pseudo-time, which grow as the residual falls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Steady {
+    /// The flow is steady when the residual has fallen by this factor below the residual of the initial state. At most
+    /// 0.1.
+    pub tolerance: f64,
+    /// The first step in pseudo-time.
+    pub first_step: f64,
+    /// The power of the ratio of residuals by which the step grows.
+    pub power: f64,
+    /// The largest ratio of a step to the previous one.
+    pub growth: f64,
+    /// The largest number of steps.
+    pub steps: usize,
+    /// The factor by which a linear solve reduces its residual.
+    pub krylov_tolerance: f64,
+    /// The largest number of Krylov iterations per step; each stores two vectors.
+    pub krylov_iterations: usize,
+    /// Whether to try lower orders, the lowest with a dissipative flux, if the order of the case does not converge at once, and to
+    /// march in time for some slabs if that fails.
+    pub sequence: bool,
+    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether it
+    /// is stable. 0: never. Default: 8 where the residual at the next higher order tells that the flow is not resolved, otherwise 0.
+    pub stability_time: Option<f64>,
+}
+
+impl Default for Steady {
+    fn default() -> Self {
+        Steady {
+            tolerance: 1e-9,
+            first_step: 0.1,
+            power: 1.0,
+            growth: 4.0,
+            steps: 100,
+            krylov_tolerance: 0.1,
+            krylov_iterations: 200,
+            sequence: true,
+            stability_time: None,
+        }
+    }
+}

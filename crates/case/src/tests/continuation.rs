@@ -1,0 +1,89 @@
+//! Conditions for continuing the run of another case.
+
+use super::*;
+
+/// The keys of all differences that `options` make to BASE, and of those in the lasting part.
+fn changed(options: &[&str]) -> (Vec<String>, Vec<String>) {
+    let resolved = |options: &[&str]| plane(BASE, options).about;
+    let (before, now) = (resolved(&[]), resolved(options));
+    let Differences { all, lasting } = differences(&before.resolved, &now.resolved).unwrap();
+    assert_eq!(lasting.is_empty(), before.lasting == now.lasting, "{options:?}");
+    let keys = |differences: Vec<Difference>| differences.into_iter().map(|difference| difference.key).collect();
+    (keys(all), keys(lasting))
+}
+
+#[test]
+fn how_closely_and_how_far_may_change() {
+    for option in [
+        "title=longer",
+        "time.end=5",
+        "output.every=3",
+        "output.checkpoint_every=1",
+        "solver.newton_tolerance=1e-9",
+        "solver.newton_absolute_tolerance=1e-11",
+        "solver.newton_steps=7",
+        "solver.krylov_tolerance=1e-4",
+        "solver.krylov_iterations=20",
+        "solver.krylov_restart=20",
+        "solver.jacobian=finite_difference",
+        "solver.predictor=constant",
+        "solver.pseudo_time.initial_inverse=1",
+        "solver.slab_halvings=1",
+    ] {
+        let key = option.split_once('=').unwrap().0.to_owned();
+        assert_eq!(changed(&[option]), (vec![key], vec![]), "{option}");
+    }
+    assert_eq!(changed(&["time={order=2,end=1.5,slabs=5}"]).1, [""; 0], "slabs of the same length");
+}
+
+#[test]
+fn what_the_state_means_may_not() {
+    for option in [
+        "time.order=1",
+        "time.step=0.25",
+        "flow.order=5",
+        "flow.riemann=hllc",
+        "flow.quadrature=double",
+        "flow.gas.gamma=1.3",
+        "mesh.order=4",
+        "constants.a=0.2",
+        "motion.elasticity.poisson_ratio=0.2",
+        "motion.boundary.left.displacement=[0,0]",
+        "solver.steady={}",
+        "time.adaptive.tolerance=1e-3",
+        "output.fields=[]",
+    ] {
+        let (all, lasting) = changed(&[option]);
+        let key = option.split_once('=').unwrap().0.trim_end_matches(".tolerance");
+        assert!(all.contains(&key.to_owned()) && lasting == [key], "{option}: {all:?} {lasting:?}");
+    }
+}
+
+#[test]
+fn a_difference_tells_both_values() {
+    let about = |options: &[&str]| plane(BASE, options).about.resolved;
+    let all = |options: &[&str]| differences(&about(&[]), &about(options)).unwrap().all;
+    assert_eq!(all(&["flow.order=5"])[0].to_string(), "`flow.order` was 4 and is 5");
+    assert_eq!(all(&["solver.newton_tolerance=1e-9"])[0].to_string(), "`solver.newton_tolerance` was 1e-8 and is 1e-9");
+    let steady = &all(&["solver.steady={}"])[0];
+    assert_eq!((steady.key.as_str(), &steady.before), ("solver.steady", &None));
+    assert!(steady.to_string().starts_with("`solver.steady` was not there and is {"), "{steady}");
+    assert!(differences("order = 4", &about(&[])).is_err(), "a text of another version");
+}
+
+/// A table from a file is written out, so that a run detects a change of the file.
+#[test]
+fn what_a_table_holds_counts() {
+    let directory = tempfile::tempdir().unwrap();
+    let (case, way) = (directory.path().join("case.toml"), directory.path().join("way.csv"));
+    let moved = "motion.boundary.left.displacement=[\"way(t)*y*(1-y)\",0]";
+    let text = BASE.to_owned() + "[tables.way]\nfile = \"way.csv\"\nends = \"at_rest\"\n";
+    let about = |table: &str| {
+        std::fs::write(&way, table).unwrap();
+        AnyCase::check(&Document::parse(&case, text.clone(), &[moved.to_owned()]).unwrap()).unwrap().about().clone()
+    };
+    let (before, now) = (about("0 0\n1 0.1\n"), about("0 0\n1 0.2\n"));
+    let difference = &differences(&before.resolved, &now.resolved).unwrap().lasting[0];
+    assert_eq!(difference.to_string(), "`tables.way.values` was [0.0, 0.1] and is [0.0, 0.2]");
+    assert!(!before.resolved.contains("way.csv") && before.defaults.iter().all(|(key, _)| !key.starts_with("tables")));
+}

@@ -1,0 +1,285 @@
+//! All mesh generators, and their errors.
+
+use super::*;
+use tempfile::TempDir;
+
+/// A case that moves a mesh; its boundaries rest.
+const MOVED: &str = "[motion]\nboundary.others = \"fixed\"\n[time]\norder = 1\nend = 1\nslabs = 1\n[mesh]\n";
+
+/// A file as Gmsh would write it, with two square cells, left and right of x = 1.
+const TWO_CELLS: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat
+$PhysicalNames\n4\n1 1 \"left\"\n1 2 \"right\"\n1 3 \"bottom\"\n1 4 \"top\"\n$EndPhysicalNames
+$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n$EndNodes
+$Elements\n8\n1 1 2 1 1 1 4\n2 1 2 2 1 3 6\n3 1 2 3 1 1 2\n4 1 2 3 1 2 3\n5 1 2 4 1 4 5\n6 1 2 4 1 5 6
+7 3 2 9 1 1 2 5 4\n8 3 2 9 1 2 3 6 5\n$EndElements
+";
+
+fn with_mesh(mesh: &str) -> Result<AnyCase, Box<CaseError>> {
+    check_text(&format!("{MOVED}{mesh}"), &[])
+}
+
+fn plane_mesh(mesh: &str) -> ::mesh::Mesh<2> {
+    match with_mesh(mesh) {
+        Ok(AnyCase::Plane(case)) => case.mesh,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn mesh_in_space(mesh: &str) -> ::mesh::Mesh<3> {
+    match with_mesh(mesh) {
+        Ok(AnyCase::Space(case)) => case.mesh,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_defaults_are_those_of_the_generators() {
+    use ::mesh::generate::{AirfoilMesh, BladeMesh, RotatingBoxMesh};
+    let given = |keys: &str| plane_mesh(&format!("order = 3\n{keys}"));
+    assert_eq!(given("generate.rotating_box.cells_per_side = 5"), RotatingBoxMesh::unit(5, 3).build().unwrap());
+    assert_eq!(given("generate.airfoil = {}"), AirfoilMesh::naca0012(3).build().unwrap());
+    assert_eq!(given("generate.turbine_blade = {}"), BladeMesh::low_pressure_turbine(3).unwrap().build().unwrap());
+    let defaults = with_mesh("order = 2\ngenerate.airfoil.first_cell = 0.02").unwrap().about().defaults.clone();
+    let of = |key: &str| defaults.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str());
+    assert_eq!(of("mesh.generate.airfoil.far_field"), Some("100.0"));
+    assert_eq!(of("mesh.generate.airfoil.first_cell"), None);
+}
+
+#[test]
+fn every_generator_takes_its_parameters() {
+    let boundaries = |keys: &str| plane_mesh(&format!("order = 2\n{keys}")).boundary_names().to_vec();
+    let channel = "generate.channel = { extent = [4, 1], cells = [8, 4], wall_ratio = 3";
+    assert_eq!(boundaries(&format!("{channel} }}")), ["inflow", "outflow", "bottom", "top"]);
+    assert_eq!(boundaries(&format!("{channel}, periodic = true }}")), ["bottom", "top"]);
+    let annulus = "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 0.2, cells = [8, 3] }";
+    assert_eq!(boundaries(annulus), ["wall", "far"]);
+    let cylinder = "generate.channel_cylinder = { extent = [2.2, 0.41], centre = [0.2, 0.2], diameter = 0.1, first_cell = 0.02, \
+                    cells = [2, 2, 3] }";
+    let mut around_cylinder = boundaries(cylinder);
+    around_cylinder.sort();
+    assert_eq!(around_cylinder, ["bottom", "cylinder", "inflow", "outflow", "top"]);
+    assert_eq!(boundaries("generate.disc = { radius = 2, core_cells = 2, radial_cells = 1 }"), ["wall"]);
+    let space = mesh_in_space("order = 2\ngenerate.channel = { extent = [4, 1, 2], cells = [4, 2, 2] }");
+    assert_eq!((space.n_cells(), space.volume()), (16, 8.0));
+    assert!(!space.boundary_names().contains(&"front".to_owned()), "periodic along z");
+}
+
+/// A flap of 0.1 x 1 in a channel of 6 x 4.
+const FLAP: &str = "generate.box = { lower = [0, 0], upper = [6, 4], cells = [22, 12], \
+                    segments = { x = [{ end = 2.95, cells = 10, size_ratio = 0.1 }, { end = 3.05, cells = 2 }, { end = 6, cells = 10, size_ratio = 10 }] }, \
+                    regions = { flap = { lower = [2.95, 0], upper = [3.05, 1] } } }";
+
+#[test]
+fn generated_meshes_have_regions() {
+    let regions = |mesh: &::mesh::Mesh<2>| -> Vec<_> {
+        mesh.regions().iter().map(|region| (region.name.clone(), region.cells.len())).collect()
+    };
+    let flap = plane_mesh(&format!("order = 2\n{FLAP}"));
+    assert_eq!(regions(&flap), [("flap".to_owned(), 6), ("rest".to_owned(), 22 * 12 - 6)]);
+    let flag = plane_mesh("order = 3\ngenerate.channel_flag = { cells = { across = 1 } }");
+    assert_eq!(regions(&flag), [("fluid".to_owned(), 6 * 30 + 22 * 12 + 14), ("flag".to_owned(), 14)]);
+    let box_in_box = "order = 2\ngenerate.box = { lower = [0, 0, 0], upper = [3, 3, 3], cells = [3, 3, 3], \
+                      regions.core = { lower = [1, 1, 1], upper = [2, 2, 2] } }\nscramble = 1";
+    let core = mesh_in_space(box_in_box).part(&["core"]).unwrap();
+    assert_eq!((core.cells, core.mesh.boundary_facets().len()), (vec![13], 6));
+}
+
+#[test]
+fn any_plane_mesh_can_be_extruded_and_scrambled() {
+    let keys = "order = 3\ngenerate.rotating_box.cells_per_side = 5\nextrude = { lower = -1, depth = 0.5, layers = 2";
+    let mesh = mesh_in_space(&format!("{keys} }}\nscramble = 4"));
+    assert_eq!(mesh.n_cells(), 2 * 24);
+    assert!((mesh.volume() - 0.48).abs() < 1e-14);
+    assert_eq!(mesh.boundary_names()[2..], ["front", "back"]);
+    assert_eq!(mesh_in_space(&format!("{keys}, periodic = true }}")).boundary_names().len(), 2);
+}
+
+#[test]
+fn a_file_has_an_order_that_may_be_raised() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("two.msh"), TWO_CELLS).unwrap();
+    let check = |keys: &str| {
+        let text = format!("{MOVED}file = \"two.msh\"\n{keys}");
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    let AnyCase::Plane(case) = check("").unwrap() else { panic!("two dimensions") };
+    assert_eq!((case.mesh.order(), case.mesh.n_cells(), case.mesh.volume()), (2, 2, 2.0));
+    assert!(case.about.defaults.contains(&("mesh.order".to_owned(), "2, that of the file".to_owned())));
+    let AnyCase::Plane(case) = check("order = 5\nperiodic = [[\"left\", \"right\"]]").unwrap() else { panic!() };
+    assert_eq!((case.mesh.order(), case.mesh.boundary_names().len()), (5, 2));
+    let AnyCase::Space(case) = check("extrude = { depth = 1, layers = 3 }").unwrap() else { panic!("extruded") };
+    assert_eq!(case.mesh.n_cells(), 6);
+    for (keys, expected) in [
+        ("order = 1", ["`mesh.order = 1`", "2 to 16"]),
+        ("periodic = [[\"left\", \"rigth\"]]", ["`mesh.periodic", "did you mean `right`"]),
+        ("periodic = [[\"left\", \"top\"]]", ["`mesh.file", "have 1 and 2 faces"]),
+        ("generate.airfoil = {}", ["given twice", "one of `generate` and `file`"]),
+    ] {
+        let message = check(keys).unwrap_err().to_string();
+        expected.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+    std::fs::write(directory.path().join("two.msh"), TWO_CELLS.replace("5 1 1 0", "5 1 one 0")).unwrap();
+    let message = check("").unwrap_err().to_string();
+    assert!(
+        message.contains("`mesh.file = \"two.msh\"`") && message.contains("two.msh: line 17: expected"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_blade_may_come_from_a_file_of_points() {
+    let directory = TempDir::new().unwrap();
+    let file = directory.path().join("blade.txt");
+    // A lens in the direction of the flow.
+    let point = |k: usize| std::f64::consts::TAU * k as f64 / 24.0;
+    let line = |k: usize| format!("{} {}\n", 0.5 + 0.5 * point(k).cos(), 0.08 * point(k).sin());
+    let write = |text: &str| std::fs::write(&file, text).unwrap();
+    let check = || {
+        let keys = "order = 2\n[mesh.generate.turbine_blade]\nprofile = { file = \"blade.txt\" }\n\
+                    inflow_angle = 0\noutflow_angle = 0\n";
+        let text = format!("{MOVED}{keys}");
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    write(&format!("# x y\n\n{}", (0..24).map(line).collect::<String>()));
+    let AnyCase::Plane(case) = check().unwrap_or_else(|error| panic!("{error}")) else { panic!("two dimensions") };
+    let area = (0.6 + 0.8 + 1.0 + 0.1) * 0.798 - std::f64::consts::PI * 0.04;
+    assert!((case.mesh.volume() / area - 1.0).abs() < 0.02, "{} {area}", case.mesh.volume());
+    write("0 0\n1 o\n");
+    let message = check().unwrap_err().to_string();
+    assert!(message.contains("profile.file = \"blade.txt\"`") && message.contains("blade.txt:2: `1 o` is not a point"));
+    write("0 0\n1 0\n");
+    assert!(check().unwrap_err().to_string().contains("the number of points is 2"));
+    std::fs::remove_file(&file).unwrap();
+    assert!(check().unwrap_err().to_string().contains("cannot read"));
+}
+
+/// Keys below `[mesh]` after the order, and parts of the message.
+const BAD: &[(&str, &[&str])] = &[
+    ("", &["`mesh`", "there is no mesh", "`file`"]),
+    ("periodic = [[\"a\", \"b\"]]\ngenerate.airfoil = {}", &["`mesh.periodic", "joined by name"]),
+    ("file = \"none.msh\"", &["`mesh.file = \"none.msh\"`", "cannot read dir/none.msh"]),
+    ("generate.airfoli = {}", &["unknown choice `airfoli`", "did you mean `airfoil`"]),
+    ("generate.rotating_box = { cells_per_side = 5, sides = 1 }", &["rotating_box.sides = 1`", "did you mean `side`"]),
+    ("generate.rotating_box = { cells_per_side = 7 }", &["rotating_box.cells_per_side = 7`", "multiples of 5"]),
+    ("generate.rotating_box = { cells_per_side = 5, side = -1 }", &["rotating_box.side = -1`", "a positive number"]),
+    ("generate.rotating_box = { cells_per_side = 5, hole = 2 }", &["rotating_box.hole = 2`", "less than the side"]),
+    ("generate.rotating_box = { cells_per_side = 100000 }", &["cells_per_side = 100000`", "fewer cells"]),
+    ("generate.channel = { extent = [1], cells = [2] }", &["channel.extent = [1]`", "two or three"]),
+    ("generate.channel = { extent = [1, 0], cells = [2, 2] }", &["channel.extent[1] = 0`", "a positive number"]),
+    ("generate.channel = { extent = [1, 1], cells = [0, 2] }", &["channel.cells[0] = 0`", "1 or more"]),
+    ("generate.channel = { extent = [1, 1], cells = [2] }", &["channel.cells = [2]`", "2 entries"]),
+    (
+        "generate.channel = { extent = [1, 1], cells = [2, 2], wall_ratio = 0 }",
+        &["channel.wall_ratio = 0`", "a positive number"],
+    ),
+    (
+        "generate.annulus = { inner_radius = 0, outer_radius = 3, first_cell = 0.2, cells = [8, 3] }",
+        &["annulus.inner_radius = 0`", "a positive number"],
+    ),
+    (
+        "generate.annulus = { inner_radius = 1, outer_radius = 1, first_cell = 0.2, cells = [8, 3] }",
+        &["annulus.outer_radius = 1`", "a positive number"],
+    ),
+    (
+        "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 9, cells = [8, 3] }",
+        &["annulus.first_cell = 9`", "at most the width"],
+    ),
+    (
+        "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 0.2, cells = [2, 3] }",
+        &["annulus.cells[0] = 2`", "at least 3"],
+    ),
+    (
+        "generate.annulus = { inner_radius = 1, outer_radius = 3, first_cell = 0.2, cells = [8, 0] }",
+        &["annulus.cells[1] = 0`", "1 to 100000"],
+    ),
+    ("generate.disc = { radius = 0, core_cells = 2, radial_cells = 1 }", &["disc.radius = 0`", "a positive number"]),
+    ("generate.disc = { core_cells = 0, radial_cells = 1 }", &["disc.core_cells = 0`", "1 to 100000"]),
+    ("generate.disc = { core_cells = 2, radial_cells = 0 }", &["disc.radial_cells = 0`", "1 to 100000"]),
+    ("generate.airfoil.thickness = 0", &["airfoil.thickness = 0`", "more than 0"]),
+    ("generate.airfoil.far_field = 1", &["airfoil.far_field = 1`", "at least 2 chords"]),
+    ("generate.airfoil.first_cell = 1", &["airfoil.first_cell = 1`", "1e-8 to 0.2"]),
+    ("generate.airfoil.trailing_edge_cell = 0.5", &["airfoil.trailing_edge_cell = 0.5`", "smooth distribution"]),
+    ("generate.airfoil.surface_cells = 1", &["airfoil.surface_cells = 1`", "2 or more"]),
+    ("generate.airfoil.wake_cells = 0", &["airfoil.wake_cells = 0`", "1 to 100000"]),
+    ("generate.airfoil.near_wake = { extent = 60, cells = 4 }", &["airfoil.near_wake.extent = 60`", "at most half"]),
+    ("generate.airfoil.near_wake = { extent = 2, cells = 10 }", &["airfoil.near_wake.cells = 10`", "fewer than"]),
+    ("generate.airfoil.near_wall = { extent = 0, cells = 4 }", &["airfoil.near_wall.extent = 0`", "more than 0"]),
+    ("generate.airfoil.near_wall = { extent = 1, cells = 0 }", &["airfoil.near_wall.cells = 0`", "1 or more"]),
+    ("generate.airfoil.normal_cells = 0", &["airfoil.normal_cells = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.pitch = 0", &["turbine_blade.pitch = 0`", "a positive number"]),
+    ("generate.turbine_blade.inflow_angle = 90", &["turbine_blade.inflow_angle = 90`", "between -87 and 87"]),
+    ("generate.turbine_blade.outflow_angle = -90", &["turbine_blade.outflow_angle = -90`", "between -87 and 87"]),
+    ("generate.turbine_blade.inflow_distance = 0", &["turbine_blade.inflow_distance = 0`", "a positive number"]),
+    ("generate.turbine_blade.outflow_distance = 0", &["turbine_blade.outflow_distance = 0`", "a positive number"]),
+    ("generate.turbine_blade.layer = 0", &["turbine_blade.layer = 0`", "a positive number"]),
+    ("generate.turbine_blade.first_cell = 1", &["turbine_blade.first_cell = 1`", "at most the layer"]),
+    ("generate.turbine_blade.cells.side = 0", &["turbine_blade.cells.side = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.cells.end = 0", &["turbine_blade.cells.end = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.cells.normal = 0", &["turbine_blade.cells.normal = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.cells.gap = 0", &["turbine_blade.cells.gap = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.cells.before = 0", &["turbine_blade.cells.before = 0`", "1 to 100000"]),
+    ("generate.turbine_blade.cells.after = 0", &["turbine_blade.cells.after = 0`", "1 to 100000"]),
+    (
+        "generate.turbine_blade.profile = \"t107\"",
+        &["turbine_blade.profile", "unknown choice", "`low_pressure_turbine`"],
+    ),
+    (
+        "generate.disc = { core_cells = 2, radial_cells = 1 }\nextrude = { depth = 0, layers = 2 }",
+        &["`mesh.extrude.depth = 0`", "a positive number"],
+    ),
+    (
+        "generate.disc = { core_cells = 2, radial_cells = 1 }\nextrude = { depth = 1, layers = 0 }",
+        &["`mesh.extrude.layers = 0`", "1 to 100000"],
+    ),
+    (
+        "generate.disc = { core_cells = 2, radial_cells = 1 }\nextrude = { depth = 1, layers = 2, lower = nan }",
+        &["`mesh.extrude.lower = nan`", "number"],
+    ),
+    (
+        "generate.box = { lower = [0, 0, 0], upper = [1, 1, 1], cells = [1, 1, 1] }\nextrude = { depth = 1, layers = 2 }",
+        &["`mesh.extrude", "three dimensions already"],
+    ),
+    ("generate.channel_flag.flag_end = 0.3", &["channel_flag.flag_end = 0.3`", "more than twice x of the centre"]),
+    ("generate.channel_flag.cells.along = 0", &["channel_flag.cells.along = 0`", "1 to 100000"]),
+    ("generate.channel_flag.thickness = 0.2", &["channel_flag.thickness = 0.2`", "less than the diameter"]),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0, 0], upper = [0.4, 1] } }",
+        &["regions.a.upper[0] = 0.4`", "not between cells", "is at 0.5"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0, 0], upper = [0, 1] } }",
+        &["box.regions.a", "has no cells"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.rest = { lower = [0, 0], upper = [0.5, 1] } }",
+        &["box.regions.rest", "another name"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], regions.a = { lower = [0], upper = [0.5, 1] } }",
+        &["regions.a.lower = [0]`", "2 entries"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], segments.x = [{ end = 1, cells = 3 }] }",
+        &["segments.x[0]", "expected 1 after 2 cells"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], segments.z = [{ end = 1, cells = 2 }] }",
+        &["segments.z", "no such axis"],
+    ),
+    (
+        "generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2], size_ratio = [2, 1], segments.x = [{ end = 1, cells = 2 }] }",
+        &["segments.x", "no effect"],
+    ),
+];
+
+#[test]
+fn what_is_wrong_with_a_mesh_is_named_by_its_key() {
+    for (keys, expected) in BAD {
+        let message = with_mesh(&format!("order = 2\n{keys}")).unwrap_err().to_string();
+        let line = message.split(':').nth(1).unwrap();
+        assert!(line.parse::<usize>().is_ok_and(|line| line >= 7), "no line of [mesh]: {message}");
+        expected.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+    let message = with_mesh("generate.airfoil = {}").unwrap_err().to_string();
+    assert!(message.contains("the order of the mesh is missing"), "{message}");
+}

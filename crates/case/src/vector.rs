@@ -1,0 +1,42 @@
+//! A vector prescribed by formulas.
+
+use crate::expression::Program;
+use fem::VectorField;
+use tensor::{Dual, Transcendental};
+
+/// A vector, a formula per axis in position and time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vector<const D: usize> {
+    components: [Program; D],
+}
+
+impl<const D: usize> Vector<D> {
+    /// The vector with these components.
+    pub fn new(components: [Program; D]) -> Self {
+        Vector { components }
+    }
+
+    /// The zero vector.
+    pub fn zero() -> Self {
+        Vector { components: std::array::from_fn(|_| Program::constant(0.0)) }
+    }
+
+    /// The number of operations of an evaluation.
+    pub fn operations(&self) -> usize {
+        self.components.iter().map(Program::operations).sum()
+    }
+
+    /// The vector at `x` and `t`.
+    pub fn evaluate<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
+        std::array::from_fn(|axis| self.components[axis].evaluate(x, t))
+    }
+}
+
+impl<const D: usize> VectorField<D> for Vector<D> {
+    fn value(&self, x: &[f64; D], t: f64) -> [f64; D] {
+        self.evaluate(x, t)
+    }
+    fn rate(&self, x: &[f64; D], t: f64) -> [f64; D] {
+        self.evaluate(&x.map(Dual::from), Dual::new(t, 1.0)).map(|component| component.derivative)
+    }
+}

@@ -1,0 +1,162 @@
+//! The blocks of a slab: what each solves for, and what they tell each other.
+//!
+//! ```text
+//! z = (z_1, ..., z_n),    R_k(z_k; what block k reads) = 0                                                      (blocks)
+//! ```
+//!
+//! Bodies come first, then the mesh, then the flow. A body writes the displacement of its wall nodes. The mesh reads it and writes its
+//! velocity. The flow reads that and writes the loads on its walls, which bodies read. Without bodies nothing is read from a later block:
+//! the Jacobian is block lower triangular, and the mesh can be solved ahead of the flow.
+
+use crate::slab_error::SlabError;
+use crate::state::{Interval, State};
+use newton_krylov::problem::Inadmissible;
+
+/// What a block tells the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The displacement of wall nodes that a body moves.
+    WallDisplacement,
+    /// The velocity of the mesh.
+    MeshVelocity,
+    /// The loads of the flow on the walls of bodies.
+    WallLoads,
+}
+
+/// What a block reads and writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Couplings {
+    /// Read from other blocks.
+    pub reads: &'static [Quantity],
+    /// Written for other blocks.
+    pub writes: &'static [Quantity],
+}
+
+/// The quantities that blocks exchange at a point z; in a product, their derivatives along the direction.
+#[derive(Clone, Debug, Default)]
+pub struct Exchange {
+    /// Displacement at the time nodes, `[time node][C0 node][component]`; read where entries are constrained. It begins as prescribed, and
+    /// bodies add to it.
+    pub wall_displacement: Vec<f64>,
+    /// Velocity of the mesh, `[time node][C0 node][component]`.
+    pub mesh_velocity: Vec<f64>,
+    /// Whether that velocity is not zero everywhere; set in products and preconditioners alone.
+    pub mesh_moves: bool,
+    /// Loads on the walls of bodies, `[time point][loaded node][component]`, see [`fem::SlabOperator::loads`].
+    pub wall_loads: Vec<f64>,
+}
+
+/// One field of the unknowns of a slab, with its equations.
+///
+/// [`Self::residual`], [`Self::product`] and [`Self::precondition`] are called in the order of the blocks. What a block reads from a later
+/// block it adds in [`Self::receive`] and [`Self::receive_product`], which follow.
+pub trait Block: Send {
+    /// The name of its equations in reports.
+    fn field(&self) -> &'static str;
+
+    /// What it reads and writes.
+    fn couplings(&self) -> Couplings;
+
+    /// Its weights in the norm of residuals: those of an error of position relative to the spacing of nodes, or of a state relative to its
+    /// scales. Their number is that of its unknowns.
+    fn weights(&self) -> Vec<f64>;
+
+    /// Moves to the slab `interval` on top of `state`.
+    ///
+    /// # Errors
+    /// [`SlabError`] if the block cannot begin there.
+    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError>;
+
+    /// r := R(z) without what is read from later blocks; writes its quantities.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] if R is not defined at z.
+    fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible>;
+
+    /// Adds to `r` what is read from later blocks.
+    fn receive(&mut self, _exchange: &Exchange, _r: &mut [f64]) {}
+
+    /// Fixes the point of linearisation and 1/dtau.
+    fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64);
+
+    /// out := dR/dz x without what is read from later blocks; writes the derivatives of its quantities.
+    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]);
+
+    /// Adds to `out` the derivative of what is read from later blocks.
+    fn receive_product(&mut self, _tangent: &Exchange, _out: &mut [f64]) {}
+
+    /// x := P^-1 (r less the effect of earlier blocks), where P approximates dR/dz + T; writes the derivatives of its quantities along x.
+    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]);
+
+    /// out := out + T x with the 1/dtau last set.
+    fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]);
+
+    /// The largest step from z along dz that keeps the block admissible, as far as is known.
+    fn largest_step(&mut self, _z: &[f64], _dz: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+/// What has become of the energy since the start of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Work of the flow on the body.
+    pub flow: f64,
+    /// Work of what drives coordinates.
+    pub drive: f64,
+    /// Work of the outer force.
+    pub force: f64,
+    /// What dampers have taken.
+    pub damped: f64,
+    /// What jumps in time have taken: the error of the time integration.
+    pub numerical: f64,
+    /// What the equations, solved to a tolerance, leave open.
+    pub defect: f64,
+}
+
+impl Ledger {
+    /// The number of its entries.
+    pub const LEN: usize = 6;
+
+    /// Its entries.
+    pub fn numbers(&self) -> [f64; Self::LEN] {
+        [self.flow, self.drive, self.force, self.damped, self.numerical, self.defect]
+    }
+
+    /// The ledger with these entries.
+    pub fn read(numbers: &[f64]) -> Self {
+        let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
+        Ledger { flow: at(0), drive: at(1), force: at(2), damped: at(3), numerical: at(4), defect: at(5) }
+    }
+}
+
+/// A body between two slabs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyState {
+    /// Its coordinates; none for an elastic body.
+    pub position: Vec<f64>,
+    /// Their rates.
+    pub rate: Vec<f64>,
+    /// Kinetic energy.
+    pub kinetic_energy: f64,
+    /// The energy of springs or strain.
+    pub potential_energy: f64,
+    /// Where its energy came from and went to.
+    pub ledger: Ledger,
+}
+
+/// A block ahead of the mesh: what moves walls and feels the loads of the flow.
+pub trait Body: Block {
+    /// Its state at the start of a run, as it is stored.
+    fn initial(&self) -> Vec<f64>;
+
+    /// What a `stored` state says.
+    fn read(&self, stored: &[f64]) -> BodyState;
+
+    /// z := the guess of the slab that began last, from the unknowns and the length of the slab before, if there was one; writes the
+    /// displacement of its walls.
+    fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);
+
+    /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.
+    fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>);
+}

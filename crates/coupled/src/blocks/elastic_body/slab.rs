@@ -1,0 +1,101 @@
+//! An elastic body in one slab: supports, loads of the flow, walls, energy.
+
+use super::ElasticBody;
+use crate::block::{Exchange, Ledger};
+use elasticity::{SlabBottom, StructureSlab};
+
+/// The slab that is being solved. Fields have the layout `[C0 node][component]`, behind a time node where there is one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Slab {
+    pub(super) start: f64,
+    pub(super) dt: f64,
+    /// d_n
+    pub(super) displacement: Vec<f64>,
+    /// w_n
+    pub(super) velocity: Vec<f64>,
+    /// f(s_a)
+    pub(super) forces: Vec<f64>,
+    /// g'(s_a) at fixed entries, zero elsewhere.
+    pub(super) supports: Vec<f64>,
+}
+
+impl<const D: usize> ElasticBody<D> {
+    /// The equations of the structure in the slab.
+    pub(super) fn in_slab(&self) -> StructureSlab<'_, D> {
+        let Slab { start, dt, displacement, velocity, .. } = &self.slab;
+        let bottom = SlabBottom { time: *start, displacement, velocity };
+        let (structure, loads, motion) = (&self.data.structure, &self.data.loads, &self.motion);
+        StructureSlab { structure, loads, motion, bottom, dt: *dt }
+    }
+
+    /// The velocities of the supports at the time nodes.
+    pub(super) fn prescribed(&self) -> Vec<f64> {
+        let (structure, time) = (&self.data.structure, self.motion.time());
+        let mut v = vec![0.0; self.w.len()];
+        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(structure.length())) {
+            let t = self.slab.start + s * self.slab.dt;
+            self.data.supports.set(structure, v, |field, x| field.rate(x, t));
+        }
+        v
+    }
+
+    /// z := the unknowns `past` of the slab before and its length, extended; without them the velocity at the bottom.
+    pub(super) fn extrapolate(&self, past: Option<(&[f64], f64)>, z: &mut [f64]) {
+        let (time, length) = (self.motion.time(), self.data.structure.length());
+        for (s, z) in time.nodes().iter().zip(z.chunks_exact_mut(length)) {
+            let Some((past, dt)) = past else {
+                z.copy_from_slice(&self.slab.velocity);
+                continue;
+            };
+            z.fill(0.0);
+            for (phi, past) in time.extrapolation(self.slab.dt / dt, *s).iter().zip(past.chunks_exact(length)) {
+                z.iter_mut().zip(past).for_each(|(z, past)| *z += phi * past);
+            }
+        }
+    }
+
+    /// Writes the displacement of the walls at the time nodes that the velocities `w` give, from that at the `bottom`.
+    pub(super) fn write_walls(&self, bottom: &[f64], w: &[f64], exchange: &mut Exchange) {
+        let field = exchange.wall_displacement.len() / self.motion.time().order();
+        let mut d = vec![0.0; bottom.len()];
+        for (a, out) in exchange.wall_displacement.chunks_exact_mut(field).enumerate() {
+            self.motion.displacement_at_node(self.slab.dt, bottom, w, a, &mut d);
+            self.interface.add_displacement(D, &d, out);
+        }
+    }
+
+    /// L_a of the loads `l` of the flow, `[time point][loaded node][component]`.
+    pub(super) fn nodal_loads(&self, l: &[f64]) -> Vec<f64> {
+        let (length, points) = (self.data.structure.length(), self.at_points.rows());
+        let mut loads = vec![0.0; self.w.len()];
+        for (point, l) in l.chunks_exact((l.len() / points).max(1)).enumerate() {
+            for (a, loads) in loads.chunks_exact_mut(length).enumerate() {
+                let phi = self.at_points[(point, a)];
+                for (solid, loaded) in self.interface.wall() {
+                    (0..D).for_each(|i| loads[solid * D + i] += phi * l[loaded * D + i]);
+                }
+            }
+        }
+        loads
+    }
+
+    /// The ledger after the slab with the velocities `w`.
+    pub(super) fn closed(&self, w: &[f64], before: Ledger) -> Ledger {
+        let (slab, fixed) = (self.in_slab(), self.data.structure.fixed());
+        let mut r = vec![0.0; w.len()];
+        // The slab is solved, so that there is a residual.
+        let _ = slab.residual(&self.slab.forces, w, &mut r);
+        r.iter_mut().zip(&self.flow_loads).for_each(|(r, load)| *r -= load);
+        let work = slab.work(&self.slab.forces, w, &r);
+        let sum = |terms: &mut dyn Iterator<Item = f64>| terms.sum::<f64>();
+        let free = |i: &usize| !fixed[i % fixed.len()];
+        Ledger {
+            flow: before.flow + sum(&mut self.flow_loads.iter().zip(w).map(|(load, w)| load * w)),
+            drive: before.drive + work.support,
+            force: before.force + work.load,
+            damped: before.damped + work.damped,
+            numerical: before.numerical + work.dissipation,
+            defect: before.defect + sum(&mut (0..w.len()).filter(free).map(|i| r[i] * w[i])),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The flow as a block: the conservative state in every cell, on the mesh that moves.
+
+use crate::block::{Block, Couplings, Exchange, Quantity};
+use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
+use crate::slab_error::SlabError;
+use crate::state::{Interval, State};
+use fem::{SlabOperator, Violation};
+use newton_krylov::problem::Inadmissible;
+
+/// What a solve has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Evaluations of the flow's residual.
+    pub residuals: usize,
+    /// Jacobian products along the state alone.
+    pub products: usize,
+    /// Jacobian products along state and mesh.
+    pub mesh_products: usize,
+    /// CG iterations with K.
+    pub elasticity_iterations: usize,
+    /// Times the flow's Jacobian was computed anew.
+    pub rebuilds: usize,
+    /// Times its modes were factored anew without that.
+    pub refactors: usize,
+}
+
+/// The flow of a slab.
+pub struct FlowBlock<const D: usize, const M: usize> {
+    /// Residual and derivatives.
+    pub operator: SlabOperator<D, M>,
+    /// The preconditioner.
+    pub preconditioner: LaggedPreconditioner,
+    /// What has been done since the counts were last taken.
+    pub counts: Counts,
+    bottom: Vec<f64>,
+    /// The velocities of the mesh that are set.
+    velocities: Vec<f64>,
+    inverse_pseudo_time: f64,
+    /// What is left of a residual after the mesh.
+    rest: Vec<f64>,
+    effect_of_mesh: EffectOfMesh,
+}
+
+/// B v and the derivative of the loads along v: the product that follows a preconditioner step needs both again.
+#[derive(Default)]
+struct EffectOfMesh {
+    /// v; empty where nothing is known.
+    velocities: Vec<f64>,
+    residual: Vec<f64>,
+    loads: Vec<f64>,
+}
+
+impl<const D: usize, const M: usize> FlowBlock<D, M> {
+    /// The flow of `operator`.
+    pub fn new(operator: SlabOperator<D, M>) -> Self {
+        let field_len = operator.mesh.field_len();
+        FlowBlock {
+            preconditioner: LaggedPreconditioner::default(),
+            counts: Counts::default(),
+            bottom: vec![0.0; field_len],
+            velocities: vec![f64::NAN; field_len * operator.tables.orders.time],
+            inverse_pseudo_time: 0.0,
+            rest: vec![0.0; operator.layout.len()],
+            effect_of_mesh: EffectOfMesh::default(),
+            operator,
+        }
+    }
+
+    /// Moves to the slab `interval` on top of the flow `u` and the displacement `d`.
+    pub(crate) fn begin(&mut self, interval: Interval, u: &[f64], d: &[f64]) {
+        self.operator.begin_slab(interval.start, interval.end - interval.start, u, d);
+        self.bottom.copy_from_slice(d);
+        self.forget();
+        self.inverse_pseudo_time = 0.0;
+        self.preconditioner.begin_slab();
+    }
+
+    /// Sets the mesh.
+    pub(crate) fn set_mesh(&mut self, exchange: &Exchange) {
+        if self.velocities != exchange.mesh_velocity {
+            self.velocities.clone_from(&exchange.mesh_velocity);
+            self.operator.set_mesh(&self.velocities);
+        }
+    }
+
+    /// Has the mesh set anew.
+    fn forget(&mut self) {
+        self.velocities.fill(f64::NAN);
+        self.effect_of_mesh.velocities.clear();
+    }
+
+    /// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest).
+    pub fn totals(&self, u: &[f64]) -> Vec<f64> {
+        let flow = &self.operator;
+        let one = flow.layout.at_one_time();
+        let mut mass_product = vec![0.0; one.len()];
+        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
+        flow.mass_product(u, &row, &mut mass_product);
+        let component = |m: usize| -> f64 {
+            (0..one.cells)
+                .map(|c| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
+                .sum()
+        };
+        (0..M).map(component).collect()
+    }
+
+    /// Makes the preconditioner again from what it was made of.
+    pub fn rebuild(&mut self, linearisation: Linearisation) {
+        self.preconditioner.rebuild(&mut self.operator, linearisation);
+        self.forget();
+    }
+
+    /// Rebuilds, refactors or keeps the preconditioner.
+    pub(crate) fn update_preconditioner(&mut self) {
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner_setup").entered();
+        let FlowBlock { operator, preconditioner, bottom, velocities, inverse_pseudo_time, .. } = self;
+        match preconditioner.update(operator, bottom, velocities, *inverse_pseudo_time) {
+            Update::Kept => {}
+            Update::Refactored => self.counts.refactors += 1,
+            Update::Rebuilt => self.counts.rebuilds += 1,
+        }
+    }
+
+    /// The effect B v of the velocities v of the mesh, and of nothing else.
+    fn take_effect_of_mesh(&mut self, tangent: &Exchange) {
+        let v = &tangent.mesh_velocity;
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
+        let EffectOfMesh { velocities, residual, loads } = &mut self.effect_of_mesh;
+        let still = vec![0.0; self.rest.len()];
+        residual.resize(still.len(), 0.0);
+        self.counts.mesh_products += 1;
+        self.operator.product_with_mesh(&still, v, residual);
+        velocities.clear();
+        velocities.extend_from_slice(v);
+        loads.clear();
+        loads.extend_from_slice(self.operator.loads());
+    }
+
+    /// The derivative along the state alone; that along the mesh, known already, is added.
+    fn product_beside_mesh(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
+        self.counts.products += 1;
+        self.operator.product(x, out);
+        tangent.wall_loads.clear();
+        tangent.wall_loads.extend_from_slice(self.operator.loads());
+        if tangent.mesh_moves {
+            add(&self.effect_of_mesh.residual, out);
+            add(&self.effect_of_mesh.loads, &mut tangent.wall_loads);
+        }
+    }
+
+    fn product_with_mesh(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
+        self.counts.mesh_products += 1;
+        self.operator.product_with_mesh(x, &tangent.mesh_velocity, out);
+        tangent.wall_loads.clear();
+        tangent.wall_loads.extend_from_slice(self.operator.loads());
+    }
+}
+
+fn add(terms: &[f64], sums: &mut [f64]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}
+
+impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
+    fn field(&self) -> &'static str {
+        "flow"
+    }
+
+    fn couplings(&self) -> Couplings {
+        Couplings { reads: &[Quantity::MeshVelocity], writes: &[Quantity::WallLoads] }
+    }
+
+    fn weights(&self) -> Vec<f64> {
+        crate::weights::flow(&self.operator)
+    }
+
+    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+        self.begin(interval, &state.u, &state.d);
+        Ok(())
+    }
+
+    fn residual(&mut self, u: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.set_mesh(exchange);
+        self.counts.residuals += 1;
+        let _timed = tracing::trace_span!(target: "cost", "residual").entered();
+        self.operator.residual(u, r).map_err(inadmissible)?;
+        exchange.wall_loads.clear();
+        exchange.wall_loads.extend_from_slice(self.operator.loads());
+        Ok(())
+    }
+
+    fn linearise(&mut self, u: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
+        self.set_mesh(exchange);
+        self.operator.linearise(u);
+        self.inverse_pseudo_time = inverse_pseudo_time;
+        self.effect_of_mesh.velocities.clear();
+    }
+
+    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
+        let _timed = tracing::trace_span!(target: "cost", "product").entered();
+        if !tangent.mesh_moves || self.effect_of_mesh.velocities == tangent.mesh_velocity {
+            self.product_beside_mesh(x, tangent, out);
+        } else {
+            self.product_with_mesh(x, tangent, out);
+        }
+    }
+
+    /// The flow by its factored modes, after the effect of the mesh, an exact product.
+    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
+        self.rest.copy_from_slice(r);
+        if tangent.mesh_moves {
+            self.take_effect_of_mesh(tangent);
+            self.rest.iter_mut().zip(&self.effect_of_mesh.residual).for_each(|(rest, effect)| *rest -= effect);
+        }
+        let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
+        self.preconditioner.apply(&self.rest, x);
+    }
+
+    /// (1/dtau) dt W (x) M, with one lumped mass.
+    fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]) {
+        let (_, dt) = self.operator.interval();
+        self.operator.add_mass(self.inverse_pseudo_time * dt, x, out);
+    }
+}
+
+pub(crate) fn inadmissible(violation: Violation) -> Inadmissible {
+    let Violation { quantity, value, cell, time } = violation;
+    Inadmissible { quantity: quantity.to_string(), value, location: format!("in cell {cell} at t = {time}") }
+}

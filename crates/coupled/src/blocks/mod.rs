@@ -1,0 +1,12 @@
+//! The blocks: bodies, the mesh, the flow.
+
+pub mod elastic_body;
+mod flow;
+mod mesh_motion;
+pub mod rigid_body;
+
+pub use elastic_body::ElasticBody;
+pub(crate) use flow::inadmissible;
+pub use flow::{Counts, FlowBlock};
+pub use mesh_motion::MeshBlock;
+pub use rigid_body::RigidBody;

@@ -1,0 +1,313 @@
+//! A rigid body that the flow moves: translations along axes and a rotation about one axis, free or driven.
+//!
+//! ```text
+//! x(X) = p + h + R(w theta) (X - p) + (w - 1) h,      v_c = h' + theta' n x R(theta) c                             (rigid motion)
+//! ```
+//!
+//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, and c the centre of mass relative to the pivot.
+//! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
+//! time nodes. With g_k = dv_c/dq_k',
+//!
+//! ```text
+//! R_a,k = g_k(s_a) . m [ sum_b T_ab v_c,b - phi_a(0) v_c,n ] + I_k [ sum_b T_ab W_b,k - phi_a(0) w_n,k ]
+//!         + dt w_a ( c_k W_a,k + f_k(q_a) - g_k(s_a) . b(s_a) ) - Q_a,k = 0                                        (rigid body)
+//! ```
+//!
+//! I_k is the moment of inertia for the rotation and zero otherwise, c_k damps, f_k is the force of springs, b an outer force, and Q the
+//! load of the flow, see `loads`. The sum of R_a,k W_a,k is the balance of energy: jumps of v_c take m [v_c]^2 / 2, as in a structure.
+
+mod coordinate;
+mod dynamics;
+mod geometry;
+mod loads;
+
+pub use coordinate::{Coordinate, Drive, Stops};
+pub use geometry::{Surface, SurfaceNode};
+
+use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
+use crate::slab_error::SlabError;
+use crate::state::{Interval, State};
+use basis::{Matrix, RadauTime};
+use newton_krylov::problem::Inadmissible;
+use std::sync::Arc;
+
+/// A vector of space; in two dimensions its last component is zero.
+pub type Vec3 = [f64; 3];
+
+/// What a rigid body is.
+#[derive(Clone)]
+pub struct RigidBodyData {
+    /// Its name.
+    pub name: String,
+    /// m
+    pub mass: f64,
+    /// The moment of inertia about the axis of rotation through the centre of mass.
+    pub moment_of_inertia: f64,
+    /// c at rest.
+    pub centre_of_mass: Vec3,
+    /// p
+    pub pivot: Vec3,
+    /// n
+    pub axis: Vec3,
+    /// The coordinates that it has; at most one rotation.
+    pub coordinates: Vec<Coordinate>,
+    /// b as a function of time: weight, for example.
+    pub force: Option<Arc<dyn Fn(f64) -> Vec3 + Send + Sync>>,
+    /// The estimate of the added mass that its preconditioner takes.
+    pub added_mass: AddedMass,
+}
+
+/// The mass of fluid that moves with a body, for the preconditioner alone.
+///
+/// ```text
+/// m_L G_kl,    m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2),    G_kl = int (g_k . n)(g_l . n) dS                (added mass)
+/// ```
+#[derive(Clone, Debug)]
+pub struct AddedMass {
+    /// rho
+    pub density: f64,
+    /// c
+    pub speed_of_sound: f64,
+    /// L
+    pub depth: f64,
+    /// G, `[coordinate][coordinate]`.
+    pub area: Matrix,
+}
+
+/// The slab that is being solved, from the bottom.
+#[derive(Clone, Debug, Default)]
+struct Slab {
+    start: f64,
+    dt: f64,
+    /// q_n
+    position: Vec<f64>,
+    /// The rates w_n at the top of the slab before.
+    rate: Vec<f64>,
+    /// Displacement of the surface at the bottom, `[node][component]`.
+    surface: Vec<f64>,
+}
+
+/// A rigid body as a block.
+pub struct RigidBody<const D: usize> {
+    data: RigidBodyData,
+    surface: Surface<D>,
+    number: usize,
+    time: RadauTime,
+    /// phi_a at the quadrature points of the flow in time, `[point][a]`.
+    at_points: Matrix,
+    /// s at these points.
+    points: Vec<f64>,
+    slab: Slab,
+    /// W at the point of linearisation and evaluation.
+    w: Vec<f64>,
+    /// The loads of the flow at that point, `[time point][loaded node][component]`.
+    flow_loads: Vec<f64>,
+    inverse: Option<Matrix>,
+    inverse_pseudo_time: f64,
+    /// The length of most slabs, to which its norm refers.
+    step: f64,
+}
+
+impl<const D: usize> RigidBody<D> {
+    /// Body number `number` of a run whose slabs have the nodes of `time` and mostly the length `step`; the flow has quadrature points at
+    /// `points` in time.
+    pub fn new(
+        data: RigidBodyData,
+        surface: Surface<D>,
+        number: usize,
+        time: RadauTime,
+        points: Vec<f64>,
+        step: f64,
+    ) -> Self {
+        let n = time.order();
+        let values: Vec<f64> = points.iter().flat_map(|s| time.values(*s)).collect();
+        RigidBody {
+            at_points: Matrix::new(points.len(), n, values),
+            points,
+            slab: Slab::default(),
+            w: vec![0.0; n * data.coordinates.len()],
+            flow_loads: Vec::new(),
+            inverse: None,
+            inverse_pseudo_time: 0.0,
+            data,
+            surface,
+            number,
+            time,
+            step,
+        }
+    }
+
+    /// The number of coordinates.
+    fn count(&self) -> usize {
+        self.data.coordinates.len()
+    }
+
+    /// Coordinates at the time nodes, `[a][k]`: q_n + dt sum_b A_ab W_b.
+    fn positions(&self, w: &[f64]) -> Vec<f64> {
+        self.at_nodes(&self.slab.position, w)
+    }
+
+    fn at_nodes(&self, bottom: &[f64], w: &[f64]) -> Vec<f64> {
+        let (n, count) = (self.time.order(), self.count());
+        let integral = |a: usize, k: usize| -> f64 {
+            (0..n).map(|b| self.time.collocation()[(a, b)] * w[b * count + k]).sum::<f64>() * self.slab.dt
+        };
+        (0..n * count).map(|i| bottom[i % count] + integral(i / count, i % count)).collect()
+    }
+
+    /// Writes the displacement of the nodes that the body moves.
+    fn write_surface(&self, w: &[f64], exchange: &mut Exchange) {
+        let q = self.positions(w);
+        let field = exchange.wall_displacement.len() / self.time.order();
+        for (q, out) in q.chunks_exact(self.count()).zip(exchange.wall_displacement.chunks_exact_mut(field)) {
+            self.surface.add_displacement(&self.data, q, out);
+        }
+    }
+
+    /// Writes the derivative of that along the rates `x`.
+    fn write_surface_derivative(&self, x: &[f64], tangent: &mut Exchange) {
+        let (q, dq) = (self.positions(&self.w), self.at_nodes(&vec![0.0; self.count()], x));
+        let field = tangent.wall_displacement.len() / self.time.order();
+        let nodes = q.chunks_exact(self.count()).zip(dq.chunks_exact(self.count()));
+        for ((q, dq), out) in nodes.zip(tangent.wall_displacement.chunks_exact_mut(field)) {
+            self.surface.add_derivative(&self.data, q, dq, out);
+        }
+    }
+}
+
+impl<const D: usize> Block for RigidBody<D> {
+    fn field(&self) -> &'static str {
+        "body"
+    }
+
+    fn couplings(&self) -> Couplings {
+        Couplings { reads: &[Quantity::WallLoads], writes: &[Quantity::WallDisplacement] }
+    }
+
+    /// An impulse R moves a coordinate by about R dt / m in a slab, here in units of length, or of one for the rotation.
+    fn weights(&self) -> Vec<f64> {
+        let n = self.time.order();
+        let count = (n * self.count()) as f64;
+        let mass = self.inertia_with_fluid(self.step);
+        let weight =
+            |k: usize| (self.step / mass[(k, k)] / self.surface.length(&self.data.coordinates[k])).powi(2) / count;
+        (0..n).flat_map(|_| (0..self.count()).map(weight)).collect()
+    }
+
+    fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+        let stored = &state.bodies[self.number];
+        let count = self.count();
+        self.slab = Slab {
+            start: interval.start,
+            dt: interval.end - interval.start,
+            position: stored[..count].to_vec(),
+            rate: stored[count..2 * count].to_vec(),
+            surface: self.surface.gather(&state.d),
+        };
+        self.inverse = None;
+        Ok(())
+    }
+
+    fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.w.copy_from_slice(z);
+        self.write_surface(z, exchange);
+        self.dynamics(z, r);
+        Ok(())
+    }
+
+    fn receive(&mut self, exchange: &Exchange, r: &mut [f64]) {
+        self.flow_loads.clone_from(&exchange.wall_loads);
+        let loads = self.load(&self.flow_loads);
+        self.subtract_loads(&loads.total(&self.w, self.count()), r);
+    }
+
+    fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
+        self.w.copy_from_slice(z);
+        self.write_surface(z, exchange);
+        self.inverse_pseudo_time = inverse_pseudo_time;
+        self.inverse = None;
+    }
+
+    fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
+        self.write_surface_derivative(x, tangent);
+        self.dynamics_product(x, out);
+        let moved = self.load_derivative_of_motion(x);
+        self.subtract_loads(&moved, out);
+    }
+
+    fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
+        let along = self.load(&tangent.wall_loads);
+        let still = vec![0.0; out.len()];
+        let loads = self.load(&self.flow_loads).derivative(&along, &self.w, &still, self.count());
+        self.subtract_loads(&loads, out);
+    }
+
+    fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
+        if self.inverse.is_none() {
+            self.inverse = self.preconditioner();
+        }
+        match &self.inverse {
+            Some(inverse) => inverse.apply(r, x),
+            None => x.copy_from_slice(r),
+        }
+        self.write_surface_derivative(x, tangent);
+    }
+
+    /// (1/dtau) w_a (M + added mass) dt.
+    fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]) {
+        let (count, mass) = (self.count(), self.inertia_with_fluid(self.slab.dt));
+        for (a, weight) in self.time.weights().iter().enumerate() {
+            for k in 0..count {
+                let inertia: f64 = (0..count).map(|l| mass[(k, l)] * x[a * count + l]).sum();
+                out[a * count + k] += self.inverse_pseudo_time * weight * self.slab.dt * inertia;
+            }
+        }
+    }
+}
+
+impl<const D: usize> Body for RigidBody<D> {
+    fn initial(&self) -> Vec<f64> {
+        let rates = self.data.coordinates.iter().map(|coordinate| coordinate.rate_at_start);
+        vec![0.0; self.count()].into_iter().chain(rates).chain(Ledger::default().numbers()).collect()
+    }
+
+    fn read(&self, stored: &[f64]) -> BodyState {
+        let (position, rest) = stored.split_at(self.count());
+        let (rate, ledger) = rest.split_at(self.count());
+        BodyState {
+            kinetic_energy: self.kinetic_energy(position, rate),
+            potential_energy: self.spring_energy(position),
+            position: position.to_vec(),
+            rate: rate.to_vec(),
+            ledger: Ledger::read(ledger),
+        }
+    }
+
+    fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {
+        let count = self.count();
+        for (a, z) in z.chunks_exact_mut(count).enumerate() {
+            match past {
+                None => z.copy_from_slice(&self.slab.rate),
+                Some((past, dt)) => {
+                    let phi = self.time.extrapolation(self.slab.dt / dt, self.time.nodes()[a]);
+                    z.iter_mut()
+                        .enumerate()
+                        .for_each(|(k, z)| *z = (0..phi.len()).map(|b| phi[b] * past[b * count + k]).sum());
+                }
+            }
+        }
+        self.prescribe_rates(z);
+        self.w.copy_from_slice(z);
+        self.write_surface(z, exchange);
+    }
+
+    fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
+        let (count, n) = (self.count(), self.time.order());
+        let ledger = self.closed(z, Ledger::read(&stored[2 * count..]));
+        let top = self.positions(z)[(n - 1) * count..].to_vec();
+        stored.clear();
+        stored.extend(top);
+        stored.extend(&z[(n - 1) * count..]);
+        stored.extend(ledger.numbers());
+    }
+}

@@ -1,0 +1,85 @@
+//! One coordinate of a rigid body.
+
+use super::Vec3;
+use std::sync::Arc;
+
+/// Springs that a coordinate meets outside of a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stops {
+    /// No force above this.
+    pub lower: f64,
+    /// No force below this.
+    pub upper: f64,
+    /// Force per distance beyond.
+    pub stiffness: f64,
+}
+
+/// What drives a coordinate.
+#[derive(Clone)]
+pub struct Drive {
+    /// The coordinate as a function of time.
+    pub position: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
+    /// The time from which on it is free, if there is one.
+    pub release: Option<f64>,
+}
+
+/// A translation or a rotation, free on springs or driven.
+#[derive(Clone)]
+pub struct Coordinate {
+    /// The direction of a translation; none for the rotation.
+    pub direction: Option<Vec3>,
+    /// Force or moment per displacement or angle.
+    pub stiffness: f64,
+    /// The same per cube of it.
+    pub cubic_stiffness: f64,
+    /// Force or moment per rate.
+    pub damping: f64,
+    /// Springs outside of a range.
+    pub stops: Option<Stops>,
+    /// The value where the springs are at rest.
+    pub rest: f64,
+    /// The rate at the start.
+    pub rate_at_start: f64,
+    /// What drives it.
+    pub drive: Option<Drive>,
+}
+
+impl Coordinate {
+    /// f(q), the force that springs need.
+    pub fn spring_force(&self, q: f64) -> f64 {
+        let x = q - self.rest;
+        self.stiffness * x + self.cubic_stiffness * x * x * x + self.beyond(q) * self.stop_stiffness()
+    }
+
+    /// df/dq
+    pub fn spring_stiffness(&self, q: f64) -> f64 {
+        let x = q - self.rest;
+        let stop = if self.beyond(q) != 0.0 { self.stop_stiffness() } else { 0.0 };
+        self.stiffness + 3.0 * self.cubic_stiffness * x * x + stop
+    }
+
+    /// The energy in the springs.
+    pub fn spring_energy(&self, q: f64) -> f64 {
+        let (x, beyond) = (q - self.rest, self.beyond(q));
+        0.5 * self.stiffness * x * x
+            + 0.25 * self.cubic_stiffness * x.powi(4)
+            + 0.5 * self.stop_stiffness() * beyond * beyond
+    }
+
+    /// Whether it is driven in the slab that begins at `start`.
+    pub fn is_driven(&self, start: f64) -> bool {
+        // A release falls on the beginning of a slab but for rounding.
+        self.drive
+            .as_ref()
+            .is_some_and(|drive| drive.release.is_none_or(|release| start < release - 1e-9 * release.abs()))
+    }
+
+    fn stop_stiffness(&self) -> f64 {
+        self.stops.map_or(0.0, |stops| stops.stiffness)
+    }
+
+    /// How far q lies outside of the range of the stops.
+    fn beyond(&self, q: f64) -> f64 {
+        self.stops.map_or(0.0, |stops| (q - stops.upper).max(0.0) + (q - stops.lower).min(0.0))
+    }
+}

@@ -1,0 +1,255 @@
+//! A slab of mesh and flow: the Newton solve, and what is checked of its result.
+
+mod guess;
+
+use crate::balance::{self, Balance};
+use crate::block::BodyState;
+use crate::blocks::{Counts, inadmissible};
+use crate::march::{March, SlabSolver};
+use crate::mesh_mover::MeshQuality;
+use crate::schedule::{Schedule, StepControl};
+use crate::slab_error::SlabError;
+use crate::state::{Interval, Past, State};
+use crate::system::System;
+use fem::{FluxesAt, Violation};
+use newton_krylov::finite_difference::{FiniteDifference, Scheme};
+use newton_krylov::newton::{self, Workspace};
+use std::array::from_fn;
+
+/// The first guess of a slab.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Predictor {
+    /// The flow extended, on the mesh in equilibrium with its boundary: Newton starts on the final mesh.
+    Elastic,
+    /// The polynomial of the slab before, extended: Newton moves mesh and flow together.
+    Extrapolated,
+    /// The state and the position at the bottom.
+    Constant,
+}
+
+/// How Jacobian products are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Jacobian {
+    /// By dual numbers.
+    Exact,
+    /// By one-sided differences of the residual.
+    FiniteDifference,
+}
+
+/// Settings of a march.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The slabs.
+    pub schedule: Schedule,
+    /// The Newton driver. Its relative tolerance refers to the residual of the constant guess.
+    pub newton: newton::Settings,
+    /// The first guess of the mesh.
+    pub predictor: Predictor,
+    /// Jacobian products.
+    pub jacobian: Jacobian,
+    /// How often a slab may be halved before the run gives up.
+    pub max_halvings: u32,
+}
+
+/// The finest absolute tolerance, in units of the reference state: no residual of a flow is known better. A residual whose rounding is
+/// larger ends at its own estimate of that, see [`NonlinearProblem::round_off`].
+pub const ROUND_OFF: f64 = 1e-13;
+
+/// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.
+const QUIET: f64 = 1e-6;
+
+/// What a slab has done.
+#[derive(Clone, Debug)]
+pub struct SlabReport<const M: usize> {
+    /// The number of the slab, from 1.
+    pub slab: usize,
+    /// Its interval.
+    pub interval: Interval,
+    /// How often an attempt was rejected before.
+    pub rejected: usize,
+    /// The Newton driver.
+    pub newton: newton::Report,
+    /// What it has cost, rejected attempts included.
+    pub counts: Counts,
+    /// The quality of the mesh.
+    pub quality: MeshQuality,
+    /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale: an estimate of the error
+    /// in time.
+    pub jump: f64,
+    /// What leaves through the boundaries at the quadrature points in time and at the top of the slab.
+    pub fluxes: Vec<FluxesAt<M>>,
+    /// The integral of every component at the top of the slab.
+    pub totals: Vec<f64>,
+}
+
+/// A slab that is solved.
+pub struct Solved<const M: usize> {
+    newton: newton::Report,
+    quality: MeshQuality,
+    /// See [`SlabReport::jump`].
+    jump: f64,
+    /// What the slab holds and lets pass.
+    balance: Balance<M>,
+    /// Mesh and flow.
+    z: Vec<f64>,
+}
+
+/// The slabs of mesh and flow, and of what moves with them.
+pub struct CoupledSlab<const D: usize, const M: usize> {
+    /// The problem of the current slab.
+    pub system: System<D, M>,
+    /// The Newton driver.
+    pub newton: newton::Settings,
+    predictor: Predictor,
+    jacobian: Jacobian,
+    workspace: Workspace,
+}
+
+/// A run of mesh and flow.
+pub type FlowMarch<const D: usize, const M: usize> = March<CoupledSlab<D, M>>;
+
+impl<const D: usize, const M: usize> FlowMarch<D, M> {
+    /// A run of `system` from the flow `u` at one time. Newton's absolute tolerance is raised to [`ROUND_OFF`] if it is less.
+    pub fn new(system: System<D, M>, u: Vec<f64>, settings: Settings) -> Self {
+        let Settings { schedule, mut newton, predictor, jacobian, max_halvings } = settings;
+        newton.absolute_tolerance = newton.absolute_tolerance.max(ROUND_OFF);
+        newton.quiet = QUIET;
+        let d = system.mover().displacement_at_start(schedule.start);
+        let bodies = system.bodies.iter().map(|body| body.initial()).collect();
+        let state = State { step: schedule.step, bodies, ..State::new(schedule.start, u, d) };
+        let solver = CoupledSlab { system, newton, predictor, jacobian, workspace: Workspace::default() };
+        March::from(solver, state, schedule, max_halvings)
+    }
+
+    /// Adapts the length of the slabs from now on.
+    pub fn adapt(&mut self, control: StepControl) {
+        self.schedule.control = Some(control);
+    }
+
+    /// The bodies where the run stands.
+    pub fn bodies(&self) -> Vec<BodyState> {
+        let bodies = self.solver.system.bodies.iter().zip(&self.state.bodies);
+        bodies.map(|(body, stored)| body.read(stored)).collect()
+    }
+
+    /// The integrals of the components at the top of the slab.
+    pub fn totals(&self) -> Vec<f64> {
+        self.solver.system.flow.totals(&self.state.u)
+    }
+}
+
+impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
+    type Solved = Solved<M>;
+    type Report = SlabReport<M>;
+
+    fn solve(&mut self, state: &State, interval: Interval) -> Result<Solved<M>, SlabError> {
+        let (mut z, references) = self.guess(state, interval)?;
+        let report = self.newton(&mut z, &references).map_err(|source| self.cause(&z, source))?;
+        let velocity_at_top = self.velocity_at_top(interval.end);
+        let balance = balance::correct(&mut self.system, &mut z, self.workspace.residual(), &velocity_at_top);
+        let quality = self.check_mesh()?;
+        self.check_top(&z, interval)?;
+        let jump = self.jump_at_bottom(state, &z);
+        Ok(Solved { newton: report, quality, jump, balance, z })
+    }
+
+    fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Solved<M>) -> SlabReport<M> {
+        let Solved { newton, quality, jump, balance, z } = solved;
+        let system = &mut self.system;
+        let dt = interval.end - interval.start;
+        let (u, v, bottom) = (z[system.flow_range()].to_vec(), system.mesh.velocities().to_vec(), state.d.clone());
+        system.mover().slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
+        state.u = balance::at_top(system.flow.operator.layout, &u);
+        let bodies: Vec<Vec<f64>> = (0..system.bodies.len()).map(|body| z[system.body_range(body)].to_vec()).collect();
+        for ((body, z), stored) in system.bodies.iter_mut().zip(&bodies).zip(&mut state.bodies) {
+            body.end_slab(z, stored);
+        }
+        let preconditioner = &mut system.flow.preconditioner;
+        let (iterations, rebuilt) = (preconditioner.iterations_since_frozen(), preconditioner.frozen_in_slab());
+        preconditioner.stale = state.reuse_policy.record(iterations, rebuilt);
+        state.past = Some(Past { interval, dt, bottom, u, v, bodies });
+        let Balance { totals, fluxes } = balance;
+        let counts = system.take_counts();
+        SlabReport { slab: state.slab + 1, interval, rejected, newton, counts, quality, jump, fluxes, totals }
+    }
+
+    fn jump(&self, solved: &Solved<M>) -> (f64, usize) {
+        (solved.jump, self.system.flow.operator.layout.time_order)
+    }
+
+    fn reject(&mut self) {
+        self.system.flow.preconditioner.stale = true;
+    }
+}
+
+impl<const D: usize, const M: usize> CoupledSlab<D, M> {
+    /// Newton's method from the guess `z`.
+    fn newton(&mut self, z: &mut [f64], references: &[f64]) -> Result<newton::Report, newton::Error> {
+        let CoupledSlab { system, newton, jacobian, workspace, .. } = self;
+        match jacobian {
+            Jacobian::Exact => newton::solve(system, z, Some(references), newton, workspace),
+            Jacobian::FiniteDifference => {
+                let mut problem = FiniteDifference::new(system, Scheme::OneSided);
+                newton::solve(&mut problem, z, Some(references), newton, workspace)
+            }
+        }
+    }
+
+    /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
+    fn cause(&mut self, z: &[f64], source: newton::Error) -> SlabError {
+        let mut v = z[self.system.mesh_range()].to_vec();
+        if !v.is_empty() {
+            let moved = self.system.move_mesh(&mut v).map_err(SlabError::from);
+            if let Err(cause) = moved.and_then(|()| self.check_mesh()) {
+                return cause;
+            }
+        }
+        let residual_breakdown = self.system.residual_breakdown(z).map(Box::new);
+        SlabError::Newton { residual_breakdown, source: source.into() }
+    }
+
+    /// The quality of the mesh last set, if it is proved to be valid.
+    fn check_mesh(&mut self) -> Result<MeshQuality, SlabError> {
+        let quality = self.system.mesh.quality();
+        if quality.is_valid() { Ok(quality) } else { Err(SlabError::Invalid { quality }) }
+    }
+
+    /// Whether the flow is admissible at the nodes of the slab's top, where the next one begins.
+    fn check_top(&self, z: &[f64], interval: Interval) -> Result<(), SlabError> {
+        let operator = &self.system.flow.operator;
+        let (layout, u) = (operator.layout, &z[self.system.flow_range()]);
+        let at = |cell: usize, i: usize| from_fn(|m| u[layout.index(cell, layout.time_order - 1, m, i)]);
+        let nodes = (0..layout.cells).flat_map(|cell| (0..layout.nodes).map(move |i| (cell, i)));
+        let found = nodes.map(|(cell, i)| (cell, operator.problem.kernels.inadmissible(&at(cell, i))));
+        let Some((cell, (quantity, value))) = found.filter_map(|(cell, what)| Some((cell, what?))).next() else {
+            return Ok(());
+        };
+        Err(SlabError::Top(inadmissible(Violation { quantity, value, cell, time: interval.end })))
+    }
+
+    /// The velocity of the mesh at the top of the slab, the time `t`: as prescribed where it is.
+    fn velocity_at_top(&self, t: f64) -> Vec<f64> {
+        let (mover, v) = (self.system.mover(), self.system.mesh.velocities());
+        // The last time node is the top.
+        let mut velocity = v[v.len() - mover.field_len()..].to_vec();
+        mover.prescribe_velocity(t, &mut velocity);
+        velocity
+    }
+
+    /// |u(t_n+) - u_n| in L2 over the domain, every component in units of its scale.
+    fn jump_at_bottom(&self, state: &State, z: &[f64]) -> f64 {
+        let flow = &self.system.flow.operator;
+        let (layout, one, u) = (flow.layout, flow.layout.at_one_time(), &z[self.system.flow_range()]);
+        let mut jump: Vec<f64> = state.u.iter().map(|below| -below).collect();
+        for (a, phi) in flow.tables.time.values(0.0).into_iter().enumerate() {
+            for cell in 0..layout.cells {
+                let above = &u[layout.cell_at(cell, a)];
+                jump[one.cell(cell)].iter_mut().zip(above).for_each(|(jump, u)| *jump += phi * u);
+            }
+        }
+        let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
+        flow.mass_product(&jump, &flow.tables.bottom_row(), &mut mass_product);
+        let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
+        jump.iter().zip(&mass_product).enumerate().map(square).sum::<f64>().max(0.0).sqrt()
+    }
+}

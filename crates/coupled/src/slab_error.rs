@@ -1,0 +1,73 @@
+//! Why a slab, or a run, could not be solved.
+
+use crate::mesh_mover::MeshQuality;
+use crate::state::{Interval, State};
+use crate::system::ResidualBreakdown;
+use newton_krylov::newton;
+use newton_krylov::problem::Inadmissible;
+
+/// Why a slab could not be solved.
+#[derive(Debug, thiserror::Error)]
+pub enum SlabError {
+    /// The mesh equations were not solved.
+    #[error("the mesh could not be moved")]
+    Mesh(#[from] elasticity::ElasticityError),
+    /// The equations of a structure were not solved.
+    #[error(transparent)]
+    Structure(elasticity::ElasticityError),
+    /// A cell is not proved to stay valid.
+    #[error("cell {} is inverted or nearly so at t = {}: det J / det J_0 = {:e}", quality.cell, quality.time, quality.sampled_min)]
+    Invalid {
+        /// What was found.
+        quality: MeshQuality,
+    },
+    /// Neither the extrapolated nor the constant guess is a state.
+    #[error("no admissible guess")]
+    Guess(#[from] Inadmissible),
+    /// The solution has a negative density or pressure at the end of the slab. The equations constrain the interior of the slab only.
+    #[error("the equations have a solution that is not admissible at the top of the slab")]
+    Top(#[source] Inadmissible),
+    /// Newton failed.
+    #[error("the equations of flow and mesh are not solved{}", largest_in(residual_breakdown.as_deref()))]
+    Newton {
+        /// What is left of the residual, if there was one.
+        residual_breakdown: Option<Box<ResidualBreakdown>>,
+        /// Why.
+        source: Box<newton::Error>,
+    },
+}
+
+/// Where the residual is largest, for a message.
+fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
+    residual_breakdown
+        .and_then(ResidualBreakdown::worst_cell)
+        .map_or(String::new(), |cell| format!("; their residual is largest in cell {cell}"))
+}
+
+/// The run stops: the smallest slab allowed could not be solved either.
+#[derive(Debug, thiserror::Error)]
+#[error("slab {slab}, t = {} to {}, could not be solved, halved {halvings} times", interval.start, interval.end)]
+pub struct MarchError {
+    /// The number of the slab.
+    pub slab: usize,
+    /// The interval of the last attempt.
+    pub interval: Interval,
+    /// How often the slab was halved.
+    pub halvings: u32,
+    /// What went wrong at last.
+    #[source]
+    pub source: SlabError,
+}
+
+impl MarchError {
+    /// `interval`, the next one of `state`, has failed because of `source`.
+    pub(crate) fn new(state: &State, interval: Interval, source: SlabError) -> Self {
+        MarchError { slab: state.slab + 1, interval, halvings: interval.halvings, source }
+    }
+}
+
+/// An error and its causes in one line.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |e| e.source());
+    causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
+}

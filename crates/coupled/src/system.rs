@@ -1,0 +1,269 @@
+//! One slab as one nonlinear problem.
+//!
+//! ```text
+//! z = (W, V, U),   R(z) = ( R_s(W; U, V), R_e(V; W), R_f(U; V) )                                                  (coupled)
+//! ```
+//!
+//! W are the unknowns of bodies, V the velocities of the mesh, U the flow. Motions that are prescribed everywhere leave V out of z. Without
+//! bodies dR/dz = [ K(V) 0 ; B A ] is block lower triangular.
+
+mod residual_breakdown;
+mod rounding;
+
+pub use residual_breakdown::ResidualBreakdown;
+
+use crate::block::{Block, Body, Exchange};
+use crate::blocks::{Counts, FlowBlock, MeshBlock};
+use crate::lagged_preconditioner::Linearisation;
+use crate::mesh_mover::MeshMover;
+use crate::slab_error::SlabError;
+use crate::state::{Interval, State};
+use fem::SlabOperator;
+use newton_krylov::inner_product::{InnerProduct, Weighted};
+use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
+use std::ops::Range;
+
+/// The coupled problem of the current slab.
+pub struct System<const D: usize, const M: usize> {
+    /// What moves walls and feels the flow.
+    pub bodies: Vec<Box<dyn Body>>,
+    /// The mesh.
+    pub mesh: MeshBlock<D>,
+    /// The flow.
+    pub flow: FlowBlock<D, M>,
+    /// At the point z last evaluated.
+    pub(crate) exchange: Exchange,
+    /// Along the direction last taken.
+    tangent: Exchange,
+    fields: Vec<Field>,
+    /// The entries of z of every block: bodies, mesh, flow. That of the mesh may be empty.
+    ranges: Vec<Range<usize>>,
+    weights: Weighted,
+    inverse_pseudo_time: Vec<f64>,
+}
+
+impl<const D: usize, const M: usize> System<D, M> {
+    /// The problem of `flow` on the mesh that `mover` moves, without bodies.
+    pub fn new(flow: SlabOperator<D, M>, mover: MeshMover<D>) -> Self {
+        Self::with_bodies(flow, mover, Vec::new())
+    }
+
+    /// The problem of `flow` on the mesh that `mover` and `bodies` move.
+    pub fn with_bodies(flow: SlabOperator<D, M>, mover: MeshMover<D>, bodies: Vec<Box<dyn Body>>) -> Self {
+        let mut mesh = MeshBlock::new(mover, flow.tables.orders.time);
+        mesh.follows_bodies = !bodies.is_empty();
+        let flow = FlowBlock::new(flow);
+        let mut system = System {
+            bodies,
+            mesh,
+            flow,
+            exchange: Exchange::default(),
+            tangent: Exchange::default(),
+            fields: Vec::new(),
+            ranges: Vec::new(),
+            weights: Weighted { weights: Vec::new() },
+            inverse_pseudo_time: Vec::new(),
+        };
+        system.lay_out();
+        system
+    }
+
+    /// Fields, ranges and weights of z.
+    fn lay_out(&mut self) {
+        let blocks = self.bodies.iter().map(|body| &**body as &dyn Block);
+        let blocks = blocks.chain([&self.mesh as &dyn Block, &self.flow]);
+        for (name, weights) in blocks.map(|block| (block.field(), block.weights())) {
+            let start = self.weights.weights.len();
+            self.weights.weights.extend(&weights);
+            let range = start..self.weights.weights.len();
+            if !range.is_empty() {
+                self.fields.push(Field { name, range: range.clone() });
+            }
+            self.ranges.push(range);
+        }
+        self.inverse_pseudo_time = vec![0.0; self.fields.len()];
+        let len = self.flow.operator.mesh.field_len() * self.flow.operator.tables.orders.time;
+        self.tangent.wall_displacement = vec![0.0; len];
+        self.tangent.mesh_velocity = vec![0.0; len];
+    }
+
+    /// Number of mesh unknowns in z.
+    pub fn mesh_len(&self) -> usize {
+        self.mesh_range().len()
+    }
+    /// The part of z that body number `body` has.
+    pub fn body_range(&self, body: usize) -> Range<usize> {
+        self.ranges[body].clone()
+    }
+    /// The mesh's part of z.
+    pub fn mesh_range(&self) -> Range<usize> {
+        self.ranges[self.bodies.len()].clone()
+    }
+    /// The flow's part of z.
+    pub fn flow_range(&self) -> Range<usize> {
+        self.ranges[self.bodies.len() + 1].clone()
+    }
+    /// The motion of the mesh.
+    pub fn mover(&self) -> &MeshMover<D> {
+        &self.mesh.mover
+    }
+
+    /// Does something with every block, its part of z, and its 1/dtau.
+    fn each(&mut self, mut act: impl FnMut(&mut dyn Block, Range<usize>, f64, &mut Exchange, &mut Exchange)) {
+        let System { bodies, mesh, flow, exchange, tangent, ranges, fields, inverse_pseudo_time, .. } = self;
+        let rate = |range: &Range<usize>| {
+            fields.iter().position(|field| field.range == *range).map_or(0.0, |field| inverse_pseudo_time[field])
+        };
+        for (body, range) in bodies.iter_mut().zip(&*ranges) {
+            act(&mut **body, range.clone(), rate(range), exchange, tangent);
+        }
+        let [of_mesh, of_flow] = [&ranges[bodies.len()], &ranges[bodies.len() + 1]];
+        act(mesh, of_mesh.clone(), rate(of_mesh), exchange, tangent);
+        act(flow, of_flow.clone(), rate(of_flow), exchange, tangent);
+    }
+
+    /// Moves to the slab `interval` on top of `state`.
+    ///
+    /// # Errors
+    /// That of a block that cannot begin there.
+    pub fn begin(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
+        self.inverse_pseudo_time.fill(0.0);
+        let mut begun = Ok(());
+        self.each(|block, _, _, _, _| {
+            if begun.is_ok() {
+                begun = block.begin_slab(interval, state);
+            }
+        });
+        self.mesh.prescribe(&mut self.exchange);
+        begun
+    }
+
+    /// Forgets what bodies have said of their walls: they add to what is prescribed.
+    fn reset_walls(&mut self) {
+        if !self.bodies.is_empty() {
+            self.mesh.prescribe(&mut self.exchange);
+            self.tangent.wall_displacement.fill(0.0);
+        }
+    }
+
+    /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`; sets the mesh of the flow. Bodies have said
+    /// where their walls are.
+    ///
+    /// # Errors
+    /// As [`MeshMover::velocities`].
+    pub fn move_mesh(&mut self, v: &mut [f64]) -> Result<(), elasticity::ElasticityError> {
+        self.mesh.solve(&mut self.exchange, v)?;
+        self.flow.set_mesh(&self.exchange);
+        Ok(())
+    }
+
+    /// The guesses of the bodies, which then have said where their walls are.
+    pub(crate) fn guess_bodies(&mut self, state: &State, z: &mut [f64]) {
+        self.reset_walls();
+        for (number, body) in self.bodies.iter_mut().enumerate() {
+            let past = state.past.as_ref().map(|past| (&past.bodies[number][..], past.dt));
+            body.guess(past, &mut self.exchange, &mut z[self.ranges[number].clone()]);
+        }
+    }
+
+    /// Sets all blocks to `z`: what products and boundary fluxes are taken of.
+    pub fn set_point(&mut self, z: &[f64]) {
+        self.reset_walls();
+        self.each(|block, range, rate, exchange, _| block.linearise(&z[range], exchange, rate));
+    }
+
+    /// Makes the preconditioner again from what it was made of.
+    pub fn rebuild(&mut self, linearisation: Linearisation) {
+        self.flow.rebuild(linearisation);
+        self.mesh.forget();
+    }
+
+    /// What was done since the counts were last taken.
+    pub(crate) fn take_counts(&mut self) -> Counts {
+        let elasticity_iterations = std::mem::take(&mut self.mesh.iterations);
+        Counts { elasticity_iterations, ..std::mem::take(&mut self.flow.counts) }
+    }
+
+    /// The norm of a residual's field `k`.
+    pub fn field_norms(&self, r: &[f64]) -> Vec<f64> {
+        self.fields.iter().map(|field| self.weights.norm_on(field.range.clone(), r)).collect()
+    }
+
+    /// The norms that relative tolerances refer to, at the guess z: of the flow its residual there; of bodies and mesh, whose residuals are
+    /// errors of position relative to the spacing of nodes, one.
+    pub(crate) fn references(&mut self, z: &[f64]) -> Result<(Vec<f64>, f64), Inadmissible> {
+        let mut r = vec![0.0; z.len()];
+        self.residual(z, &mut r)?;
+        let mut norms = self.field_norms(&r);
+        let flow = norms.len() - 1;
+        norms[..flow].fill(1.0);
+        Ok((norms, self.weights.norm(&r)))
+    }
+}
+
+impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
+    fn len(&self) -> usize {
+        self.weights.weights.len()
+    }
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+    fn inner_product(&self) -> &dyn InnerProduct {
+        &self.weights
+    }
+
+    fn residual(&mut self, z: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.reset_walls();
+        let mut result = Ok(());
+        self.each(|block, range, _, exchange, _| {
+            if result.is_ok() {
+                result = block.residual(&z[range.clone()], exchange, &mut r[range]);
+            }
+        });
+        self.each(|block, range, _, exchange, _| block.receive(exchange, &mut r[range]));
+        result
+    }
+
+    fn linearise(&mut self, z: &[f64], inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
+        self.inverse_pseudo_time.copy_from_slice(inverse_pseudo_time);
+        self.set_point(z);
+        self.flow.update_preconditioner();
+        Ok(())
+    }
+
+    fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
+        self.reset_walls();
+        self.each(|block, range, _, _, tangent| block.product(&direction[range.clone()], tangent, &mut out[range]));
+        self.each(|block, range, _, _, tangent| block.receive_product(tangent, &mut out[range]));
+    }
+
+    fn add_pseudo_time(&mut self, direction: &[f64], out: &mut [f64]) {
+        self.each(|block, range, _, _, _| block.add_pseudo_time(&direction[range.clone()], &mut out[range]));
+    }
+
+    /// Solves for the mesh alone where that is exact: the Krylov directions that follow then leave the mesh alone.
+    fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
+        increment.fill(0.0);
+        let range = self.mesh_range();
+        let norm = self.weights.norm_on(range.clone(), right_side);
+        self.mesh.solve_ahead(norm, &right_side[range.clone()], &mut increment[range]);
+    }
+
+    /// Block lower triangular: each block after the effect of those before it.
+    fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
+        self.reset_walls();
+        self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));
+    }
+
+    fn round_off(&mut self, z: &[f64]) -> Option<Vec<f64>> {
+        Some(self.rounding(z))
+    }
+
+    fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64 {
+        let mut largest: f64 = 1.0;
+        self.each(|block, range, _, _, _| {
+            largest = largest.min(block.largest_step(&z[range.clone()], &increment[range]));
+        });
+        largest
+    }
+}

@@ -1,0 +1,73 @@
+//! Systems of a structure: low-order matrices, scales of forces, wet boundaries.
+
+use super::Structure;
+use crate::ElasticityError;
+use crate::geometry::{StiffnessSampler, node_spacing};
+use crate::low_order::{Inertia, LowOrder};
+use crate::shifted::Shifted;
+use basis::gauss_lobatto;
+
+impl<const D: usize> Structure<D> {
+    /// The low-order matrix of K(d) + m M at free entries and what else describes it, for the `position` d, at rest if that is empty. M has
+    /// the additional mass `layer` of every node, none if that is empty.
+    ///
+    /// K(d) is taken for linear elasticity on the mesh that d has moved. A curved cell may be valid where a sub-cell between its nodes is
+    /// inverted: then it is that of the mesh at rest, which costs iterations, but no accuracy.
+    pub(crate) fn shifted(
+        &self,
+        m: f64,
+        layer: Vec<[[f64; D]; D]>,
+        position: &[f64],
+    ) -> Result<Shifted<D>, ElasticityError> {
+        let rest = vec![0.0; if self.law().is_linear() { 0 } else { self.length() }];
+        let moved = !rest.is_empty() && position.iter().any(|d| *d != 0.0);
+        let low_order = match self.low_order(m, &layer, if moved { position } else { &[] }) {
+            Err(ElasticityError::SubCell { .. }) if moved => self.low_order(m, &layer, &[])?,
+            built => built?,
+        };
+        Ok(Shifted { m, low_order, layer, position: if moved { position.to_vec() } else { rest } })
+    }
+
+    fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrder<D>, ElasticityError> {
+        let base = self.solid.base()?;
+        let nodes = gauss_lobatto(self.numbering.order());
+        let at_nodes = StiffnessSampler::of_solid(&self.mesh, &self.solid, base, nodes);
+        let inertia = Inertia { m, density: self.mass.density(), layer };
+        let samples = |cell: usize| {
+            let mut samples = at_nodes.cell(cell)?;
+            for (sample, node) in samples.iter_mut().zip(self.numbering.cell(cell)).filter(|_| !d.is_empty()) {
+                (0..D).for_each(|i| sample.position[i] += d[node * D + i]);
+            }
+            Ok(samples)
+        };
+        LowOrder::new(base, inertia, &self.numbering, samples, &self.fixed, None)
+    }
+
+    /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.
+    pub fn wet_areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
+        self.surface.areas(wet)
+    }
+
+    /// The diagonal of K + m M with lumped masses: the scale of the forces at every entry.
+    pub fn force_scales(&self, m: f64) -> Vec<f64> {
+        let (mut scales, mut excess, mut masses) =
+            (vec![0.0; self.length()], vec![0.0; self.length()], vec![0.0; self.length()]);
+        self.operator.diagonal(&mut scales);
+        if let Some(operator) = &self.excess {
+            operator.diagonal(&mut excess);
+        }
+        self.apply_mass(&vec![1.0; self.length()], &mut masses);
+        scales.iter_mut().zip(excess.iter().zip(&masses)).for_each(|(k, (excess, mass))| *k += excess + m * mass);
+        scales
+    }
+
+    /// The distance of every C0 node to the nearest neighbour on its lines.
+    pub fn node_spacing(&self) -> Vec<f64> {
+        node_spacing(&self.mesh, &self.numbering)
+    }
+
+    /// An m of the size of the lowest squared frequency of a compact body: (mu / rho) / (diameter)^2.
+    pub(crate) fn typical_shift(&self) -> f64 {
+        self.shear_modulus / self.mass.density() / self.mesh.diameter().powi(2)
+    }
+}

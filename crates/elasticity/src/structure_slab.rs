@@ -1,0 +1,194 @@
+//! The equations of a structure in one slab, by discontinuous Galerkin in time.
+//!
+//! The velocity is a polynomial with the values V_b at the N_t right-Radau nodes s_b of the slab and jumps at its bottom; the displacement
+//! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
+//!
+//! ```text
+//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( R(d(s_a)) + C V_a - f(s_a) ) = 0     at free entries      (dynamics)
+//! V_a = g'(s_a)                                                                          at fixed entries
+//! ```
+//!
+//! T and w are those of `basis::RadauTime`. As W^{-1} T = A^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
+//! slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
+//! reactions would follow from second differences. The position of a support is the Radau quadrature of g', of the same order.
+//!
+//! Nothing is lost but what dampers and jumps take: with the strain energy W_s, [v] = v(0+) - v_n and [d] that of the polynomial through
+//! the d(s_a),
+//!
+//! ```text
+//! E_{n+1} - E_n = W - D_C - D,     E = v.Mv/2 + W_s(d)                                                         (energy)
+//! W = dt sum_a w_a f(s_a) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
+//! D_C = dt sum_a w_a V_a . C V_a
+//! D = [v].M[v]/2 + dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
+//! ```
+//!
+//! The last difference is [d].K[d]/2 for a linear law, and of the order 2 N_t - 1 for others.
+
+use crate::slab::accumulate;
+use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
+
+/// Where a slab begins.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabBottom<'a> {
+    /// t_n
+    pub time: f64,
+    /// d_n, `[C0 node][component]`.
+    pub displacement: &'a [f64],
+    /// v_n, `[C0 node][component]`.
+    pub velocity: &'a [f64],
+}
+
+/// The terms of (energy) in one slab.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlabWork {
+    /// The work of the loads.
+    pub load: f64,
+    /// The work of the supports.
+    pub support: f64,
+    /// D_C: what dampers take.
+    pub damped: f64,
+    /// D: what the jumps take.
+    pub dissipation: f64,
+}
+
+/// A structure in the slab of length `dt` above `bottom`. Fields of the slab have the layout `[time node][C0 node][component]`.
+#[derive(Clone, Copy)]
+pub struct StructureSlab<'a, const D: usize> {
+    /// M, R and the supports.
+    pub structure: &'a Structure<D>,
+    /// The loads on it.
+    pub loads: &'a Loads<D>,
+    /// The polynomials in time.
+    pub motion: &'a SlabMotion,
+    /// Where it begins.
+    pub bottom: SlabBottom<'a>,
+    /// Its length.
+    pub dt: f64,
+}
+
+impl<const D: usize> StructureSlab<'_, D> {
+    /// The loads f(s_a) at rest: all but follower pressures.
+    ///
+    /// # Errors
+    /// [`ElasticityError::Load`] if a load is not a finite number.
+    pub fn forces(&self) -> Result<Vec<f64>, ElasticityError> {
+        let length = self.structure.length();
+        let mut forces = vec![0.0; self.motion.time().order() * length];
+        for (a, f) in forces.chunks_exact_mut(length).enumerate() {
+            self.structure.load(self.loads, self.time_of(a), f)?;
+        }
+        Ok(forces)
+    }
+
+    fn time_of(&self, a: usize) -> f64 {
+        self.bottom.time + self.motion.time().nodes()[a] * self.dt
+    }
+
+    /// r := R(V) by (dynamics) for the loads `forces` at rest, at fixed entries too: there it is dt w_a times the reaction of the support.
+    /// Returns the size of the forces that cancel in it.
+    ///
+    /// # Errors
+    /// [`Inversion`] where the law has no stress; `r` then has no meaning.
+    pub fn residual(&self, forces: &[f64], v: &[f64], r: &mut [f64]) -> Result<f64, Inversion> {
+        let (time, length) = (self.motion.time(), self.structure.length());
+        let at_bottom = time.values(0.0);
+        let (mut inertia, mut elastic, mut loads) = (vec![0.0; v.len()], vec![0.0; v.len()], forces.to_vec());
+        let (mut change, mut d) = (vec![0.0; length], vec![0.0; length]);
+        for a in 0..time.order() {
+            let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
+            // sum_b T_ab V_b - phi_a(0) v_n
+            change.iter_mut().zip(self.bottom.velocity).for_each(|(change, v)| *change = -at_bottom[a] * v);
+            accumulate(1.0, v, time.slab_matrix().row(a), &mut change);
+            self.structure.apply_mass(&change, &mut inertia[node.clone()]);
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            self.structure.internal_forces(&d, &mut elastic[node.clone()])?;
+            self.structure.add_damping(&d, &v[node.clone()], &mut elastic[node.clone()]);
+            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut loads[node.clone()]);
+            elastic[node.clone()].iter_mut().for_each(|k| *k *= weight);
+            loads[node].iter_mut().for_each(|f| *f *= weight);
+        }
+        (0..v.len()).for_each(|i| r[i] = inertia[i] + elastic[i] - loads[i]);
+        Ok([&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum())
+    }
+
+    /// out := (dR/dV)(V) w, at fixed entries too.
+    pub fn product(&self, v: &[f64], w: &[f64], out: &mut [f64]) {
+        let (time, length) = (self.motion.time(), self.structure.length());
+        let (mut elastic, mut d, mut along) = (vec![0.0; length], vec![0.0; length], vec![0.0; length]);
+        for (a, out) in out.chunks_exact_mut(length).enumerate() {
+            let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
+            along.fill(0.0);
+            accumulate(1.0, w, time.slab_matrix().row(a), &mut along);
+            self.structure.apply_mass(&along, out);
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            along.fill(0.0);
+            accumulate(self.dt, w, time.collocation().row(a), &mut along);
+            self.structure.apply_stiffness_at(&d, &along, &mut elastic);
+            self.structure.add_damping_product((&d, &v[node.clone()]), (&along, &w[node]), &mut elastic);
+            self.structure.add_pressure_stiffness(self.loads, self.time_of(a), (&d, &along), -1.0, &mut elastic);
+            out.iter_mut().zip(&elastic).for_each(|(out, k)| *out += weight * k);
+        }
+    }
+
+    /// The terms of (energy) for the solution `v` with the residual `r` of (dynamics).
+    pub fn work(&self, forces: &[f64], v: &[f64], r: &[f64]) -> SlabWork {
+        let mut work = self.work_without_inertia(forces, v, r);
+        let mut jump: Vec<f64> = self.bottom.velocity.iter().map(|v| -v).collect();
+        accumulate(1.0, v, &self.motion.time().values(0.0), &mut jump);
+        work.dissipation += self.structure.kinetic_energy(&jump);
+        work
+    }
+
+    /// The same but for the kinetic term.
+    pub(crate) fn work_without_inertia(&self, forces: &[f64], v: &[f64], r: &[f64]) -> SlabWork {
+        let (time, length) = (self.motion.time(), self.structure.length());
+        let (mut work, mut d) = (SlabWork::default(), vec![0.0; length]);
+        for a in 0..time.order() {
+            let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
+            let velocity = &v[node.clone()];
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            let mut force = forces[node].to_vec();
+            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut force);
+            work.load += weight * Euclidean.dot(&force, velocity);
+            let mut reaction = vec![0.0; length];
+            self.structure.at_fixed(&mut reaction, |i| r[a * length + i]);
+            work.support += Euclidean.dot(&reaction, velocity);
+            let mut damping = vec![0.0; length];
+            self.structure.add_damping(&d, velocity, &mut damping);
+            work.damped += weight * Euclidean.dot(&damping, velocity);
+        }
+        work.dissipation = if self.structure.law().is_linear() { self.energy_of_jump(v) } else { self.excess_work(v) };
+        work
+    }
+
+    /// [d].K[d]/2
+    fn energy_of_jump(&self, v: &[f64]) -> f64 {
+        let at_bottom = self.motion.time().values(0.0);
+        let mut jump: Vec<f64> = self.bottom.displacement.iter().map(|d| -d).collect();
+        let mut d = vec![0.0; jump.len()];
+        for a in 0..at_bottom.len() {
+            self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
+            accumulate(1.0, &d, &at_bottom[a..=a], &mut jump);
+        }
+        self.structure.strain_energy(&jump)
+    }
+
+    /// dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
+    fn excess_work(&self, v: &[f64]) -> f64 {
+        let (time, bottom) = (self.motion.time(), self.bottom.displacement);
+        let (mut work, mut d, mut forces) = (0.0, vec![0.0; bottom.len()], vec![0.0; bottom.len()]);
+        for (a, v_a) in v.chunks_exact(bottom.len()).enumerate() {
+            self.motion.displacement_at_node(self.dt, bottom, v, a, &mut d);
+            if self.structure.internal_forces(&d, &mut forces).is_err() {
+                return f64::NAN;
+            }
+            work += self.dt * time.weights()[a] * Euclidean.dot(&forces, v_a);
+        }
+        // The last node is the top.
+        work - (self.structure.strain_energy(&d) - self.structure.strain_energy(bottom))
+    }
+}
+
+#[cfg(test)]
+mod tests;

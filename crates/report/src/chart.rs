@@ -1,0 +1,170 @@
+//! Curves over time, as SVG in which a script may mark times.
+
+use super::axis::Axis;
+use super::groups::{Group, Scale};
+use super::html::{escaped, short};
+use output::HistoryTable;
+use std::fmt::Write;
+
+/// The drawing and the plot in it, in units of the drawing.
+const WIDTH: f64 = 520.0;
+const HEIGHT: f64 = 230.0;
+const LEFT: f64 = 70.0;
+const RIGHT: f64 = 508.0;
+const TOP: f64 = 10.0;
+const BOTTOM: f64 = 196.0;
+
+/// Curves with more points are thinned out.
+pub const MOST_POINTS: usize = 2000;
+
+/// Curves with fewer points show them.
+const FEW_POINTS: usize = 40;
+
+/// The displayed rows: at equal distances, and the last one.
+pub fn drawn_rows(history: &HistoryTable) -> Vec<usize> {
+    let count = history.len();
+    let stride = count.div_ceil(MOST_POINTS).max(1);
+    (0..count).filter(|row| row % stride == 0 || row + 1 == count).collect()
+}
+
+/// A figure with the curves of a group, its legend, and space for values that a script inserts. `None` if there is no
+/// number to draw.
+pub fn figure(group: &Group, history: &HistoryTable) -> Option<String> {
+    let rows = drawn_rows(history);
+    let pick = |name: &str| history.column(name).map(|column| rows.iter().map(|&row| column[row]).collect::<Vec<_>>());
+    let t = pick("t")?;
+    let curves: Vec<Vec<f64>> = group.series.iter().filter_map(|(name, _)| pick(name)).collect();
+    let y = match group.scale {
+        Scale::Linear => Axis::linear(curves.iter().flatten().copied(), BOTTOM, TOP)?,
+        Scale::Logarithmic => Axis::logarithmic(curves.iter().flatten().map(|value| value.abs()), BOTTOM, TOP)?,
+    };
+    let x = Axis::linear_tight(t.iter().copied(), LEFT, RIGHT)?;
+    let mut paths = String::new();
+    for (number, curve) in curves.iter().enumerate() {
+        let magnitude = |value: f64| if group.scale == Scale::Logarithmic { value.abs() } else { value };
+        let points: Vec<_> = t.iter().zip(curve).map(|(t, value)| (x.place(*t), y.place(magnitude(*value)))).collect();
+        paths += &path(&points, number);
+    }
+    let title = escaped(&group.title);
+    let [first, last] = [t[0], t[t.len() - 1]];
+    Some(format!(
+        "<figure class=\"chart\"><figcaption>{title}</figcaption>\n<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
+         aria-label=\"{title} from t = {} to t = {}\" data-t0=\"{}\" data-t1=\"{}\" data-x0=\"{LEFT}\" data-x1=\"{RIGHT}\">\n\
+         {}{}{paths}<line class=\"cursor\" y1=\"{TOP}\" y2=\"{BOTTOM}\" x1=\"-9\" x2=\"-9\"/></svg>\n{}</figure>\n",
+        short(first),
+        short(last),
+        x.lower,
+        x.upper,
+        horizontal(&x),
+        vertical(&y),
+        legend(group),
+    ))
+}
+
+/// A curve, interrupted where there is no number.
+fn path(points: &[(f64, f64)], number: usize) -> String {
+    let (mut line, mut dots, mut down) = (String::new(), String::new(), false);
+    for &(x, y) in points {
+        if !(x.is_finite() && y.is_finite()) {
+            down = false;
+            continue;
+        }
+        let _ = write!(line, "{}{x:.1} {y:.1}", if down { "L" } else { "M" });
+        down = true;
+        if points.len() < FEW_POINTS {
+            let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.4\"/>");
+        }
+    }
+    format!("<g class=\"curve c{}\"><path d=\"{line}\"/>{dots}</g>\n", number % 9)
+}
+
+/// Ticks and labels of the axis of time.
+fn horizontal(axis: &Axis) -> String {
+    let tick = |&value: &f64| {
+        let x = axis.place(value);
+        format!(
+            "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{BOTTOM}\"/><text class=\"x\" x=\"{x:.1}\" \
+             y=\"{:.1}\">{}</text>\n",
+            BOTTOM + 15.0,
+            short(value)
+        )
+    };
+    let label = format!("<text class=\"x\" x=\"{:.1}\" y=\"{:.1}\">t</text>\n", 0.5 * (LEFT + RIGHT), HEIGHT - 3.0);
+    axis.ticks.iter().map(tick).collect::<String>() + &label
+}
+
+/// Ticks and labels of the axis of values.
+fn vertical(axis: &Axis) -> String {
+    let tick = |&value: &f64| {
+        let y = axis.place(value);
+        format!(
+            "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{RIGHT}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text class=\"y\" x=\"{:.1}\" \
+             y=\"{:.1}\">{}</text>\n",
+            LEFT - 6.0,
+            y + 3.8,
+            axis.name(value)
+        )
+    };
+    axis.ticks.iter().map(tick).collect()
+}
+
+fn legend(group: &Group) -> String {
+    let item = |(number, (column, label)): (usize, &(String, String))| {
+        format!(
+            "<li><svg class=\"key\" viewBox=\"0 0 22 8\" aria-hidden=\"true\"><g class=\"curve c{}\"><path d=\"M0 4H22\"/></g>\
+             </svg>{} <output data-column=\"{}\"></output></li>",
+            number % 9,
+            escaped(label),
+            escaped(column)
+        )
+    };
+    format!("<ul class=\"legend\">{}</ul>", group.series.iter().enumerate().map(item).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn group(scale: Scale) -> Group {
+        Group { title: "a < b".into(), series: vec![("a".into(), "first".into())], scale }
+    }
+
+    fn history(rows: usize, value: impl Fn(usize) -> f64) -> HistoryTable {
+        let rows = (0..rows).flat_map(|row| [row as f64, value(row)]).collect();
+        HistoryTable { columns: vec!["t".into(), "a".into()], rows }
+    }
+
+    #[test]
+    fn a_curve_goes_through_its_points() {
+        let figure = figure(&group(Scale::Linear), &history(3, |row| [1.0, 3.0, 2.0][row])).unwrap();
+        // From the left to the right end, the largest value on top.
+        assert!(figure.contains("a &lt; b") && figure.contains("<path d=\"M70.0 "), "{figure}");
+        let points: Vec<&str> =
+            figure.split("<path d=\"M").nth(1).unwrap().split('"').next().unwrap().split('L').collect();
+        let y: Vec<f64> = points.iter().map(|p| p.split(' ').nth(1).unwrap().parse().unwrap()).collect();
+        assert_eq!(points.len(), 3);
+        assert!(y[0] > y[2] && y[2] > y[1] && y.iter().all(|y| (TOP..=BOTTOM).contains(y)), "{y:?}");
+        assert!((y[0] - 2.0 * y[2] + y[1]).abs() < 0.2, "linear: {y:?}");
+    }
+
+    #[test]
+    fn what_is_no_number_breaks_a_curve() {
+        let figure = figure(&group(Scale::Logarithmic), &history(5, |row| if row == 2 { 0.0 } else { -1e-9 })).unwrap();
+        let path = figure.split("<path d=\"").nth(1).unwrap().split('"').next().unwrap();
+        assert_eq!((path.matches('M').count(), path.matches('L').count()), (2, 2), "{path}");
+    }
+
+    #[test]
+    fn without_a_number_there_is_no_figure() {
+        assert!(figure(&group(Scale::Linear), &history(0, |_| 0.0)).is_none());
+        assert!(figure(&group(Scale::Logarithmic), &history(4, |_| 0.0)).is_none());
+    }
+
+    #[test]
+    fn long_histories_are_thinned_and_keep_their_end() {
+        assert_eq!(drawn_rows(&history(5, |_| 0.0)), [0, 1, 2, 3, 4]);
+        let rows = drawn_rows(&history(10_001, |_| 0.0));
+        assert!(rows.len() <= MOST_POINTS + 1 && rows[0] == 0 && rows.last() == Some(&10_000));
+    }
+}

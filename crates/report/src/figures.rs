@@ -1,0 +1,115 @@
+//! The figures of a run: every number of summary.json, or for an unfinished run those of its history.
+
+use super::html::{escaped, short};
+use super::run_files::RunFiles;
+use output::HistoryTable;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// The titles of the sections of the summary, in their order on the page. Other sections come after these; keys outside any
+/// section are `run`.
+const SECTIONS: [(&str, &str); 13] = [
+    ("run", "Run"),
+    ("mesh", "Mesh"),
+    ("unknowns", "Unknowns of a slab"),
+    ("newton", "Newton steps"),
+    ("krylov", "Krylov iterations"),
+    ("mesh_quality", "Quality of the mesh, worst over the run"),
+    ("steady", "Steady flow at the start"),
+    ("structure", "Structure"),
+    ("conservation", "Conservation"),
+    ("error", "Distance to the exact solution"),
+    ("walls", "Walls"),
+    ("machine", "Machine"),
+    ("cost", "Cost"),
+];
+
+/// Tables of all figures.
+pub fn tables(run: &RunFiles) -> String {
+    let figures = run.summary.clone().unwrap_or_else(|| so_far(&run.history));
+    let mut sections: Vec<(String, Vec<(String, Value)>)> = Vec::new();
+    for (key, value) in figures.as_object().into_iter().flatten() {
+        let section = if value.is_object() { key.as_str() } else { "run" };
+        let mut rows = Vec::new();
+        flatten(if value.is_object() { "" } else { key }, value, &mut rows);
+        match sections.iter_mut().find(|(name, _)| name == section) {
+            Some((_, all)) => all.extend(rows),
+            None => sections.push((section.to_owned(), rows)),
+        }
+    }
+    let place = |section: &str| SECTIONS.iter().position(|(key, _)| *key == section).unwrap_or(SECTIONS.len());
+    sections.sort_by_key(|(name, _)| place(name));
+    sections.iter().map(|(name, rows)| table(name, rows)).collect()
+}
+
+/// The figures in the history of a run without a summary.
+fn so_far(history: &HistoryTable) -> Value {
+    let last = |name: &str| history.column(name).and_then(|column| column.last().copied());
+    let sum = |name: &str| history.column(name).map(|column| column.iter().sum::<f64>() as u64);
+    let least = |name: &str| history.column(name).map(|column| column.into_iter().fold(f64::INFINITY, f64::min));
+    let mut figures = json!({
+        "slabs": history.len(), "time": last("t"),
+        "newton": { "total": sum("newton") },
+        "krylov": { "total": sum("krylov"), "elasticity_total": sum("elasticity_iterations") },
+        "mesh_quality": {
+            "det_j_lower_bound": least("det_j_lower_bound"), "det_j_sampled_min": least("det_j_sampled_min"),
+            "scaled_jacobian_min": least("scaled_jacobian"),
+        },
+    });
+    remove_absent(&mut figures);
+    figures
+}
+
+/// Removes absent values, and sections that become empty.
+fn remove_absent(value: &mut Value) {
+    if let Value::Object(entries) = value {
+        entries.values_mut().for_each(remove_absent);
+        entries.retain(|_, entry| !entry.is_null() && entry.as_object().is_none_or(|section| !section.is_empty()));
+    }
+}
+
+/// Nested tables as rows with dotted keys.
+fn flatten(key: &str, value: &Value, rows: &mut Vec<(String, Value)>) {
+    match value {
+        Value::Object(entries) => {
+            for (name, entry) in entries {
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                flatten(&key, entry, rows);
+            }
+        }
+        other => rows.push((key.to_owned(), other.clone())),
+    }
+}
+
+fn table(section: &str, rows: &[(String, Value)]) -> String {
+    let title = SECTIONS.iter().find(|(key, _)| *key == section).map_or(section, |(_, title)| title);
+    let mut out = format!("<table><caption>{}</caption><tbody>\n", escaped(title));
+    for (key, value) in rows {
+        let path = if section == "run" { key.clone() } else { format!("{section}.{key}") };
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td data-key=\"{}\" title=\"{}\">{}</td></tr>",
+            escaped(&words(key)),
+            escaped(&path),
+            escaped(&value.to_string()),
+            shown(value)
+        );
+    }
+    out + "</tbody></table>\n"
+}
+
+/// A key in words.
+fn words(key: &str) -> String {
+    key.replace('_', " ").replace('.', ": ").replace("det j", "det J").replace("l2", "L2")
+}
+
+/// Integers in full, other numbers with six digits; the cell's title has all digits.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(entries) => entries.iter().map(shown).collect::<Vec<_>>().join(", "),
+        Value::String(text) => escaped(text),
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,75 @@
+//! The output for people: fields at points, and one HTML page of a run, finished or not, that needs no network.
+//!
+//! This crate reads the files of a run and prints nothing.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `fields` | fields for display, in the result file and the pictures |
+//! | `run_files` | the files of a run so far |
+//! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
+//! | `groups` | groups of history columns that share a chart |
+//! | `chart`, `axis` | curves as SVG |
+//! | `figures` | tables of all numbers of the summary |
+//! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
+//! | `html` | texts and numbers in HTML |
+
+mod axis;
+mod chart;
+pub mod fields;
+mod figures;
+mod groups;
+pub mod html;
+mod page;
+pub mod pictures;
+mod run_files;
+
+use output::{HISTORY_FILE, OutputError};
+use run_files::RunFiles;
+use std::path::{Path, PathBuf};
+
+/// Name of the page in the directory of the run.
+pub const REPORT_FILE: &str = "report.html";
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A directory that is none of a run.
+    #[error(
+        "`{directory}` is not the directory of a run: it has no {HISTORY_FILE}; give the directory that `stsolve run` or `stsolve \
+         motion` has named"
+    )]
+    NoRun {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// A file of the run that cannot be read, or the page that cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// A page that was written.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: usize,
+    /// At how many steps it shows pictures, or why it shows none.
+    pub pictures: Result<usize, String>,
+}
+
+/// Writes the page of the run in `directory`.
+///
+/// # Errors
+/// A directory without a run; a page that cannot be written.
+pub fn write(directory: &Path) -> Result<Page, ReportError> {
+    let run = RunFiles::read(directory)?;
+    let pictures = match &run.result {
+        Ok(reader) => pictures::draw(reader).map_err(|error| error.to_string()),
+        Err(reason) => Err(reason.clone()),
+    };
+    let page = page::page(&run, &pictures);
+    let path = directory.join(REPORT_FILE);
+    output::write_atomically(&path, page.as_bytes())?;
+    Ok(Page { path, bytes: page.len(), pictures: pictures.map(|pictures| pictures.frames.len()) })
+}

@@ -1,0 +1,118 @@
+//! The quantities of the pictures, and their colours.
+
+use super::colour::ColourMap;
+use case::Field;
+
+/// A displayed quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A field of the flow.
+    Flow(Field),
+    /// det J / det J_0.
+    Jacobian,
+    /// min / max of det J / det J_0 over each cell.
+    ScaledJacobian,
+}
+
+/// The quantities displayed with a flow; without a flow only those of the mesh.
+const ALL: [Quantity; 6] = [
+    Quantity::Flow(Field::Mach),
+    Quantity::Flow(Field::Vorticity),
+    Quantity::Flow(Field::Pressure),
+    Quantity::Flow(Field::Density),
+    Quantity::Jacobian,
+    Quantity::ScaledJacobian,
+];
+
+/// The values at the ends of a colour map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// At the low end.
+    pub lower: f64,
+    /// At the high end.
+    pub upper: f64,
+}
+
+impl Quantity {
+    /// The quantities displayed for a run.
+    pub fn of(has_flow: bool) -> Vec<Quantity> {
+        ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, Quantity::Flow(_))).collect()
+    }
+
+    /// Its name in the page.
+    pub fn label(self, dimension: usize) -> &'static str {
+        match self {
+            Quantity::Flow(Field::Mach) => "Mach number",
+            Quantity::Flow(Field::Vorticity) if dimension == 3 => "Vorticity, z",
+            Quantity::Flow(Field::Vorticity) => "Vorticity",
+            Quantity::Flow(Field::Pressure) => "Pressure",
+            Quantity::Flow(Field::Density) => "Density",
+            Quantity::Flow(Field::Velocity) => "Velocity",
+            Quantity::Flow(Field::Temperature) => "Temperature",
+            Quantity::Flow(Field::MeshVelocity) => "Mesh velocity",
+            Quantity::Flow(Field::Jacobian) | Quantity::Jacobian => "Mesh: det J / det J\u{2080}",
+            Quantity::ScaledJacobian => "Mesh: scaled Jacobian",
+        }
+    }
+
+    /// Its colours.
+    pub fn colours(self) -> ColourMap {
+        match self {
+            Quantity::Flow(Field::Vorticity) | Quantity::Jacobian => ColourMap::Diverging,
+            _ => ColourMap::Sequential,
+        }
+    }
+
+    /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does
+    /// not take all the colours. The range is wide enough not to show round-off as a field.
+    pub fn range(self, mut values: Vec<f32>) -> Range {
+        values.retain(|value| value.is_finite());
+        values.sort_unstable_by(f32::total_cmp);
+        let at = |part: f64| values.get((part * values.len() as f64) as usize).map_or(0.0, |value| f64::from(*value));
+        let (lower, upper) = (at(0.002), at(0.998));
+        match self {
+            Quantity::Flow(Field::Vorticity) => around(0.0, lower, upper, 1e-6),
+            Quantity::Jacobian => around(1.0, lower, upper, 0.01),
+            Quantity::ScaledJacobian => Range { lower: lower.min(0.99), upper: 1.0 },
+            _ => {
+                let least = 1e-5 * lower.abs().max(upper.abs()).max(1e-5);
+                let missing = (least - 0.5 * (upper - lower)).max(0.0);
+                Range { lower: lower - missing, upper: upper + missing }
+            }
+        }
+    }
+}
+
+/// The range centred at `middle` that contains both ends, and extends at least `least` to both sides.
+fn around(middle: f64, lower: f64, upper: f64, least: f64) -> Range {
+    let half = (middle - lower).max(upper - middle).max(least);
+    Range { lower: middle - half, upper: middle + half }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_peak_does_not_take_all_colours() {
+        let mut values: Vec<f32> = (0..1000).map(|i| i as f32 * 1e-3).collect();
+        values.extend([500.0, f32::NAN]);
+        let Range { lower, upper } = Quantity::Flow(Field::Mach).range(values);
+        assert!((lower - 0.002).abs() < 1e-3 && (upper - 0.999).abs() < 2e-3, "{lower} {upper}");
+    }
+
+    #[test]
+    fn signed_quantities_are_white_in_the_middle() {
+        let Range { lower, upper } = Quantity::Flow(Field::Vorticity).range(vec![-3.0, 1.0, 0.0]);
+        assert_eq!((lower, upper), (-3.0, 3.0));
+        assert_eq!(Quantity::Jacobian.range(vec![1.0, 1.0]), Range { lower: 0.99, upper: 1.01 });
+    }
+
+    #[test]
+    fn round_off_is_not_drawn_as_a_field() {
+        let Range { lower, upper } = Quantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6]);
+        assert!(upper - lower > 3.9e-5, "{lower} {upper}");
+        let Range { lower, upper } = Quantity::Flow(Field::Mach).range(vec![]);
+        assert!((lower + 1e-10).abs() < 1e-20 && (upper - 1e-10).abs() < 1e-20, "{lower} {upper}");
+    }
+}

@@ -1,0 +1,157 @@
+//! The exact solution at the end of a slab, evaluated as finely as a picture needs.
+
+use super::quantity::Quantity;
+use crate::fields::{self, CellSample};
+use case::Field;
+use fem::Sampler;
+use navier_stokes::Gas;
+use output::{OutputError, ResultReader};
+
+/// Numbers of parts into which the reference cell may be cut along each axis.
+pub const PARTS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+
+/// The approximate length of a part in pixels; the curvature between its ends is invisible.
+const PIXELS_PER_PART: f64 = 4.0;
+
+/// Data that do not change from step to step.
+pub struct Scheme<const D: usize> {
+    mesh_nodes: usize,
+    /// Nodes per cell of the flow, and coefficients of a cell in a slab; absent without a flow.
+    flow: Option<(usize, usize)>,
+    gas: Gas,
+    /// Positions at rest, as in [`output::RestMesh`].
+    rest: Vec<f64>,
+    /// One for each of [`PARTS`].
+    samplers: Vec<Sampler<D>>,
+}
+
+/// The coefficients at one time.
+pub struct Snapshot<'a, const D: usize> {
+    scheme: &'a Scheme<D>,
+    /// `[cell][component][node]`
+    position: Vec<f64>,
+    /// `[cell][time node][component][node]`; empty without a flow.
+    flow: Vec<f64>,
+}
+
+/// A cell on a lattice of points with `parts` parts along each axis, axis 0 fastest.
+pub struct Patch<const D: usize> {
+    /// Parts along each axis.
+    pub parts: usize,
+    /// Positions.
+    pub points: Vec<[f64; D]>,
+    /// Values, `[point][quantity]`.
+    pub values: Vec<f64>,
+}
+
+impl<const D: usize> Scheme<D> {
+    /// The scheme of a result file; `None` if the file does not hold the mesh at rest.
+    pub fn new(reader: &ResultReader, gas: Gas) -> Option<Self> {
+        let axes = |name: &str| reader.layout.exact.iter().find(|array| array.name == name).map(|array| &array.axes);
+        let last = |name: &str| axes(name).and_then(|axes| axes.last()).map(|axis| axis.length);
+        let (cells, mesh_nodes) = (reader.layout.grid.cells, last("position")?);
+        let flow = last("flow")
+            .map(|nodes| (nodes, axes("flow").iter().flat_map(|a| a.iter()).map(|a| a.length).skip(1).product()));
+        let rest = reader.metadata.mesh.position.clone();
+        let order = |nodes: usize| (nodes as f64).powf(1.0 / D as f64).round() as usize;
+        let (mesh_order, flow_order) = (order(mesh_nodes), flow.map_or(order(mesh_nodes), |(nodes, _)| order(nodes)));
+        let sampler = |parts: usize| Sampler::new(flow_order, mesh_order, &basis::equidistant_points(parts + 1));
+        let complete = rest.len() == cells * mesh_nodes * D;
+        complete.then(|| Scheme { mesh_nodes, flow, gas, rest, samplers: PARTS.map(sampler).into() })
+    }
+
+    /// The solution at a step.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn at(&self, reader: &ResultReader, step: usize) -> Result<Snapshot<'_, D>, OutputError> {
+        let position = reader.exact("position", step)?.unwrap_or_default();
+        Ok(Snapshot { scheme: self, position, flow: reader.exact("flow", step)?.unwrap_or_default() })
+    }
+
+    /// The displayed quantities.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        Quantity::of(self.flow.is_some())
+    }
+
+    fn nodes<'b>(&self, positions: &'b [f64], cell: usize) -> &'b [f64] {
+        &positions[cell * D * self.mesh_nodes..][..D * self.mesh_nodes]
+    }
+}
+
+impl<const D: usize> Snapshot<'_, D> {
+    /// The lower and upper corner of the box around the nodes of `cell`.
+    pub fn cell_box(&self, cell: usize) -> [[f64; D]; 2] {
+        let nodes = self.scheme.nodes(&self.position, cell);
+        let of = |pick: fn(f64, f64) -> f64| {
+            std::array::from_fn(|d| {
+                let axis = &nodes[d * self.scheme.mesh_nodes..][..self.scheme.mesh_nodes];
+                axis.iter().copied().fold(axis[0], pick)
+            })
+        };
+        [of(f64::min), of(f64::max)]
+    }
+
+    /// The entry of [`PARTS`] for a cell of length `pixels`.
+    pub fn fineness(pixels: f64) -> usize {
+        PARTS.iter().position(|&parts| parts as f64 * PIXELS_PER_PART >= pixels).unwrap_or(PARTS.len() - 1)
+    }
+
+    /// The positions of a cell, cut into `PARTS[fineness]` parts along each axis.
+    pub fn points(&self, cell: usize, fineness: usize) -> Vec<[f64; D]> {
+        let sampler = &self.scheme.samplers[fineness];
+        let (x, n) = (sampler.positions(self.scheme.nodes(&self.position, cell)), sampler.points());
+        (0..n).map(|p| std::array::from_fn(|d| x[d * n + p])).collect()
+    }
+
+    /// The cell on a lattice, with all quantities. M = D + 2.
+    pub fn patch<const M: usize>(&self, cell: usize, fineness: usize) -> Patch<D> {
+        let (scheme, sampler) = (self.scheme, &self.scheme.samplers[fineness]);
+        let quantities = scheme.quantities();
+        let nodal = scheme.nodes(&self.position, cell);
+        let jacobian = ratio(&sampler.determinants(nodal), &sampler.determinants(scheme.nodes(&scheme.rest, cell)));
+        let columns: Vec<Vec<f64>> = match self.state(cell) {
+            None => quantities.iter().map(|quantity| of_mesh(*quantity, &jacobian)).collect(),
+            Some(u) => {
+                let (state, gradients) = (&sampler.state(u)[..], &sampler.gradients(u, nodal)[..]);
+                let sample =
+                    CellSample { points: sampler.points(), state, mesh_velocity: &[], jacobian: &jacobian, gradients };
+                quantities.iter().map(|quantity| of_flow::<D, M>(*quantity, &scheme.gas, &sample)).collect()
+            }
+        };
+        let values = (0..sampler.points()).flat_map(|p| columns.iter().map(move |column| column[p])).collect();
+        Patch { parts: PARTS[fineness], points: self.points(cell, fineness), values }
+    }
+
+    /// The flow of a cell at the end of the slab, which is the last time node.
+    fn state(&self, cell: usize) -> Option<&[f64]> {
+        let (nodes, per_cell) = self.scheme.flow?;
+        let last = (D + 2) * nodes;
+        Some(&self.flow[(cell + 1) * per_cell - last..][..last])
+    }
+}
+
+fn ratio(j: &[f64], j0: &[f64]) -> Vec<f64> {
+    j.iter().zip(j0).map(|(j, j0)| j / j0).collect()
+}
+
+fn of_flow<const D: usize, const M: usize>(quantity: Quantity, gas: &Gas, sample: &CellSample) -> Vec<f64> {
+    let Quantity::Flow(field) = quantity else { return of_mesh(quantity, sample.jacobian) };
+    let mut values = Vec::new();
+    fields::values::<D, M>(field, Some(gas), sample, &mut values);
+    match (field, D) {
+        // The third component of the vector.
+        (Field::Vorticity, 3) => values.into_iter().skip(2).step_by(3).collect(),
+        _ => values,
+    }
+}
+
+fn of_mesh(quantity: Quantity, jacobian: &[f64]) -> Vec<f64> {
+    match quantity {
+        Quantity::ScaledJacobian => {
+            let [least, most] = [f64::min, f64::max].map(|pick| jacobian.iter().copied().fold(jacobian[0], pick));
+            vec![least / most; jacobian.len()]
+        }
+        _ => jacobian.to_vec(),
+    }
+}

@@ -1,0 +1,122 @@
+//! The drawn part of a cell: in two dimensions the cell itself, in three its cut with a plane z = constant.
+
+use super::raster::Triangles;
+use super::snapshot::Patch;
+
+/// A straight piece of a line.
+pub type Segment = [[f64; 2]; 2];
+
+/// The drawn part of a cell: in two dimensions the cell itself, in three the cut with the plane z = `height`.
+pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
+    let quantities = patch.values.len() / patch.points.len();
+    let mut out = Triangles::default();
+    if D == 2 {
+        out.points = patch.points.iter().map(|x| [x[0], x[1]]).collect();
+        out.values.clone_from(&patch.values);
+        out.triangles =
+            simplices::<D>(patch.parts).into_iter().map(|corners| std::array::from_fn(|i| corners[i])).collect();
+        return out;
+    }
+    for corners in simplices::<D>(patch.parts) {
+        let crossings = crossings(&corners, |corner| patch.points[corner][D - 1] - height);
+        let first = out.points.len();
+        for &(a, b, part) in &crossings {
+            out.points.push(between(&patch.points[a], &patch.points[b], part));
+            let value = |point: usize, q: usize| patch.values[point * quantities + q];
+            out.values.extend((0..quantities).map(|q| value(a, q) + part * (value(b, q) - value(a, q))));
+        }
+        // Three corners, or four in an order in which two triangles make the cut.
+        out.triangles.extend((2..crossings.len()).map(|k| [first + k - 2, first + k - 1, first + k]));
+    }
+    out
+}
+
+/// The visible lines of face `face` of a cell.
+pub fn face_lines<const D: usize>(points: &[[f64; D]], parts: usize, face: usize, height: f64) -> Vec<Segment> {
+    let nodes = mesh::face_nodes(D, parts + 1, face);
+    if D == 2 {
+        let point = |node: usize| [points[node][0], points[node][1]];
+        return nodes.windows(2).map(|pair| [point(pair[0]), point(pair[1])]).collect();
+    }
+    let cut = |corners: Vec<usize>| {
+        let nodes: Vec<usize> = corners.into_iter().map(|corner| nodes[corner]).collect();
+        let crossings = crossings(&nodes, |node| points[node][D - 1] - height);
+        let ends: Vec<[f64; 2]> = crossings.iter().map(|&(a, b, part)| between(&points[a], &points[b], part)).collect();
+        (ends.len() == 2).then(|| [ends[0], ends[1]])
+    };
+    simplices::<2>(parts).into_iter().filter_map(cut).collect()
+}
+
+/// x and y of the point at the fraction `part` of the way from `a` to `b`.
+fn between<const D: usize>(a: &[f64; D], b: &[f64; D], part: f64) -> [f64; 2] {
+    std::array::from_fn(|i| a[i] + part * (b[i] - a[i]))
+}
+
+/// The edges of a simplex on which `height` changes its sign, each from the corner below 0 to the one above, and the
+/// position of the zero as a fraction. For each corner below come all corners above. So of four crossings, 0, 1, 2 and 1, 2,
+/// 3 are triangles.
+fn crossings(corners: &[usize], height: impl Fn(usize) -> f64) -> Vec<(usize, usize, f64)> {
+    let (below, above): (Vec<usize>, Vec<usize>) = corners.iter().partition(|&&corner| height(corner) < 0.0);
+    let edge = |a: usize, b: usize| (a, b, height(a) / (height(a) - height(b)));
+    below.iter().flat_map(|&a| above.iter().map(move |&b| (a, b))).map(|(a, b)| edge(a, b)).collect()
+}
+
+/// The lattice with `parts` parts along each axis, cut into simplices (Kuhn), given by their D + 1 corners. For every order
+/// of the axes there is the path along them from the lowest to the highest corner of each part.
+fn simplices<const D: usize>(parts: usize) -> Vec<Vec<usize>> {
+    let orders: &[&[usize]] = match D {
+        2 => &[&[0, 1], &[1, 0]],
+        _ => &[&[0, 1, 2], &[0, 2, 1], &[1, 0, 2], &[1, 2, 0], &[2, 0, 1], &[2, 1, 0]],
+    };
+    let stride = |axis: usize| (parts + 1).pow(axis as u32);
+    let lowest = |part: usize| (0..D).map(|axis| part / parts.pow(axis as u32) % parts * stride(axis)).sum::<usize>();
+    let path = |start: usize, order: &[usize]| {
+        let mut corners = vec![start];
+        order.iter().for_each(|&axis| corners.push(corners[corners.len() - 1] + stride(axis)));
+        corners
+    };
+    (0..parts.pow(D as u32)).flat_map(|part| orders.iter().map(move |order| path(lowest(part), order))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unit cube or square cut into 4^D parts, with the value x + 2 y + 4 z.
+    fn unit<const D: usize>() -> Patch<D> {
+        let point =
+            |p: usize| -> [f64; D] { std::array::from_fn(|axis| (p / 5_usize.pow(axis as u32) % 5) as f64 / 4.0) };
+        let points: Vec<[f64; D]> = (0..5_usize.pow(D as u32)).map(point).collect();
+        let values = points.iter().map(|x| (0..D).map(|i| x[i] * 2_f64.powi(i as i32)).sum()).collect();
+        Patch { parts: 4, points, values }
+    }
+
+    fn area(surface: &Triangles) -> f64 {
+        let area =
+            |[a, b, c]: [[f64; 2]; 3]| 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        surface.triangles.iter().map(|corners| area(corners.map(|corner| surface.points[corner]))).sum()
+    }
+
+    #[test]
+    fn a_cut_has_the_area_and_the_values_of_the_plane() {
+        for height in [0.1, 0.5, 0.83] {
+            let cut = surface(&unit::<3>(), height);
+            assert!((area(&cut) - 1.0).abs() < 1e-12, "{height}: {}", area(&cut));
+            for ([x, y], value) in cut.points.iter().zip(&cut.values) {
+                assert!((value - (x + 2.0 * y + 4.0 * height)).abs() < 1e-12);
+            }
+        }
+        assert!(surface(&unit::<3>(), 1.5).triangles.is_empty());
+        assert!((area(&surface(&unit::<2>(), 0.0)) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_lines_of_a_face_have_its_length() {
+        let length = |lines: Vec<Segment>| -> f64 { lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum() };
+        for face in 0..4 {
+            assert!((length(face_lines(&unit::<2>().points, 4, face, 0.0)) - 1.0).abs() < 1e-12);
+            assert!((length(face_lines(&unit::<3>().points, 4, face, 0.3)) - 1.0).abs() < 1e-12);
+        }
+        assert!(face_lines(&unit::<3>().points, 4, 4, 0.3).is_empty(), "the bottom is parallel to the plane");
+    }
+}

@@ -1,0 +1,198 @@
+//! Rigid bodies: how they are built, what is told of them.
+
+use case::expression::Program;
+use case::{Case, Flow, Freedom};
+use coupled::block::{Body, BodyState};
+use coupled::blocks::RigidBody;
+use coupled::blocks::rigid_body::{AddedMass, Coordinate, Drive, RigidBodyData, Surface, SurfaceNode, Vec3};
+use fem::SlabOperator;
+use mesh::{Mesh, NodeNumbering};
+use std::sync::Arc;
+use tensor::Dual;
+
+/// The part of the size of a body that is the depth of the fluid that moves with it, for the preconditioner: that of a plate.
+const DEPTH: f64 = std::f64::consts::FRAC_PI_8;
+
+/// The bodies of `case` on the mesh of `operator`, whose walls it has leave their loads.
+pub fn bodies<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    operator: &mut SlabOperator<D, M>,
+) -> Vec<Box<dyn Body>> {
+    let is_loaded = |wall: usize| case.bodies.iter().any(|body| body.walls.contains(&wall));
+    if case.bodies.is_empty() {
+        return Vec::new();
+    }
+    operator.load_boundaries(&(0..flow.boundary.len()).map(is_loaded).collect::<Vec<_>>());
+    let points: Vec<f64> = operator.tables.instants.iter().map(|point| point.s).collect();
+    let body = |(number, body): (usize, &case::RigidBody<D>)| {
+        let surface = surface(case, body, operator);
+        let data = data(case, flow, body, &surface);
+        let time = operator.tables.time.clone();
+        Box::new(RigidBody::new(data, surface, number, time, points.clone(), case.time.step)) as Box<dyn Body>
+    };
+    case.bodies.iter().enumerate().map(body).collect()
+}
+
+/// The nodes that a body moves: those of its walls, and then those that follow by weights.
+fn surface<const D: usize, const M: usize>(
+    case: &Case<D>,
+    body: &case::RigidBody<D>,
+    operator: &SlabOperator<D, M>,
+) -> Surface<D> {
+    let (numbering, loaded) = (operator.mesh.numbering(), operator.loaded_nodes());
+    let mut on_wall = vec![false; numbering.count];
+    for wall in &body.walls {
+        numbering.on_boundary(&case.mesh, *wall).into_iter().for_each(|node| on_wall[node] = true);
+    }
+    let positions = positions(&case.mesh, numbering);
+    let node = |node: usize, weight: f64| SurfaceNode { node, position: positions[node], weight };
+    let walls: Vec<SurfaceNode<D>> = (0..numbering.count).filter(|i| on_wall[*i]).map(|i| node(i, 1.0)).collect();
+    let following = (0..numbering.count).filter(|i| !on_wall[*i]);
+    let following = following.map(|i| node(i, body.weight(&positions[i]).unwrap_or(0.0)));
+    let place = |wall: &SurfaceNode<D>| loaded.partition_point(|other| *other < wall.node);
+    Surface {
+        loaded: walls.iter().map(place).collect(),
+        size: size(&case.mesh, &body.walls),
+        nodes: walls.into_iter().chain(following.filter(|node| node.weight != 0.0)).collect(),
+    }
+}
+
+/// The nodes of the facets of a mesh on `walls`, facet by facet. Cells know them where nodes are one by periodicity.
+fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator<Item = Vec<[f64; D]>> {
+    mesh.boundary_facets().iter().filter(|facet| walls.contains(&facet.boundary)).map(|facet| {
+        let x = mesh.cell_coordinates(facet.side.cell);
+        let nodes = mesh::face_nodes(D, mesh.order(), facet.side.face).into_iter();
+        nodes.map(|node| std::array::from_fn(|d| x[node * D + d])).collect()
+    })
+}
+
+/// The largest extent of `walls` along an axis.
+fn size<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for x in wall_facets(mesh, walls).flatten() {
+        (0..D).for_each(|d| (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d])));
+    }
+    (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max)
+}
+
+/// The position at rest of every C0 node.
+fn positions<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[f64; D]> {
+    let mut positions = vec![[0.0; D]; numbering.count];
+    for cell in 0..mesh.n_cells() {
+        for (node, x) in numbering.cell(cell).iter().zip(mesh.cell_coordinates(cell).chunks_exact(D)) {
+            positions[*node] = std::array::from_fn(|d| x[d]);
+        }
+    }
+    positions
+}
+
+fn data<const D: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    body: &case::RigidBody<D>,
+    surface: &Surface<D>,
+) -> RigidBodyData {
+    let reference = flow.law.reference;
+    let in_space = |x: &[f64; D]| -> Vec3 { std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0)) };
+    let (pivot, centre) = (in_space(&body.pivot), in_space(&body.centre_of_mass));
+    let coordinates: Vec<Coordinate> = body.freedoms.iter().map(|freedom| coordinate(case, freedom)).collect();
+    let area = wetted_area(case, body, &coordinates);
+    let force = body.force.clone().map(|force| {
+        let force = move |t: f64| in_space(&force.evaluate(&[0.0; D], t));
+        Arc::new(force) as Arc<dyn Fn(f64) -> Vec3 + Send + Sync>
+    });
+    RigidBodyData {
+        name: body.name.clone(),
+        mass: body.mass,
+        moment_of_inertia: body.moment_of_inertia,
+        centre_of_mass: std::array::from_fn(|i| centre[i] - pivot[i]),
+        pivot,
+        axis: body.axis,
+        coordinates,
+        force,
+        added_mass: AddedMass {
+            density: reference.density(),
+            speed_of_sound: flow.law.gas.sound_speed(reference.density(), flow.reference_pressure()),
+            depth: DEPTH * surface.size,
+            area,
+        },
+    }
+}
+
+fn coordinate<const D: usize>(case: &Case<D>, freedom: &Freedom) -> Coordinate {
+    let drive = freedom.motion.clone().map(|motion| {
+        let position = move |t: f64| motion.evaluate::<f64>(&[], t);
+        Drive { position: Arc::new(position), release: freedom.release }
+    });
+    let rate = |motion: &Program| motion.evaluate(&[], Dual::new(case.time.start, 1.0)).derivative;
+    let rate_at_start = freedom.motion.as_ref().map_or(freedom.rate, rate);
+    Coordinate {
+        direction: freedom.axis.map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis)))),
+        stiffness: freedom.spring,
+        cubic_stiffness: freedom.cubic_spring,
+        damping: freedom.damping,
+        stops: freedom.stops,
+        rest: freedom.rest,
+        rate_at_start,
+        drive,
+    }
+}
+
+/// int (g_k . n)(g_l . n) dS over the walls of a body at rest, by the corners of each facet: it enters a preconditioner alone.
+fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordinates: &[Coordinate]) -> basis::Matrix {
+    let mut sums = vec![0.0; coordinates.len() * coordinates.len()];
+    for nodes in wall_facets(&case.mesh, &body.walls) {
+        let (centre, normal) = middle_and_area(&nodes);
+        let area = tensor::norm(&normal);
+        let speeds: Vec<f64> = coordinates
+            .iter()
+            .map(|coordinate| {
+                let arm: Vec3 = std::array::from_fn(|i| centre[i] - body.pivot.get(i).copied().unwrap_or(0.0));
+                let mode = coordinate.direction.unwrap_or_else(|| cross(&body.axis, &arm));
+                tensor::dot(&mode, &normal) / area.max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        for (k, a) in speeds.iter().enumerate() {
+            speeds.iter().enumerate().for_each(|(l, b)| sums[k * coordinates.len() + l] += a * b * area);
+        }
+    }
+    basis::Matrix::new(coordinates.len(), coordinates.len(), sums)
+}
+
+/// The mean position of the nodes of a facet, and its area vector, of either sign.
+fn middle_and_area<const D: usize>(nodes: &[[f64; D]]) -> (Vec3, Vec3) {
+    let in_space = |x: &[f64; D]| -> Vec3 { std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0)) };
+    let centre = std::array::from_fn(|i| nodes.iter().map(|x| in_space(x)[i]).sum::<f64>() / nodes.len() as f64);
+    let (first, last) = (in_space(&nodes[0]), in_space(&nodes[nodes.len() - 1]));
+    let along: Vec3 = std::array::from_fn(|i| last[i] - first[i]);
+    if D == 2 {
+        return (centre, [along[1], -along[0], 0.0]);
+    }
+    let side = (nodes.len() as f64).sqrt().round() as usize;
+    let (one, other) = (in_space(&nodes[side - 1]), in_space(&nodes[nodes.len() - side]));
+    let across: Vec3 = std::array::from_fn(|i| other[i] - one[i]);
+    (centre, cross(&along, &across).map(|a| 0.5 * a))
+}
+
+fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The names of the columns of history.csv that a body has.
+pub fn columns<const D: usize>(body: &case::RigidBody<D>) -> Vec<String> {
+    let names = body.freedoms.iter().map(|freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]));
+    let energies =
+        ["kinetic_energy", "spring_energy", "flow_work", "drive_work", "force_work", "damped", "numerical_dissipation"];
+    let of_coordinate = |name: &str| [name.to_owned(), format!("{name}_rate")];
+    let columns = names.flat_map(of_coordinate).chain(energies.map(String::from));
+    columns.map(|column| format!("{}_{column}", body.name)).collect()
+}
+
+/// Their values.
+pub fn row(state: &BodyState) -> Vec<f64> {
+    let coordinates = state.position.iter().zip(&state.rate).flat_map(|(position, rate)| [*position, *rate]);
+    let ledger = &state.ledger;
+    let works = [ledger.flow, ledger.drive, ledger.force, ledger.damped, ledger.numerical];
+    coordinates.chain([state.kinetic_energy, state.potential_energy]).chain(works).collect()
+}

@@ -1,0 +1,149 @@
+//! What the bodies of a run have done so far: amplitudes, frequencies, energy.
+
+use coupled::block::BodyState;
+
+/// Turning points that are kept of a coordinate: ten periods.
+const KEPT: usize = 20;
+
+/// The motion of one coordinate so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Oscillation {
+    /// Time, value and rate at the end of the last slab.
+    last: Option<[f64; 3]>,
+    /// Times and values of the last turning points.
+    turns: Vec<[f64; 2]>,
+}
+
+impl Oscillation {
+    /// Adds the value `q` and the rate `w` at the time `t`.
+    fn add(&mut self, t: f64, q: f64, w: f64) {
+        if let Some([t0, q0, w0]) = self.last
+            && w0 * w < 0.0
+        {
+            if self.turns.len() == KEPT {
+                self.turns.remove(0);
+            }
+            self.turns.push(turning_point([t0, q0, w0], [t, q, w]));
+        }
+        self.last = Some([t, q, w]);
+    }
+
+    /// Half of the distance between the means of upper and lower turning points; none before there are two.
+    pub fn amplitude(&self) -> Option<f64> {
+        let values: Vec<f64> = self.turns.iter().map(|turn| turn[1]).collect();
+        let steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        (!steps.is_empty()).then(|| 0.5 * steps.iter().sum::<f64>() / steps.len() as f64)
+    }
+
+    /// Periods per time; none before there are three turning points.
+    pub fn frequency(&self) -> Option<f64> {
+        let (first, last) = (self.turns.first()?, self.turns.last()?);
+        (self.turns.len() > 2).then(|| 0.5 * (self.turns.len() - 1) as f64 / (last[0] - first[0]))
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let last = self.last.map_or(Vec::new(), |last| last.to_vec());
+        [vec![self.turns.len() as f64, last.len() as f64], last, self.turns.concat()].concat()
+    }
+}
+
+/// Time and value where the cubic through two values and rates turns.
+fn turning_point([t0, q0, w0]: [f64; 3], [t1, q1, w1]: [f64; 3]) -> [f64; 2] {
+    let dt = t1 - t0;
+    // q(s) = q0 + w0 dt s + a s^2 + b s^3
+    let (a, b) = (3.0 * (q1 - q0) - (2.0 * w0 + w1) * dt, (w0 + w1) * dt - 2.0 * (q1 - q0));
+    let (value, slope) =
+        (|s: f64| q0 + s * (w0 * dt + s * (a + s * b)), |s: f64| w0 * dt + s * (2.0 * a + 3.0 * s * b));
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if slope(middle) * w0 > 0.0 { low = middle } else { high = middle }
+    }
+    [t0 + low * dt, value(low)]
+}
+
+/// What a body has done so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyRecord {
+    /// Kinetic and potential energy at the start.
+    pub energy_at_start: f64,
+    /// Each coordinate.
+    pub coordinates: Vec<Oscillation>,
+}
+
+impl BodyRecord {
+    /// A body at the start of a run, at the time `t`.
+    pub fn start(state: &BodyState, t: f64) -> Self {
+        let energy_at_start = state.kinetic_energy + state.potential_energy;
+        let mut record =
+            BodyRecord { energy_at_start, coordinates: vec![Oscillation::default(); state.position.len()] };
+        record.add(state, t);
+        record
+    }
+
+    /// Adds the state at the end of a slab, the time `t`.
+    pub fn add(&mut self, state: &BodyState, t: f64) {
+        for (coordinate, (q, w)) in self.coordinates.iter_mut().zip(state.position.iter().zip(&state.rate)) {
+            coordinate.add(t, *q, *w);
+        }
+    }
+
+    /// The energy that the body has more than its ledger says, without the work of the flow.
+    pub fn gained(&self, state: &BodyState) -> f64 {
+        let ledger = &state.ledger;
+        let energy = state.kinetic_energy + state.potential_energy - self.energy_at_start;
+        energy - ledger.force - ledger.drive + ledger.damped + ledger.numerical
+    }
+
+    /// As numbers.
+    pub fn numbers(&self) -> Vec<f64> {
+        let coordinates = self.coordinates.iter().flat_map(Oscillation::numbers);
+        [self.energy_at_start, self.coordinates.len() as f64].into_iter().chain(coordinates).collect()
+    }
+
+    /// Records back from the numbers of all bodies, one after the other; none if they do not fit.
+    pub fn read_all(numbers: &[f64]) -> Option<Vec<Self>> {
+        let (mut rest, mut records) = (numbers, Vec::new());
+        while !rest.is_empty() {
+            let ([energy_at_start, count], after) = rest.split_first_chunk::<2>()?;
+            rest = after;
+            let mut coordinates = Vec::new();
+            for _ in 0..*count as usize {
+                let ([turns, last], after) = rest.split_first_chunk::<2>()?;
+                let (last, after) = after.split_at_checked(*last as usize)?;
+                let (turns, after) = after.split_at_checked(2 * *turns as usize)?;
+                rest = after;
+                coordinates.push(Oscillation { last: last.try_into().ok(), turns: turns.as_chunks().0.to_vec() });
+            }
+            records.push(BodyRecord { energy_at_start: *energy_at_start, coordinates });
+        }
+        Some(records)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn amplitude_and_frequency_of_a_sine_are_found() {
+        let mut record = BodyRecord { energy_at_start: 2.0, coordinates: vec![Oscillation::default(); 2] };
+        for k in 0..200 {
+            let t = 0.05 * f64::from(k);
+            let state = BodyState {
+                position: vec![0.3 + 0.7 * (3.0 * t).sin(), t],
+                rate: vec![2.1 * (3.0 * t).cos(), 1.0],
+                ..BodyState::default()
+            };
+            record.add(&state, t);
+        }
+        let [sine, line] = &record.coordinates[..] else { panic!("two coordinates") };
+        assert!((sine.amplitude().unwrap() - 0.7).abs() < 1e-5, "{:?}", sine.amplitude());
+        assert!((sine.frequency().unwrap() - 1.5 / std::f64::consts::PI).abs() < 1e-4, "{:?}", sine.frequency());
+        assert_eq!((line.amplitude(), line.frequency()), (None, None));
+        let both = [record.numbers(), record.numbers()].concat();
+        assert_eq!(BodyRecord::read_all(&both).unwrap(), [record.clone(), record]);
+        assert_eq!(BodyRecord::read_all(&both[..both.len() - 1]), None);
+    }
+}

@@ -1,0 +1,299 @@
+//! From a checked case to the problem of the numerics.
+
+use super::bodies::bodies;
+use case::expression::Program;
+use case::{
+    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure,
+    StructureLaw, Support, Vector, constrained,
+};
+use coupled::{
+    BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
+    StructureMarch, Supports, System,
+};
+use elasticity::{
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
+    Structure as Body, Traction, WallDistance,
+};
+use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
+use mesh::{BoundaryDistance, NodeNumbering};
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
+use std::sync::Arc;
+
+/// Tolerance of a solve with K: displacements are then accurate to round-off.
+const ELASTIC_TOLERANCE: f64 = 1e-13;
+
+/// The same if K only preconditions, for a nonlinear law.
+const PRECONDITIONER_TOLERANCE: f64 = 1e-3;
+
+/// The mover of the mesh of a case.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn mover<const D: usize>(case: &Case<D>) -> Result<MeshMover<D>, ElasticityError> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let motion = match &case.motion {
+        None => MeshMotion::Still,
+        Some(Motion::Prescribed(displacement)) => MeshMotion::Prescribed(Arc::new(displacement.clone())),
+        Some(Motion::Followed) => MeshMotion::Followed,
+        Some(Motion::Elastic { poisson_ratio, stiffness, law, solver, tolerance, boundary, slides }) => {
+            let constrained = constrained(&case.mesh, &numbering, slides);
+            let boundary = boundary_motion(case, &numbering, boundary);
+            let modulus = modulus(case, stiffness);
+            let stiffness = match stiffness {
+                Stiffness::Constant => elasticity::Stiffness::Constant,
+                Stiffness::InverseJacobian { power } => elasticity::Stiffness::InverseJacobian { power: *power },
+                _ => elasticity::Stiffness::Function(&modulus),
+            };
+            let material = Material::new(1.0, *poisson_ratio)?.with_law(*law);
+            let mesh = ElasticMesh::with_solver(&case.mesh, &numbering, material, stiffness, &constrained, *solver)?;
+            let solve = if law.is_linear() { ELASTIC_TOLERANCE } else { PRECONDITIONER_TOLERANCE };
+            let accuracy = Accuracy { solve, position: *tolerance };
+            MeshMotion::Elastic { mesh: Box::new(mesh), boundary, accuracy }
+        }
+    };
+    Ok(MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order))
+}
+
+/// The solver that the mesh of a case will have, if its interior is elastic.
+pub fn elasticity_plan<const D: usize>(case: &Case<D>) -> Option<elasticity::Plan> {
+    let Some(Motion::Elastic { solver, slides, .. }) = &case.motion else { return None };
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let constrained = constrained(&case.mesh, &numbering, slides);
+    Some(elasticity::Plan::new(&case.mesh, &numbering, &constrained, *solver))
+}
+
+/// A C0 node with a prescribed motion, its position at rest, and its motion.
+pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryField<D>>);
+
+/// The C0 nodes of a case with a prescribed motion: those of boundaries that move, or all.
+pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let motion: BoundaryMotion<D> = match &case.motion {
+        None | Some(Motion::Followed) => return Vec::new(),
+        Some(Motion::Elastic { boundary, .. }) => boundary_motion(case, &numbering, boundary),
+        Some(Motion::Prescribed(displacement)) => {
+            let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
+            BoundaryMotion { fields, field_of_node: vec![Some(0); numbering.count] }
+        }
+    };
+    let positions = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1).positions().to_vec();
+    let node =
+        |(node, x): (usize, [f64; D])| motion.field_of_node[node].map(|field| (node, x, motion.fields[field].clone()));
+    positions.into_iter().enumerate().filter_map(node).collect()
+}
+
+/// Young's modulus as a function of the position at rest.
+type Modulus<'a, const D: usize> = Box<dyn Fn(&[f64; D]) -> f64 + Sync + 'a>;
+
+/// Young's modulus, 1 if it is no function of the position.
+fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modulus<'a, D> {
+    match stiffness {
+        Stiffness::Expression(modulus) => Box::new(|x| modulus.evaluate(x, 0.0)),
+        Stiffness::WallDistance { amplitude, distance, inner, outer } => {
+            let [inner, outer] = [inner, outer].map(|boundaries| BoundaryDistance::new(&case.mesh, boundaries));
+            let law = WallDistance { amplitude: *amplitude, distance: *distance, inner, outer };
+            Box::new(move |x| law.modulus(x))
+        }
+        _ => Box::new(|_| 1.0),
+    }
+}
+
+/// The motion of the nodes on boundaries.
+fn boundary_motion<const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Option<case::BoundaryMotion<D>>],
+) -> BoundaryMotion<D> {
+    let field = |motion: &case::BoundaryMotion<D>| Arc::new(motion.clone()) as Arc<dyn BoundaryField<D>>;
+    let fields = boundary.iter().flatten().map(field).collect();
+    BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) }
+}
+
+/// For every C0 node the moving boundary that moves it: the first one that contains it.
+fn moved_by<T, const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Option<T>],
+) -> Vec<Option<usize>> {
+    let mut moved_by = vec![None; numbering.count];
+    let moving = boundary.iter().enumerate().filter(|(_, motion)| motion.is_some());
+    for (field, (index, _)) in moving.enumerate() {
+        for node in numbering.on_boundary(&case.mesh, index) {
+            moved_by[node].get_or_insert(field);
+        }
+    }
+    moved_by
+}
+
+/// The march of a case with a flow, at its start.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn march<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<FlowMarch<D, M>, ElasticityError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let mover = mover(case)?;
+    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
+    let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
+    operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+    let bodies = bodies(case, flow, &mut operator);
+    let mut problem = System::with_bodies(operator, mover, bodies);
+    problem.flow.preconditioner.method = match case.solver.preconditioner {
+        Preconditioner::Blocks => Method::BlockIlu,
+        Preconditioner::Lines => Method::LineAdi,
+    };
+    Ok(FlowMarch::new(problem, u, settings(case)))
+}
+
+/// A discretisation of the flow of a case on the mesh at rest with the displacement `d`, and the initial state there.
+pub fn steady<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    d: &[f64],
+    discretisation: Discretisation,
+) -> Discretised<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let Discretisation { order, time_order, dissipative } = discretisation;
+    let riemann = if dissipative { Riemann::LaxFriedrichs } else { flow.law.riemann };
+    let flow = &Flow { law: NavierStokes { riemann, ..flow.law }, ..flow.clone() };
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let orders = Orders { flow: order, mesh: case.mesh.order(), time: time_order };
+    let mut operator = SlabOperator::new(problem(flow), &case.mesh, numbering.clone(), orders, flow.quadrature);
+    operator.mesh.set_bottom(Some(d));
+    let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+    let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);
+    (System::new(operator, mover), initial)
+}
+
+/// The march of a structure, at its start.
+///
+/// # Errors
+/// As [`Body::new`], [`Dynamics::new`], [`Statics::new`] and [`StructureMarch::new`].
+pub fn structure_march<const D: usize>(
+    case: &Case<D>,
+    structure: &Structure<D>,
+) -> Result<StructureMarch<D>, ElasticityError> {
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let (fixed, supports) = supports(case, &numbering, &structure.boundary);
+    // Equilibria do not depend on a density.
+    let density = structure.density.unwrap_or(1.0);
+    let case::Damping { mass, stiffness } = structure.damping;
+    let body = Body::new(case.mesh.clone(), numbering, solid(structure), density, fixed)?;
+    let body = body.with_damping(elasticity::Damping { mass, stiffness });
+    let start = |field: &Option<Vector<D>>| -> Vec<f64> {
+        let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
+        body.coordinates().iter().flat_map(value).collect()
+    };
+    let (d, v) = (start(&structure.displacement), start(&structure.velocity));
+    let (loads, order) = (loads(structure), case.time.order);
+    let equations = match structure.analysis {
+        Analysis::Dynamic => Equations::Dynamic(Box::new(Dynamics::new(body, loads, order, case.time.step)?)),
+        Analysis::Static => Equations::Static(Box::new(Statics::new(body, loads, order)?)),
+    };
+    StructureMarch::new(equations, supports, d, v, case.time.schedule())
+}
+
+/// The material of a structure.
+fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
+    let quantity = |formula: &Program| match formula.as_constant() {
+        Some(value) => Quantity::Constant(value),
+        None => {
+            let formula = formula.clone();
+            Quantity::Field(Arc::new(move |x: &[f64; D]| formula.evaluate(x, 0.0)))
+        }
+    };
+    let plane = match structure.plane {
+        Plane::Strain => elasticity::Plane::Strain,
+        Plane::Stress => elasticity::Plane::Stress,
+    };
+    Solid {
+        young: quantity(&structure.young_modulus),
+        poisson: quantity(&structure.poisson_ratio),
+        plane,
+        law: match structure.law {
+            StructureLaw::Linear => elasticity::Law::Linear,
+            StructureLaw::StVenantKirchhoff => elasticity::Law::StVenantKirchhoff,
+            StructureLaw::NeoHookean => elasticity::Law::NeoHookean,
+        },
+    }
+}
+
+/// The prescribed components of nodes, and their motion.
+fn supports<const D: usize>(
+    case: &Case<D>,
+    numbering: &NodeNumbering,
+    boundary: &[Support<D>],
+) -> (Vec<[bool; D]>, Supports<D>) {
+    let mut fixed = vec![[false; D]; numbering.count];
+    for (index, support) in boundary.iter().enumerate() {
+        for node in numbering.on_boundary(&case.mesh, index) {
+            (0..D).for_each(|i| fixed[node][i] |= support.fixes()[i]);
+        }
+    }
+    let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
+    let moved: Vec<Option<Vector<D>>> = boundary.iter().map(moved).collect();
+    let fields = moved.iter().flatten().map(|g| Arc::new(g.clone()) as Arc<dyn VectorField<D>>).collect();
+    (fixed, Supports { fields, field_of_node: moved_by(case, numbering, &moved) })
+}
+
+fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
+    let body_force = structure.body_force.clone().map(|b| Box::new(move |x: &[f64; D], t: f64| b.evaluate(x, t)) as _);
+    let traction = |(index, support): (usize, &Support<D>)| -> Option<(usize, Traction<D>)> {
+        match support.clone() {
+            Support::Traction(q) => Some((index, Box::new(move |point, t| q.evaluate(&point.position, t)))),
+            Support::Pressure(p) => {
+                // A pressure acts against the outward normal.
+                Some((index, Box::new(move |point, t| point.normal.map(|n| -p.evaluate(&point.position, t) * n))))
+            }
+            _ => None,
+        }
+    };
+    let tractions = structure.boundary.iter().enumerate().filter_map(traction).collect();
+    let pressure = |(index, support): (usize, &Support<D>)| -> Option<(usize, Pressure<D>)> {
+        let Support::FollowerPressure(p) = support.clone() else { return None };
+        Some((index, Box::new(move |x, t| p.evaluate(x, t))))
+    };
+    let pressures = structure.boundary.iter().enumerate().filter_map(pressure).collect();
+    Loads { body_force, tractions, pressures }
+}
+
+fn problem<const D: usize, const M: usize>(flow: &Flow<D>) -> Problem<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let field = |state: &State<D>| Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>;
+    let data = flow.boundary.iter().map(|boundary| boundary.state.as_ref().map(field)).collect();
+    let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
+    let manufactured = flow.exact.clone().filter(|_| flow.manufactured);
+    let source = |exact| Arc::new(Manufactured { law: flow.law, exact }) as Arc<dyn StateField<D, M>>;
+    Problem { kernels: flow.law.kernels(conditions), data, source: manufactured.map(source) }
+}
+
+fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {
+    let (time, solver) = (&case.time, &case.solver);
+    coupled::Settings {
+        schedule: time.schedule(),
+        newton: solver.newton(),
+        predictor: match solver.predictor {
+            Predictor::Elastic => coupled::Predictor::Elastic,
+            Predictor::Extrapolate => coupled::Predictor::Extrapolated,
+            Predictor::Constant => coupled::Predictor::Constant,
+        },
+        jacobian: match solver.jacobian {
+            Jacobian::Exact => coupled::Jacobian::Exact,
+            Jacobian::FiniteDifference => coupled::Jacobian::FiniteDifference,
+        },
+        max_halvings: solver.slab_halvings as u32,
+    }
+}

@@ -1,0 +1,215 @@
+//! The state of a run as named arrays, and back.
+
+use crate::error::Failure;
+use case::Time;
+use coupled::preconditioner::Ordering;
+use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
+use output::SolverState;
+use std::collections::BTreeMap;
+
+type Arrays = BTreeMap<String, Vec<f64>>;
+
+/// `state`, and the linearisation of the preconditioner, as named arrays.
+pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> SolverState {
+    let mut out = SolverState::default();
+    let counters = [
+        ("slab", state.slab),
+        ("nominal", state.nominal),
+        ("wear.base", state.reuse_policy.base),
+        ("wear.excess", state.reuse_policy.excess),
+        ("wear.slabs", state.reuse_policy.slabs),
+        ("wear.eager", state.reuse_policy.eager),
+        ("stale", stale.into()),
+    ];
+    out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
+    let pending = state.pending.iter().flat_map(numbers).collect();
+    let mut put = |name: &str, values: Vec<f64>| drop(out.arrays.insert(name.to_string(), values));
+    put("time", vec![state.time]);
+    put("flow", state.u.clone());
+    put("displacement", state.d.clone());
+    put("pending", pending);
+    put("step", vec![state.step]);
+    state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
+    if let Some(past) = &state.past {
+        put("past.interval", numbers(&past.interval).to_vec());
+        put("past.displacement", past.bottom.clone());
+        put("past.flow", past.u.clone());
+        put("past.mesh_velocity", past.v.clone());
+        past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone()));
+    }
+    if let Some(frozen) = frozen {
+        let Linearisation { interval, built_for, ordering, .. } = frozen;
+        put("frozen.numbers", vec![interval.0, interval.1, built_for.0, built_for.1]);
+        put("frozen.displacement", frozen.bottom.clone());
+        put("frozen.mesh_velocity", frozen.velocities.clone());
+        put("frozen.flow", frozen.state.clone());
+        put("frozen.cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
+        put("frozen.level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
+    }
+    out
+}
+
+/// Reads back the data of [`store`]: the state, the linearisation of the preconditioner, and whether it is stale.
+/// `None` if something is missing or parts do not fit together. The resumed run covers `time`.
+pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearisation>, bool)> {
+    let integer = |name: &str| stored.integers.get(name).map(|&n| n as usize);
+    let array = |name: &str| stored.arrays.get(name).cloned();
+    let mut state = State {
+        slab: integer("slab")?,
+        nominal: integer("nominal")?,
+        time: *array("time")?.first()?,
+        u: array("flow")?,
+        d: array("displacement")?,
+        bodies: bodies(&stored.arrays, "body"),
+        past: past(&stored.arrays),
+        pending: array("pending")?.chunks_exact(3).map(interval).collect(),
+        step: *array("step")?.first()?,
+        reuse_policy: JacobianReusePolicy {
+            base: integer("wear.base")?,
+            excess: integer("wear.excess")?,
+            slabs: integer("wear.slabs")?,
+            eager: integer("wear.eager")?,
+        },
+    };
+    reopen_short_slab(&mut state, time);
+    let frozen = frozen(&stored.arrays);
+    // Displacement, velocities and flow of a slab.
+    let past = state.past.as_ref().map(|past| [past.bottom.len(), past.v.len(), past.u.len()]);
+    let made_of = frozen.as_ref().map(|frozen| [frozen.bottom.len(), frozen.velocities.len(), frozen.state.len()]);
+    let lengths = [state.d.len(), time.order * state.d.len(), time.order * state.u.len()];
+    let fits = [past, made_of].into_iter().flatten().all(|found| found == lengths);
+    fits.then_some((state, frozen, integer("stale")? != 0))
+}
+
+/// The checkpoint is incomplete.
+pub fn incomplete() -> Failure {
+    Failure::bad_input(anyhow::anyhow!(
+        "the checkpoint lacks a part of the state; start the run anew, without --resume"
+    ))
+}
+
+/// The last slab of a run ends with the run and may be shorter than the others. If the run is continued, the rest of that
+/// slab is done first. Adapted slabs are not counted, so this does not apply to them.
+fn reopen_short_slab(state: &mut State, time: &Time) {
+    if time.control.is_some() {
+        return;
+    }
+    let full_end = time.start + time.step * state.nominal as f64;
+    if state.pending.is_empty() && state.nominal > 0 && full_end - state.time > 1e-9 * time.step {
+        state.nominal -= 1;
+    }
+}
+
+fn numbers(interval: &Interval) -> [f64; 3] {
+    [interval.start, interval.end, f64::from(interval.halvings)]
+}
+
+fn interval(numbers: &[f64]) -> Interval {
+    Interval { start: numbers[0], end: numbers[1], halvings: numbers[2] as u32 }
+}
+
+fn past(arrays: &Arrays) -> Option<Past> {
+    let get = |name: &str| arrays.get(&format!("past.{name}")).cloned();
+    let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
+    let dt = interval.end - interval.start;
+    let bodies = bodies(arrays, "past.body");
+    Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")?, bodies })
+}
+
+/// The arrays `name`.0, `name`.1, ... as far as there are any.
+fn bodies(arrays: &Arrays, name: &str) -> Vec<Vec<f64>> {
+    (0..).map_while(|body| arrays.get(&format!("{name}.{body}")).cloned()).collect()
+}
+
+fn frozen(arrays: &Arrays) -> Option<Linearisation> {
+    let get = |name: &str| arrays.get(&format!("frozen.{name}")).cloned();
+    let indices = |name: &str| get(name).map(|values| values.iter().map(|&x| x as usize).collect::<Vec<_>>());
+    let &[start, dt, built_dt, damping] = &get("numbers")?[..] else { return None };
+    Some(Linearisation {
+        interval: (start, dt),
+        bottom: get("displacement")?,
+        velocities: get("mesh_velocity")?,
+        state: get("flow")?,
+        built_for: (built_dt, damping),
+        ordering: ordering(indices("cells")?, indices("level_ends")?)?,
+    })
+}
+
+/// `None` unless every cell has one position, and the levels end in increasing order, the last one with the cells.
+fn ordering(cells: Vec<usize>, level_ends: Vec<usize>) -> Option<Ordering> {
+    let mut positions = vec![usize::MAX; cells.len()];
+    for (position, &cell) in cells.iter().enumerate() {
+        *positions.get_mut(cell)? = position;
+    }
+    let whole = !positions.contains(&usize::MAX) && level_ends.is_sorted() && level_ends.last() == Some(&cells.len());
+    whole.then_some(Ordering { cells, positions, level_ends })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const TIME: Time = Time { order: 2, start: 0.0, end: 1.0, step: 0.1, slabs: 10, control: None };
+
+    fn stored() -> SolverState {
+        let past = Past {
+            interval: Interval { start: 0.1, end: 0.2, halvings: 0 },
+            dt: 0.1,
+            bottom: vec![1.0; 3],
+            u: vec![2.0; 8],
+            v: vec![3.0; 6],
+            bodies: vec![vec![9.0; 2]],
+        };
+        let state = State {
+            slab: 2,
+            nominal: 2,
+            bodies: vec![vec![1.0]],
+            past: Some(past),
+            ..State::new(0.2, vec![4.0; 4], vec![5.0; 3])
+        };
+        let frozen = Linearisation {
+            interval: (0.1, 0.1),
+            bottom: vec![6.0; 3],
+            velocities: vec![7.0; 6],
+            state: vec![8.0; 8],
+            built_for: (0.1, 0.0),
+            ordering: ordering(vec![1, 0, 2], vec![2, 3]).unwrap(),
+        };
+        store(&state, Some(&frozen), true)
+    }
+
+    #[test]
+    fn what_is_stored_is_read_back() {
+        let (state, frozen, stale) = load(&stored(), &TIME).unwrap();
+        assert_eq!((state.slab, state.time, state.past.as_ref().unwrap().u.len(), stale), (2, 0.2, 8, true));
+        let again = store(&state, frozen.as_ref(), stale);
+        assert_eq!(again.arrays.keys().collect::<Vec<_>>(), stored().arrays.keys().collect::<Vec<_>>());
+        assert_eq!(frozen.unwrap().ordering.positions, [1, 0, 2]);
+    }
+
+    /// Any stored data give either a consistent state or none.
+    #[test]
+    fn parts_that_do_not_fit_are_refused() {
+        for name in stored().arrays.keys() {
+            for change in 0..4 {
+                let mut damaged = stored();
+                let values = damaged.arrays.get_mut(name).unwrap();
+                match change {
+                    0 => drop(damaged.arrays.remove(name)),
+                    1 => values.push(9.0),
+                    2 => drop(values.pop()),
+                    _ => values.iter_mut().for_each(|value| *value = -1e300),
+                }
+                let Some((state, frozen, _)) = load(&damaged, &TIME) else { continue };
+                assert!(state.past.is_none_or(|past| past.u.len() == 2 * state.u.len()), "{name} {change}");
+                assert!(frozen.is_none_or(|frozen| frozen.state.len() == 2 * state.u.len()), "{name} {change}");
+            }
+        }
+        for (cells, level_ends) in
+            [(vec![0, 0], vec![2]), (vec![0, 2], vec![2]), (vec![0, 1], vec![1]), (vec![0], vec![])]
+        {
+            assert_eq!(ordering(cells, level_ends), None);
+        }
+    }
+}

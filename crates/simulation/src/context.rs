@@ -1,0 +1,101 @@
+//! Data of a run besides its march: sums, clock, progress; and its end.
+
+use super::statistics::RunStatistics;
+use crate::clock::{self, Clock};
+use crate::observer::{NextStep, Observer};
+use crate::session::Session;
+use crate::time::rounded;
+use case::Time;
+use case::memory;
+use output::{Cost, Machine};
+use std::time::Instant;
+
+/// Data of a run besides its march.
+pub struct RunContext<'a> {
+    /// Sums over the run.
+    pub statistics: RunStatistics,
+    /// Who called the run.
+    pub observer: &'a dyn Observer,
+    begun: Instant,
+    setup_seconds: f64,
+    clock: Clock,
+}
+
+/// Why a run stopped before its end.
+pub enum Stop {
+    /// A signal.
+    Asked,
+    /// A slab could not be solved.
+    Failed(anyhow::Error),
+}
+
+impl Stop {
+    /// For summary.json.
+    pub fn reason(&self) -> String {
+        match self {
+            Stop::Asked => "stopped by a signal; continue with --resume".into(),
+            Stop::Failed(error) => coupled::chain(error.as_ref()),
+        }
+    }
+}
+
+impl<'a> RunContext<'a> {
+    /// The context of a run over `time` that began at `begun` and has reached `reached`.
+    pub fn new(time: &Time, reached: f64, session: &Session<'a>, begun: Instant, statistics: RunStatistics) -> Self {
+        session.observer.begin(reached, time.end);
+        RunContext {
+            statistics,
+            observer: session.observer,
+            begun,
+            setup_seconds: begun.elapsed().as_secs_f64(),
+            clock: session.clock.clone(),
+        }
+    }
+
+    /// Seconds since the run began.
+    pub fn seconds(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// The cost of the run so far.
+    pub fn cost(&self) -> Cost {
+        let parts = self.clock.parts();
+        Cost {
+            wall_seconds: parts.values().map(|part| part.seconds).sum(),
+            setup_seconds: self.setup_seconds,
+            peak_memory_bytes: memory::peak(),
+            threads: rayon::current_num_threads(),
+            residual_evaluations: self.statistics.residuals,
+            jacobian_products: self.statistics.products,
+            parts,
+        }
+    }
+
+    /// Prints the wall time of the parts of the run.
+    pub fn say_cost(&self) {
+        self.observer.say(&clock::table(&self.clock.parts()));
+    }
+
+    /// Reports that the run has reached its end at `time`.
+    pub fn say_done(&self, time: f64, session: &Session<'_>) {
+        let (time, seconds, directory) = (rounded(time), self.seconds(), session.directory.path());
+        let next = self.observer.advice(NextStep::Report, directory);
+        self.observer.say(&format!("done: t = {time} in {seconds:.1} s; results in {}; {next}", directory.display()));
+    }
+
+    /// Reports that the run was stopped at `time`; `again` is the command that continues it.
+    pub fn say_stopped(&self, time: f64, again: &str) {
+        self.observer.say(&format!("stopped at t = {}; continue with: {again}", rounded(time)));
+    }
+}
+
+/// The machine, as far as the system reports it.
+pub fn machine() -> Machine {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    Machine {
+        processor: model.map(|(_, name)| name.trim().to_owned()),
+        processors: std::thread::available_parallelism().map_or(1, usize::from),
+        system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+    }
+}

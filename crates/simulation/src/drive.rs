@@ -1,0 +1,244 @@
+//! A run, slab by slab: the same for flow, mesh and structure.
+
+use super::checkpoint;
+use super::context::{RunContext, Stop};
+use super::failure::{self, FailureReport, Finding};
+use super::flow_run::run_flow;
+use super::mesh_run::move_mesh;
+use super::occupied;
+use super::record::{MeshView, Recorder, Snapshot};
+use super::restart;
+use super::statistics::RunStatistics;
+use super::structure_run::run_structure;
+use crate::destination::Destination;
+use crate::error::Failure;
+use crate::observer::{NextStep, Observer};
+use crate::session::Session;
+use crate::time::rounded;
+use case::{AnyCase, Case, State};
+use coupled::Past;
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use output::{SolverState, Summary};
+use std::time::Instant;
+
+/// Runs a case: mesh and flow, or the mesh or a structure alone where there is no flow. Returns what summary.json says.
+///
+/// # Errors
+/// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
+pub fn run(case: &AnyCase, destination: &Destination, observer: &dyn Observer) -> Result<Summary, Failure> {
+    occupied::check_unless_held(destination, observer, case.restart())?;
+    // Inside the pool, so that every parallel loop starts without waking the pool.
+    rayon::scope(|_| match case {
+        AnyCase::Plane(case) => run_in::<2, 4>(case, destination, observer),
+        AnyCase::Space(case) => run_in::<3, 5>(case, destination, observer),
+    })
+}
+
+/// Moves the mesh of a case alone, over the whole run.
+///
+/// # Errors
+/// As [`run`]; an invalid mesh is a failed solve.
+pub fn motion(case: &AnyCase, destination: &Destination, observer: &dyn Observer) -> Result<Summary, Failure> {
+    occupied::check_unless_held(destination, observer, case.restart())?;
+    rayon::scope(|_| match case {
+        AnyCase::Plane(case) => move_mesh::<2, 4>(case, destination, observer),
+        AnyCase::Space(case) => move_mesh::<3, 5>(case, destination, observer),
+    })
+}
+
+fn run_in<const D: usize, const M: usize>(
+    case: &Case<D>,
+    destination: &Destination,
+    observer: &dyn Observer,
+) -> Result<Summary, Failure>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    match (&case.flow, &case.structure) {
+        (Some(flow), _) => run_flow::<D, M>(case, flow, destination, observer),
+        (None, Some(structure)) => run_structure::<D, M>(case, structure, destination, observer),
+        (None, None) => move_mesh::<D, M>(case, destination, observer),
+    }
+}
+
+/// A march from slab to slab, and its output.
+pub(super) trait Run {
+    /// The report of a slab.
+    type Report;
+    /// The state of the march.
+    fn state(&self) -> &coupled::State;
+    /// Whether the end has been reached.
+    fn is_done(&self) -> bool;
+    /// Advances one slab.
+    fn advance(&mut self) -> anyhow::Result<Self::Report>;
+    /// Velocities and flow at the start, at every time node, laid out like those of a slab.
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
+    /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
+    fn open(&mut self, _books: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
+    /// Records a slab and reports it; returns its row of history.csv.
+    fn enter(&self, report: &Self::Report, context: &mut RunContext) -> Vec<f64>;
+    /// The state from which the next slab can start.
+    fn store(&self) -> SolverState;
+    /// Restores the march from a checkpoint; `None` if something is missing there.
+    fn restore(&mut self, stored: &SolverState) -> Option<()>;
+    /// summary.json
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
+    /// Examines the `error` of a failed slab.
+    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
+    /// The final verdict on a run that has reached its end.
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
+}
+
+/// The call of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Call<'a> {
+    /// Where it writes.
+    pub destination: &'a Destination,
+    /// By whom.
+    pub observer: &'a dyn Observer,
+    /// The time of the call.
+    pub begun: Instant,
+    /// The state of another run from which this one starts, if any.
+    pub origin: Option<&'a restart::Start>,
+}
+
+/// Drives `run` from its start or its checkpoint to its end.
+pub(super) fn drive<const D: usize, const M: usize, R: Run>(
+    case: &Case<D>,
+    mut run: R,
+    mesh: &MeshView<D>,
+    call: Call<'_>,
+) -> Result<Summary, Failure> {
+    let Call { destination, observer, begun, origin } = call;
+    let origin_state = origin.map(|start| &start.state);
+    let session = Session::start(destination, observer, begun)?;
+    // Checked once more, now that no other run can write there.
+    occupied::check(destination, observer, case.restart.as_deref())?;
+    let (mut recorder, resumed) =
+        Recorder::<D, M>::start(&session, case, mesh, destination.is_resumed(), origin_state)?;
+    origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
+    failure::clear(session.directory.path())?;
+    let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
+    let mut context = RunContext::new(&case.time, run.state().time, &session, begun, statistics);
+    let stop = match resumed {
+        None => begin(&mut run, &mut recorder, &mut context)?,
+        Some(_) => None,
+    };
+    let stop = match stop {
+        None => run_slabs(case, &mut run, &mut recorder, &mut context, &session)?,
+        stop => stop,
+    };
+    recorder.checkpoint(run.store(), &context.statistics)?;
+    observer.finish();
+    let summary = run.summary(&context, stop.as_ref());
+    summary.write(&session.directory)?;
+    let again = observer.advice(NextStep::Resume, session.directory.path());
+    context.say_cost();
+    match stop {
+        Some(Stop::Asked) => {
+            context.say_stopped(run.state().time, &again);
+            Err(Failure::Stopped)
+        }
+        Some(Stop::Failed(error)) => {
+            Err(explained(&run, error, &context.statistics, &case.about.name, (&session, &again)))
+        }
+        None => run.judge(&context, &session).map(|()| summary),
+    }
+}
+
+/// The failure of `run`, with the likeliest cause, after the failure report is written.
+fn explained(
+    run: &impl Run,
+    error: anyhow::Error,
+    statistics: &RunStatistics,
+    case: &str,
+    (session, again): (&Session, &str),
+) -> Failure {
+    let (directory, state) = (session.directory.path(), run.state());
+    let time = rounded(state.time);
+    let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
+    let story = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
+    let hint = failure::tell(directory, &run.examine(&error, statistics), &story);
+    Failure::solve(error.context(message + &hint))
+}
+
+/// Begins a new run, also one that starts from the result of another. Returns why it stopped early, if it did.
+fn begin<const D: usize, const M: usize>(
+    run: &mut impl Run,
+    recorder: &mut Recorder<D, M>,
+    context: &mut RunContext,
+) -> Result<Option<Stop>, Failure> {
+    let row = match run.open(context) {
+        Ok(row) => row,
+        Err(error) => return Ok(Some(Stop::Failed(error))),
+    };
+    let (velocities, flow) = match &run.state().past {
+        Some(past) => (past.v.clone(), past.u.clone()),
+        None => run.slab_at_start(),
+    };
+    let (time, displacement) = (run.state().time, &run.state().d[..]);
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
+    if let Some(row) = row {
+        recorder.history.push(&row)?;
+        recorder.checkpoint(run.store(), &context.statistics)?;
+    }
+    Ok(None)
+}
+
+/// Restores the run from a checkpoint, its own or that of the run that it continues.
+fn restore<const D: usize>(
+    run: &mut impl Run,
+    stored: Option<&SolverState>,
+    case: &Case<D>,
+) -> Result<RunStatistics, Failure> {
+    let Some(stored) = stored else { return Ok(RunStatistics::default()) };
+    run.restore(stored).ok_or_else(checkpoint::incomplete)?;
+    RunStatistics::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))
+        .ok_or_else(checkpoint::incomplete)
+}
+
+/// Runs the remaining slabs; returns why it stopped before its end, if it did.
+fn run_slabs<const D: usize, const M: usize>(
+    case: &Case<D>,
+    run: &mut impl Run,
+    recorder: &mut Recorder<D, M>,
+    context: &mut RunContext,
+    session: &Session,
+) -> Result<Option<Stop>, Failure> {
+    while !run.is_done() {
+        if session.observer.is_stop_requested() {
+            return Ok(Some(Stop::Asked));
+        }
+        match run.advance() {
+            Ok(report) => finish_slab(case, run, &report, recorder, context)?,
+            Err(error) => return Ok(Some(Stop::Failed(error))),
+        }
+    }
+    Ok(None)
+}
+
+fn finish_slab<const D: usize, const M: usize, R: Run>(
+    case: &Case<D>,
+    run: &R,
+    report: &R::Report,
+    recorder: &mut Recorder<D, M>,
+    context: &mut RunContext,
+) -> Result<(), Failure> {
+    recorder.history.push(&run.enter(report, context))?;
+    let coupled::State { slab, time, d: displacement, past, .. } = run.state();
+    if let Some(Past { v: velocities, u: flow, .. }) = past
+        && (slab.is_multiple_of(case.output.every) || run.is_done())
+    {
+        recorder.step(&Snapshot { time: *time, displacement, velocities, flow })?;
+    }
+    if recorder.is_checkpoint_due() {
+        recorder.checkpoint(run.store(), &context.statistics)?;
+    }
+    Ok(())
+}

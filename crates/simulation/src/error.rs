@@ -1,0 +1,51 @@
+//! How a run fails.
+
+use case::CaseError;
+
+/// Why a run, or what was asked about it, did not come to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The input is wrong; nothing was done.
+    #[error(transparent)]
+    BadInput(anyhow::Error),
+    /// The solve failed; the last good state is written.
+    #[error(transparent)]
+    Solve(anyhow::Error),
+    /// The run was stopped before its end; a checkpoint is written, and the user has been told.
+    #[error("a signal stopped the run before its end")]
+    Stopped,
+}
+
+impl Failure {
+    /// Bad input.
+    pub fn bad_input(error: impl Into<anyhow::Error>) -> Self {
+        Failure::BadInput(error.into())
+    }
+
+    /// A failed solve.
+    pub fn solve(error: impl Into<anyhow::Error>) -> Self {
+        Failure::Solve(error.into())
+    }
+}
+
+impl From<Box<CaseError>> for Failure {
+    fn from(error: Box<CaseError>) -> Self {
+        Failure::bad_input(error)
+    }
+}
+
+impl From<output::OutputError> for Failure {
+    fn from(error: output::OutputError) -> Self {
+        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, OtherCase, Version};
+        match error {
+            Directory { .. }
+            | Busy { .. }
+            | NoCheckpoint { .. }
+            | Damaged { .. }
+            | OtherCase { .. }
+            | Version { .. } => Failure::bad_input(error),
+            // All other errors occur while results are written.
+            _ => Failure::solve(error),
+        }
+    }
+}

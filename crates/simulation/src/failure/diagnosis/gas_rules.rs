@@ -1,0 +1,140 @@
+//! Causes in the gas: its initial state, its boundaries, its resolution.
+
+use super::super::data::{Extreme, FailureData, Mismatch, OpeningEvidence};
+use super::{Cause, number, rises};
+use crate::openings::Misuse;
+
+/// The density is nearly zero somewhere.
+pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
+    let likelihood = |lowest: f64| 1.0 - rises(lowest.max(0.0), 0.02);
+    let (start, last) = (gas.at_start.lowest, gas.last.lowest);
+    let from_start = likelihood(start.value) >= 0.5 * likelihood(last.value);
+    let (Extreme { quantity, value, cell }, weight, when) =
+        if from_start { (start, 0.95, "in the initial state") } else { (last, 0.55, "in the last good state") };
+    Some(Cause {
+        name: "near_vacuum",
+        likelihood: weight * likelihood(value),
+        what: format!("the gas is close to vacuum {when}: in cell {cell} the {quantity} is {} of its mean", number(value)),
+        remedy: "start from a state with less contrast: a higher smallest pressure and density, smoothed over two cells or more"
+            .into(),
+    })
+}
+
+/// Gas at an inflow or outflow does what the condition is not made for.
+pub fn opening(data: &FailureData) -> Option<Cause> {
+    // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
+    // well: it explains a failure only where there is much of it now.
+    let weighed = |opening: &OpeningEvidence| match opening.record.now.misuse {
+        Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.now.share, 0.02),
+        Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
+    };
+    let openings = data.gas.as_ref()?.openings.iter();
+    let (likelihood, opening) =
+        openings.map(|opening| (weighed(opening), opening)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Cause {
+        name: "opening",
+        likelihood,
+        what: opening.told.clone(),
+        remedy: opening.record.now.misuse.remedy(&opening.boundary),
+    })
+}
+
+/// A boundary condition disagrees with the gas beside it.
+pub fn boundary_condition(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
+    // A steady flow around a body may well start from a uniform stream.
+    let weight = if data.attempt.steady { 0.6 } else { 0.9 };
+    // Another rule treats the part that the motion of a wall explains.
+    let size = |mismatch: &Mismatch| (mismatch.size - gas.kick).max(0.0);
+    let weighed = |mismatch: &Option<Mismatch>, weight: f64| {
+        mismatch.clone().map(|mismatch| (weight * rises(size(&mismatch), 0.7), mismatch))
+    };
+    let (start, last) = (weighed(&gas.at_start.mismatch, weight), weighed(&gas.last.mismatch, 0.5));
+    let (likelihood, mismatch) = [start, last].into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let Mismatch { boundary, quantity, inside, target_state, .. } = mismatch;
+    Some(Cause {
+        name: "boundary_condition",
+        likelihood: 0.05 + likelihood,
+        what: format!(
+            "the condition on boundary `{boundary}` does not fit the state beside it: it asks for a {quantity} of {}, the gas \
+             has {}",
+            number(target_state),
+            number(inside)
+        ),
+        remedy: format!(
+            "compare `flow.boundary.{boundary}` with the initial state: signs, Mach number, units; let what differs grow in \
+             time from the initial value, or start from the steady flow (`solver.steady`)"
+        ),
+    })
+}
+
+/// A boundary starts to move suddenly.
+pub fn kick(data: &FailureData) -> Option<Cause> {
+    let kick = data.gas.as_ref()?.kick;
+    // The waves of the start have left after some slabs.
+    let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);
+    Some(Cause {
+        name: "impulsive_motion",
+        likelihood: 0.97 * recent * rises(kick, 0.3),
+        what: format!("a boundary is set in motion at once, at {} times the speed of sound", number(kick)),
+        remedy: "let the motion begin with zero velocity, for instance as t^3: \
+                 displacement and velocity must both be zero at the start"
+            .into(),
+    })
+}
+
+/// The initial state jumps within cells.
+pub fn steep_start(data: &FailureData) -> Option<Cause> {
+    let Extreme { quantity, value, cell } = data.gas.as_ref()?.at_start.steepest;
+    Some(Cause {
+        name: "steep_initial_state",
+        likelihood: 0.9 * rises(value, 1.5),
+        what: format!("the initial state jumps: the {quantity} changes {} within cell {cell}", change(quantity, value)),
+        remedy: "smooth the initial state over several cells, for instance with tanh((x - x0)/width); there is no shock capturing"
+            .into(),
+    })
+}
+
+/// The flow has become steep, or nothing damps the scales that the mesh does not resolve.
+pub fn not_resolved(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref()?;
+    let Extreme { quantity, value, cell } = gas.last.steepest;
+    let viscosity = match gas.cell_reynolds {
+        Some(reynolds) => format!("the Reynolds number of a distance of nodes is {}", number(reynolds)),
+        None => "there is no viscosity".to_owned(),
+    };
+    let what = match value > 0.1 {
+        true => format!(
+            "steeper than the mesh resolves: the {quantity} changes {} within cell {cell}",
+            change(quantity, value)
+        ),
+        false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
+    };
+    // The search for a steady flow has already tried that flux.
+    let flux = if data.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
+    Some(Cause {
+        name: "not_resolved",
+        likelihood: 0.15 + 0.5 * rises(value, 1.0),
+        what: format!("the flow is {what}; {viscosity}"),
+        remedy: format!("take more or smaller cells there, or add viscosity{flux}; there is no shock capturing"),
+    })
+}
+
+fn change(quantity: &str, value: f64) -> String {
+    match quantity {
+        "velocity" => format!("by {} times the speed of sound", number(value)),
+        _ => format!("by a factor of {}", number(value.exp())),
+    }
+}
+
+/// Fewer quadrature points than preserve a free stream.
+pub fn quadrature(data: &FailureData) -> Option<Cause> {
+    let [points, needed] = data.gas.as_ref()?.quadrature;
+    (points < needed).then(|| Cause {
+        name: "quadrature",
+        likelihood: 0.6,
+        what: format!("{points} quadrature points per direction do not conserve on this mesh, which takes {needed}"),
+        remedy: "remove `flow.quadrature`, or raise it".into(),
+    })
+}

@@ -1,0 +1,106 @@
+//! Causes in the settings of the solver.
+
+use super::super::data::{Attempt, FailureData, GaveUp, Settling};
+use super::{Cause, number, rises};
+
+/// A residual that stagnates at less than this times the estimate of its round-off is probably round-off.
+const NEAR_ROUND_OFF: f64 = 30.0;
+
+/// The residual was still falling when the steps were used up: by (|R_0| / |R_n|)^(1/n) in each step, or less in the last
+/// one.
+pub fn newton_steps(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref().filter(|newton| newton.steps_used_up)?;
+    let norms = &newton.residuals;
+    let steps = norms.len().checked_sub(1).filter(|steps| *steps > 0)?;
+    let mean = (norms[0] / norms[steps]).powf(1.0 / steps as f64);
+    let factor = mean.min(norms[steps - 1] / norms[steps]);
+    let key = if data.attempt.steady { "solver.steady.steps" } else { "solver.newton_steps" };
+    Some(Cause {
+        name: "newton_steps",
+        likelihood: 0.95 * rises(factor - 1.0, 1.0),
+        what: format!(
+            "too few Newton steps are allowed: the residual was still falling, by a factor of {} in each of the {steps} steps",
+            number(factor)
+        ),
+        remedy: format!("raise `{key}`, now {}", newton.steps_allowed),
+    })
+}
+
+/// A steady flow was not found, and a march in time has shown whether the flow becomes steady.
+pub fn no_steady_flow(data: &FailureData) -> Option<Cause> {
+    let Settling { early, late, duration, calms_down } = data.newton.as_ref()?.settling?;
+    let [early, late, duration] = [early, late, duration].map(number);
+    let seen =
+        format!("marched in time for {duration} from the best state, its rate of change went from {early} to {late}");
+    let (name, likelihood, what) = match calms_down {
+        false => ("unsteady_flow", 0.9, format!("perhaps there is no steady flow, for the flow is unsteady: {seen}")),
+        true => (
+            "slow_settling",
+            0.7,
+            format!("Newton's method does not find the steady flow, though the flow calms down: {seen}"),
+        ),
+    };
+    let remedy = "march in time: remove `[solver.steady]`, and give a `time.end` and `time.step`".into();
+    Some(Cause { name, likelihood, what, remedy })
+}
+
+/// Linear solves ended too early.
+pub fn linear_solver(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref()?;
+    let part = if data.gave_up == GaveUp::LinearSolver { 1.0 } else { newton.unfinished_linear_solves };
+    let (limit, restart) = match data.attempt.steady {
+        true => ("solver.steady.krylov_iterations", ""),
+        false => ("solver.krylov_iterations", " and `solver.krylov_restart`"),
+    };
+    // Ten iterations are few for any problem. If hundreds do not suffice, the cause is mostly elsewhere.
+    let few = 1.0 - rises(newton.krylov_allowed as f64, 50.0);
+    Some(Cause {
+        name: "linear_solver",
+        likelihood: part * (0.3 + 0.65 * few),
+        what: format!(
+            "the linear solver is cut short: {} % of its solves ran into the limit of {} iterations",
+            (100.0 * part).round(),
+            newton.krylov_allowed
+        ),
+        remedy: format!("raise `{limit}`{restart}, or shorten `time.step`"),
+    })
+}
+
+/// The fastest wave travels over many nodes in a slab.
+pub fn time_step(data: &FailureData) -> Option<Cause> {
+    let gas = data.gas.as_ref().filter(|_| !data.attempt.steady)?;
+    let Attempt { length, halvings, .. } = data.attempt;
+    let waves = gas.waves_per_slab;
+    Some(Cause {
+        name: "time_step",
+        likelihood: 0.1 + 0.75 * rises(waves, 200.0),
+        what: format!(
+            "the slab is too long for Newton's method: in its length of {}, halved {halvings} times, the fastest wave passes {} \
+             distances of nodes",
+            number(length),
+            number(waves)
+        ),
+        remedy: "shorten `time.step`, allow more `solver.slab_halvings`, or damp the first steps with \
+                 `solver.pseudo_time.initial_inverse = 1`"
+            .into(),
+    })
+}
+
+/// The residual stagnates, not far above its round-off.
+pub fn tolerance(data: &FailureData) -> Option<Cause> {
+    let newton = data.newton.as_ref()?;
+    let (round_off, last) = (newton.round_off?, *newton.residuals.last()?);
+    Some(Cause {
+        name: "tolerance",
+        likelihood: 0.95 * (1.0 - rises(last / round_off, NEAR_ROUND_OFF)),
+        what: format!(
+            "the tolerance is below what round-off allows: the residual stands at {}, and about {} of it is rounding",
+            number(last),
+            number(round_off)
+        ),
+        remedy: format!(
+            "raise `solver.newton_tolerance`, or set `solver.newton_absolute_tolerance = {:.0e}`",
+            2.0 * last
+        ),
+    })
+}

@@ -1,0 +1,230 @@
+//! A single suspicious fact, in a run that is otherwise in order, makes its cause the likeliest.
+
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::failure::data::{
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Settling, Structure,
+    Undefined,
+};
+use crate::openings::{Misuse, Record, Seen};
+
+/// Newton has failed, and nothing is suspicious.
+fn nothing_suspicious() -> FailureData {
+    let mild = |value| Extreme { quantity: "pressure", value, cell: 7 };
+    let moment = Moment { lowest: mild(0.8), steepest: mild(0.1), mismatch: None };
+    FailureData {
+        gave_up: GaveUp::Newton,
+        attempt: Attempt { length: 0.1, slabs_done: 3, ..Attempt::default() },
+        newton: Some(Newton {
+            round_off: None,
+            residuals: vec![1.0, 0.9, 0.8, 0.75],
+            steps_allowed: 30,
+            steps_used_up: true,
+            unfinished_linear_solves: 0.0,
+            krylov_allowed: 200,
+            settling: None,
+        }),
+        mesh: Mesh { smallest_det_j: 0.9, aspect_ratio: 2.0, evenness: 0.8, ..Mesh::default() },
+        gas: Some(Gas {
+            at_start: moment.clone(),
+            last: moment,
+            waves_per_slab: 5.0,
+            cell_reynolds: None,
+            quadrature: [6, 6],
+            kick: 0.0,
+            openings: Vec::new(),
+        }),
+        structure: None,
+    }
+}
+
+/// The first cause after `change`, and all causes.
+fn first(change: impl FnOnce(&mut FailureData)) -> &'static str {
+    let mut data = nothing_suspicious();
+    change(&mut data);
+    let causes = causes(&data);
+    assert_eq!(causes.len(), NAMED, "{causes:?}");
+    assert!(causes.iter().all(|cause| (0.0..=1.0).contains(&cause.likelihood)), "{causes:?}");
+    causes[0].name
+}
+
+fn gas(data: &mut FailureData) -> &mut Gas {
+    data.gas.as_mut().unwrap()
+}
+
+fn newton(data: &mut FailureData) -> &mut Newton {
+    data.newton.as_mut().unwrap()
+}
+
+#[test]
+fn a_fact_of_the_gas_names_its_cause() {
+    let mismatch =
+        Mismatch { boundary: "top".into(), quantity: "pressure", inside: 1.0, target_state: 10.0, size: 2.3 };
+    assert_eq!(first(|_| {}), "not_resolved");
+    assert_eq!(first(|e| gas(e).at_start.lowest.value = 1e-3), "near_vacuum");
+    assert_eq!(first(|e| gas(e).at_start.mismatch = Some(mismatch.clone())), "boundary_condition");
+    assert_eq!(first(|e| gas(e).kick = 1.0), "impulsive_motion");
+    assert_eq!(first(|e| gas(e).at_start.steepest.value = 4.0), "steep_initial_state");
+    assert_eq!(first(|e| gas(e).last.steepest.value = 4.0), "not_resolved");
+    assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
+}
+
+/// A run with a supersonic flow through `inflow` was once told another cause.
+#[test]
+fn a_misused_opening_is_named_first() {
+    let seen = |misuse, share| {
+        let record = Record { since: 0.5, now: Seen { boundary: 0, misuse, share, mach: 2.0 }, largest_share: share };
+        OpeningEvidence { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
+    };
+    let mismatch =
+        Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, target_state: 10.0, size: 2.3 };
+    for misuse in [Misuse::Supersonic, Misuse::Subsonic] {
+        assert_eq!(
+            first(|e| {
+                gas(e).openings = vec![seen(misuse, 1.0)];
+                gas(e).at_start.mismatch = Some(mismatch.clone());
+                gas(e).last.steepest.value = 4.0;
+            }),
+            "opening"
+        );
+    }
+    for misuse in [Misuse::Leaving, Misuse::Backflow] {
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.3)]), "opening");
+        assert_eq!(first(|e| gas(e).openings = vec![seen(misuse, 0.01)]), "not_resolved");
+    }
+    let mut data = nothing_suspicious();
+    gas(&mut data).openings = vec![seen(Misuse::Backflow, 0.01), seen(Misuse::Supersonic, 0.5)];
+    let Cause { what, remedy, .. } = &causes(&data)[0];
+    assert!(what.contains("`inlet` faster than sound") && what.contains("50 % of it, since t = 0.5"), "{what}");
+    assert!(remedy.contains("supersonic_inflow"), "{remedy}");
+}
+
+#[test]
+fn a_fact_of_the_solver_names_its_cause() {
+    assert_eq!(first(|e| newton(e).residuals = vec![1.0, 1e-2, 1e-4]), "newton_steps");
+    let stalls = |e: &mut FailureData, round_off| {
+        newton(e).residuals = vec![1.0, 1e-6, 1e-9, 1e-9, 0.9e-9];
+        newton(e).round_off = round_off;
+    };
+    assert_eq!(first(|e| stalls(e, Some(1e-10))), "tolerance");
+    // A residual that stagnates far above its rounding has another cause.
+    assert_ne!(first(|e| stalls(e, Some(1e-13))), "tolerance");
+    assert_ne!(first(|e| stalls(e, None)), "tolerance");
+    assert_eq!(
+        first(|e| {
+            newton(e).unfinished_linear_solves = 1.0;
+            newton(e).krylov_allowed = 5;
+        }),
+        "linear_solver"
+    );
+    assert_eq!(first(|e| gas(e).waves_per_slab = 1e5), "time_step");
+}
+
+#[test]
+fn a_fact_of_the_mesh_names_its_cause() {
+    let moves = |e: &mut FailureData, motion, gave_up| (e.mesh.motion, e.gave_up) = (motion, gave_up);
+    assert_eq!(
+        first(|e| {
+            moves(e, Motion::Elastic, GaveUp::Newton);
+            e.mesh.smallest_det_j = 1e-3;
+        }),
+        "nearly_inverted"
+    );
+    assert_eq!(first(|e| moves(e, Motion::Elastic, GaveUp::InvertedCell)), "deformation");
+    assert_eq!(
+        first(|e| {
+            moves(e, Motion::Graded, GaveUp::Equilibrium);
+            e.mesh.travel = 20.0;
+        }),
+        "far_in_one_slab"
+    );
+    let mut data = nothing_suspicious();
+    moves(&mut data, Motion::Prescribed, GaveUp::InvertedCell);
+    assert_eq!(causes(&data)[0].name, "folding_formula");
+}
+
+/// det J is NaN, or round-off, and does not indicate folds.
+#[test]
+fn a_motion_without_a_value_or_too_far_away_is_no_fold() {
+    let moved = |motion, change: fn(&mut Mesh)| {
+        let mut data = FailureData { gave_up: GaveUp::InvertedCell, ..nothing_suspicious() };
+        data.mesh.motion = motion;
+        change(&mut data.mesh);
+        causes(&data)[0].clone()
+    };
+    for motion in [Motion::Prescribed, Motion::Graded] {
+        let cause = moved(motion, |mesh| mesh.undefined = Some(Undefined { time: 0.25, position: vec![1.0, 2.0] }));
+        assert_eq!(cause.name, "undefined_motion");
+        assert!(cause.what.contains("[1.0, 2.0]") && cause.what.contains("t = 0.25"), "{}", cause.what);
+        assert_eq!(moved(motion, |mesh| mesh.reach = 1e20).name, "far_away");
+        assert_ne!(moved(motion, |mesh| mesh.reach = 1e3).name, "far_away");
+    }
+}
+
+/// A remedy already in use is not suggested, and a tolerance chosen in the case is named.
+#[test]
+fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
+    let deformation = |change: fn(&mut Mesh)| {
+        let mut data = nothing_suspicious();
+        (data.mesh.motion, data.gave_up) = (Motion::Elastic, GaveUp::Equilibrium);
+        change(&mut data.mesh);
+        let cause = causes(&data).into_iter().find(|cause| cause.name == "deformation").unwrap();
+        (cause.what, cause.remedy)
+    };
+    let (what, remedy) = deformation(|_| {});
+    assert!(!what.contains("tolerance"), "{what}");
+    assert!(remedy.contains("neo_hookean") && remedy.contains("stsolve motion"), "{remedy}");
+    let (what, remedy) = deformation(|mesh| (mesh.tolerance, mesh.alone) = (Some(1e-3), true));
+    assert!(what.contains("0.001 distances of nodes (`motion.elasticity.tolerance`)"), "{what}");
+    assert!(!remedy.contains("neo_hookean") && !remedy.contains("stsolve motion"), "{remedy}");
+    assert!(remedy.contains("motion.elasticity.stiffness"), "{remedy}");
+}
+
+/// A structure has failed, and nothing is suspicious.
+fn structure(change: fn(&mut Structure, &mut Mesh), gave_up: GaveUp) -> FailureData {
+    let mut data = FailureData { gave_up, newton: None, gas: None, ..nothing_suspicious() };
+    let mut structure = Structure { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
+    change(&mut structure, &mut data.mesh);
+    FailureData { structure: Some(structure), ..data }
+}
+
+#[test]
+fn a_fact_of_the_structure_names_its_cause() {
+    let names =
+        |change, gave_up| -> Vec<_> { causes(&structure(change, gave_up)).iter().map(|cause| cause.name).collect() };
+    assert_eq!(names(|s, _| s.waves_per_slab = 1e6, GaveUp::Structure)[0], "long_slab");
+    assert_eq!(names(|_, m| m.aspect_ratio = 1e5, GaveUp::Structure)[0], "slender_cells");
+    assert_eq!(names(|s, _| s.poisson_ratio = 0.499_999, GaveUp::Structure)[0], "nearly_incompressible");
+    let load = |s: &mut Structure, _: &mut Mesh| s.bad_load = Some(BadLoad { time: 0.5, position: vec![1.0, 0.0] });
+    assert_eq!(names(load, GaveUp::Load), ["bad_load"]);
+}
+
+#[test]
+fn of_other_failures_no_cause_is_made_up() {
+    let data = FailureData { gave_up: GaveUp::Other, ..nothing_suspicious() };
+    assert_eq!(causes(&data), []);
+}
+
+#[test]
+fn numbers_are_rounded_in_sentences() {
+    for (value, text) in [(0.0, "0"), (774.93, "775"), (1.5e-7, "1.5e-7"), (-0.125, "-0.125"), (2.5e6, "2.5e6")] {
+        assert_eq!(number(value), text);
+    }
+}
+
+/// Only a march in time can decide; its result precedes guesses.
+#[test]
+fn a_flow_that_does_not_settle_is_called_unsteady() {
+    let settling = |late: f64, calms_down| Settling { early: 0.5, late, duration: 8.0, calms_down };
+    let with = |settling| {
+        first(|e| {
+            e.attempt.steady = true;
+            newton(e).steps_used_up = false;
+            newton(e).settling = Some(settling);
+        })
+    };
+    assert_eq!(with(settling(0.6, false)), "unsteady_flow");
+    assert_ne!(first(|e| e.attempt.steady = true), "unsteady_flow");
+    assert_ne!(with(settling(0.01, true)), "unsteady_flow");
+}

@@ -1,0 +1,253 @@
+//! The examination of a failed run of mesh and flow.
+
+use super::super::openings::Record;
+use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningEvidence, Settling};
+use super::finding::{Finding, WorstCell, WorstCellCause};
+use super::gas::{CellGas, Measured, Then, measure};
+use super::grid::Grid;
+use super::of_mesh::{self, inverted};
+use case::{Case, Flow, State};
+use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
+use navier_stokes::ExactState;
+use newton_krylov::newton;
+
+/// A failed run of mesh and flow.
+pub struct Failed<'a, const D: usize, const M: usize> {
+    case: &'a Case<D>,
+    flow: &'a Flow<D>,
+    march: &'a FlowMarch<D, M>,
+    error: Option<&'a SlabError>,
+    /// The failed search for a steady flow, if it was that.
+    steady: Option<&'a SteadyError>,
+    interval: Interval,
+    openings: &'a [Record],
+}
+
+/// The gas at the start, by the case, and in the last good state.
+struct Gases {
+    start: Measured,
+    last: Measured,
+}
+
+impl<'a, const D: usize, const M: usize> Failed<'a, D, M>
+where
+    State<D>: ExactState<D, M>,
+{
+    /// The run of `case` that stopped with `error`, and the observations at its openings.
+    pub fn new(
+        case: &'a Case<D>,
+        flow: &'a Flow<D>,
+        march: &'a FlowMarch<D, M>,
+        error: &'a anyhow::Error,
+        openings: &'a [Record],
+    ) -> Self {
+        let here = Interval { start: march.state.time, end: march.state.time, halvings: 0 };
+        let failed = |error, steady, interval| Failed { case, flow, march, error, steady, interval, openings };
+        match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SteadyError>()) {
+            (Some(march), _) => failed(Some(&march.source), None, march.interval),
+            (None, Some(steady)) => failed(Some(&steady.source), Some(steady), here),
+            (None, None) => failed(None, None, here),
+        }
+    }
+
+    /// Examines the failure.
+    pub fn examine(&self) -> Finding {
+        let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
+        let (gases, d) = (self.gases(&grid), &self.march.state.d);
+        let Interval { start, end, halvings } = self.interval;
+        let attempt = Attempt {
+            steady: self.steady.is_some(),
+            slabs_done: self.march.state.slab,
+            start,
+            length: end - start,
+            halvings,
+        };
+        let mut mesh = of_mesh::mesh(self.case, self.mover(), &grid, d, self.interval);
+        if let Some(SlabError::Invalid { quality }) = self.error {
+            mesh.smallest_det_j = quality.sampled_min;
+        }
+        Finding {
+            cell: self.worst_cell(&grid, &gases),
+            residuals: self.residual_breakdown().map_or_else(Vec::new, per_equation::<D>),
+            data: FailureData {
+                gave_up: self.gave_up(),
+                attempt,
+                newton: self.newton_error().map(|error| self.newton(error)),
+                mesh,
+                gas: Some(self.gas(&grid, &gases)),
+                structure: None,
+            },
+        }
+    }
+
+    fn mover(&self) -> &'a MeshMover<D> {
+        &self.march.solver.system.mesh.mover
+    }
+
+    fn newton_error(&self) -> Option<&'a newton::Error> {
+        match self.error {
+            Some(SlabError::Newton { source, .. }) => Some(source),
+            _ => None,
+        }
+    }
+
+    fn residual_breakdown(&self) -> Option<&'a ResidualBreakdown> {
+        match self.error {
+            Some(SlabError::Newton { residual_breakdown, .. }) => residual_breakdown.as_deref(),
+            _ => None,
+        }
+    }
+
+    fn gave_up(&self) -> GaveUp {
+        match self.error {
+            None => GaveUp::Other,
+            Some(SlabError::Mesh(_) | SlabError::Structure(_)) => GaveUp::Equilibrium,
+            Some(SlabError::Invalid { .. }) => GaveUp::InvertedCell,
+            Some(SlabError::Guess(_) | SlabError::Top(_)) => GaveUp::Inadmissible,
+            Some(SlabError::Newton { source, .. }) => match **source {
+                newton::Error::Inadmissible { .. } => GaveUp::Inadmissible,
+                newton::Error::Krylov { .. } => GaveUp::LinearSolver,
+                _ => GaveUp::Newton,
+            },
+        }
+    }
+
+    fn newton(&self, error: &newton::Error) -> Newton {
+        let (solver, report) = (&self.case.solver, error.report());
+        let (steps_allowed, krylov_allowed) = match solver.steady.as_ref().filter(|_| self.steady.is_some()) {
+            Some(steady) => (steady.steps, steady.krylov_iterations),
+            None => (solver.newton_steps, solver.krylov_iterations),
+        };
+        let unfinished = report.steps.iter().filter(|step| step.krylov_iterations >= krylov_allowed).count();
+        Newton {
+            residuals: report.residual_history(),
+            round_off: report.round_off,
+            steps_allowed,
+            steps_used_up: matches!(error, newton::Error::MaxSteps { .. }),
+            unfinished_linear_solves: unfinished as f64 / report.steps.len().max(1) as f64,
+            krylov_allowed,
+            settling: self.steady.and_then(|steady| steady.settling.as_ref()).map(seen),
+        }
+    }
+
+    fn gases(&self, grid: &Grid<D>) -> Gases {
+        let (time, step) = (self.case.time.start, self.case.time.step);
+        let displacement = self.mover().displacement_at_start(time);
+        let start = Then {
+            time,
+            displacement: &displacement,
+            velocity: &rate(self.mover(), time, step),
+            state: &|_, x| x.iter().map(|x| self.flow.initial.state(x, time)).collect(),
+        };
+        let measured = |then: &Then<D, M>| measure(self.flow, &self.case.mesh, grid, then);
+        Gases { start: measured(&start), last: self.with_last(grid, measured) }
+    }
+
+    /// Evaluates `question` for the last good state.
+    fn with_last<T>(&self, grid: &Grid<D>, question: impl Fn(&Then<D, M>) -> T) -> T {
+        let (state, one) = (&self.march.state, self.march.solver.system.flow.operator.layout.at_one_time());
+        question(&Then {
+            time: state.time,
+            displacement: &state.d,
+            velocity: &rate(self.mover(), state.time, self.case.time.step),
+            state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
+        })
+    }
+
+    fn gas(&self, grid: &Grid<D>, gases: &Gases) -> Gas {
+        let (flow, law) = (self.flow, &self.flow.law);
+        let orders = fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order };
+        let dt = self.interval.end - self.interval.start;
+        let nodes = |cell: usize| grid.thickness(cell, &self.march.state.d) / (flow.order - 1) as f64;
+        let most = |value: &dyn Fn(&CellGas, f64) -> f64| {
+            let cells = gases.last.cells.iter().enumerate();
+            cells.map(|(cell, gas)| value(gas, nodes(cell))).fold(0.0, f64::max)
+        };
+        let viscous = law.gas.viscosity() != navier_stokes::Viscosity::Inviscid;
+        Gas {
+            at_start: gases.start.moment.clone(),
+            last: gases.last.moment.clone(),
+            waves_per_slab: most(&|gas, distance| gas.fastest * dt / distance),
+            cell_reynolds: viscous.then(|| most(&|gas, distance| gas.reynolds * distance)),
+            quadrature: [flow.quadrature.space_points(D, orders), fem::Quadrature::Conserving.space_points(D, orders)],
+            openings: self.openings.iter().map(|record| self.opening(record)).collect(),
+            kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
+        }
+    }
+
+    fn opening(&self, record: &Record) -> OpeningEvidence {
+        let boundary = self.case.mesh.boundary_names()[record.now.boundary].clone();
+        OpeningEvidence { record: *record, told: record.told(&boundary).to_string(), boundary }
+    }
+
+    /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
+    fn worst_cell(&self, grid: &Grid<D>, gases: &Gases) -> Option<WorstCell> {
+        match self.error? {
+            SlabError::Mesh(_) | SlabError::Structure(_) => None,
+            SlabError::Invalid { quality } => Some(inverted(grid, &self.displacement_at(quality.time), quality)),
+            SlabError::Newton { residual_breakdown: Some(residual_breakdown), .. } => {
+                self.unsolved_cell(grid, residual_breakdown)
+            }
+            SlabError::Newton { .. } | SlabError::Guess(_) | SlabError::Top(_) => Some(self.thinnest_cell(grid, gases)),
+        }
+    }
+
+    fn unsolved_cell(&self, grid: &Grid<D>, residual_breakdown: &ResidualBreakdown) -> Option<WorstCell> {
+        let cell = residual_breakdown.worst_cell()?;
+        let because = format!("its residual is {:.3e}, the largest", residual_breakdown.cells[cell]);
+        let values = |cell: usize| vec![residual_breakdown.cells[cell].log10(); grid.points.pow(D as u32)];
+        let verdict = WorstCellCause { cell, because, quantity: "log10 of the residual of the flow", values: &values };
+        Some(WorstCell::new(grid, &self.march.state.d, verdict))
+    }
+
+    fn thinnest_cell(&self, grid: &Grid<D>, gases: &Gases) -> WorstCell {
+        let lowest = gases.last.moment.lowest;
+        let because = format!("the {} is lowest there, {:.3e} of its mean", lowest.quantity, lowest.value);
+        let pressure = |then: &Then<D, M>, cell| {
+            then.gas(&self.flow.law.gas, grid, cell).iter().map(|state| state.pressure).collect()
+        };
+        let values = |cell: usize| self.with_last(grid, |then| pressure(then, cell));
+        let verdict = WorstCellCause { cell: lowest.cell, because, quantity: "pressure", values: &values };
+        WorstCell::new(grid, &self.march.state.d, verdict)
+    }
+
+    /// The displacement of the last attempt at time `t`.
+    fn displacement_at(&self, t: f64) -> Vec<f64> {
+        let (bottom, v) = (&self.march.state.d, self.march.solver.system.mesh.velocities());
+        let mut d = bottom.clone();
+        let dt = self.interval.end - self.interval.start;
+        if v.iter().all(|v| v.is_finite()) && dt > 0.0 {
+            self.mover().slab_motion.displacement(dt, bottom, v, (t - self.interval.start) / dt, &mut d);
+        }
+        d
+    }
+}
+
+/// As failure data.
+fn seen(settling: &coupled::Settling) -> Settling {
+    let coupled::Settling { early, late, duration } = *settling;
+    Settling { early, late, duration, calms_down: settling.calms_down() }
+}
+
+/// The rate of the prescribed displacement at time `t`, by a forward difference over a millionth of a `step`.
+fn rate<const D: usize>(mover: &MeshMover<D>, t: f64, step: f64) -> Vec<f64> {
+    let ahead = 1e-6 * step;
+    let (mut now, mut then) = (vec![0.0; mover.field_len()], vec![0.0; mover.field_len()]);
+    mover.prescribed(t, &mut now);
+    mover.prescribed(t + ahead, &mut then);
+    then.iter().zip(&now).map(|(then, now)| (then - now) / ahead).collect()
+}
+
+/// `[component][point]` as `[point][component]`.
+pub fn by_point<const M: usize>(state: &[f64]) -> Vec<[f64; M]> {
+    let points = state.len() / M;
+    (0..points).map(|p| std::array::from_fn(|m| state[m * points + p])).collect()
+}
+
+/// The equations and their residuals.
+fn per_equation<const D: usize>(residual_breakdown: &ResidualBreakdown) -> Vec<(&'static str, f64)> {
+    let momentum = ["momentum along x", "momentum along y", "momentum along z"];
+    let names = ["mass"].into_iter().chain(momentum.into_iter().take(D)).chain(["energy"]);
+    let mesh = residual_breakdown.mesh.map(|norm| ("equilibrium of the mesh", norm));
+    mesh.into_iter().chain(names.zip(residual_breakdown.equations.iter().copied())).collect()
+}

@@ -1,0 +1,252 @@
+//! Mesh and flow.
+
+use super::body_record::BodyRecord;
+use super::context::{RunContext, Stop};
+use super::drive::{Call, Run, drive};
+use super::failure::{Failed, Finding, Grid, Then, by_point};
+use super::openings;
+use super::record::MeshView;
+use super::statistics::RunStatistics;
+use super::walls::felt;
+use super::{build, checkpoint, history, restart, summary};
+use crate::destination::Destination;
+use crate::error::Failure;
+use crate::memory_estimate::require_memory;
+use crate::observer::{Observer, SlabDone};
+use crate::session::Session;
+use case::{Case, Flow, State, Steady};
+use coupled::block::BodyState;
+use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
+use fem::StateField;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use output::{SolverState, Summary};
+use std::time::Instant;
+
+/// Runs mesh and flow.
+///
+/// # Errors
+/// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
+pub fn run_flow<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    destination: &Destination,
+    observer: &dyn Observer,
+) -> Result<Summary, Failure>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let begun = Instant::now();
+    require_memory(case)?;
+    let march: FlowMarch<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let origin = match destination.is_resumed() {
+        true => None,
+        false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
+    };
+    let call = Call { destination, observer, begun, origin: origin.as_ref() };
+    let mesh = MeshView::new(&march.solver.system.mesh.mover.reference, &march.solver.system.mesh.mover.numbering);
+    drive::<D, M, _>(case, FlowRun { case, flow, march }, &mesh, call)
+}
+
+struct FlowRun<'a, const D: usize, const M: usize> {
+    case: &'a Case<D>,
+    flow: &'a Flow<D>,
+    march: FlowMarch<D, M>,
+}
+
+impl<const D: usize, const M: usize> FlowRun<'_, D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    /// The walls of all bodies, by their number in the list of walls.
+    fn walls_of_bodies(&self) -> Vec<usize> {
+        let moves = |boundary: usize| self.case.bodies.iter().any(|body| body.walls.contains(&boundary));
+        let walls = self.flow.walls.iter().enumerate();
+        walls.filter(|(_, wall)| moves(wall.boundary)).map(|(number, _)| number).collect()
+    }
+
+    /// Measures inflows and outflows, and reports each observation once.
+    fn observe(&self, context: &mut RunContext) {
+        if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
+            return;
+        }
+        let (state, mover, one) = (
+            &self.march.state,
+            &self.march.solver.system.mesh.mover,
+            self.march.solver.system.flow.operator.layout.at_one_time(),
+        );
+        let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
+        let still = vec![0.0; state.d.len()];
+        let then = Then {
+            time: state.time,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&still[..], |past| &past.v[past.v.len() - state.d.len()..]),
+            state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
+        };
+        let seen = openings::measure(self.flow, &mover.reference, &grid, &then);
+        for record in openings::enter(&mut context.statistics.openings, &seen, state.time) {
+            let name = &self.case.mesh.boundary_names()[record.now.boundary];
+            context.observer.say(&format!("warning: {}; {}", record.told(name), record.now.misuse.remedy(name)));
+        }
+    }
+
+    /// Replaces the initial state by the steady flow; returns its row of history.csv.
+    fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
+        let (case, flow, state) = (self.case, self.flow, &mut self.march.state);
+        let search = Search {
+            discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
+            order: flow.order,
+            mover: &self.march.solver.system.mesh.mover,
+            displacement: &state.d,
+            time: case.time.start,
+            time_unit: flow.reference_length / flow.reference_speed,
+            settings: steady.newton(),
+            sequence: steady.sequence,
+            stability_time: steady.stability_time,
+        };
+        let found = search.find(&mut state.u);
+        let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
+        stages.iter().for_each(|stage| context.observer.say(&told(stage)));
+        let found = found?;
+        let felt = felt(self.flow, &found.report);
+        context.statistics.start_from_steady(&found, &felt);
+        let SteadyFlow { report, reliability, .. } = found;
+        if let Some(warning) = doubt(&reliability) {
+            context.observer.say(&format!("warning: {warning}"));
+        }
+        context.statistics.totals_at_start = report.totals.clone();
+        self.observe(context);
+        context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
+        context.observer.begin_slabs();
+        Ok(history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics))
+    }
+}
+
+/// What is wrong with a steady flow, and the remedy.
+fn doubt(reliability: &Reliability) -> Option<String> {
+    let stability = reliability.stability.filter(Stability::is_unstable)?;
+    let seen = match stability.completed {
+        true => {
+            format!("within {:.3} its rate of change grew by a factor of {:.1e}", stability.duration, stability.growth)
+        }
+        false => format!("it failed after {:.3}, where a slab could not be solved", stability.duration),
+    };
+    let resolution = match reliability.next_order_residual {
+        Some(residual) => format!("its residual at the next higher order is {residual:.1e} of the inertial terms"),
+        None => "its residual at the next higher order cannot be evaluated".to_owned(),
+    };
+    let meaning = match reliability.is_resolved() {
+        true => "The flow itself is unsteady: `[time]` for some periods of it",
+        false => {
+            "It may be a solution of the discrete equations only: a higher `flow.order` or smaller cells, until the forces agree"
+        }
+    };
+    Some(format!("the steady flow is unstable: marched in time, {seen}; {resolution}. {meaning}"))
+}
+
+/// A solve for the steady flow, in one line.
+fn told(stage: &Stage) -> String {
+    let Stage { discretisation: Discretisation { order, dissipative, .. }, steps, iterations, converged } = stage;
+    let flux = if *dissipative { ", dissipative flux" } else { "" };
+    let end = if *converged { "" } else { "  given up" };
+    format!("steady flow of order {order}{flux}: newton {steps}  krylov {iterations}{end}")
+}
+
+impl<const D: usize, const M: usize> Run for FlowRun<'_, D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    type Report = SlabReport<M>;
+
+    fn state(&self) -> &coupled::State {
+        &self.march.state
+    }
+    fn is_done(&self) -> bool {
+        self.march.is_done()
+    }
+    fn advance(&mut self) -> anyhow::Result<SlabReport<M>> {
+        Ok(self.march.advance()?)
+    }
+
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
+        let (layout, state) = (self.march.solver.system.flow.operator.layout, &self.march.state);
+        let one = layout.at_one_time();
+        let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
+        (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
+    }
+
+    fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+        // A run that continues another one does not search the steady flow again, unless its orders differ.
+        let row = match &self.case.solver.steady {
+            Some(steady) if self.march.state.slab == 0 && context.statistics.steady.is_none() => {
+                Some(self.start_from_steady_flow(steady, context)?)
+            }
+            _ => None,
+        };
+        if row.is_none() {
+            self.observe(context);
+        }
+        if context.statistics.totals_at_start.is_empty() || row.is_some() {
+            context.statistics.totals_at_start = self.march.totals();
+            let start = |state: &BodyState| BodyRecord::start(state, self.march.state.time);
+            context.statistics.bodies = self.march.bodies().iter().map(start).collect();
+        }
+        Ok(row)
+    }
+
+    fn enter(&self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
+        let felt = felt(self.flow, report);
+        context.statistics.add(report, &felt);
+        self.observe(context);
+        context.observer.slab(&SlabDone {
+            number: report.slab,
+            time: self.march.state.time,
+            newton: report.newton.steps.len(),
+            krylov: report.newton.krylov_iterations,
+            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+        });
+        let bodies = self.march.bodies();
+        context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
+        history::row(self.flow, report, &felt, &bodies, &context.statistics)
+    }
+
+    fn store(&self) -> SolverState {
+        let lagged_preconditioner = &self.march.solver.system.flow.preconditioner;
+        checkpoint::store(&self.march.state, lagged_preconditioner.frozen(), lagged_preconditioner.stale)
+    }
+
+    fn restore(&mut self, stored: &SolverState) -> Option<()> {
+        let march = &mut self.march;
+        let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
+        if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() {
+            return None;
+        }
+        march.state = state;
+        if let Some(frozen) = frozen {
+            march.solver.system.rebuild(frozen);
+        }
+        march.solver.system.flow.preconditioner.stale = stale;
+        Some(())
+    }
+
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+        summary::of_flow(self.case, self.flow, &self.march, context, stop)
+    }
+
+    fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
+        Failed::new(self.case, self.flow, &self.march, error, &statistics.openings).examine()
+    }
+
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        context.say_done(self.march.state.time, session);
+        Ok(())
+    }
+}

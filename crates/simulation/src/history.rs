@@ -1,0 +1,139 @@
+//! The columns of history.csv, and its rows.
+
+use super::bodies;
+use super::openings::is_opening;
+use super::statistics::{EnergyBalance, RunStatistics};
+use super::walls::WallLoads;
+use case::{Case, Flow, Structure, Wall};
+use coupled::block::BodyState;
+use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
+use navier_stokes::Coefficients;
+
+/// Columns of every run.
+const OF_MESH: [&str; 6] =
+    ["t", "dt", "elasticity_iterations", "det_j_lower_bound", "det_j_sampled_min", "scaled_jacobian"];
+
+/// Columns of a run with a flow.
+const OF_FLOW: [&str; 11] = [
+    "jump",
+    "newton",
+    "krylov",
+    "residual_initial",
+    "residual",
+    "preconditioner_builds",
+    "rejected",
+    "mass",
+    "mass_error",
+    "energy",
+    "energy_error",
+];
+
+/// Columns of a run of a structure; work and dissipation since the start.
+const OF_STRUCTURE: [&str; 10] = [
+    "t",
+    "dt",
+    "elasticity_iterations",
+    "kinetic_energy",
+    "strain_energy",
+    "energy",
+    "load_work",
+    "support_work",
+    "dissipation",
+    "energy_error",
+];
+
+/// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab and over the slab. For each
+/// inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
+pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
+    if let Some(structure) = &case.structure {
+        return columns_of_structure(structure);
+    }
+    let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
+    let Some(flow) = &case.flow else { return columns };
+    columns.extend(OF_FLOW.map(String::from));
+    for wall in &flow.walls {
+        columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
+    }
+    columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
+    columns.extend(case.bodies.iter().flat_map(bodies::columns));
+    columns
+}
+
+/// The inflows and outflows of a flow.
+pub fn openings<const D: usize>(flow: &Flow<D>) -> impl Iterator<Item = usize> {
+    (0..flow.boundary.len()).filter(|&boundary| is_opening(&flow.boundary[boundary].condition))
+}
+
+/// Columns of a wall, in the order of [`row_of_wall`].
+fn of_wall<const D: usize>() -> Vec<String> {
+    let axes = &["x", "y", "z"][..D];
+    let vector = |name: &'static str| axes.iter().map(move |axis| format!("{name}_{axis}"));
+    let moment = |name: &'static str| match D {
+        2 => vec![name.to_string()],
+        _ => vector(name).collect(),
+    };
+    let mut columns: Vec<String> = ["force", "pressure_force", "friction_force"].into_iter().flat_map(vector).collect();
+    columns.extend(moment("moment"));
+    columns
+        .extend(["power", "heat_flow", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
+    columns.extend(vector("impulse"));
+    columns.extend(moment("moment_impulse"));
+    columns.extend(["work", "heat"].map(String::from));
+    columns
+}
+
+fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>) -> Vec<f64> {
+    let (now, during) = (&felt.at_top, &felt.during);
+    let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
+    let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
+    row.extend(wall.moments(now));
+    row.extend([now.power, now.heat, drag, lift, turning]);
+    row.extend(during.force());
+    row.extend(wall.moments(during));
+    row.extend([during.power, during.heat]);
+    row
+}
+
+/// With the displacement of every point and the coordinate of every natural mode.
+fn columns_of_structure<const D: usize>(structure: &Structure<D>) -> Vec<String> {
+    let of_point =
+        |(name, _): &(String, [f64; D])| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect();
+    let points = structure.points.iter().flat_map(of_point as fn(&_) -> Vec<String>);
+    let modes = (1..=structure.natural_modes).map(|mode| format!("mode_{mode}"));
+    OF_STRUCTURE.map(String::from).into_iter().chain(points).chain(modes).collect()
+}
+
+/// A row of the mesh alone.
+pub fn row_of_mesh(interval: Interval, iterations: usize, quality: &MeshQuality) -> Vec<f64> {
+    let MeshQuality { lower_bound, sampled_min, scaled_jacobian, .. } = *quality;
+    vec![interval.end, interval.end - interval.start, iterations as f64, lower_bound, sampled_min, scaled_jacobian]
+}
+
+/// A row of a structure, up to its points; `balance` includes the slab.
+pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Vec<f64> {
+    let StructureReport { interval, dynamics, kinetic_energy, strain_energy, .. } = report;
+    let energy = kinetic_energy + strain_energy;
+    let time = [interval.end, interval.end - interval.start, dynamics.iterations as f64];
+    let work = [balance.load_work, balance.support_work, balance.dissipation, balance.error(energy)];
+    [&time[..], &[*kinetic_energy, *strain_energy, energy], &work].concat()
+}
+
+/// A row of mesh and flow, with the loads of the walls; `statistics` includes the slab.
+pub fn row<const D: usize, const M: usize>(
+    flow: &Flow<D>,
+    report: &SlabReport<M>,
+    felt: &[WallLoads<D>],
+    bodies: &[BodyState],
+    statistics: &RunStatistics,
+) -> Vec<f64> {
+    let SlabReport { interval, newton, counts, totals, .. } = report;
+    let mut row = row_of_mesh(*interval, counts.elasticity_iterations, &report.quality);
+    row.push(report.jump);
+    row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
+    row.extend([counts.rebuilds as f64, report.rejected as f64]);
+    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
+    row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
+    row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
+    row.extend(bodies.iter().flat_map(bodies::row));
+    row
+}

@@ -1,0 +1,164 @@
+//! The memory of a run, estimated beforehand.
+
+mod mesh;
+
+use crate::elasticity_plan;
+use crate::error::Failure;
+use case::memory;
+use case::{Case, Flow, Preconditioner};
+use coupled::preconditioner::{coarse_functions_per_direction, padded};
+use navier_stokes::Viscosity;
+
+/// Krylov iterations of a Newton step of a run without surprises.
+pub const TYPICAL_ITERATIONS: usize = 8;
+
+/// The memory of the program for a small case: its code, libraries, and the buffers of the result file.
+const PROGRAM: usize = 27_000_000;
+
+/// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and
+/// increments of Newton's method, traces of the operator.
+const VECTORS: usize = 26;
+
+/// The same for the unknowns of an elastic mesh, in addition to every mesh.
+const VECTORS_OF_MESH: usize = 6;
+
+/// The count of numbers in single precision per entry of a block while a thread inverts it: its parts, panels of their rows, and the data for
+/// neighbours.
+const NUMBERS_TO_INVERT: usize = 11;
+
+/// The count of numbers in factors and work space of the coarse level of a steady flow, relative to b^2 n log2 n for n cells of b coarse
+/// unknowns. It is 6 to 11 on airfoils and cylinders of 250 to 3600 cells.
+const COARSE_FILL: f64 = 9.5;
+
+/// The estimate is accurate to a fifth. A run is refused if it needs this many times the available memory.
+const MARGIN: f64 = 1.25;
+
+/// Bytes of the parts of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MemoryEstimate {
+    /// The Jacobian of the operator of space, for the preconditioner.
+    pub jacobian: usize,
+    /// The factors of the preconditioner.
+    pub factors: usize,
+    /// The vectors of Newton's method, and those of the linear solver in a typical step.
+    pub vectors: usize,
+    /// The vectors of the linear solver, if it uses all permitted iterations.
+    pub most_krylov: usize,
+    /// The mesh, by its order, and its solver.
+    pub mesh: usize,
+    /// The memory of the search for the steady flow, if the run begins with it. Its preconditioner is freed before that of the slabs is
+    /// allocated.
+    pub steady: Option<usize>,
+}
+
+impl MemoryEstimate {
+    /// Of a run of `case`.
+    pub fn new<const D: usize>(case: &Case<D>) -> Self {
+        let memory = MemoryEstimate::of_flow(case);
+        let solver = elasticity_plan(case).map_or(0, |plan| plan.bytes);
+        MemoryEstimate { mesh: memory.mesh + solver, ..memory }
+    }
+
+    /// The same without the solver of the mesh, whose plan takes long.
+    fn of_flow<const D: usize>(case: &Case<D>) -> Self {
+        let flow = case.flow_unknowns();
+        let mesh = case.mesh_unknowns().unwrap_or(0);
+        let vector = 8 * (flow + mesh);
+        let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
+        let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
+        let vectors = newton + vector * krylov_vectors(restart.min(TYPICAL_ITERATIONS));
+        let (time_order, blocks) = (case.time.order, jacobian(case));
+        let (jacobian, factors_of_slab) = match case.solver.preconditioner {
+            Preconditioner::Blocks => (blocks, factors(case, time_order)),
+            Preconditioner::Lines => lines(case, time_order),
+        };
+        MemoryEstimate {
+            jacobian,
+            factors: factors_of_slab,
+            vectors,
+            steady: case.solver.steady.map(|_| blocks + factors(case, 1) + vectors / time_order + coarse_level(case)),
+            most_krylov: vector * krylov_vectors(restart),
+            mesh: mesh::bytes(case),
+        }
+    }
+
+    /// The largest memory of a typical run.
+    pub fn peak(&self) -> usize {
+        let slab = self.jacobian + self.factors + self.vectors;
+        PROGRAM + self.mesh + slab.max(self.steady.unwrap_or(0))
+    }
+}
+
+/// Refuses a run whose flow needs more memory than is available, by a margin wider than the error of the estimate.
+///
+/// # Errors
+/// The memory needed, and the memory available.
+pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    let needed = MemoryEstimate::of_flow(case).peak();
+    let Some(_) = memory::shortage((needed as f64 / MARGIN) as u64) else { return Ok(()) };
+    let shortage = memory::shortage(needed as u64).unwrap_or_default();
+    Err(Failure::bad_input(anyhow::anyhow!(
+        "the run does not fit into memory: {shortage}; fewer cells or a lower `flow.order` need less, and so does `solver.preconditioner = \
+         \"lines\"`; `stsolve check` tells the parts"
+    )))
+}
+
+/// v_0 ... v_k and z_1 ... z_k after k iterations of FGMRES.
+fn krylov_vectors(iterations: usize) -> usize {
+    2 * iterations + 1
+}
+
+/// The sizes of the blocks of a flow.
+struct Blocks {
+    /// Unknowns of a cell at one time.
+    cell: usize,
+    /// Nodes of a cell.
+    nodes: usize,
+    /// Traces of a face.
+    traces: usize,
+}
+
+impl Blocks {
+    fn new<const D: usize>(flow: &Flow<D>) -> Self {
+        let (nodes, kinds) =
+            (flow.order.pow(D as u32), 1 + usize::from(flow.law.gas.viscosity() != Viscosity::Inviscid));
+        Blocks { cell: (D + 2) * nodes, nodes, traces: kinds * (D + 2) * nodes / flow.order }
+    }
+}
+
+/// In double precision: the square of a cell's unknowns and of its nodes. During assembly also the square of the traces of a facet, for
+/// rows and columns of either side.
+fn jacobian<const D: usize>(case: &Case<D>) -> usize {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
+    let Blocks { cell, nodes, traces } = Blocks::new(flow);
+    let pairs = 4 * mesh.interior_facets().len() + mesh.boundary_facets().len();
+    8 * (mesh.n_cells() * (cell * cell + nodes * nodes) + pairs * traces * traces)
+}
+
+/// In bfloat16: the square of a cell's unknowns for each time node, and of the traces for either side of a facet. In single precision:
+/// the data to invert a block, per thread.
+fn factors<const D: usize>(case: &Case<D>, time_order: usize) -> usize {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
+    let Blocks { cell, traces, .. } = Blocks::new(flow);
+    let stored =
+        mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
+    2 * stored + 4 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
+}
+
+/// For the preconditioner by directions, in double precision: for every axis of a cell the squares of the unknowns and of the nodes of a line.
+/// In single precision: the former, padded, once for a real mode and four times for a complex pair.
+fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
+    let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);
+    let matrices = time_order % 2 + 4 * (time_order / 2);
+    (8 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
+}
+
+/// The direct solver of the coarse level.
+fn coarse_level<const D: usize>(case: &Case<D>) -> usize {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
+    let (cells, components) = (mesh.n_cells(), D + 2);
+    let functions = coarse_functions_per_direction(cells, components, D as u32, flow.order).pow(D as u32);
+    let block = (components * functions) as f64;
+    (8.0 * COARSE_FILL * block.powi(2) * cells as f64 * (cells as f64).log2()) as usize
+}

@@ -1,0 +1,120 @@
+//! Decides whether a run may write into its output directory: it replaces no other run unasked, and never the run that it
+//! starts from.
+
+use crate::destination::{Destination, Existing};
+use crate::error::Failure;
+use crate::observer::{NextStep, Observer};
+use crate::time::rounded;
+use output::{EarlierRun, RESULT_FILE, RunDirectory};
+use std::path::{Path, PathBuf};
+
+/// The largest number of characters in a message of the reason why a run stopped.
+const LONGEST_REASON: usize = 160;
+
+/// Why a run may not write into its output directory.
+#[derive(Debug, thiserror::Error)]
+pub enum OccupiedError {
+    /// The run to be replaced is the source of the restart.
+    #[error(
+        "the output directory `{directory}` holds the run from which this one starts, `restart.from`: it would destroy its own \
+         source\n  write elsewhere: {elsewhere}"
+    )]
+    Source {
+        /// The output directory.
+        directory: PathBuf,
+        /// How to write elsewhere.
+        elsewhere: String,
+    },
+    /// There is an earlier run.
+    #[error("the output directory `{directory}` holds {found}; it is not replaced unasked{remedies}")]
+    Earlier {
+        /// The output directory.
+        directory: PathBuf,
+        /// The run found.
+        found: String,
+        /// The remedies, one per line.
+        remedies: String,
+    },
+    /// A file of another program has the name of a run's file.
+    #[error("`{file}` was not written by stsolve, and a run would replace it; {elsewhere}")]
+    Foreign {
+        /// The file.
+        file: PathBuf,
+        /// How to write elsewhere.
+        elsewhere: String,
+    },
+}
+
+/// Checks the output directory before anything is computed. If another run holds it, nothing is checked here, because the lock
+/// reports it.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_unless_held(
+    destination: &Destination,
+    observer: &dyn Observer,
+    source: Option<&Path>,
+) -> Result<(), Failure> {
+    if RunDirectory::is_held(&destination.directory) { Ok(()) } else { check(destination, observer, source) }
+}
+
+/// Checks that a run may write to its `destination`; `source` is the result or the directory of the run from which it starts.
+///
+/// # Errors
+/// [`OccupiedError`]
+pub fn check(destination: &Destination, observer: &dyn Observer, source: Option<&Path>) -> Result<(), Failure> {
+    let Destination { directory, existing } = destination;
+    if *existing == Existing::Resume {
+        return Ok(());
+    }
+    let elsewhere = observer.advice(NextStep::WriteElsewhere, directory);
+    if source.is_some_and(|source| is_result_of(directory, source)) {
+        return Err(Failure::bad_input(OccupiedError::Source { directory: directory.clone(), elsewhere }));
+    }
+    if *existing == Existing::Replace {
+        return Ok(());
+    }
+    if let Some(earlier) = EarlierRun::find(directory) {
+        let (found, remedies) = (described(&earlier), remedies(&earlier, observer, directory));
+        return Err(Failure::bad_input(OccupiedError::Earlier { directory: directory.clone(), found, remedies }));
+    }
+    match RunDirectory::foreign_history(directory) {
+        Some(file) => Err(Failure::bad_input(OccupiedError::Foreign { file, elsewhere })),
+        None => Ok(()),
+    }
+}
+
+/// Whether the result in `directory` is named by `source`, directly or by its directory, through any links.
+fn is_result_of(directory: &Path, source: &Path) -> bool {
+    let source = if source.is_dir() { source.join(RESULT_FILE) } else { source.to_owned() };
+    let real = |path: &Path| path.canonicalize().ok();
+    let result = directory.join(RESULT_FILE);
+    real(&source).is_some_and(|source| real(&result).is_some_and(|result| result == source))
+}
+
+fn described(run: &EarlierRun) -> String {
+    let what = if run.is_mesh_alone { "run of the mesh alone" } else { "run" };
+    let time = run.time.map_or(String::new(), |time| format!(", t = {}", rounded(time)));
+    match &run.reason {
+        _ if run.completed => format!("a finished {what}{time}"),
+        None => format!("an unfinished {what}{time}"),
+        Some(reason) => {
+            let first: String = reason.lines().next().unwrap_or_default().chars().take(LONGEST_REASON).collect();
+            format!("an unfinished {what}{time} ({first})")
+        }
+    }
+}
+
+/// A line for each possible intention of the user.
+fn remedies(run: &EarlierRun, observer: &dyn Observer, directory: &Path) -> String {
+    let advice = |step| observer.advice(step, directory);
+    let go_on = if run.completed { "go on to a later `time.end`" } else { "go on from its last checkpoint" };
+    let mut lines = vec![];
+    if run.has_checkpoint {
+        lines.push(format!("{go_on}: {}", advice(NextStep::Resume)));
+    }
+    lines.push(format!("replace it: {}", advice(NextStep::Replace)));
+    lines.push(format!("keep both: {}", advice(NextStep::WriteElsewhere)));
+    lines.push(advice(NextStep::Report));
+    lines.iter().map(|line| format!("\n  {line}")).collect()
+}

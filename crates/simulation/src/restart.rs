@@ -1,0 +1,336 @@
+//! A run that starts from the result of another one.
+
+use super::history::columns;
+use super::statistics::RunStatistics;
+use super::walls::numbers_per_wall;
+use super::{checkpoint, motion_jump};
+use crate::error::Failure;
+use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
+use coupled::{Linearisation, MeshMotion, MeshMover, State};
+use fem::Orders;
+use mesh::{Mesh, NodeNumbering};
+use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+type Arrays = BTreeMap<String, Vec<f64>>;
+
+/// The remedy if the gas differs.
+const ALLOW: &str = "; `restart.allow = [\"viscosity\"]`, or \"mach\", if it is to change";
+
+/// Why a case cannot start from a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RestartError {
+    /// The file does not exist.
+    #[error("`restart.from` names `{path}`, which does not exist; it is looked for beside the case file")]
+    Missing {
+        /// The path of the file.
+        path: PathBuf,
+    },
+    /// The case in the file cannot be read.
+    #[error("the case in `{path}` cannot be read, it is of another version of the program: {reason}")]
+    Unreadable {
+        /// The result file.
+        path: PathBuf,
+        /// The mismatch.
+        reason: String,
+    },
+    /// A quantity that must be equal is not.
+    #[error("this case cannot start from `{path}`: {quantity} there: {there}; here: {here}")]
+    Differs {
+        /// The result file.
+        path: PathBuf,
+        /// The quantity.
+        quantity: &'static str,
+        /// Its value in the file.
+        there: String,
+        /// Its value in this case.
+        here: String,
+    },
+    /// The boundary would jump.
+    #[error(
+        "this case cannot start from `{path}`: at t = {time} the point at {position:?} is displaced by {there:?} there, and the motion of \
+         this case puts it at {here:?}, {distance:.3e} away; change `[motion]`, and the constants and tables in it, so that the motion \
+         goes on from there, or start anew"
+    )]
+    MotionJumps {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// A point of the mesh at rest.
+        position: Vec<f64>,
+        /// Its displacement in the file.
+        there: Vec<f64>,
+        /// Its displacement in this case.
+        here: Vec<f64>,
+        /// Their distance.
+        distance: f64,
+    },
+    /// The time reached by the run is outside this case.
+    #[error(
+        "this case cannot start from `{path}`: the run there stands at t = {time}, this case covers t = {start} to {end}; change `time.end`"
+    )]
+    Time {
+        /// The result file.
+        path: PathBuf,
+        /// The time reached there.
+        time: f64,
+        /// The start of this case.
+        start: f64,
+        /// Its end.
+        end: f64,
+    },
+}
+
+/// The start of a run that continues another one.
+#[derive(Debug)]
+pub struct Start {
+    /// The state, in the orders of the new run.
+    pub state: SolverState,
+    /// Warnings about it.
+    pub warnings: Vec<String>,
+}
+
+/// Checks whether `case` can start from the result that it names, if it names one.
+///
+/// # Errors
+/// As `read`.
+pub fn check<const D: usize, const M: usize>(case: &Case<D>, flow: &Flow<D>) -> Result<(), Failure> {
+    if case.restart.is_some() {
+        // Prescribed motions follow from the case, so nothing needs to be factored.
+        let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+        let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, case.time.order);
+        read::<D, M>(case, flow, &mover)?;
+    }
+    Ok(())
+}
+
+/// The state from which `case` starts on the mesh of `mover`, if it names a result: in the orders of the case, with the sums and the
+/// history of the earlier run.
+///
+/// # Errors
+/// [`RestartError`], or a result file that cannot be read.
+pub fn read<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: &MeshMover<D>,
+) -> Result<Option<Start>, Failure> {
+    let Some(from) = &case.restart else { return Ok(None) };
+    let path = if from.is_dir() { from.join(RESULT_FILE) } else { from.clone() };
+    if !path.exists() {
+        return Err(Failure::bad_input(RestartError::Missing { path }));
+    }
+    let (_, stored) = output::read_checkpoint(&path)?;
+    let origin = Origin { result: ResultReader::open(&path)?, path, stored };
+    origin.continued::<D, M>(case, flow, mover).map(Some).map_err(Failure::bad_input)
+}
+
+/// The run that is continued.
+struct Origin {
+    path: PathBuf,
+    result: ResultReader,
+    stored: SolverState,
+}
+
+impl Origin {
+    /// Its state, as a state of `case`.
+    fn continued<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        flow: &Flow<D>,
+        mover: &MeshMover<D>,
+    ) -> Result<Start, RestartError> {
+        self.check_mesh(case)?;
+        let gas_changed = self.check_flow(case)?;
+        let mut sums = self.sums(case, flow)?;
+        let metadata = &self.result.metadata;
+        let mesh = case.mesh.order();
+        let from = Orders { flow: metadata.space_nodes.len(), mesh, time: metadata.time_nodes.len() };
+        let to = Orders { flow: flow.order, mesh, time: case.time.order };
+        let (mut state, frozen, stale) = self.loaded::<D, M>(case, mover, from)?;
+        self.join_schedule(&mut state, &case.time)?;
+        let warnings = self.check_motion(case, mover, &state)?.into_iter().collect();
+        if gas_changed && case.allows(AllowedChange::Mach) {
+            self.shift_pressure::<D, M>(flow, from.flow, &mut state)?;
+        }
+        if state.slab == 0 && (gas_changed || from != to) {
+            // Only the steady flow has been searched so far; the search continues with the new orders and the new gas.
+            sums = RunStatistics::default().to_arrays();
+        }
+        let mut continued = match from == to {
+            true => checkpoint::store(&state, frozen.as_ref(), stale || gas_changed),
+            false => checkpoint::store(&state.transfer(mover, M, from, to), None, false),
+        };
+        continued.arrays.extend(sums);
+        Ok(Start { state: continued, warnings })
+    }
+
+    /// The state in the orders of the run, the linearisation of its preconditioner, and whether that is stale.
+    fn loaded<const D: usize, const M: usize>(
+        &self,
+        case: &Case<D>,
+        mover: &MeshMover<D>,
+        orders: Orders,
+    ) -> Result<(State, Option<Linearisation>, bool), RestartError> {
+        let lengths = (case.mesh.n_cells() * M * orders.flow.pow(D as u32), mover.field_len());
+        let loaded = checkpoint::load(&self.stored, &Time { order: orders.time, ..case.time });
+        let fitting = loaded.filter(|(state, ..)| (state.u.len(), state.d.len()) == lengths);
+        fitting.ok_or_else(|| self.differs("the checkpoint", "incomplete", "that of a flow"))
+    }
+
+    /// The mesh at rest must be the same, up to round-off.
+    fn check_mesh<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
+        let (there, grid, here) = (&self.result.metadata.mesh, &self.result.layout.grid, &case.mesh);
+        let size = |dimension: usize, cells: usize, numbers: usize| {
+            format!("{cells} cells in {dimension} dimensions, {} nodes each", numbers / (dimension * cells).max(1))
+        };
+        let of_there = size(grid.dimension, grid.cells, there.position.len());
+        let of_here = size(D, here.n_cells(), here.coordinates().len());
+        if of_there != of_here {
+            return Err(self.differs("the mesh", of_there, of_here));
+        }
+        let (names, names_here) = (there.boundary_names.join(", "), here.boundary_names().join(", "));
+        if names != names_here {
+            return Err(self.differs("the boundaries", names, names_here));
+        }
+        let apart = largest_distance(there, here);
+        if apart > 1e-12 * here.diameter() {
+            return Err(self.differs("nodes of the mesh at rest", "elsewhere", format!("up to {apart:e} apart")));
+        }
+        Ok(())
+    }
+
+    /// The gas in both cases, as text and without what is `allowed` to change.
+    fn gases<const D: usize>(&self, case: &Case<D>, allowed: &[AllowedChange]) -> Result<[String; 2], RestartError> {
+        let gas =
+            |text: &str| gas_of(text, allowed).map(Option::unwrap_or_default).map_err(|reason| self.unreadable(reason));
+        Ok([gas(&self.result.metadata.case_text)?, gas(&case.about.resolved)?])
+    }
+
+    /// The result must hold a flow of the same gas; the case may allow changes. Returns whether the gas has changed.
+    fn check_flow<const D: usize>(&self, case: &Case<D>) -> Result<bool, RestartError> {
+        let [there, here] = self.gases(case, &[])?;
+        if !self.result.layout.exact.iter().any(|array| array.name == "flow") {
+            return Err(self.differs("what is solved", "no flow", "a flow"));
+        }
+        if there == here {
+            return Ok(false);
+        }
+        let [there, here] = self.gases(case, &case.allowed_changes)?;
+        if there != here {
+            return Err(self.differs("the gas", there, here + ALLOW));
+        }
+        Ok(true)
+    }
+
+    /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...
+    fn shift_pressure<const D: usize, const M: usize>(
+        &self,
+        flow: &Flow<D>,
+        order: usize,
+        state: &mut State,
+    ) -> Result<(), RestartError> {
+        let there = reference_pressure_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
+        let shift = (flow.reference_pressure() - there) / (flow.law.gas.gamma() - 1.0);
+        let nodes = order.pow(D as u32);
+        let past = state.past.iter_mut().flat_map(|past| past.u.iter_mut().enumerate());
+        for (i, u) in state.u.iter_mut().enumerate().chain(past) {
+            if i / nodes % M == M - 1 {
+                *u += shift;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the motion of `case` continues the motion of the run: a jump of the position is refused, a jump of the
+    /// velocity is a warning.
+    fn check_motion<const D: usize>(
+        &self,
+        case: &Case<D>,
+        mover: &MeshMover<D>,
+        state: &State,
+    ) -> Result<Option<String>, RestartError> {
+        if case.allows(AllowedChange::Motion) {
+            return Ok(None);
+        }
+        if let Some(jump) = motion_jump::of_position(case, mover, state) {
+            let [position, there, here] = [jump.position, jump.there, jump.here].map(|vector| vector.to_vec());
+            let (path, distance) = (self.path.clone(), jump.size());
+            return Err(RestartError::MotionJumps { path, time: state.time, position, there, here, distance });
+        }
+        let path = self.path.display();
+        let before = match motion_of(&self.result.metadata.case_text, &case.mesh) {
+            Ok(motion) => Case { motion, ..case.clone() },
+            Err(reason) => {
+                return Ok(Some(format!("the velocities of the motion in `{path}` cannot be compared: {reason}")));
+            }
+        };
+        if before.motion == case.motion {
+            return Ok(None);
+        }
+        let jump = motion_jump::of_velocity(&before, case, mover, state.time);
+        Ok(jump.map(|motion_jump::Jump { position, there, here }| {
+            format!(
+                "the boundary changes its velocity at once at t = {}, which sends a pressure wave into the flow: the point at {position:?} \
+                 moves with {there:.6?} in `{path}`, and with {here:.6?} from here on",
+                state.time
+            )
+        }))
+    }
+
+    fn unreadable(&self, reason: String) -> RestartError {
+        RestartError::Unreadable { path: self.path.clone(), reason }
+    }
+
+    /// The sums and the history of the run, if `case` has the same walls.
+    fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
+        let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
+        // Empty if nothing has been solved yet.
+        let walls = len("tally.forces") / numbers_per_wall(D);
+        let has_begun = len("tally.forces") + len("tally.left") > 0;
+        if has_begun && walls != flow.walls.len() {
+            return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));
+        }
+        let width = columns(case).len();
+        if !len("history").is_multiple_of(width) {
+            return Err(self.differs("columns of the history", "others", width.to_string()));
+        }
+        let kept = |name: &str| name == "history" || name.starts_with("tally.");
+        let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
+        Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
+    }
+
+    /// The run continues in the slabs of `time`; the next slab may have begun before.
+    fn join_schedule(&self, state: &mut State, time: &Time) -> Result<(), RestartError> {
+        let round_off = 1e-9 * time.step;
+        // A case without slabs asks for the steady flow alone.
+        let latest = if time.slabs == 0 { time.end } else { time.end - round_off };
+        if state.time < time.start - round_off || state.time > latest {
+            let Time { start, end, .. } = *time;
+            return Err(RestartError::Time { path: self.path.clone(), time: state.time, start, end });
+        }
+        state.nominal = ((state.time - time.start + round_off) / time.step) as usize;
+        let end = time.start + time.step * (state.nominal + 1) as f64;
+        // Parts of a halved slab are done first, if that slab is one of these.
+        if state.pending.first().is_some_and(|last| (last.end - end).abs() > round_off) {
+            state.pending.clear();
+        }
+        Ok(())
+    }
+
+    fn differs(&self, quantity: &'static str, there: impl Into<String>, here: impl Into<String>) -> RestartError {
+        RestartError::Differs { path: self.path.clone(), quantity, there: there.into(), here: here.into() }
+    }
+}
+
+/// The largest distance of a coordinate in two meshes of the same size.
+fn largest_distance<const D: usize>(there: &RestMesh, here: &Mesh<D>) -> f64 {
+    let nodes = here.nodes_per_cell();
+    let cells = there.position.chunks_exact(D * nodes).zip(here.coordinates().chunks_exact(D * nodes));
+    // `[component][node]` in the file, `[node][component]` in the case.
+    let in_cell = |(there, here): (&[f64], &[f64])| -> f64 {
+        (0..D * nodes).map(|i| (there[i % D * nodes + i / D] - here[i]).abs()).fold(0.0, f64::max)
+    };
+    cells.map(in_cell).fold(0.0, f64::max)
+}

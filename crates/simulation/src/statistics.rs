@@ -1,0 +1,302 @@
+//! Sums over a run, for summary.json; they go into checkpoints.
+
+use super::body_record::BodyRecord;
+use super::openings::Record;
+use super::walls::{WallLoads, numbers_per_wall, to_numbers};
+use coupled::block::BodyState;
+use coupled::{MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
+use std::collections::BTreeMap;
+
+/// The statistics of a run so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunStatistics {
+    /// Attempts at slabs that were rejected.
+    pub rejected: u64,
+    /// Newton steps.
+    pub newton: u64,
+    /// The largest number of Newton steps in a slab.
+    pub newton_max: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// The largest number of Krylov iterations in a Newton step.
+    pub krylov_max: u64,
+    /// CG iterations of the mesh.
+    pub elasticity: u64,
+    /// Evaluations of the residual.
+    pub residuals: u64,
+    /// Jacobian products.
+    pub products: u64,
+    /// The worst quality of the mesh.
+    pub quality: Option<MeshQuality>,
+    /// The first place where the mesh was invalid.
+    pub first_invalid: Option<FirstInvalid>,
+    /// The first time at which a sampled det J was not positive.
+    pub first_invalid_sampled: Option<f64>,
+    /// Integrals of all components at the start.
+    pub totals_at_start: Vec<f64>,
+    /// The amount that has left through all boundaries, per component.
+    pub left: Vec<f64>,
+    /// Impulses, work and heat of every wall, as numbers.
+    pub impulses: Vec<Vec<f64>>,
+    /// The loads of every wall at the time reached, as numbers.
+    pub forces: Vec<Vec<f64>>,
+    /// The search for the steady flow, if the run starts from one.
+    pub steady: Option<Steady>,
+    /// The largest of the mass errors, relative to the mass at the start.
+    pub mass_error: f64,
+    /// The largest of the energy errors, relative to the energy at the start.
+    pub energy_error: f64,
+    /// The energy of a structure.
+    pub structure: EnergyBalance,
+    /// The mass flow out through every boundary at the time reached.
+    pub mass_flows: Vec<f64>,
+    /// The observations at inflows and outflows.
+    pub openings: Vec<Record>,
+    /// What bodies have done.
+    pub bodies: Vec<BodyRecord>,
+    /// The largest error of the energy of gas and bodies together, relative to that of the gas at the start.
+    pub coupled_energy_error: f64,
+}
+
+/// The energy balance of a structure since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// The energy at the start.
+    pub energy_at_start: f64,
+    /// The work of the loads.
+    pub load_work: f64,
+    /// The work of the supports.
+    pub support_work: f64,
+    /// The energy dissipated by the jumps between slabs.
+    pub dissipation: f64,
+}
+
+impl EnergyBalance {
+    /// The excess of `energy` over its balance: round-off.
+    pub fn error(&self, energy: f64) -> f64 {
+        energy - (self.energy_at_start + self.load_work + self.support_work - self.dissipation)
+    }
+}
+
+/// The steady flow at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steady {
+    /// Newton steps.
+    pub newton: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// The residual, relative to the residual of the initial state.
+    pub residual: f64,
+    /// The loads of every wall, as numbers.
+    pub forces: Vec<Vec<f64>>,
+    /// What speaks for and against it.
+    pub reliability: Reliability,
+}
+
+/// The first invalidity of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstInvalid {
+    /// The first time at which a cell is not proved to be valid.
+    pub time: f64,
+    /// The worst cell of that slab.
+    pub cell: usize,
+}
+
+/// As numbers: the residual, or NaN, and the march where there was one.
+fn of_reliability(reliability: &Reliability) -> Vec<f64> {
+    let march = |s: Stability| [s.growth, s.duration, f64::from(u8::from(s.completed))];
+    let residual = reliability.next_order_residual.unwrap_or(f64::NAN);
+    std::iter::once(residual).chain(reliability.stability.into_iter().flat_map(march)).collect()
+}
+
+/// Back from numbers.
+fn to_reliability(numbers: &[f64]) -> Reliability {
+    let stability = match *numbers {
+        [_, growth, duration, completed] => Some(Stability { growth, duration, completed: completed == 1.0 }),
+        _ => None,
+    };
+    Reliability { next_order_residual: numbers.first().copied().filter(|r| !r.is_nan()), stability }
+}
+
+impl Steady {
+    fn to_numbers(&self) -> Vec<f64> {
+        [vec![self.newton as f64, self.krylov as f64, self.residual], self.forces.concat()].concat()
+    }
+}
+
+/// The mass flow out through every boundary at the top of a slab.
+fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
+    report.fluxes.last().map_or_else(Vec::new, |top| top.boundaries.iter().map(|flux| flux.total()[0]).collect())
+}
+
+impl RunStatistics {
+    /// Adds a slab, with the loads of the walls.
+    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[WallLoads<D>]) {
+        self.rejected += report.rejected as u64;
+        let steps = report.newton.steps.len() as u64;
+        self.newton += steps;
+        self.newton_max = self.newton_max.max(steps);
+        self.krylov += report.newton.krylov_iterations as u64;
+        let most = report.newton.steps.iter().map(|step| step.krylov_iterations as u64).max().unwrap_or(0);
+        self.krylov_max = self.krylov_max.max(most);
+        self.elasticity += report.counts.elasticity_iterations as u64;
+        self.residuals += report.counts.residuals as u64;
+        self.products += (report.counts.products + report.counts.mesh_products) as u64;
+        self.add_quality(report.quality);
+        self.left.resize(M, 0.0);
+        self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
+        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.mass_flows = mass_flows(report);
+        self.impulses.resize(felt.len(), vec![0.0; numbers_per_wall(D)]);
+        for (sums, felt) in self.impulses.iter_mut().zip(felt) {
+            sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
+        }
+        self.mass_error = self.mass_error.max(self.balance(&report.totals, 0).abs());
+        self.energy_error = self.energy_error.max(self.balance(&report.totals, M - 1).abs());
+    }
+
+    /// Adds the `states` of bodies at the end of a slab, the time `t`, in which the gas has the integrals `totals`. `walls` are the walls
+    /// of all bodies, by their number in the list of walls.
+    pub fn add_bodies(&mut self, states: &[BodyState], t: f64, totals: &[f64], walls: &[usize]) {
+        self.bodies.iter_mut().zip(states).for_each(|(record, state)| record.add(state, t));
+        let component = totals.len() - 1;
+        let Some(start) = self.totals_at_start.get(component) else { return };
+        // Work is the last but one of the numbers of a wall.
+        let work = |wall: &usize| self.impulses[*wall].iter().rev().nth(1).copied().unwrap_or(0.0);
+        let lost: f64 = walls.iter().map(work).sum();
+        let gained: f64 = self.bodies.iter().zip(states).map(|(record, state)| record.gained(state)).sum();
+        let error = self.balance(totals, component) + (gained - lost) / start;
+        self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
+    }
+
+    /// Notes how the steady flow was found from which the run starts.
+    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, felt: &[WallLoads<D>]) {
+        let SteadyFlow { report, stages, reliability } = found;
+        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.mass_flows = mass_flows(report);
+        self.steady = Some(Steady {
+            newton: stages.iter().map(|stage| stage.steps as u64).sum(),
+            krylov: stages.iter().map(|stage| stage.iterations as u64).sum(),
+            residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
+            forces: self.forces.clone(),
+            reliability: *reliability,
+        });
+    }
+
+    /// Adds a slab of a structure.
+    pub fn add_structure(&mut self, report: &StructureReport) {
+        self.elasticity += report.dynamics.iterations as u64;
+        self.structure.load_work += report.dynamics.work.load;
+        self.structure.support_work += report.dynamics.work.support;
+        self.structure.dissipation += report.dynamics.work.damped + report.dynamics.work.dissipation;
+    }
+
+    /// Adds the quality of the mesh in a slab.
+    pub fn add_quality(&mut self, quality: MeshQuality) {
+        self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
+    }
+
+    /// (present amount + amount that has left - amount at the start) / amount at the start, of one component.
+    pub fn balance(&self, totals: &[f64], component: usize) -> f64 {
+        let at = |values: &[f64]| values.get(component).copied();
+        let start = at(&self.totals_at_start).unwrap_or(f64::NAN);
+        (totals[component] + at(&self.left).unwrap_or(0.0) - start) / start
+    }
+
+    /// As named numbers.
+    pub fn to_arrays(&self) -> BTreeMap<String, Vec<f64>> {
+        let counts = [
+            self.rejected,
+            self.newton,
+            self.newton_max,
+            self.krylov,
+            self.krylov_max,
+            self.elasticity,
+            self.residuals,
+            self.products,
+        ];
+        let quality = self
+            .quality
+            .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
+        BTreeMap::from([
+            ("tally.counts".into(), counts.map(|n| n as f64).to_vec()),
+            ("tally.quality".into(), quality),
+            (
+                "tally.first_invalid".into(),
+                self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
+            ),
+            ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
+            ("tally.totals_at_start".into(), self.totals_at_start.clone()),
+            ("tally.left".into(), self.left.clone()),
+            ("tally.impulses".into(), self.impulses.concat()),
+            ("tally.forces".into(), self.forces.concat()),
+            ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
+            ("tally.reliability".into(), self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability))),
+            ("tally.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
+            ("tally.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
+            ("tally.structure".into(), {
+                let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
+                vec![energy_at_start, load_work, support_work, dissipation]
+            }),
+            ("tally.mass_flows".into(), self.mass_flows.clone()),
+            ("tally.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
+        ])
+    }
+
+    /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
+    pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
+        let get = |name: &str| arrays.get(&format!("tally.{name}"));
+        let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
+        else {
+            return None;
+        };
+        let quality = match get("quality")?[..] {
+            [lower_bound, sampled_min, scaled_jacobian, cell, time] => {
+                Some(MeshQuality { lower_bound, sampled_min, scaled_jacobian, cell: cell as usize, time })
+            }
+            _ => None,
+        };
+        let &[energy_at_start, load_work, support_work, dissipation] = &get("structure")?[..] else { return None };
+        let by_wall = |numbers: &[f64]| -> Vec<Vec<f64>> {
+            let each = numbers.len().checked_div(walls).unwrap_or(0).max(1);
+            numbers.chunks(each).map(<[f64]>::to_vec).collect()
+        };
+        Some(RunStatistics {
+            rejected: rejected as u64,
+            newton: newton as u64,
+            newton_max: newton_max as u64,
+            krylov: krylov as u64,
+            krylov_max: krylov_max as u64,
+            elasticity: elasticity as u64,
+            residuals: residuals as u64,
+            products: products as u64,
+            quality,
+            first_invalid: match get("first_invalid")?[..] {
+                [time, cell] => Some(FirstInvalid { time, cell: cell as usize }),
+                _ => None,
+            },
+            first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
+            totals_at_start: get("totals_at_start")?.clone(),
+            left: get("left")?.clone(),
+            impulses: by_wall(get("impulses")?),
+            forces: by_wall(get("forces")?),
+            steady: match &get("steady")?[..] {
+                [newton, krylov, residual, forces @ ..] => Some(Steady {
+                    newton: *newton as u64,
+                    krylov: *krylov as u64,
+                    residual: *residual,
+                    forces: by_wall(forces),
+                    reliability: to_reliability(get("reliability").map_or(&[][..], Vec::as_slice)),
+                }),
+                _ => None,
+            },
+            mass_error: *get("errors")?.first()?,
+            energy_error: *get("errors")?.get(1)?,
+            coupled_energy_error: *get("errors")?.get(2)?,
+            bodies: BodyRecord::read_all(get("bodies")?)?,
+            structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
+            mass_flows: get("mass_flows")?.clone(),
+            openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
+        })
+    }
+}

@@ -1,0 +1,130 @@
+//! A structure.
+
+use super::context::{RunContext, Stop};
+use super::drive::{Call, Run, drive};
+use super::failure::{Finding, examine_structure};
+use super::record::MeshView;
+use super::{build, checkpoint, history, summary};
+use crate::destination::Destination;
+use crate::error::Failure;
+use crate::observer::Observer;
+use crate::session::Session;
+use case::{Case, Structure};
+use coupled::{Observation, SlabError, StructureMarch, StructureReport};
+use elasticity::{ElasticityError, NaturalMode, natural_modes};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use output::{SolverState, Summary};
+use std::time::Instant;
+
+/// Runs a structure.
+///
+/// # Errors
+/// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
+pub fn run_structure<const D: usize, const M: usize>(
+    case: &Case<D>,
+    structure: &Structure<D>,
+    destination: &Destination,
+    observer: &dyn Observer,
+) -> Result<Summary, Failure> {
+    let call = Call { destination, observer, begun: Instant::now(), origin: None };
+    let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
+    let mesh = MeshView::new(&case.mesh, march.structure().numbering());
+    let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
+    drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
+}
+
+struct StructureRun<'a, const D: usize> {
+    case: &'a Case<D>,
+    structure: &'a Structure<D>,
+    march: StructureMarch<D>,
+    observed: Observed,
+}
+
+/// The quantities of the displacement in history.csv.
+struct Observed {
+    points: Vec<Observation>,
+    modes: Vec<NaturalMode>,
+    /// M phi of every mode.
+    momenta: Vec<Vec<f64>>,
+}
+
+impl Observed {
+    fn new<const D: usize>(structure: &Structure<D>, march: &StructureMarch<D>) -> Result<Self, ElasticityError> {
+        let body = march.structure();
+        let modes =
+            if structure.natural_modes > 0 { natural_modes(body, structure.natural_modes)? } else { Vec::new() };
+        let momentum = |mode: &NaturalMode| {
+            let mut momentum = vec![0.0; body.length()];
+            body.apply_mass(&mode.shape, &mut momentum);
+            momentum
+        };
+        let momenta = modes.iter().map(momentum).collect();
+        // The case has been checked, so every point is in the mesh.
+        let observation = |(_, x): &(String, [f64; D])| Observation::new(body.mesh(), body.numbering(), x);
+        Ok(Observed { points: structure.points.iter().filter_map(observation).collect(), modes, momenta })
+    }
+
+    /// The displacements of the points, and the coordinates phi . M d of the modes.
+    fn values<const D: usize>(&self, d: &[f64]) -> Vec<f64> {
+        let points = self.points.iter().flat_map(|point| point.value::<D>(d));
+        points.chain(self.momenta.iter().map(|momentum| Euclidean.dot(momentum, d))).collect()
+    }
+}
+
+impl<const D: usize> Run for StructureRun<'_, D> {
+    type Report = StructureReport;
+
+    fn state(&self) -> &coupled::State {
+        &self.march.state
+    }
+    fn is_done(&self) -> bool {
+        self.march.is_done()
+    }
+    fn advance(&mut self) -> anyhow::Result<StructureReport> {
+        self.march.advance().map_err(|error| match error.source {
+            SlabError::Structure(error) => error.into(),
+            _ => error.into(),
+        })
+    }
+    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
+        (self.march.velocity().repeat(self.case.time.order), Vec::new())
+    }
+
+    fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+        context.statistics.structure.energy_at_start = self.march.energies().iter().sum();
+        Ok(None)
+    }
+
+    fn enter(&self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
+        context.statistics.add_structure(report);
+        context.observer.structure_slab(report);
+        let mut row = history::row_of_structure(report, &context.statistics.structure);
+        row.extend(self.observed.values::<D>(&self.march.state.d));
+        row
+    }
+
+    fn store(&self) -> SolverState {
+        checkpoint::store(&self.march.state, None, false)
+    }
+
+    fn restore(&mut self, stored: &SolverState) -> Option<()> {
+        let (state, ..) = checkpoint::load(stored, &self.case.time)?;
+        let fits = state.d.len() == self.march.state.d.len();
+        self.march.state = state;
+        fits.then_some(())
+    }
+
+    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+        let energy = self.march.energies().iter().sum();
+        summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop)
+    }
+
+    fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
+        examine_structure(self.case, self.structure, &self.march, error)
+    }
+
+    fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
+        context.say_done(self.march.state.time, session);
+        Ok(())
+    }
+}

@@ -1,0 +1,301 @@
+//! summary.json
+
+use super::body_record::{BodyRecord, Oscillation};
+use super::context::{self, RunContext, Stop};
+use super::history::openings;
+use super::openings::Misuse;
+use super::statistics;
+use super::walls::from_numbers;
+use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
+use coupled::block::BodyState;
+use coupled::{FlowMarch, MeshMover, StructureMarch};
+use elasticity::NaturalMode;
+use fem::{StateField, squared_errors};
+use navier_stokes::{Coefficients, Exact};
+use output::{
+    Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
+    SteadyWall, StructureSummary, Summary, Unknowns, Wall,
+};
+
+/// The summary of a run of mesh and flow.
+pub fn of_flow<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    march: &FlowMarch<D, M>,
+    context: &RunContext,
+    stop: Option<&Stop>,
+) -> Summary
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let (statistics, slabs) = (&context.statistics, march.state.slab as u64);
+    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, &march.state, context, stop);
+    summary.unknowns.flow = Some(march.solver.system.flow.operator.layout.len());
+    summary.newton = Some(Newton {
+        total: statistics.newton,
+        max: statistics.newton_max,
+        per_slab: ratio(statistics.newton, slabs),
+    });
+    summary.krylov = Some(Krylov {
+        total: statistics.krylov,
+        max_per_newton: statistics.krylov_max,
+        mean_per_newton: ratio(statistics.krylov, statistics.newton),
+        elasticity_total: summary.unknowns.mesh.map(|_| statistics.elasticity),
+    });
+    if let Some(exact) = &flow.exact {
+        add_errors(march, exact, summary.error.get_or_insert_default());
+    }
+    let conservation = Conservation {
+        // A manufactured source adds mass and energy.
+        mass_error: (!flow.manufactured).then_some(statistics.mass_error),
+        energy_error: (!flow.manufactured).then_some(statistics.energy_error),
+        coupled_energy_error: (!case.bodies.is_empty()).then_some(statistics.coupled_energy_error),
+        free_stream_error: match &flow.exact {
+            Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
+            _ => None,
+        },
+    };
+    summary.conservation = (conservation != Conservation::default()).then_some(conservation);
+    let impulse = |wall: usize| statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice);
+    let force = |wall: usize| statistics.forces.get(wall).map_or(&[][..], Vec::as_slice);
+    for (number, wall) in flow.walls.iter().enumerate() {
+        summary.walls.insert(wall.name.clone(), of_wall(wall, impulse(number), force(number)));
+    }
+    for boundary in openings(flow) {
+        summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
+    }
+    for ((body, state), record) in case.bodies.iter().zip(march.bodies()).zip(&statistics.bodies) {
+        summary.bodies.insert(body.name.clone(), of_body(body, &state, record));
+    }
+    summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
+    summary
+}
+
+/// The figures of a wall, from its impulses over the run and its forces at the end.
+fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64]) -> Wall {
+    let impulses = from_numbers::<D>(impulses);
+    let coefficients = wall.scales.coefficients(&from_numbers(forces));
+    Wall {
+        impulse: impulses.force().to_vec(),
+        pressure_impulse: impulses.pressure.to_vec(),
+        friction_impulse: impulses.friction.to_vec(),
+        moment_impulse: wall.moments(&impulses),
+        work: impulses.power,
+        heat: impulses.heat,
+        drag_coefficient: Some(coefficients.drag),
+        lift_coefficient: Some(coefficients.lift),
+        moment_coefficient: Some(coefficients.moment),
+    }
+}
+
+/// Of a rigid body.
+fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record: &BodyRecord) -> Body {
+    let (mut displacement, mut velocity) = (vec![0.0; D], vec![0.0; D]);
+    let (mut rotation, mut angular_velocity) = (None, None);
+    for (freedom, (q, w)) in body.freedoms.iter().zip(state.position.iter().zip(&state.rate)) {
+        match freedom.axis {
+            Some(axis) => (displacement[axis], velocity[axis]) = (*q, *w),
+            None => (rotation, angular_velocity) = (Some(*q), Some(*w)),
+        }
+    }
+    let oscillation = |freedom: (&case::Freedom, &Oscillation)| {
+        let name = freedom.0.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
+        (name.to_owned(), output::Oscillation { amplitude: freedom.1.amplitude(), frequency: freedom.1.frequency() })
+    };
+    // The coordinate that moves most stands for the body.
+    let largest =
+        record.coordinates.iter().max_by(|a, b| a.amplitude().unwrap_or(0.0).total_cmp(&b.amplitude().unwrap_or(0.0)));
+    Body {
+        displacement,
+        rotation,
+        velocity,
+        angular_velocity,
+        amplitude: largest.and_then(Oscillation::amplitude),
+        frequency: largest.and_then(Oscillation::frequency),
+        coordinates: body.freedoms.iter().zip(&record.coordinates).map(oscillation).collect(),
+        work: state.ledger.flow,
+        kinetic_energy: state.kinetic_energy,
+        spring_energy: state.potential_energy,
+        drive_work: state.ledger.drive,
+        force_work: state.ledger.force,
+        damped: state.ledger.damped,
+        numerical_dissipation: state.ledger.numerical,
+    }
+}
+
+/// The figures of an inflow or outflow.
+fn of_opening(statistics: &statistics::RunStatistics, boundary: usize) -> Opening {
+    let seen = |misuse: Misuse| {
+        let record = statistics.openings.iter().find(|r| r.now.boundary == boundary && r.now.misuse == misuse)?;
+        Some(Misused { since: record.since, share: record.now.share, largest_share: record.largest_share })
+    };
+    Opening {
+        mass_flow: statistics.mass_flows.get(boundary).copied(),
+        supersonic: seen(Misuse::Supersonic),
+        leaving: seen(Misuse::Leaving),
+        backflow: seen(Misuse::Backflow),
+        subsonic: seen(Misuse::Subsonic),
+    }
+}
+
+/// The figures of the steady flow at the start.
+fn of_steady<const D: usize>(flow: &Flow<D>, steady: &statistics::Steady) -> Steady {
+    let drag = |(wall, forces): (&case::Wall<D>, &Vec<f64>)| {
+        let Coefficients { drag, lift, moment } = wall.scales.coefficients(&from_numbers(forces));
+        (wall.name.clone(), SteadyWall { drag_coefficient: drag, lift_coefficient: lift, moment_coefficient: moment })
+    };
+    Steady {
+        newton: steady.newton,
+        krylov: steady.krylov,
+        residual: steady.residual,
+        next_order_residual: steady.reliability.next_order_residual,
+        stability: steady.reliability.stability.map(|stability| SteadyStability {
+            growth: stability.growth,
+            duration: stability.duration,
+            completed: stability.completed,
+            unstable: stability.is_unstable(),
+        }),
+        walls: flow.walls.iter().zip(&steady.forces).map(drag).collect(),
+    }
+}
+
+/// The summary of a run of the mesh alone.
+pub fn of_mesh<const D: usize>(
+    case: &Case<D>,
+    mover: &MeshMover<D>,
+    state: &coupled::State,
+    context: &RunContext,
+    stop: Option<&Stop>,
+) -> Summary {
+    let statistics = &context.statistics;
+    let displacement_max = displacement_error(case, mover, state);
+    Summary {
+        unknowns: Unknowns { mesh: case.mesh_unknowns(), ..Default::default() },
+        mesh_quality: statistics.quality.map(|quality| MeshQuality {
+            det_j_lower_bound: Some(quality.lower_bound),
+            det_j_sampled_min: Some(quality.sampled_min),
+            scaled_jacobian_min: Some(quality.scaled_jacobian),
+            first_invalid_time: statistics.first_invalid.map(|first| first.time),
+            first_invalid_time_sampled: statistics.first_invalid_sampled,
+        }),
+        error: displacement_max.map(|_| ErrorNorms { displacement_max, ..Default::default() }),
+        ..common(case, state, context, stop)
+    }
+}
+
+/// The summary of a run of a structure that has the given `energy` now.
+pub fn of_structure<const D: usize>(
+    case: &Case<D>,
+    march: &StructureMarch<D>,
+    energy: f64,
+    modes: &[NaturalMode],
+    context: &RunContext,
+    stop: Option<&Stop>,
+) -> Summary {
+    let balance = context.statistics.structure;
+    let free = march.structure().fixed().iter().filter(|fixed| !**fixed).count();
+    let mut summary = common(case, &march.state, context, stop);
+    summary.unknowns.structure = Some(free * case.time.order);
+    summary.structure = Some(StructureSummary {
+        natural_frequencies: modes.iter().map(NaturalMode::frequency).collect(),
+        energy_at_start: balance.energy_at_start,
+        energy,
+        load_work: balance.load_work,
+        support_work: balance.support_work,
+        dissipation: balance.dissipation,
+        energy_error: balance.error(energy),
+        iterations: context.statistics.elasticity,
+    });
+    summary
+}
+
+/// The common part of all summaries.
+fn common<const D: usize>(
+    case: &Case<D>,
+    state: &coupled::State,
+    context: &RunContext,
+    stop: Option<&Stop>,
+) -> Summary {
+    Summary {
+        case: case.about.name.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        completed: stop.is_none(),
+        reason: stop.map(Stop::reason),
+        mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
+        slabs: state.slab as u64,
+        rejected_slabs: context.statistics.rejected,
+        time: state.time,
+        machine: Some(context::machine()),
+        cost: context.cost(),
+        ..Default::default()
+    }
+}
+
+fn ratio(a: u64, b: u64) -> f64 {
+    if b == 0 { 0.0 } else { a as f64 / b as f64 }
+}
+
+/// L2 errors of the flow at the time reached.
+fn add_errors<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let flow = &march.solver.system.flow.operator;
+    let row = if march.state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
+    let squares = squared_errors(flow, &march.state.u, row.row(0), &Exact(exact.clone()), march.state.time);
+    errors.density_l2 = Some(squares[0].sqrt());
+    errors.momentum_l2 = Some(squares[1..=D].iter().sum::<f64>().sqrt());
+    errors.energy_l2 = Some(squares[M - 1].sqrt());
+}
+
+/// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
+fn largest_deviation<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>) -> f64
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
+    let nodes = march.solver.system.flow.operator.layout.nodes;
+    let difference = |(i, u): (usize, &f64)| (u - state[i / nodes % M]).abs();
+    let largest = state.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
+}
+
+/// The largest distance of a C0 node from its exact position, if that is known.
+fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: &coupled::State) -> Option<f64> {
+    let exact = known_displacement(case, state.time)?;
+    let distance = |(x, d): (&[f64; D], &[f64])| {
+        let exact = exact(x);
+        (0..D).map(|i| (d[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    Some(mover.positions().iter().zip(state.d.chunks_exact(D)).map(distance).fold(0.0, f64::max))
+}
+
+/// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With
+/// a constant stiffness an affine map has constant stress, so that it is in equilibrium inside too.
+fn known_displacement<const D: usize>(case: &Case<D>, t: f64) -> Option<DisplacementOf<'_, D>> {
+    match case.motion.as_ref()? {
+        Motion::Prescribed(displacement) => Some(Box::new(move |x| displacement.evaluate(x, t))),
+        Motion::Elastic { stiffness: Stiffness::Constant, boundary, .. } => {
+            let first = boundary.first()?.as_ref()?;
+            let displacement = first.of_position(t)?;
+            let whole = boundary.iter().all(|other| other.as_ref() == Some(first));
+            let periodic = case.mesh.interior_facets().iter().any(|facet| facet.periodic);
+            (whole && !periodic && is_affine(case, &displacement)).then_some(displacement)
+        }
+        Motion::Elastic { .. } | Motion::Followed => None,
+    }
+}
+
+/// Whether g(x) = g(0) + sum_i x_i (g(e_i) - g(0)) at all nodes, up to round-off.
+fn is_affine<const D: usize>(case: &Case<D>, g: &DisplacementOf<'_, D>) -> bool {
+    let origin = g(&[0.0; D]);
+    let units: [_; D] = std::array::from_fn(|i| g(&std::array::from_fn(|j| f64::from(u8::from(i == j)))));
+    let tolerance = 1e-12 * case.mesh.diameter();
+    case.mesh.coordinates().chunks_exact(D).all(|x| {
+        let value = g(&std::array::from_fn(|i| x[i]));
+        (0..D).all(|d| {
+            let affine = origin[d] + (0..D).map(|i| x[i] * (units[i][d] - origin[d])).sum::<f64>();
+            (value[d] - affine).abs() <= tolerance
+        })
+    })
+}

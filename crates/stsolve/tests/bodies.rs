@@ -1,0 +1,89 @@
+//! Rigid bodies: exact solutions, energy, resuming, bad input.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{assert_same_bits, column, finished, number, on_case, stsolve};
+use tempfile::TempDir;
+
+/// V(1) and x(1) of the free piston.
+const PISTON: [f64; 2] = [0.490146313218, 0.274380414368];
+
+#[test]
+fn the_free_piston_follows_its_simple_wave() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "piston_free", &[]);
+    let piston = &summary["bodies"]["piston"];
+    let velocity = piston["velocity"][0].as_f64().unwrap();
+    let position = piston["displacement"][0].as_f64().unwrap();
+    assert!((velocity - PISTON[0]).abs() < 1e-8 && (position - PISTON[1]).abs() < 1e-8, "{velocity}, {position}");
+    assert!(number(&summary, "conservation.coupled_energy_error") < 1e-12, "{summary}");
+    assert!(number(&summary, "conservation.mass_error") < 1e-12);
+    let work = column(&directory.path().join("piston_free"), "piston_flow_work");
+    let kinetic = column(&directory.path().join("piston_free"), "piston_kinetic_energy");
+    let lost = work.iter().zip(&kinetic).map(|(work, kinetic)| (work - kinetic).abs()).fold(0.0, f64::max);
+    assert!(lost < 1e-9, "{lost:e}");
+}
+
+/// A cylinder on springs over some slabs, on one thread and on two, stopped and resumed.
+#[test]
+fn bodies_have_the_same_bits_for_threads_and_after_a_resume() {
+    let directory = TempDir::new().unwrap();
+    let coarse = ["mesh.order=3", "flow.order=3", "mesh.generate.annulus.cells=[12,6]", "time.order=2"];
+    let go = |end: &str, output: &str, extra: &[&str]| {
+        let set = [&coarse[..], &[end]].concat();
+        on_case(directory.path(), "run", "cylinder_viv", &set, output, extra).expect(0, &[]);
+    };
+    go("time.end=2", "through", &["--threads", "1"]);
+    go("time.end=1", "resumed", &["--threads", "2"]);
+    go("time.end=2", "resumed", &["--threads", "2", "--resume"]);
+    assert_same_bits(&directory.path().join("through"), &directory.path().join("resumed"), "bodies");
+    let y = column(&directory.path().join("through"), "cylinder_y");
+    assert!(y.iter().any(|y| y.abs() > 1e-4), "{y:?}");
+}
+
+/// A driven coordinate follows its formula, and is free from its release on.
+#[test]
+fn a_driven_coordinate_is_released() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "mesh.order=3",
+        "flow.order=3",
+        "mesh.generate.annulus.cells=[12,6]",
+        "time.end=2",
+        "bodies.cylinder.y.motion=\"0.2*(1-cos(pi*t))\"",
+        "bodies.cylinder.y.release=1",
+    ];
+    finished(directory.path(), "cylinder_viv", &set);
+    let run = directory.path().join("cylinder_viv");
+    let (t, y) = (column(&run, "t"), column(&run, "cylinder_y"));
+    let driven = |t: f64| 0.2 * (1.0 - (std::f64::consts::PI * t).cos());
+    let apart = |(t, y): (&f64, &f64)| (*t, (y - driven(*t)).abs());
+    for (t, apart) in t.iter().zip(&y).map(apart) {
+        assert!(if t <= 1.0 + 1e-9 { apart < 1e-10 } else { apart > 1e-6 }, "t = {t}: {apart:e}");
+    }
+    let drive = column(&run, "cylinder_drive_work");
+    assert!(drive[3].abs() > 1e-3 && drive.last() == drive.get(4), "{drive:?}");
+}
+
+#[test]
+fn bodies_that_cannot_be_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let case = common::shipped("cylinder_viv.toml");
+    let refused = [
+        ("bodies.cylinder.walls=[\"far\"]", "boundary `far` is no wall"),
+        ("bodies.cylinder.walls=[\"hull\"]", "unknown boundary"),
+        ("bodies.cylinder.mass=0", "the mass"),
+        ("bodies.cylinder.z={}", "the mesh is two-dimensional"),
+        ("bodies.cylinder.rotation={}", "no moment of inertia"),
+        ("bodies.cylinder.y.release=1", "a coordinate that nothing drives is free already"),
+        ("bodies.cylinder.y.motion=\"1+t\"", "zero at the start"),
+        ("bodies.cylinder.mesh.between.inner=0.2", "a weight of one on the walls of the body"),
+        ("bodies.cylinder.mesh.between.outer=0.5", "above `inner`"),
+        ("motion.boundary.others=\"fixed\"", "move the whole mesh by weights"),
+        ("bodies.cylinder.y.stops={lower=1,upper=0,stiffness=1}", "above `lower`"),
+    ];
+    for (change, message) in refused {
+        stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
+    }
+}
