@@ -4,7 +4,7 @@ use super::choices::choices;
 use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
-use super::magnitude::is_bounded;
+use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program, Table};
@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
         ordered.sort_by_key(|(key, ..)| document.position(key));
         for (key, name, formula) in ordered {
             let value = checker.program(&key, formula, &checker.names)?.evaluate(&[], 0.0);
-            checker.bounded(&key, "the constant", value)?;
+            checker.computable(&key, "the constant", value)?;
             if !checker.names.define(name, value) {
                 return Err(checker.combination(&key, &format!("a constant cannot be called `{name}`"), FREE_NAME));
             }
@@ -107,13 +107,8 @@ impl<'a> Checker<'a> {
     }
 
     /// Whether the program can compute with the `value` of a formula.
-    pub(super) fn bounded(&self, key: &Key, quantity: &str, value: f64) -> Checked<()> {
-        self.require(
-            key,
-            &format!("{quantity}, {value:e},"),
-            is_bounded(value),
-            "a formula with a value up to 1e60 in size",
-        )
+    pub(super) fn computable(&self, key: &Key, quantity: &str, value: f64) -> Checked<()> {
+        self.require(key, &format!("{quantity}, {value:e},"), is_computable(value), magnitude::ACCEPTED)
     }
 
     /// Poisson's ratio, where the elastic energy is definite.

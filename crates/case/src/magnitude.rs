@@ -10,10 +10,10 @@ const SMALLEST: f64 = 1e-60;
 const LARGEST: f64 = 1e60;
 
 /// Which numbers are accepted.
-const ACCEPTED: &str =
+pub(super) const ACCEPTED: &str =
     "0, or a finite number from 1e-60 to 1e60 in size, for products of five must be numbers too; other units help";
 
-/// Whether products of `value` neither overflow nor vanish, unless it is zero.
+/// Whether products of `value` neither overflow nor vanish.
 pub(super) fn is_computable(value: f64) -> bool {
     value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
 }

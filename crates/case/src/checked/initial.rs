@@ -66,7 +66,7 @@ fn check_at<const D: usize>(checker: &Checker<'_>, key: &Key, state: &Formulas<D
             &key.child(name),
             &quantity,
             positive,
-            "a formula that is positive everywhere, from 1e-60 to 1e60",
+            "a formula that is positive everywhere, and at most 1e60",
         )?;
     }
     for (axis, value) in state.velocity.into_iter().enumerate() {

@@ -296,7 +296,7 @@ fn the_start_of_a_structure_is_finite() {
     assert!(check_text(text, &[]).is_ok());
     for name in ["displacement", "velocity"] {
         let message =
-            check_text(text, &[&format!("structure.initial.{name}=[0,\"sqrt(-1-x)\"]")]).unwrap_err().to_string();
+            check_text(text, &[&format!("structure.initial.{name}=[0,\"sqrt(-1)\"]")]).unwrap_err().to_string();
         let parts = [format!("structure.initial.{name}[1]"), format!("the {name} in cell 0 at [0.0, 0.0], NaN")];
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
