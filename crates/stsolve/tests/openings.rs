@@ -228,7 +228,7 @@ fn a_column_of_gas_gathers_speed_between_a_reservoir_and_an_outlet() {
         let set = [&format!("constants.push={push}")[..], &jet("0"), "time.end=30", "time.step=0.1"];
         run(directory.path(), SHEAR, &set, push, &["--quiet"]).expect(0, &[]);
         let run = directory.path().join(push);
-        let speed = largest * (largest * 30.0 / 8.0 + (start / largest as f64).atanh()).tanh();
+        let speed = largest * (largest * 30.0 / 8.0 + (start / largest).atanh()).tanh();
         // Of unit density in a box of height 2.
         let found = number(&summary(&run)["openings"]["right"], "mass_flow") / 2.0;
         assert!((found / speed - 1.0).abs() < 2e-3, "push {push}: {found}, not {speed}");

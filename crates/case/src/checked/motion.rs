@@ -169,7 +169,8 @@ fn check_walls<const D: usize>(
 ) -> Checked<Motion<D>> {
     let Motion::Elastic { boundary, slides, .. } = &motion else { return Ok(motion) };
     let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
-    for (body, wall) in walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some()) {
+    let mut moved = walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some());
+    if let Some((body, wall)) = moved.next() {
         let name = &mesh.boundary_names()[wall];
         let problem = format!("boundary `{name}` is moved by the body `{body}`");
         return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));

@@ -27,8 +27,8 @@ impl Interface {
         let position = |pair: &(usize, usize)| loaded.binary_search(&pair.1).ok();
         let follower = |&(solid, node): &(usize, usize)| Follower { solid, node, weight: 1.0 };
         let (wet, dry): (Vec<_>, Vec<_>) = pairs.iter().partition(|pair| position(pair).is_some());
-        let followers = wet.iter().chain(&dry).map(|pair| follower(pair)).collect();
-        Interface { followers, loaded: wet.iter().filter_map(|pair| position(pair)).collect() }
+        let followers = wet.iter().chain(&dry).map(follower).collect();
+        Interface { followers, loaded: wet.iter().filter_map(position).collect() }
     }
 
     /// The same with more nodes that move with the solid.
