@@ -305,7 +305,7 @@ const BAD: &[(&str, &str, &[&str])] = &[
         "others = { prescribed_state = { expression = { density = 1, velocity = [\"exp(300+x)\", 0], pressure = 1 } } }",
         &["expression.velocity[0] = \"exp(300+x)\"`", "the velocity in cell", "at most 1e60"],
     ),
-    ("b = ", "c = \"exp(300)\"", &["`constants.c", "the constant, 1.9424263952412558e130,"]),
+    ("b = ", "c = \"exp(300)\"", &["`constants.c", "the formula, 1.9424263952412558e130,"]),
     ("step = 0.3", "step = 0.3\n[output]\ndirectory = \"\"", &["`output.directory = \"\"`", "empty"]),
     (
         "step = 0.3",

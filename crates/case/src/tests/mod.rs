@@ -332,7 +332,8 @@ fn laws_and_damping_of_a_structure() {
 #[test]
 fn the_tail_of_a_bump_is_no_extreme_number() {
     let uniform = "[flow.initial.uniform]\nvelocity = [0.5, 0]\npressure = 1";
-    let bump = "[flow.initial.expression]\ndensity = 1\npressure = 1\nvelocity = [\"1e-20*exp(-100*(x^2+1))\", 0]";
+    let bump = "[flow.initial.expression]\ndensity = 1\npressure = 1\nvelocity = [\"1e-20*exp(-100*(x^2+1))\", 0]\n\
+                [flow.reference]\ndensity = 1\nspeed = 1\npressure = 1";
     assert!(BASE.contains(uniform));
     let checked = check_text(&BASE.replace(uniform, bump), &[]);
     assert!(checked.is_ok(), "{}", checked.unwrap_err());
