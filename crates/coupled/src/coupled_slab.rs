@@ -52,7 +52,7 @@ pub struct Settings {
 }
 
 /// The finest absolute tolerance, in units of the reference state: no residual of a flow is known better. A residual whose rounding is
-/// larger ends at its own estimate of that, see [`NonlinearProblem::round_off`].
+/// larger ends at its own estimate of that, see [`newton_krylov::problem::NonlinearProblem::round_off`].
 pub const ROUND_OFF: f64 = 1e-13;
 
 /// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.

@@ -43,7 +43,7 @@ pub struct MeshBlock<const D: usize> {
 }
 
 impl<const D: usize> MeshBlock<D> {
-    /// The mesh that `mover` moves in slabs of `time_order` nodes, solved to [`SETTLED`] where it is found ahead of the flow.
+    /// The mesh that `mover` moves in slabs of `time_order` nodes, solved to round-off where it is found ahead of the flow.
     pub fn new(mut mover: MeshMover<D>, time_order: usize) -> Self {
         if let MeshMotion::Elastic { accuracy, .. } = &mut mover.motion {
             accuracy.position = accuracy.position.min(SETTLED);

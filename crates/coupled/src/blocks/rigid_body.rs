@@ -14,7 +14,7 @@
 //! ```
 //!
 //! I_k is the moment of inertia for the rotation and zero otherwise, c_k damps, f_k is the force of springs, b an outer force, and Q the
-//! load of the flow, see `loads`. The sum of R_a,k W_a,k is the balance of energy: jumps of v_c take m [v_c]^2 / 2, as in a structure.
+//! load of the flow, see `loads`. The sum of R_a,k W_a,k is the balance of energy: jumps of v_c take energy, as in a structure.
 
 mod coordinate;
 mod dynamics;
