@@ -75,6 +75,8 @@ mod session;
 mod statistics;
 mod structure_run;
 mod summary;
+#[cfg(test)]
+mod tests;
 mod time;
 mod walls;
 
