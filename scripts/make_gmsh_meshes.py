@@ -5,7 +5,7 @@
     scripts/make_gmsh_meshes.py DIRECTORY
     STSOLVE_GMSH_MESHES=DIRECTORY cargo test -p mesh gmsh
 
-Each shape is written in every degree that Gmsh has, as MSH 2.2 and 4.1, as text and binary:
+Each shape is written in every degree that Gmsh has (tetrahedra up to 6), as MSH 2.2 and 4.1, as text and binary:
 
     SHAPE_DIMENSION_pDEGREE_vVERSION_ENCODING.msh
 
@@ -13,6 +13,11 @@ quarter   a quarter of the annulus 1 < r < 2, 3 x 4 quadrilaterals in a pattern;
           Boundaries "inner", "outer", "right" (y = 0), "left" (x = 0), "front", "back"
 turned    the same in the plane with the surface's normal downwards: left-handed cells
 disc      the unit disc, quadrilaterals without a pattern, boundary "wall"; in space extruded
+triangles the unit disc
+prisms    the disc extruded, triangles in the plane
+tetrahedra
+          the disc extruded
+mixed     the unit square or cube, quadrilaterals on the left and triangles on the right; in space prisms and hexahedra
 periodic  the unit square or cube, opposite sides periodic in x: "left", "right", "walls"
 """
 
@@ -39,9 +44,10 @@ def names_by_place(dimension, place):
     return names
 
 
-def in_space(dimension, layers):
+def in_space(dimension, layers, structured=True):
     if dimension == 3:
-        gmsh.model.geo.extrude(gmsh.model.getEntities(2), 0, 0, 1, [layers], recombine=True)
+        layers = dict(numElements=[layers], recombine=True) if structured else {}
+        gmsh.model.geo.extrude(gmsh.model.getEntities(2), 0, 0, 1, **layers)
         gmsh.model.geo.synchronize()
 
 
@@ -72,17 +78,18 @@ def quarter(dimension, turned=False):
     physical(dimension, names_by_place(dimension, place))
 
 
-def disc(dimension):
+def disc(dimension, recombined=True, layers=True):
     geo = gmsh.model.geo
     centre = geo.addPoint(0, 0, 0)
     points = [geo.addPoint(*x, 0, 0.7) for x in [(1, 0), (0, 1), (-1, 0), (0, -1)]]
     arcs = [geo.addCircleArc(points[i], centre, points[(i + 1) % 4]) for i in range(4)]
     surface = geo.addPlaneSurface([geo.addCurveLoop(arcs)])
-    geo.mesh.setRecombine(2, surface)
+    if recombined:
+        geo.mesh.setRecombine(2, surface)
+        # Every triangle and quadrilateral is split into quadrilaterals: none but these are left.
+        gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
     geo.synchronize()
-    # Every triangle and quadrilateral is split into quadrilaterals: none but these are left.
-    gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", 1)
-    in_space(dimension, 1)
+    in_space(dimension, 1, layers)
     physical(dimension, names_by_place(dimension, lambda box: "ends" if dimension == 3 and box[5] - box[2] < 0.1 else "wall"))
 
 
@@ -107,10 +114,31 @@ def periodic(dimension):
     physical(dimension, names)
 
 
+def mixed(dimension):
+    geo = gmsh.model.geo
+    points = [geo.addPoint(*x, 0, 0.4) for x in [(0, 0), (0.5, 0), (1, 0), (1, 1), (0.5, 1), (0, 1)]]
+    lines = [geo.addLine(points[i], points[(i + 1) % 6]) for i in range(6)]
+    middle = geo.addLine(points[1], points[4])
+    left = geo.addPlaneSurface([geo.addCurveLoop([lines[0], middle, lines[4], lines[5]])])
+    geo.addPlaneSurface([geo.addCurveLoop([lines[1], lines[2], lines[3], -middle])])
+    for line, cells in ((lines[0], 2), (middle, 3), (lines[4], 2), (lines[5], 3)):
+        geo.mesh.setTransfiniteCurve(line, cells + 1)
+    geo.mesh.setTransfiniteSurface(left)
+    geo.mesh.setRecombine(2, left)
+    geo.synchronize()
+    in_space(dimension, 2)
+    outer = gmsh.model.getBoundary(gmsh.model.getEntities(dimension), oriented=False, combined=True)
+    physical(dimension, {"walls": [tag for _, tag in outer]})
+
+
 SHAPES = {
     "quarter": (quarter, (2, 3)),
     "turned": (lambda dimension: quarter(dimension, turned=True), (2,)),
     "disc": (disc, (2, 3)),
+    "triangles": (lambda dimension: disc(dimension, recombined=False), (2,)),
+    "prisms": (lambda dimension: disc(dimension, recombined=False), (3,)),
+    "tetrahedra": (lambda dimension: disc(dimension, recombined=False, layers=False), (3,)),
+    "mixed": (mixed, (2, 3)),
     "periodic": (periodic, (2, 3)),
 }
 
@@ -137,8 +165,9 @@ def main():
     gmsh.option.setNumber("General.Terminal", 0)
     for shape, (_, dimensions) in SHAPES.items():
         for dimension in dimensions:
-            # Gmsh has hexahedra up to degree 9.
-            for degree in range(1, 11 if dimension == 2 else 10):
+            # Gmsh has hexahedra up to degree 9; its curved tetrahedra are accurate to 1e-6, which degree 6 reaches.
+            highest = 6 if shape == "tetrahedra" else 10 if dimension == 2 else 9
+            for degree in range(1, highest + 1):
                 write(directory, shape, dimension, degree)
     gmsh.finalize()
     print(f"{len(list(directory.glob('*.msh')))} files in {directory}")

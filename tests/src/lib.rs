@@ -11,7 +11,7 @@ use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
-    Boundary, Compiled, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Viscosity,
+    Boundary, Compiled, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Source, Viscosity,
 };
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ pub fn uniform<const D: usize>() -> Primitive<f64, D> {
 /// The law with the scales of [`uniform`].
 pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStokes<D> {
     let gas = gas(viscosity);
-    NavierStokes { gas, riemann, reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap() }
+    NavierStokes { gas, riemann, reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap(), source: Source::Given }
 }
 
 /// A unit box of `cells` per axis, randomly curved, cells turned at random.

@@ -10,13 +10,13 @@
 //! as long as the gas is a simple wave. gamma = 1.4, rho0 = c0 = 1, p0 = 1 / gamma.
 
 use coupled::block::BodyState;
-use coupled::blocks::ElasticBody;
-use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Instants, Interface};
+use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Interface};
+use coupled::blocks::{ElasticBody, Instants};
 use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
-use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Viscosity};
+use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity};
 use newton_krylov::{forcing, newton};
 
 /// The pressure of the gas at rest.
@@ -88,7 +88,7 @@ impl Strip {
         let numbering = NodeNumbering::new(&mesh, self.order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let reference = Reference::new(&gas, 1.0, 1.0, PRESSURE).unwrap();
-        let law = NavierStokes { gas, riemann: Riemann::Roe, reference };
+        let law = NavierStokes { gas, riemann: Riemann::Roe, reference, source: Source::Given };
         let walls = vec![Boundary::SlipWall(SlipWall); 4];
         let problem = Problem { kernels: law.kernels(walls), data: vec![None; 4], source: None };
         let orders = Orders { flow: self.order, mesh: self.order, time: self.time_order };
@@ -138,6 +138,7 @@ impl Strip {
             supports: Supports { fields: Vec::new(), field_of_node: vec![None; wet.len()] },
             structure,
             loads,
+            points: Vec::new(),
         };
         let points = flow.tables.instants.iter().map(|point| point.s).collect();
         let instants = Instants { time: flow.tables.time.clone(), points, step: self.end / self.slabs as f64 };

@@ -5,7 +5,9 @@ use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, S
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
-use navier_stokes::{Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+use navier_stokes::{
+    Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity,
+};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -74,8 +76,12 @@ impl Setting {
     }
 
     fn march(self, gas: Gas, speed: f64, waves: Waves<2>) -> FlowMarch<2, 4> {
-        let law =
-            NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap() };
+        let law = NavierStokes {
+            gas,
+            riemann: Riemann::Roe,
+            reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap(),
+            source: Source::Given,
+        };
         let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
         let mesh = self.mesh();
         let numbering = NodeNumbering::new(&mesh, self.order);

@@ -1,6 +1,6 @@
 //! A mesh whose dimension is known only after it is read.
 
-use mesh::{GmshError, Mesh};
+use mesh::{GmshError, Mesh, Simplices};
 
 /// A mesh in two or three dimensions.
 #[derive(Debug)]
@@ -12,10 +12,21 @@ pub enum AnyMesh {
 }
 
 impl AnyMesh {
-    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: three-dimensional if it has hexahedra.
+    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: three-dimensional if it has cells of volumes.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
-        match Mesh::from_gmsh(bytes, periodic) {
-            Err(GmshError::Dimension { hexahedra: 0, .. }) => Mesh::from_gmsh(bytes, periodic).map(AnyMesh::Plane),
+        Self::from_gmsh_with(bytes, periodic, Simplices::Refuse)
+    }
+
+    /// The same, see [`Mesh::from_gmsh_with`].
+    pub fn from_gmsh_with(
+        bytes: &[u8],
+        periodic: &[(String, String)],
+        simplices: Simplices,
+    ) -> Result<Self, GmshError> {
+        match Mesh::from_gmsh_with(bytes, periodic, simplices) {
+            Err(GmshError::Dimension { volume: 0, .. }) => {
+                Mesh::from_gmsh_with(bytes, periodic, simplices).map(AnyMesh::Plane)
+            }
             read => read.map(AnyMesh::Space),
         }
     }

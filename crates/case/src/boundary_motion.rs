@@ -6,7 +6,7 @@ use coupled::BoundaryField;
 use fem::VectorField;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tensor::{Dual, Transcendental};
+use tensor::{Dual, Transcendental, rotated};
 
 /// The displacement of a boundary that moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,19 +111,6 @@ impl<const D: usize> RigidStep<D> {
             }
         }
     }
-}
-
-/// R y = cos(a) y + sin(a) k x y + (1 - cos(a)) (k . y) k for the angle a about the unit vector k (Rodrigues).
-fn rotated<T: Transcendental, const D: usize>(k: &[f64; 3], angle: T, y: &[T; D]) -> [T; D] {
-    let (cos, sin) = (angle.cos(), angle.sin());
-    // In two dimensions z = 0.
-    let y: [T; 3] = std::array::from_fn(|i| y.get(i).copied().unwrap_or(T::from(0.0)));
-    let along = y[0] * k[0] + y[1] * k[1] + y[2] * k[2];
-    let cross = |i: usize| {
-        let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-        y[l] * k[j] - y[j] * k[l]
-    };
-    std::array::from_fn(|i| cos * y[i] + sin * cross(i) + (T::from(1.0) - cos) * along * k[i])
 }
 
 /// The displacement f(x, t, s) n along the normals of the boundary at rest.

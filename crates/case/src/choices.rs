@@ -7,19 +7,32 @@ use serde_json::Value;
 /// The names of the choices at `key`; empty if there is no choice.
 pub(super) fn choices(key: &Key) -> Vec<String> {
     let schema = raw::schema().to_value();
-    let start = alternatives(&schema, &schema);
-    let found = key.0.iter().fold(start, |values, step| {
+    at(&schema, key).into_iter().flat_map(names).collect()
+}
+
+/// The choice at `key` whose only setting is a number, if there is one: what a number alone was probably meant for.
+pub(super) fn choice_of_number(key: &Key) -> Option<String> {
+    let schema = raw::schema().to_value();
+    let is_number = |value: &Value| alternatives(&schema, value).iter().any(|value| value["type"] == "number");
+    at(&schema, key).into_iter().find_map(|value| {
+        let [name] = &names(value)[..] else { return None };
+        is_number(&value["properties"][name]).then(|| name.clone())
+    })
+}
+
+/// What the schema has at `key`.
+fn at<'a>(schema: &'a Value, key: &Key) -> Vec<&'a Value> {
+    let start = alternatives(schema, schema);
+    key.0.iter().fold(start, |values, step| {
         values
             .into_iter()
             .filter_map(|value| inside(value, step))
-            .flat_map(|value| alternatives(&schema, value))
+            .flat_map(|value| alternatives(schema, value))
             .collect()
-    });
-    found.into_iter().flat_map(names).collect()
+    })
 }
 
 /// `value` itself, or the value it refers to, and the alternatives that it lists.
-/// The value at the `step` from `value`.
 fn alternatives<'a>(schema: &'a Value, value: &'a Value) -> Vec<&'a Value> {
     if let Some(name) = value["$ref"].as_str().and_then(|reference| reference.strip_prefix("#/$defs/")) {
         return alternatives(schema, &schema["$defs"][name]);
@@ -62,5 +75,7 @@ mod tests {
         assert!(of("flow.boundary.far").contains(&"far_field".to_owned()));
         assert_eq!(of("time.end"), Vec::<String>::new());
         assert_eq!(of("no.such.key"), Vec::<String>::new());
+        assert_eq!(choice_of_number(&Key::new("flow.gas.viscosity")), Some("constant".to_owned()));
+        assert_eq!(choice_of_number(&Key::new("flow.riemann")), None);
     }
 }

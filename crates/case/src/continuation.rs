@@ -14,7 +14,13 @@ pub(super) fn lasting(case: &Case) -> Case {
         time: Time { end: 0.0, slabs: None, step, adaptive, ..case.time },
         // The existence of a steady start is kept.
         solver: Solver { steady: case.solver.steady.map(|_| Steady::default()), ..Solver::default() },
-        output: Output { fields: case.output.fields.clone(), ..Output::default() },
+        // They are the columns of history.csv and the fields of the result.
+        output: Output {
+            fields: case.output.fields.clone(),
+            probes: case.output.probes.clone(),
+            integrals: case.output.integrals.clone(),
+            ..Output::default()
+        },
         ..case.clone()
     }
 }

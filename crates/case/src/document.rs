@@ -1,7 +1,7 @@
 //! The TOML document of a case, with the place of every key and value.
 
 use super::brackets;
-use super::choices::choices;
+use super::choices::{choice_of_number, choices};
 use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
 use super::magnitude;
@@ -107,7 +107,7 @@ impl Document {
         let value = found.value.as_ref().map(|span| self.excerpt(span));
         // An unknown name concerns the key, any other error the value.
         let at = found.value.filter(|_| !matches!(cause, Cause::Unknown { .. })).unwrap_or(found.key);
-        Box::new(CaseError { place: self.place(&at), key: key.to_string(), value, cause })
+        Box::new(CaseError { place: self.place(&at), key: key.to_string(), value, cause, also: Vec::new() })
     }
 
     /// The position of the key, which increases along the text; None if it is missing.
@@ -166,8 +166,9 @@ impl Document {
         }
         let Found { value, names, .. } = self.find(&key);
         let value = value.map(|span| self.excerpt(&span));
-        let cause = Cause::from_serde(error.message(), value.as_deref(), &names, || choices(&key));
-        Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause })
+        let cause =
+            Cause::from_serde(error.message(), value.as_deref(), &names, || choices(&key), || choice_of_number(&key));
+        Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause, also: Vec::new() })
     }
 
     /// The first part of `key` that was written at `offset`, since the header of a table may name several.

@@ -28,6 +28,27 @@ pub struct CaseError {
     pub value: Option<String>,
     /// The cause.
     pub cause: Cause,
+    /// Errors in other parts of the case.
+    pub also: Vec<CaseError>,
+}
+
+/// The errors of parts of a case that do not depend on each other.
+#[derive(Default)]
+pub(super) struct Errors(Vec<CaseError>);
+
+impl Errors {
+    /// Keeps the error of a part.
+    pub(super) fn note<T>(&mut self, part: Result<T, Box<CaseError>>) -> Option<T> {
+        part.map_err(|error| self.0.push(*error)).ok()
+    }
+
+    /// All of them in one, if there are any.
+    pub(super) fn all(self) -> Result<(), Box<CaseError>> {
+        let mut errors = self.0.into_iter();
+        let Some(mut first) = errors.next() else { return Ok(()) };
+        first.also.extend(errors);
+        Err(Box::new(first))
+    }
 }
 
 /// A place in the input.
@@ -197,18 +218,20 @@ pub enum Cause {
 impl CaseError {
     /// An error without a key.
     pub(super) fn without_key(place: Place, cause: Cause) -> Box<Self> {
-        Box::new(CaseError { place, key: String::new(), value: None, cause })
+        Box::new(CaseError { place, key: String::new(), value: None, cause, also: Vec::new() })
     }
 }
 
 impl Cause {
     /// The cause of a `message` of serde about `value`, or about a table with these `names`. For an unknown name, the
-    /// message lists the known names between backticks. `choices` are the choices of the schema.
+    /// message lists the known names between backticks. `choices` are the choices of the schema, `choice_of_number` is the one whose only
+    /// setting is a number.
     pub(super) fn from_serde(
         message: &str,
         value: Option<&str>,
         names: &[String],
         choices: impl FnOnce() -> Vec<String>,
+        choice_of_number: impl FnOnce() -> Option<String>,
     ) -> Self {
         for (start, kind) in [("unknown field `", "key"), ("unknown variant `", "choice")] {
             let mut names = message.split('`').skip(1).step_by(2).map(str::to_owned);
@@ -236,7 +259,11 @@ impl Cause {
                 }
             }
             None if message == NAME_OR_TABLE => {
-                Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted: quoted(&choices()) }
+                let number = value.filter(|value| value.parse::<f64>().is_ok());
+                let meant =
+                    number.and_then(|number| Some(format!("`{{ {} = {number} }}`, or else ", choice_of_number()?)));
+                let accepted = meant.unwrap_or_default() + &quoted(&choices());
+                Cause::Type { found: "neither a name in quotes nor a table".to_owned(), accepted }
             }
             None if message.ends_with("value was too large") => Cause::OutOfRange {
                 quantity: "the whole number".to_owned(),
@@ -336,7 +363,7 @@ impl fmt::Display for CaseError {
         if let Some(nearest) = self.cause.nearest() {
             write!(f, "\n  did you mean `{nearest}`?")?;
         }
-        Ok(())
+        self.also.iter().try_for_each(|error| write!(f, "\nerror: {error}"))
     }
 }
 

@@ -20,6 +20,7 @@
 use crate::system::System;
 use basis::Matrix;
 use fem::{FluxesAt, Layout, left_during_slab};
+use newton_krylov::inner_product;
 use std::array::from_fn;
 
 /// S is corrected where it exceeds this part of what the slab holds.
@@ -186,9 +187,6 @@ pub fn at_top(layout: Layout, u: &[f64]) -> Vec<f64> {
 
 /// S: the sums of the flow's residual by component, in the order of its entries.
 fn sums<const M: usize>(layout: Layout, residual: &[f64]) -> [f64; M] {
-    let mut sums = [0.0; M];
-    for (row, r) in residual.chunks_exact(layout.nodes).enumerate() {
-        sums[row % M] += r.iter().sum::<f64>();
-    }
-    sums
+    let rows = |m: usize| residual.chunks_exact(layout.nodes).skip(m).step_by(M);
+    std::array::from_fn(|m| inner_product::sum(&rows(m).map(|r| r.iter().sum()).collect::<Vec<f64>>()))
 }

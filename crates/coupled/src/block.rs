@@ -67,22 +67,22 @@ pub trait Block: Send {
     /// [`SlabError`] if the block cannot begin there.
     fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError>;
 
-    /// r := R(z) without what is read from later blocks; writes its quantities.
+    /// r := R(z) without the terms that later blocks determine; writes its quantities.
     ///
     /// # Errors
     /// [`Inadmissible`] if R is not defined at z.
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible>;
 
-    /// Adds to `r` what is read from later blocks.
+    /// Adds to `r` the terms that later blocks determine.
     fn receive(&mut self, _exchange: &Exchange, _r: &mut [f64]) {}
 
     /// Fixes the point of linearisation and 1/dtau.
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64);
 
-    /// out := dR/dz x without what is read from later blocks; writes the derivatives of its quantities.
+    /// out := dR/dz x without the terms that later blocks determine; writes the derivatives of its quantities.
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]);
 
-    /// Adds to `out` the derivative of what is read from later blocks.
+    /// Adds to `out` the derivative of the terms that later blocks determine.
     fn receive_product(&mut self, _tangent: &Exchange, _out: &mut [f64]) {}
 
     /// x := P^-1 (r less the effect of earlier blocks), where P approximates dR/dz + T; writes the derivatives of its quantities along x.
@@ -133,7 +133,7 @@ impl Ledger {
 /// A body between two slabs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyState {
-    /// Its coordinates; none for an elastic body.
+    /// Its coordinates; the displacements of the observed points of an elastic body.
     pub position: Vec<f64>,
     /// Their rates.
     pub rate: Vec<f64>,
@@ -143,6 +143,13 @@ pub struct BodyState {
     pub potential_energy: f64,
     /// Where its energy came from and went to.
     pub ledger: Ledger,
+}
+
+impl BodyState {
+    /// The number of coordinates of a body that is stored as its position, its rate and its ledger.
+    pub fn coordinates(stored: &[f64]) -> usize {
+        stored.len().saturating_sub(Ledger::LEN) / 2
+    }
 }
 
 /// A block ahead of the mesh: what moves walls and feels the loads of the flow.

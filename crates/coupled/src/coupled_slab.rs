@@ -13,6 +13,7 @@ use crate::state::{Interval, Past, State};
 use crate::system::System;
 use fem::{FluxesAt, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
+use newton_krylov::inner_product;
 use newton_krylov::newton::{self, Workspace};
 use std::array::from_fn;
 
@@ -130,6 +131,15 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
     pub fn bodies(&self) -> Vec<BodyState> {
         let bodies = self.solver.system.bodies.iter().zip(&self.state.bodies);
         bodies.map(|(body, stored)| body.read(stored)).collect()
+    }
+
+    /// Whether the bodies of `state` are as many as those of this run, and have as many coordinates.
+    pub fn has_bodies_of(&self, state: &State) -> bool {
+        let lengths = |bodies: &[Vec<f64>]| bodies.iter().map(Vec::len).collect::<Vec<_>>();
+        let system = &self.solver.system;
+        let unknowns: Vec<usize> = (0..system.bodies.len()).map(|body| system.body_range(body).len()).collect();
+        lengths(&state.bodies) == lengths(&self.state.bodies)
+            && state.past.as_ref().is_none_or(|past| lengths(&past.bodies) == unknowns)
     }
 
     /// The integrals of the components at the top of the slab.
@@ -250,6 +260,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
         flow.mass_product(&jump, &flow.tables.bottom_row(), &mut mass_product);
         let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
-        jump.iter().zip(&mass_product).enumerate().map(square).sum::<f64>().max(0.0).sqrt()
+        let squares: Vec<f64> = jump.iter().zip(&mass_product).enumerate().map(square).collect();
+        inner_product::sum(&squares).max(0.0).sqrt()
     }
 }

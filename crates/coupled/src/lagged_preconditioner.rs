@@ -3,7 +3,9 @@
 //! One Jacobian serves many slabs: it is frozen where none is there or where the iterations have grown too much since. In between,
 //! another slab length or pseudo-time needs new factors of its modes only.
 
-use crate::preconditioner::{CoarseLevel, FlowPreconditioner, LinePreconditioner, Ordering};
+use crate::preconditioner::{
+    CoarseLevel, FlowPreconditioner, LinePreconditioner, LowOrderPreconditioner, Ordering, low_order,
+};
 use crate::reuse_policy::{FREEZING, RebuiltInSlab};
 use basis::TemporalModes;
 use fem::SlabOperator;
@@ -46,11 +48,14 @@ pub enum Method {
     BlockIlu,
     /// [`LinePreconditioner`], for short slabs. Steady flows take blocks all the same.
     LineAdi,
+    /// [`LowOrderPreconditioner`]: memory per unknown does not depend on the order.
+    LowOrder,
 }
 
 enum Preconditioner {
     BlockIlu(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
     LineAdi(Box<LinePreconditioner>),
+    LowOrder(Box<dyn LowOrderPreconditioner>),
 }
 
 /// The preconditioner of the flow and what it is made of.
@@ -111,6 +116,7 @@ impl LaggedPreconditioner {
             Some(Preconditioner::BlockIlu(sweeps, Some(coarse))) => coarse.apply(sweeps, r, z),
             Some(Preconditioner::BlockIlu(sweeps, None)) => sweeps.apply(r, z),
             Some(Preconditioner::LineAdi(lines)) => lines.apply(r, z),
+            Some(Preconditioner::LowOrder(nodes)) => nodes.apply(r, z),
             None => z.copy_from_slice(r),
         }
     }
@@ -120,6 +126,7 @@ impl LaggedPreconditioner {
         match &self.preconditioner {
             Some(Preconditioner::BlockIlu(sweeps, _)) => sweeps.bytes(),
             Some(Preconditioner::LineAdi(lines)) => lines.bytes(),
+            Some(Preconditioner::LowOrder(nodes)) => nodes.bytes(),
             None => 0,
         }
     }
@@ -150,6 +157,7 @@ impl LaggedPreconditioner {
                 match preconditioner {
                     Preconditioner::BlockIlu(sweeps, _) => sweeps.factor(built_for.0, built_for.1),
                     Preconditioner::LineAdi(lines) => lines.factor(built_for.0, built_for.1),
+                    Preconditioner::LowOrder(nodes) => nodes.factor(built_for.0, built_for.1),
                 }
                 frozen.built_for = built_for;
                 Update::Refactored
@@ -214,6 +222,14 @@ impl LaggedPreconditioner {
         if self.method == Method::LineAdi && !self.steady {
             self.preconditioner = Some(Preconditioner::LineAdi(lines(self.preconditioner.take(), flow, built_for)));
             return Ordering::none();
+        }
+        if self.method == Method::LowOrder {
+            // The old one gives its memory back before the new one is made.
+            self.preconditioner = None;
+            let nodes = low_order(flow, built_for, ordering);
+            let ordering = nodes.ordering().clone();
+            self.preconditioner = Some(Preconditioner::LowOrder(nodes));
+            return ordering;
         }
         let (sweeps, coarse) = self.blocks(flow, built_for, ordering);
         let ordering = sweeps.ordering().clone();

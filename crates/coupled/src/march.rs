@@ -17,7 +17,7 @@ pub trait SlabSolver {
     /// [`SlabError`]; the slab may then be tried again with another length.
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Self::Solved, SlabError>;
 
-    /// Moves `state` to the top of the slab `interval`, but for time and number. `rejected` attempts came before.
+    /// Moves the fields of `state` to the top of the slab `interval`, after `rejected` attempts. Time and number follow later.
     fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Self::Solved) -> Self::Report;
 
     /// The jump by which lengths of slabs are adapted, and the number of nodes in time.

@@ -76,12 +76,7 @@ impl<const D: usize> MeshMover<D> {
         let slab_motion = SlabMotion::new(RadauTime::new(time_order));
         let times: Vec<f64> = std::iter::once(0.0).chain(slab_motion.time().nodes().iter().copied()).collect();
         let check = MotionCheck::new(&reference, &numbering, &times);
-        let mut positions = vec![[0.0; D]; numbering.count];
-        for cell in 0..reference.n_cells() {
-            for (node, x) in numbering.cell(cell).iter().zip(reference.cell_coordinates(cell).chunks_exact(D)) {
-                positions[*node] = std::array::from_fn(|d| x[d]);
-            }
-        }
+        let positions = numbering.positions(&reference);
         MeshMover { motion, slab_motion, reference, numbering, positions, times, check }
     }
 
@@ -94,10 +89,10 @@ impl<const D: usize> MeshMover<D> {
         &self.positions
     }
 
-    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`.
+    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Cells know where nodes are that are one by periodicity.
     pub fn cell_positions(&self, cell: usize, d: &[f64]) -> Vec<f64> {
-        let nodes = self.numbering.cell(cell);
-        (0..D).flat_map(|i| nodes.iter().map(move |&node| self.positions[node][i] + d[node * D + i])).collect()
+        let (nodes, x) = (self.numbering.cell(cell), self.reference.cell_coordinates(cell));
+        (0..D).flat_map(|i| nodes.iter().enumerate().map(move |(k, &node)| x[k * D + i] + d[node * D + i])).collect()
     }
 
     /// The displacement prescribed at time `t`; for an elastic mesh zero at free entries.

@@ -1,6 +1,6 @@
 //! What happens at one point of a mesh.
 
-use basis::Lagrange;
+use fem::functions_at;
 use mesh::{Mesh, NodeNumbering};
 
 /// A point of the mesh at rest, at which C0 fields are observed: d(x) = sum_k phi_k(x) d_k over the nodes of its cell.
@@ -14,10 +14,7 @@ impl Observation {
     /// The point at `x`; `None` if it lies outside the mesh.
     pub fn new<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering, x: &[f64; D]) -> Option<Self> {
         let (cell, xi) = mesh.locate(x)?;
-        let basis = Lagrange::gauss_lobatto(numbering.order());
-        let functions = xi.iter().fold(vec![1.0], |product: Vec<f64>, &xi| {
-            basis.values(xi).iter().flat_map(|phi| product.iter().map(move |p| p * phi)).collect()
-        });
+        let functions = functions_at(numbering.order(), &xi);
         Some(Observation { nodes: numbering.cell(cell).to_vec(), functions })
     }
 

@@ -76,11 +76,8 @@ impl State {
     /// The mesh velocities of the slab before, extended to one of length `dt`; at rest in the first slab.
     pub fn extrapolated_velocities(&self, time: &RadauTime, field_len: usize, dt: f64) -> Vec<f64> {
         let mut v = vec![0.0; field_len * time.order()];
-        let Some(past) = &self.past else { return v };
-        for (s, v) in time.nodes().iter().zip(v.chunks_exact_mut(field_len)) {
-            for (phi, old) in time.extrapolation(dt / past.dt, *s).iter().zip(past.v.chunks_exact(field_len)) {
-                v.iter_mut().zip(old).for_each(|(v, old)| *v += phi * old);
-            }
+        if let Some(past) = &self.past {
+            extend(time, dt / past.dt, &past.v, &mut v);
         }
         v
     }
@@ -107,6 +104,17 @@ impl State {
         self.time = interval.end;
         if self.pending.is_empty() {
             self.nominal += 1;
+        }
+    }
+}
+
+/// out := the polynomials `past` of a slab, `[time node][..]`, extended to the time nodes of the next one, which is `ratio` times as long.
+pub(crate) fn extend(time: &RadauTime, ratio: f64, past: &[f64], out: &mut [f64]) {
+    let length = out.len() / time.order();
+    for (s, out) in time.nodes().iter().zip(out.chunks_exact_mut(length)) {
+        out.fill(0.0);
+        for (phi, past) in time.extrapolation(ratio, *s).iter().zip(past.chunks_exact(length)) {
+            out.iter_mut().zip(past).for_each(|(out, past)| *out += phi * past);
         }
     }
 }

@@ -15,6 +15,8 @@ pub struct StructureReport {
     pub slab: usize,
     /// Its interval.
     pub interval: Interval,
+    /// How often an attempt was rejected before.
+    pub rejected: usize,
     /// Iterations and work.
     pub dynamics: DynamicsReport,
     /// v . M v / 2 at the top.
@@ -86,7 +88,7 @@ pub type StructureMarch<const D: usize> = March<StructureAlone<D>>;
 impl<const D: usize> StructureMarch<D> {
     /// A march through the slabs of `schedule`, at its fixed step, from the displacement `d` and the velocity `v`, both
     /// `[C0 node][component]`; fixed entries have the velocity of their support. Without inertia it starts from the equilibrium at the
-    /// start of the schedule, which is found from the guess `d`.
+    /// start of the schedule, which is found from the guess `d`. A slab that cannot be solved is halved, at most `max_halvings` times.
     ///
     /// # Errors
     /// As [`Statics::equilibrium`].
@@ -96,6 +98,7 @@ impl<const D: usize> StructureMarch<D> {
         mut d: Vec<f64>,
         mut v: Vec<f64>,
         schedule: Schedule,
+        max_halvings: u32,
     ) -> Result<Self, ElasticityError> {
         let mut alone = StructureAlone { equations, supports, velocity_at_start: Vec::new() };
         if let Equations::Static(statics) = &alone.equations {
@@ -105,7 +108,7 @@ impl<const D: usize> StructureMarch<D> {
         alone.set_supports(&mut v, |field, x| field.rate(x, schedule.start));
         alone.velocity_at_start = v;
         let state = State::new(schedule.start, Vec::new(), d);
-        Ok(March::from(alone, state, Schedule { control: None, ..schedule }, 0))
+        Ok(March::from(alone, state, Schedule { control: None, ..schedule }, max_halvings))
     }
 
     /// The structure.
@@ -147,7 +150,13 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
         Ok((report.map_err(SlabError::Structure)?, v))
     }
 
-    fn finish(&mut self, state: &mut State, interval: Interval, _: usize, solved: Self::Solved) -> StructureReport {
+    fn finish(
+        &mut self,
+        state: &mut State,
+        interval: Interval,
+        rejected: usize,
+        solved: Self::Solved,
+    ) -> StructureReport {
         let ((dynamics, v), bottom) = (solved, state.d.clone());
         let dt = interval.end - interval.start;
         match &self.equations {
@@ -160,7 +169,7 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
         }
         state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v, bodies: Vec::new() });
         let [kinetic_energy, strain_energy] = self.energies(state);
-        StructureReport { slab: state.slab + 1, interval, dynamics, kinetic_energy, strain_energy }
+        StructureReport { slab: state.slab + 1, interval, rejected, dynamics, kinetic_energy, strain_energy }
     }
 }
 

@@ -12,7 +12,7 @@ mod rounding;
 
 pub use residual_breakdown::ResidualBreakdown;
 
-use crate::block::{Block, Body, Exchange};
+use crate::block::{Block, Body, Exchange, Quantity};
 use crate::blocks::{Counts, FlowBlock, MeshBlock};
 use crate::lagged_preconditioner::Linearisation;
 use crate::mesh_mover::MeshMover;
@@ -51,7 +51,8 @@ impl<const D: usize, const M: usize> System<D, M> {
     /// The problem of `flow` on the mesh that `mover` and `bodies` move.
     pub fn with_bodies(flow: SlabOperator<D, M>, mover: MeshMover<D>, bodies: Vec<Box<dyn Body>>) -> Self {
         let mut mesh = MeshBlock::new(mover, flow.tables.orders.time);
-        mesh.follows_bodies = !bodies.is_empty();
+        let moves_walls = |body: &dyn Body| body.couplings().writes.contains(&Quantity::WallDisplacement);
+        mesh.follows_bodies = bodies.iter().any(|body| moves_walls(&**body));
         let flow = FlowBlock::new(flow);
         let mut system = System {
             bodies,

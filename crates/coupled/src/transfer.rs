@@ -57,6 +57,7 @@ impl State {
         let past = self.past.as_ref().map(|past| Past {
             u: by_time(&time, &carried(&past.u, old.cell_len()), new.time_len()),
             v: by_time(&time, &past.v, self.d.len()),
+            bodies: past.bodies.iter().map(|z| by_time(&time, z, z.len() / time.cols())).collect(),
             ..past.clone()
         });
         let u = carried(&self.u, old.time_len());

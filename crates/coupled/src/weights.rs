@@ -16,7 +16,7 @@ pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Ve
     let mut masses = vec![0.0; one.len()];
     let row = operator.tables.bottom_row();
     operator.mass_product(&vec![1.0; one.len()], &row, &mut masses);
-    let volume: f64 = masses.iter().sum::<f64>() / M as f64;
+    let volume: f64 = newton_krylov::inner_product::sum(&masses) / M as f64;
     let mut weights = vec![0.0; layout.len()];
     for cell in 0..layout.cells {
         let mean = masses[one.cell(cell)].iter().sum::<f64>() / one.cell_len() as f64;

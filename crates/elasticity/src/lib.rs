@@ -32,6 +32,7 @@
 //! Invariants: this crate contains no fluid and no source of the boundary motion. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
 
+mod cauchy;
 mod condensation;
 mod dynamics;
 mod elastic_mesh;
@@ -61,6 +62,7 @@ mod structure_slab;
 mod testing;
 mod wall_distance;
 
+pub use cauchy::{Stress, principal, von_mises};
 pub use dynamics::{Dynamics, DynamicsReport};
 pub use elastic_mesh::ElasticMesh;
 pub use equilibrium::{Accuracy, Guard, Work};

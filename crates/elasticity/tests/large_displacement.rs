@@ -121,7 +121,7 @@ fn flag(young: f64, cells: [usize; 2], order: usize, steps: usize) -> [f64; 2] {
 /// CSM1 and CSM2 of Turek and Hron: -7.188, -66.10 mm and -0.4690, -16.974 mm for the flag behind the cylinder, whose clamped end is an
 /// arc; the box is clamped at a straight end.
 #[test]
-#[ignore = "Newton's method does not converge yet for a slender flag under its weight"]
+#[ignore = "these meshes differ by 5e-3: the corners of the clamp converge slowly"]
 fn a_flag_under_gravity() {
     for (young, steps, published) in [(1.4e6, 4, [-7.188, -66.10]), (5.6e6, 1, [-0.4690, -16.974])] {
         let [coarse, fine] = [flag(young, [20, 2], 4, steps), flag(young, [40, 3], 5, steps)];

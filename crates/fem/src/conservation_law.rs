@@ -93,6 +93,12 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         u[0].zero()
     }
 
+    /// s, made of the `data` that are given at the point: by default they are s.
+    #[inline(always)]
+    fn source<T: Over<G>, G: Real>(&self, _u: &[T; M], data: &[G; M]) -> [T; M] {
+        data.map(T::lift)
+    }
+
     /// A number that is positive exactly if `u` is admissible (for example the smaller of density and pressure).
     #[inline(always)]
     fn admissibility<T: Real>(&self, u: &[T; M]) -> T {

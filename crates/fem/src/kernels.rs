@@ -11,6 +11,7 @@ use crate::instants::{InTime, TimePoint};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Tables;
+use crate::two_point::{FacePairs, TwoPointFluxes};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::Arch;
@@ -84,6 +85,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         across: &Across,
         scratch: &mut FacetScratch,
     );
+    /// Derivatives of the fluxes of (low order): between cells, or on `boundary`. `dissipation` is theta.
+    fn two_point_fluxes(&self, boundary: Option<usize>, dissipation: f64, pairs: &mut FacePairs);
     /// Operations at points of one run of [`Self::slab_cells`], in all lanes, counted by a run in scalars.
     fn count_cells(
         &self,
@@ -206,6 +209,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
                 self.arch.dispatch(FacetTerms { law, conditions, context, times, across, scratch, mode });
             }
         }
+    }
+
+    fn two_point_fluxes(&self, boundary: Option<usize>, dissipation: f64, pairs: &mut FacePairs) {
+        let condition = boundary.map(|number| self.conditions[number]);
+        self.arch.dispatch(TwoPointFluxes { law: &self.law, condition, dissipation, pairs });
     }
 
     fn count_cells(

@@ -18,6 +18,7 @@
 //! | `wall_loads` | nodal forces on walls that respond to the flow |
 //! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
+//! | `low_order`, `sub_cells`, `two_point` | the operator of space on the control volumes of the nodes, for preconditioners |
 
 mod batches;
 mod boundary;
@@ -33,6 +34,7 @@ mod kernels;
 mod layout;
 mod line_jacobian;
 mod linearisation;
+mod low_order;
 mod mesh_traces;
 mod mode;
 mod moving_mesh;
@@ -44,9 +46,11 @@ mod prescribed;
 mod sampler;
 mod scratch;
 mod slope;
+mod sub_cells;
 mod tables;
 mod tensor_product;
 mod traces;
+mod two_point;
 mod violation;
 mod volume_terms;
 mod wall_loads;
@@ -60,12 +64,14 @@ pub use kernels::{Differentiate, Kernels, LawKernels};
 pub use layout::Layout;
 pub use line_jacobian::LineJacobian;
 pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
+pub use low_order::{LowOrder, LowOrderRows, NO_NEIGHBOUR, Neighbours};
 pub use moving_mesh::MovingMesh;
 pub use nodal_batches::NodalBatches;
 pub use operator::{Problem, SlabOperator, Violation};
 pub use per_thread::PerThread;
-pub use sampler::{Sampler, squared_errors};
+pub use sampler::{Sampler, functions_at, squared_errors};
 pub use tables::{Orders, Quadrature, Shape1d, Tables};
+pub use two_point::FacePairs;
 
 #[cfg(test)]
 mod tests;

@@ -163,14 +163,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     pub(crate) fn freeze(&self, s: f64) -> FrozenPoint {
         let instant = TimePoint::of_space(&self.tables.time, s);
-        let one = self.layout.at_one_time();
-        let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
-        for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
-            for cell in 0..one.cells {
-                let nodal = &linearisation[self.layout.cell_at(cell, a)];
-                state[one.cell(cell)].iter_mut().zip(nodal).for_each(|(u, value)| *u += phi * value);
-            }
-        }
+        let (one, state) = (self.layout.at_one_time(), self.state_at(s));
         let layout = TraceLayout {
             faces: 2 * D,
             slots: 1,
@@ -181,6 +174,19 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let mut traces = Traces::new(layout, one.cells);
         traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
         FrozenPoint { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
+    }
+
+    /// The state last set at position `s`.
+    pub(crate) fn state_at(&self, s: f64) -> Vec<f64> {
+        let one = self.layout.at_one_time();
+        let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
+        for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
+            for cell in 0..one.cells {
+                let nodal = &linearisation[self.layout.cell_at(cell, a)];
+                state[one.cell(cell)].iter_mut().zip(nodal).for_each(|(u, value)| *u += phi * value);
+            }
+        }
+        state
     }
 
     /// Volume part of A_ii, and the mass matrices.
@@ -302,7 +308,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// A source does not depend on the state.
+/// Blocks leave the source out: it does not depend on the state, or weakly.
 fn no_source(_: f64, _: usize, _: &[Pack], data: &mut [Pack]) {
     data.fill(Pack::ZERO);
 }

@@ -107,6 +107,14 @@ fn along_axes<'a, const D: usize>(input: &[f64], matrix: impl Fn(usize) -> &'a M
     tensor
 }
 
+/// The nodal functions of a cell of order `order` at the reference point `xi`, axis 0 fastest.
+pub fn functions_at<const D: usize>(order: usize, xi: &[f64; D]) -> Vec<f64> {
+    let basis = Lagrange::gauss_lobatto(order);
+    xi.iter().fold(vec![1.0], |product, &xi| {
+        basis.values(xi).iter().flat_map(|phi| product.iter().map(move |p| p * phi)).collect()
+    })
+}
+
 /// int (u_m - exact_m)^2 over the domain for every component, by Gauss quadrature with twice the order.
 ///
 /// `state` is laid out at one time; at this time the mesh has the position row `row` (see `TimePoint::position_row`).

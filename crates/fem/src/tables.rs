@@ -9,6 +9,8 @@ use tensor::Pack;
 pub enum Quadrature {
     /// The fewest Gauss points that satisfy the geometric conservation law exactly.
     Conserving,
+    /// Three points for two nodes, or as many as conserve where that is more; conserving in time.
+    ThreeHalves,
     /// Twice the order, in space and time (the paper's choice).
     Double,
     /// A number of points per direction in space; conserving in time.
@@ -37,6 +39,9 @@ impl Quadrature {
             Quadrature::Conserving => {
                 let degree = (orders.flow - 1) + dimension * (orders.mesh - 1) - 1;
                 (degree + 1).div_ceil(2).max(orders.flow)
+            }
+            Quadrature::ThreeHalves => {
+                (3 * orders.flow).div_ceil(2).max(Quadrature::Conserving.space_points(dimension, orders))
             }
             Quadrature::Double => 2 * orders.flow.max(orders.mesh),
             Quadrature::Points(n) => n,

@@ -159,10 +159,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 self.test_gradients(&f, &metric.cof, weight, at, &mut scratch.flux);
                 self.moments(&u, metric.det, planes.weights[p] * moment_weight, at, &mut scratch.mass_product);
                 if with_source {
-                    let s = self.geometry::<M>(&scratch.source, at);
+                    let s = law.source(&u, &self.geometry::<M>(&scratch.source, at));
                     for m in 0..M {
                         // Minus: the source stands on the right of the law. Result overwrites the value block in place.
-                        let tested = K::State::<S>::lift(s[m] * metric.det) * weight;
+                        let tested = s[m].scale(metric.det) * weight;
                         tested.result().write(&mut scratch.source[at.index(m)], part);
                     }
                 }

@@ -49,7 +49,8 @@ pub use facet::{
 };
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
-pub use gmsh::{GmshError, Place};
+pub use gmsh::{GmshError, Place, Simplices};
+pub use locate::locate_in_cell;
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;
 pub use part::Part;

@@ -1,7 +1,7 @@
 //! The cell that contains a point.
 
 use crate::Mesh;
-use crate::geometry::CellMap;
+use crate::geometry::{CellMap, bounding_box};
 use tensor::{cofactor, determinant, dot, norm};
 
 /// Newton steps from the centre of a cell: in a usable cell fewer than ten are needed.
@@ -14,41 +14,43 @@ impl<const D: usize> Mesh<D> {
     /// The first cell that contains `x`, including its boundary, and the reference point xi there; `None` if no cell
     /// does.
     pub fn locate(&self, x: &[f64; D]) -> Option<(usize, [f64; D])> {
-        (0..self.n_cells()).filter(|&cell| self.is_near(cell, x)).find_map(|cell| Some((cell, self.invert(cell, x)?)))
+        let in_cell = |cell| Some((cell, locate_in_cell(self.order(), self.cell_coordinates(cell), x)?));
+        (0..self.n_cells()).find_map(in_cell)
     }
+}
 
-    /// Whether `x` lies in the box of the nodes of `cell`, enlarged by half its extent, because curved sides may bulge.
-    fn is_near(&self, cell: usize, x: &[f64; D]) -> bool {
-        let (lower, upper) = self.cell_box(cell);
-        (0..D).all(|i| {
-            let margin = 0.5 * (upper[i] - lower[i]);
-            (lower[i] - margin..=upper[i] + margin).contains(&x[i])
-        })
-    }
+/// The reference point xi at `x` in a cell of order `order` with the positions `nodes`, `[node][component]`, boundary included; `None` if
+/// the cell does not contain it.
+pub fn locate_in_cell<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D]) -> Option<[f64; D]> {
+    let (lower, upper) = bounding_box::<D>(nodes);
+    // The box is enlarged by half its extent, because curved sides may bulge.
+    let is_near = (0..D).all(|i| {
+        let margin = 0.5 * (upper[i] - lower[i]);
+        (lower[i] - margin..=upper[i] + margin).contains(&x[i])
+    });
+    let extent = norm(&std::array::from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
+    if is_near { invert(order, nodes, x, TOLERANCE * extent) } else { None }
+}
 
-    /// Solves x(xi) = `x` in `cell` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
-    fn invert(&self, cell: usize, x: &[f64; D]) -> Option<[f64; D]> {
-        let (lower, upper) = self.cell_box(cell);
-        let extent = norm(&std::array::from_fn::<f64, D, _>(|i| upper[i] - lower[i]));
-        let mut xi = [0.0; D];
-        for _ in 0..MAX_STEPS {
-            let map = CellMap::at(self.order(), &xi);
-            let nodes = self.cell_coordinates(cell);
-            let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
-            let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
-            if norm(&difference) <= TOLERANCE * extent && xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE) {
-                return Some(xi.map(|xi| xi.clamp(-1.0, 1.0)));
-            }
-            let cofactor = cofactor(&jacobian);
-            let determinant = determinant(&jacobian, &cofactor);
-            // cofactor / det is J^{-T}. Far outside a cell its map is meaningless.
-            xi = std::array::from_fn(|a| {
-                let column = std::array::from_fn(|i| cofactor[i][a]);
-                (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
-            });
+/// Solves x(xi) = `x` to the accuracy `tolerance` by Newton's method: xi := xi - J^{-1} (x(xi) - x).
+fn invert<const D: usize>(order: usize, nodes: &[f64], x: &[f64; D], tolerance: f64) -> Option<[f64; D]> {
+    let mut xi = [0.0; D];
+    for _ in 0..MAX_STEPS {
+        let map = CellMap::at(order, &xi);
+        let (relative, jacobian) = (map.relative_positions(nodes)[0], map.jacobians(nodes)[0]);
+        let difference: [f64; D] = std::array::from_fn(|i| relative[i] - (x[i] - nodes[i]));
+        if norm(&difference) <= tolerance && xi.iter().all(|xi| xi.abs() <= 1.0 + TOLERANCE) {
+            return Some(xi.map(|xi| xi.clamp(-1.0, 1.0)));
         }
-        None
+        let cofactor = cofactor(&jacobian);
+        let determinant = determinant(&jacobian, &cofactor);
+        // cofactor / det is J^{-T}. Far outside a cell its map is meaningless.
+        xi = std::array::from_fn(|a| {
+            let column = std::array::from_fn(|i| cofactor[i][a]);
+            (xi[a] - dot(&column, &difference) / determinant).clamp(-1.5, 1.5)
+        });
     }
+    None
 }
 
 #[cfg(test)]

@@ -46,6 +46,22 @@ impl NodeNumbering {
         face_nodes(D, self.order, side.face).into_iter().map(|k| cell[k]).collect()
     }
 
+    /// The position in `mesh` of every C0 node, where the numbering has the order of the mesh. A node that periodicity identifies with others
+    /// has one of their positions.
+    ///
+    /// # Panics
+    /// If the orders differ.
+    pub fn positions<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<[f64; D]> {
+        assert_eq!(self.order, mesh.order(), "the numbering has the order of the mesh");
+        let mut positions = vec![[0.0; D]; self.count];
+        for cell in 0..mesh.n_cells() {
+            for (node, x) in self.cell(cell).iter().zip(mesh.cell_coordinates(cell).chunks_exact(D)) {
+                positions[*node] = std::array::from_fn(|d| x[d]);
+            }
+        }
+        positions
+    }
+
     /// The nodes on boundary number `boundary`, in increasing order, each once.
     pub fn on_boundary<const D: usize>(&self, mesh: &Mesh<D>, boundary: usize) -> Vec<usize> {
         let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary);
@@ -134,12 +150,12 @@ fn edge_nodes(dimension: usize, n: usize, start: usize, axis: usize) -> Vec<usiz
 }
 
 /// Sets of identified nodes (union-find). The representative of a set is its smallest member.
-struct Classes {
+pub(crate) struct Classes {
     parent: Vec<usize>,
 }
 
 impl Classes {
-    fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Classes { parent: (0..count).collect() }
     }
 
@@ -151,13 +167,13 @@ impl Classes {
         node
     }
 
-    fn join(&mut self, a: usize, b: usize) {
+    pub(crate) fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
     }
 
     /// The number of sets, and for each node the number of its set. Sets are numbered by their smallest members.
-    fn numbers(mut self) -> (usize, Vec<usize>) {
+    pub(crate) fn numbers(mut self) -> (usize, Vec<usize>) {
         let mut count = 0;
         let mut numbers = vec![0; self.parent.len()];
         for node in 0..numbers.len() {

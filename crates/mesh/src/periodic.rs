@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use tensor::norm;
 
 /// Two nodes coincide if they are closer than this times the diameter of the mesh, since files have about ten digits.
-const TOLERANCE: f64 = 1e-9;
+pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// Boundary `plus` is boundary `minus` translated: x_plus = x_minus + translation. Both are indices into the list of
 /// boundaries passed to [`Mesh::new`].
@@ -21,7 +21,7 @@ pub struct PeriodicPair<const D: usize> {
 }
 
 /// A node of the plus side that is too far from its counterpart on the minus side.
-struct Apart {
+pub(crate) struct Apart {
     position: Vec<f64>,
     distance: f64,
     tolerance: f64,
@@ -59,7 +59,8 @@ pub(crate) fn match_pair<const D: usize>(
         let (minus, plus, Apart { position, distance, tolerance }) = (minus.clone(), plus.clone(), apart);
         MeshError::PeriodicMismatch { minus, plus, position, distance, tolerance }
     };
-    let twin = twin_vertices(mesh, minus_sides, plus_sides, &pair.translation, tolerance).map_err(mismatch)?;
+    let (from, to) = (vertex_positions(mesh, minus_sides), vertex_positions(mesh, plus_sides));
+    let twin = twins(&from, &to, &pair.translation, tolerance).map_err(mismatch)?;
     let by_vertices: BTreeMap<_, _> =
         minus_sides.iter().map(|&side| (face_key(mesh.face_corners(side)), side)).collect();
 
@@ -110,17 +111,15 @@ fn twin_facet<const D: usize>(
 
 /// For each vertex of `plus` the vertex of `minus` that coincides with it after translation: the nearest one, if near
 /// enough.
-fn twin_vertices<const D: usize>(
-    mesh: &Mesh<D>,
-    minus: &[Side],
-    plus: &[Side],
+pub(crate) fn twins<K: Copy + Ord, const D: usize>(
+    minus: &BTreeMap<K, [f64; D]>,
+    plus: &BTreeMap<K, [f64; D]>,
     translation: &[f64; D],
     tolerance: f64,
-) -> Result<BTreeMap<usize, usize>, Apart> {
-    let candidates = vertex_positions(mesh, minus);
+) -> Result<BTreeMap<K, K>, Apart> {
     let mut twin = BTreeMap::new();
-    for (vertex, x) in vertex_positions(mesh, plus) {
-        let distances = candidates.iter().map(|(&candidate, y)| (distance(&x, y, translation), candidate));
+    for (&vertex, x) in plus {
+        let distances = minus.iter().map(|(&candidate, y)| (distance(x, y, translation), candidate));
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
         match nearest {
             Some((d, candidate)) if d <= tolerance => twin.insert(vertex, candidate),

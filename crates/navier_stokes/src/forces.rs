@@ -17,6 +17,7 @@
 
 use fem::{BoundaryFlux, FluxPart, FluxesAt};
 use std::ops::AddAssign;
+use tensor::cross;
 
 /// Force, moment, power and heat of a wall at one time; or their integral over some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,12 +81,6 @@ impl<const D: usize> AddAssign for WallForce<D> {
         self.power += other.power;
         self.heat += other.heat;
     }
-}
-
-/// a x b; of vectors in the plane only the last component is not zero.
-fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
-    let at = |v: &[f64; D], i: usize| v.get(i % 3).copied().unwrap_or(0.0);
-    std::array::from_fn(|i| at(a, i + 1) * at(b, i + 2) - at(a, i + 2) * at(b, i + 1))
 }
 
 /// The reference values that make forces dimensionless:

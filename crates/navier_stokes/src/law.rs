@@ -18,6 +18,18 @@ pub struct NavierStokes<const D: usize> {
     pub riemann: Riemann,
     /// The state that sets the scales of the components.
     pub reference: Reference,
+    /// The meaning of the source's data.
+    pub source: Source,
+}
+
+/// What is given as a source.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Source {
+    /// s itself.
+    #[default]
+    Given,
+    /// The acceleration a of a body force, in the place of the momentum: s = (0, rho a, rho v . a).
+    Acceleration,
 }
 
 impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
@@ -50,6 +62,21 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     #[inline(always)]
     fn slope_flux<T: Over<G>, G: Real>(&self, mean: &[T; M], slope: &[T; M], sigma: G) -> [T; M] {
         flux::mass_exchange::<T, G, D, M>(&self.gas, mean, slope[0], sigma)
+    }
+
+    #[inline(always)]
+    fn source<T: Over<G>, G: Real>(&self, u: &[T; M], data: &[G; M]) -> [T; M] {
+        let mut s = data.map(T::lift);
+        if self.source == Source::Acceleration {
+            s[M - 1] = u[1].scale(data[1]);
+            for i in 1..D {
+                s[M - 1] = u[1 + i].scale_add(data[1 + i], s[M - 1]);
+            }
+            for i in 0..D {
+                s[1 + i] = u[0].scale(data[1 + i]);
+            }
+        }
+        s
     }
 
     #[inline(always)]

@@ -36,7 +36,7 @@ pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
 pub use forces::{Coefficients, ForceScales, WallForce};
 pub use gas::{Gas, Viscosity};
-pub use law::{Compiled, NavierStokes};
+pub use law::{Compiled, NavierStokes, Source};
 pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;

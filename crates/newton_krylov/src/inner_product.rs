@@ -103,6 +103,11 @@ impl InnerProduct for Weighted {
     }
 }
 
+/// sum_i x_i, by the tree of the inner products: the door of every other sum over the whole mesh.
+pub fn sum(x: &[f64]) -> f64 {
+    tree_sum(0..x.len(), &|chunk| x[chunk].iter().sum())
+}
+
 /// The position where a vector of more than one chunk is split in two: the chunk in its middle.
 fn middle(length: usize) -> usize {
     length.div_ceil(CHUNK) / 2 * CHUNK

@@ -225,14 +225,18 @@ pub struct Body {
     /// Its frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency: Option<f64>,
-    /// Every coordinate: "x", "y", "z", "rotation".
+    /// Every coordinate: "x", "y", "z", "rotation" of a rigid body, the displacements of the observed points of a structure.
     pub coordinates: BTreeMap<String, Oscillation>,
     /// The work of the flow on it.
     pub work: f64,
     /// Its kinetic energy.
     pub kinetic_energy: f64,
-    /// The energy in its springs.
-    pub spring_energy: f64,
+    /// The energy in the springs of a rigid body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spring_energy: Option<f64>,
+    /// The energy of the strain of a structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strain_energy: Option<f64>,
     /// The work of what drives coordinates.
     pub drive_work: f64,
     /// The work of the outer force.

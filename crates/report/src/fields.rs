@@ -1,6 +1,7 @@
 //! Fields for display, at equidistant points of every cell.
 
 use case::Field;
+use elasticity::{Stress, principal, von_mises};
 use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
 use output::FieldSpec;
@@ -17,6 +18,25 @@ pub struct CellSample<'a> {
     pub jacobian: &'a [f64],
     /// grad u, by direction.
     pub gradients: &'a [Vec<f64>],
+    /// The displacement; empty if it is not known.
+    pub displacement: &'a [f64],
+    /// The stress at each point of a structure; empty in a flow.
+    pub stress: &'a [Stress],
+}
+
+impl CellSample<'_> {
+    /// So many points, of which nothing is known.
+    pub fn of_points(points: usize) -> Self {
+        CellSample {
+            points,
+            state: &[],
+            mesh_velocity: &[],
+            jacobian: &[],
+            gradients: &[],
+            displacement: &[],
+            stress: &[],
+        }
+    }
 }
 
 /// The storage of a field.
@@ -31,15 +51,23 @@ pub fn spec(field: Field, dimension: usize) -> FieldSpec {
         Field::Vorticity => FieldSpec::vector("vorticity"),
         Field::MeshVelocity => FieldSpec::vector("mesh_velocity"),
         Field::Jacobian => FieldSpec::scalar("jacobian"),
+        Field::Displacement => FieldSpec::vector("displacement"),
+        Field::VonMises => FieldSpec::scalar("von_mises"),
+        Field::PrincipalStress => FieldSpec::vector("principal_stress"),
     }
 }
 
 /// Whether a field is defined without a flow.
 pub fn of_mesh(field: Field) -> bool {
-    matches!(field, Field::MeshVelocity | Field::Jacobian)
+    matches!(field, Field::MeshVelocity | Field::Jacobian | Field::Displacement) || of_structure(field)
 }
 
-/// The values of `field` at the points of a cell, `[point][component]`.
+/// Whether a field is defined in a structure alone.
+pub fn of_structure(field: Field) -> bool {
+    matches!(field, Field::VonMises | Field::PrincipalStress)
+}
+
+/// The values of `field` at the points of a cell, `[point][component]`; NaN where it is not defined. `gas` is that of a cell of the flow.
 pub fn values<const D: usize, const M: usize>(
     field: Field,
     gas: Option<&Gas>,
@@ -47,15 +75,21 @@ pub fn values<const D: usize, const M: usize>(
     out: &mut Vec<f64>,
 ) {
     let n = sample.points;
+    let vector =
+        |field: &[f64], p: usize| std::array::from_fn::<f64, 3, _>(|d| if d < D { field[d * n + p] } else { 0.0 });
     for p in 0..n {
         match (field, gas) {
-            (Field::MeshVelocity, _) => {
-                out.extend((0..3).map(|d| if d < D { sample.mesh_velocity[d * n + p] } else { 0.0 }))
-            }
+            (Field::MeshVelocity, _) => out.extend(vector(sample.mesh_velocity, p)),
+            (Field::Displacement, _) if !sample.displacement.is_empty() => out.extend(vector(sample.displacement, p)),
             (Field::Jacobian, _) => out.push(sample.jacobian[p]),
+            (Field::VonMises, _) if !sample.stress.is_empty() => out.push(von_mises(&sample.stress[p])),
+            (Field::PrincipalStress, _) if !sample.stress.is_empty() => out.extend(principal(&sample.stress[p])),
+            // A structure has a velocity, too.
+            (Field::Velocity, None) if !sample.stress.is_empty() => out.extend(vector(sample.mesh_velocity, p)),
+            (field, _) if of_mesh(field) => out.extend(vec![f64::NAN; spec(field, D).components]),
             (Field::Vorticity, Some(_)) => vorticity::<D>(sample, p, out),
             (_, Some(gas)) => of_state::<D, M>(field, gas, &std::array::from_fn(|m| sample.state[m * n + p]), out),
-            (_, None) => out.push(f64::NAN),
+            (field, None) => out.extend(vec![f64::NAN; spec(field, D).components]),
         }
     }
 }
@@ -69,7 +103,8 @@ fn of_state<const D: usize, const M: usize>(field: Field, gas: &Gas, u: &[f64; M
         Field::Pressure => out.push(state.pressure),
         Field::Temperature => out.push(gas.temperature(state.density, state.pressure)),
         Field::Mach => out.push(speed / gas.sound_speed(state.density, state.pressure)),
-        Field::Vorticity | Field::MeshVelocity | Field::Jacobian => {}
+        // Not of the state at a point.
+        _ => {}
     }
 }
 

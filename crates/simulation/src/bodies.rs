@@ -1,37 +1,73 @@
-//! Rigid bodies: how they are built, what is told of them.
+//! Bodies that the flow moves, rigid or elastic: how rigid ones are built, what is told of all.
 
+use super::elastic_body::elastic_body;
 use case::expression::Program;
-use case::{Case, Flow, Freedom};
+use case::{Case, Flow, Freedom, SolidPart, Structure};
 use coupled::block::{Body, BodyState};
-use coupled::blocks::RigidBody;
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Drive, RigidBodyData, Surface, SurfaceNode, Vec3};
+use coupled::blocks::{Instants, RigidBody};
+use elasticity::ElasticityError;
 use fem::SlabOperator;
 use mesh::{Mesh, NodeNumbering};
 use std::sync::Arc;
 use tensor::Dual;
 
+/// The name of a structure among bodies.
+pub const STRUCTURE: &str = "structure";
+
 /// The part of the size of a body that is the depth of the fluid that moves with it, for the preconditioner: that of a plate.
 const DEPTH: f64 = std::f64::consts::FRAC_PI_8;
 
-/// The bodies of `case` on the mesh of `operator`, whose walls it has leave their loads.
+/// The bodies of `case` on the mesh of `operator`, whose walls it has leave their loads: rigid ones, then the structure.
+///
+/// # Errors
+/// As [`elastic_body`].
 pub fn bodies<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
     operator: &mut SlabOperator<D, M>,
-) -> Vec<Box<dyn Body>> {
-    let is_loaded = |wall: usize| case.bodies.iter().any(|body| body.walls.contains(&wall));
-    if case.bodies.is_empty() {
-        return Vec::new();
+) -> Result<Vec<Box<dyn Body>>, ElasticityError> {
+    if !has_bodies(case) {
+        return Ok(Vec::new());
     }
-    operator.load_boundaries(&(0..flow.boundary.len()).map(is_loaded).collect::<Vec<_>>());
-    let points: Vec<f64> = operator.tables.instants.iter().map(|point| point.s).collect();
+    operator.load_boundaries(&(0..flow.boundary.len()).map(|wall| is_of_body(case, wall)).collect::<Vec<_>>());
+    let points = operator.tables.instants.iter().map(|point| point.s).collect();
+    let instants = Instants { time: operator.tables.time.clone(), points, step: case.time.step };
     let body = |(number, body): (usize, &case::RigidBody<D>)| {
         let surface = surface(case, body, operator);
         let data = data(case, flow, body, &surface);
-        let time = operator.tables.time.clone();
-        Box::new(RigidBody::new(data, surface, number, time, points.clone(), case.time.step)) as Box<dyn Body>
+        Box::new(RigidBody::new(data, surface, number, instants.clone())) as Box<dyn Body>
     };
-    case.bodies.iter().enumerate().map(body).collect()
+    let mut bodies: Vec<Box<dyn Body>> = case.bodies.iter().enumerate().map(body).collect();
+    if let Some((structure, part)) = beside_flow(case) {
+        let number = bodies.len();
+        bodies.push(Box::new(elastic_body(case, flow, (structure, part), operator, number, instants)?));
+    }
+    Ok(bodies)
+}
+
+/// The structure beside the flow of a case, and its part of the mesh.
+pub fn beside_flow<const D: usize>(case: &Case<D>) -> Option<(&Structure<D>, &SolidPart<D>)> {
+    let structure = case.structure.as_ref()?;
+    Some((structure, structure.part.as_ref()?))
+}
+
+/// Whether the flow of a case moves anything.
+pub fn has_bodies<const D: usize>(case: &Case<D>) -> bool {
+    !case.bodies.is_empty() || beside_flow(case).is_some()
+}
+
+/// Whether a boundary of the flow is a wall of a body.
+pub fn is_of_body<const D: usize>(case: &Case<D>, boundary: usize) -> bool {
+    let of_structure = beside_flow(case).is_some_and(|(_, part)| part.walls.contains(&boundary));
+    of_structure || case.bodies.iter().any(|body| body.walls.contains(&boundary))
+}
+
+/// For every body the number of its coordinates.
+pub fn coordinates<const D: usize>(case: &Case<D>) -> Vec<usize> {
+    let rigid = case.bodies.iter().map(|body| body.freedoms.len());
+    let entries = |part: &SolidPart<D>| D * NodeNumbering::new(&part.mesh, part.mesh.order()).count;
+    rigid.chain(beside_flow(case).map(|(_, part)| entries(part))).collect()
 }
 
 /// The nodes that a body moves: those of its walls, and then those that follow by weights.
@@ -45,7 +81,7 @@ fn surface<const D: usize, const M: usize>(
     for wall in &body.walls {
         numbering.on_boundary(&case.mesh, *wall).into_iter().for_each(|node| on_wall[node] = true);
     }
-    let positions = positions(&case.mesh, numbering);
+    let positions = numbering.positions(&case.mesh);
     let node = |node: usize, weight: f64| SurfaceNode { node, position: positions[node], weight };
     let walls: Vec<SurfaceNode<D>> = (0..numbering.count).filter(|i| on_wall[*i]).map(|i| node(i, 1.0)).collect();
     let following = (0..numbering.count).filter(|i| !on_wall[*i]);
@@ -53,7 +89,7 @@ fn surface<const D: usize, const M: usize>(
     let place = |wall: &SurfaceNode<D>| loaded.partition_point(|other| *other < wall.node);
     Surface {
         loaded: walls.iter().map(place).collect(),
-        size: size(&case.mesh, &body.walls),
+        size: extent(&case.mesh, &body.walls),
         nodes: walls.into_iter().chain(following.filter(|node| node.weight != 0.0)).collect(),
     }
 }
@@ -68,23 +104,12 @@ fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator
 }
 
 /// The largest extent of `walls` along an axis.
-fn size<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
+pub fn extent<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for x in wall_facets(mesh, walls).flatten() {
         (0..D).for_each(|d| (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d])));
     }
     (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max)
-}
-
-/// The position at rest of every C0 node.
-fn positions<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Vec<[f64; D]> {
-    let mut positions = vec![[0.0; D]; numbering.count];
-    for cell in 0..mesh.n_cells() {
-        for (node, x) in numbering.cell(cell).iter().zip(mesh.cell_coordinates(cell).chunks_exact(D)) {
-            positions[*node] = std::array::from_fn(|d| x[d]);
-        }
-    }
-    positions
 }
 
 fn data<const D: usize>(
@@ -149,7 +174,7 @@ fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordi
             .iter()
             .map(|coordinate| {
                 let arm: Vec3 = std::array::from_fn(|i| centre[i] - body.pivot.get(i).copied().unwrap_or(0.0));
-                let mode = coordinate.direction.unwrap_or_else(|| cross(&body.axis, &arm));
+                let mode = coordinate.direction.unwrap_or_else(|| tensor::cross(&body.axis, &arm));
                 tensor::dot(&mode, &normal) / area.max(f64::MIN_POSITIVE)
             })
             .collect();
@@ -172,21 +197,34 @@ fn middle_and_area<const D: usize>(nodes: &[[f64; D]]) -> (Vec3, Vec3) {
     let side = (nodes.len() as f64).sqrt().round() as usize;
     let (one, other) = (in_space(&nodes[side - 1]), in_space(&nodes[nodes.len() - side]));
     let across: Vec3 = std::array::from_fn(|i| other[i] - one[i]);
-    (centre, cross(&along, &across).map(|a| 0.5 * a))
+    (centre, tensor::cross(&along, &across).map(|a| 0.5 * a))
 }
 
-fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+/// The names of the columns of history.csv that the bodies of a case have.
+pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
+    let names = |body: &case::RigidBody<D>| {
+        let name = |freedom: &Freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
+        body.freedoms.iter().map(|freedom| format!("{}_{}", body.name, name(freedom))).collect()
+    };
+    let rigid = case.bodies.iter().flat_map(|body| of_body(&body.name, names(body), "spring_energy"));
+    let elastic = beside_flow(case).into_iter();
+    let elastic = elastic.flat_map(|(structure, _)| of_body(STRUCTURE, point_names(structure), "strain_energy"));
+    rigid.chain(elastic).collect()
 }
 
-/// The names of the columns of history.csv that a body has.
-pub fn columns<const D: usize>(body: &case::RigidBody<D>) -> Vec<String> {
-    let names = body.freedoms.iter().map(|freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]));
-    let energies =
-        ["kinetic_energy", "spring_energy", "flow_work", "drive_work", "force_work", "damped", "numerical_dissipation"];
-    let of_coordinate = |name: &str| [name.to_owned(), format!("{name}_rate")];
-    let columns = names.flat_map(of_coordinate).chain(energies.map(String::from));
-    columns.map(|column| format!("{}_{column}", body.name)).collect()
+/// The columns of the body `name` with the given `coordinates`.
+fn of_body(name: &str, coordinates: Vec<String>, potential_energy: &str) -> Vec<String> {
+    let works = ["flow_work", "drive_work", "force_work", "damped", "numerical_dissipation"];
+    let energies = ["kinetic_energy", potential_energy].into_iter().chain(works);
+    let of_coordinate = |coordinate: String| [coordinate.clone(), format!("{coordinate}_rate")];
+    let energies = energies.map(|column| format!("{name}_{column}"));
+    coordinates.into_iter().flat_map(of_coordinate).chain(energies).collect()
+}
+
+/// The displacements of the observed points of a structure.
+pub fn point_names<const D: usize>(structure: &Structure<D>) -> Vec<String> {
+    let of_point = |name: &String| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect::<Vec<_>>();
+    structure.points.iter().flat_map(|(name, _)| of_point(name)).collect()
 }
 
 /// Their values.

@@ -15,9 +15,10 @@ use elasticity::{
     Structure as Body, Traction, WallDistance,
 };
 use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
-use mesh::{BoundaryDistance, NodeNumbering};
+use mesh::{BoundaryDistance, Mesh, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
+use tensor::{Dual, Transcendental};
 
 /// Tolerance of a solve with K: displacements are then accurate to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
@@ -98,7 +99,7 @@ fn modulus<'a, const D: usize>(case: &Case<D>, stiffness: &'a Stiffness) -> Modu
     }
 }
 
-/// The motion of the nodes on boundaries.
+/// The motion of the nodes on boundaries. Nodes that a structure moves have none.
 fn boundary_motion<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
@@ -106,19 +107,22 @@ fn boundary_motion<const D: usize>(
 ) -> BoundaryMotion<D> {
     let field = |motion: &case::BoundaryMotion<D>| Arc::new(motion.clone()) as Arc<dyn BoundaryField<D>>;
     let fields = boundary.iter().flatten().map(field).collect();
-    BoundaryMotion { fields, field_of_node: moved_by(case, numbering, boundary) }
+    let mut field_of_node = moved_by(&case.mesh, numbering, boundary);
+    let part = case.structure.as_ref().and_then(|structure| structure.part.as_ref());
+    part.iter().flat_map(|part| &part.shared).for_each(|&(_, node)| field_of_node[node] = None);
+    BoundaryMotion { fields, field_of_node }
 }
 
 /// For every C0 node the moving boundary that moves it: the first one that contains it.
 fn moved_by<T, const D: usize>(
-    case: &Case<D>,
+    mesh: &Mesh<D>,
     numbering: &NodeNumbering,
     boundary: &[Option<T>],
 ) -> Vec<Option<usize>> {
     let mut moved_by = vec![None; numbering.count];
     let moving = boundary.iter().enumerate().filter(|(_, motion)| motion.is_some());
     for (field, (index, _)) in moving.enumerate() {
-        for node in numbering.on_boundary(&case.mesh, index) {
+        for node in numbering.on_boundary(mesh, index) {
             moved_by[node].get_or_insert(field);
         }
     }
@@ -141,13 +145,18 @@ where
     let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    let bodies = bodies(case, flow, &mut operator);
+    let bodies = bodies(case, flow, &mut operator)?;
     let mut problem = System::with_bodies(operator, mover, bodies);
-    problem.flow.preconditioner.method = match case.solver.preconditioner {
+    problem.flow.preconditioner.method = method(case.preconditioner());
+    Ok(FlowMarch::new(problem, u, settings(case)))
+}
+
+fn method(preconditioner: Preconditioner) -> Method {
+    match preconditioner {
         Preconditioner::Blocks => Method::BlockIlu,
         Preconditioner::Lines => Method::LineAdi,
-    };
-    Ok(FlowMarch::new(problem, u, settings(case)))
+        Preconditioner::LowOrder => Method::LowOrder,
+    }
 }
 
 /// A discretisation of the flow of a case on the mesh at rest with the displacement `d`, and the initial state there.
@@ -171,7 +180,9 @@ where
     operator.mesh.set_bottom(Some(d));
     let initial = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let mover = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, time_order);
-    (System::new(operator, mover), initial)
+    let mut problem = System::new(operator, mover);
+    problem.flow.preconditioner.method = method(case.preconditioner());
+    (problem, initial)
 }
 
 /// The march of a structure, at its start.
@@ -182,28 +193,56 @@ pub fn structure_march<const D: usize>(
     case: &Case<D>,
     structure: &Structure<D>,
 ) -> Result<StructureMarch<D>, ElasticityError> {
-    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let (fixed, supports) = supports(case, &numbering, &structure.boundary);
+    let StructureAtStart { body, loads, supports, displacement, velocity } = structure_at_start(case, structure)?;
+    let order = case.time.order;
+    let equations = match structure.analysis {
+        Analysis::Dynamic => Equations::Dynamic(Box::new(Dynamics::new(body, loads, order, case.time.step)?)),
+        Analysis::Static => Equations::Static(Box::new(Statics::new(body, loads, order)?)),
+    };
+    let halvings = case.solver.slab_halvings as u32;
+    StructureMarch::new(equations, supports, displacement, velocity, case.time.schedule(), halvings)
+}
+
+/// A structure, what acts on it, and its motion at the start, `[C0 node][component]`.
+pub struct StructureAtStart<const D: usize> {
+    /// Mesh, material, fixed entries.
+    pub body: Body<D>,
+    /// The loads of the case.
+    pub loads: Loads<D>,
+    /// The motion of fixed entries.
+    pub supports: Supports<D>,
+    /// d at the start.
+    pub displacement: Vec<f64>,
+    /// Its rate.
+    pub velocity: Vec<f64>,
+}
+
+/// The structure of a case at its start.
+///
+/// # Errors
+/// As [`Body::new`].
+pub fn structure_at_start<const D: usize>(
+    case: &Case<D>,
+    structure: &Structure<D>,
+) -> Result<StructureAtStart<D>, ElasticityError> {
+    let mesh = structure.mesh(&case.mesh);
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let (fixed, supports) = supports(mesh, &numbering, &structure.boundary);
     // Equilibria do not depend on a density.
     let density = structure.density.unwrap_or(1.0);
     let case::Damping { mass, stiffness } = structure.damping;
-    let body = Body::new(case.mesh.clone(), numbering, solid(structure), density, fixed)?;
+    let body = Body::new(mesh.clone(), numbering, solid(structure), density, fixed)?;
     let body = body.with_damping(elasticity::Damping { mass, stiffness });
     let start = |field: &Option<Vector<D>>| -> Vec<f64> {
         let value = |x: &[f64; D]| field.as_ref().map_or([0.0; D], |field| field.evaluate(x, case.time.start));
         body.coordinates().iter().flat_map(value).collect()
     };
-    let (d, v) = (start(&structure.displacement), start(&structure.velocity));
-    let (loads, order) = (loads(structure), case.time.order);
-    let equations = match structure.analysis {
-        Analysis::Dynamic => Equations::Dynamic(Box::new(Dynamics::new(body, loads, order, case.time.step)?)),
-        Analysis::Static => Equations::Static(Box::new(Statics::new(body, loads, order)?)),
-    };
-    StructureMarch::new(equations, supports, d, v, case.time.schedule())
+    let (displacement, velocity) = (start(&structure.displacement), start(&structure.velocity));
+    Ok(StructureAtStart { body, loads: loads(structure), supports, displacement, velocity })
 }
 
 /// The material of a structure.
-fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
+pub fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
     let quantity = |formula: &Program| match formula.as_constant() {
         Some(value) => Quantity::Constant(value),
         None => {
@@ -229,20 +268,20 @@ fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
 
 /// The prescribed components of nodes, and their motion.
 fn supports<const D: usize>(
-    case: &Case<D>,
+    mesh: &Mesh<D>,
     numbering: &NodeNumbering,
     boundary: &[Support<D>],
 ) -> (Vec<[bool; D]>, Supports<D>) {
     let mut fixed = vec![[false; D]; numbering.count];
     for (index, support) in boundary.iter().enumerate() {
-        for node in numbering.on_boundary(&case.mesh, index) {
+        for node in numbering.on_boundary(mesh, index) {
             (0..D).for_each(|i| fixed[node][i] |= support.fixes()[i]);
         }
     }
     let moved = |support: &Support<D>| if let Support::Moved(g) = support { Some(g.clone()) } else { None };
     let moved: Vec<Option<Vector<D>>> = boundary.iter().map(moved).collect();
     let fields = moved.iter().flatten().map(|g| Arc::new(g.clone()) as Arc<dyn VectorField<D>>).collect();
-    (fixed, Supports { fields, field_of_node: moved_by(case, numbering, &moved) })
+    (fixed, Supports { fields, field_of_node: moved_by(mesh, numbering, &moved) })
 }
 
 fn loads<const D: usize>(structure: &Structure<D>) -> Loads<D> {
@@ -275,9 +314,38 @@ where
     let field = |state: &State<D>| Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>;
     let data = flow.boundary.iter().map(|boundary| boundary.state.as_ref().map(field)).collect();
     let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
-    let manufactured = flow.exact.clone().filter(|_| flow.manufactured);
-    let source = |exact| Arc::new(Manufactured { law: flow.law, exact }) as Arc<dyn StateField<D, M>>;
-    Problem { kernels: flow.law.kernels(conditions), data, source: manufactured.map(source) }
+    Problem { kernels: flow.law.kernels(conditions), data, source: source(flow) }
+}
+
+/// The source of a flow.
+fn source<const D: usize, const M: usize>(flow: &Flow<D>) -> Option<Arc<dyn StateField<D, M>>>
+where
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    if let Some(acceleration) = &flow.acceleration {
+        return Some(Arc::new(Acceleration(acceleration.clone())));
+    }
+    let exact = flow.exact.clone().filter(|_| flow.manufactured)?;
+    Some(Arc::new(Manufactured { law: flow.law, exact }))
+}
+
+/// An acceleration as data of [`navier_stokes::Source::Acceleration`].
+struct Acceleration<const D: usize>(Vector<D>);
+
+impl<const D: usize> Acceleration<D> {
+    fn data<T: Transcendental, const M: usize>(&self, x: &[T; D], t: T) -> [T; M] {
+        let a = self.0.evaluate(x, t);
+        std::array::from_fn(|m| if (1..=D).contains(&m) { a[m - 1] } else { t.zero() })
+    }
+}
+
+impl<const D: usize, const M: usize> StateField<D, M> for Acceleration<D> {
+    fn value(&self, x: &[f64; D], t: f64) -> [f64; M] {
+        self.data(x, t)
+    }
+    fn dual(&self, x: &[Dual<f64>; D], t: f64) -> [Dual<f64>; M] {
+        self.data(x, Dual::from(t))
+    }
 }
 
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {

@@ -81,6 +81,13 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
     fits.then_some((state, frozen, integer("stale")? != 0))
 }
 
+/// Replaces `state`, that of a march without a flow, by the stored one. `None` if it does not fit the mesh.
+pub fn restore(state: &mut State, stored: &SolverState, time: &Time) -> Option<()> {
+    let (loaded, ..) = load(stored, time)?;
+    let fits = loaded.d.len() == state.d.len();
+    fits.then(|| *state = loaded)
+}
+
 /// The checkpoint is incomplete.
 pub fn incomplete() -> Failure {
     Failure::bad_input(anyhow::anyhow!(
@@ -117,7 +124,7 @@ fn past(arrays: &Arrays) -> Option<Past> {
 }
 
 /// The arrays `name`.0, `name`.1, ... as far as there are any.
-fn bodies(arrays: &Arrays, name: &str) -> Vec<Vec<f64>> {
+pub fn bodies(arrays: &Arrays, name: &str) -> Vec<Vec<f64>> {
     (0..).map_while(|body| arrays.get(&format!("{name}.{body}")).cloned()).collect()
 }
 

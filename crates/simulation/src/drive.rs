@@ -6,7 +6,7 @@ use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
 use super::occupied;
-use super::record::{MeshView, Recorder, Snapshot};
+use super::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use super::restart;
 use super::statistics::RunStatistics;
 use super::structure_run::run_structure;
@@ -20,6 +20,7 @@ use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{SolverState, Summary};
+use std::path::Path;
 use std::time::Instant;
 
 /// Runs a case: mesh and flow, or the mesh or a structure alone where there is no flow. Returns what summary.json says.
@@ -78,7 +79,7 @@ pub(super) trait Run {
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
     /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
-    fn open(&mut self, _books: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
+    fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
     }
     /// Records a slab and reports it; returns its row of history.csv.
@@ -91,6 +92,13 @@ pub(super) trait Run {
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Examines the `error` of a failed slab.
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
+    /// Writes files about the state at the end into `directory`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn leave(&self, _directory: &Path) -> std::io::Result<()> {
+        Ok(())
+    }
     /// The final verdict on a run that has reached its end.
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure>;
 }
@@ -138,6 +146,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     observer.finish();
     let summary = run.summary(&context, stop.as_ref());
     summary.write(&session.directory)?;
+    run.leave(session.directory.path()).map_err(Failure::solve)?;
     let again = observer.advice(NextStep::Resume, session.directory.path());
     context.say_cost();
     match stop {
@@ -183,7 +192,8 @@ fn begin<const D: usize, const M: usize>(
         None => run.slab_at_start(),
     };
     let (time, displacement) = (run.state().time, &run.state().d[..]);
-    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow })?;
+    let structure = StructureSnapshot::new(recorder.case(), run.state());
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure })?;
     if let Some(row) = row {
         recorder.history.push(&row)?;
         recorder.checkpoint(run.store(), &context.statistics)?;
@@ -235,7 +245,8 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     if let Some(Past { v: velocities, u: flow, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())
     {
-        recorder.step(&Snapshot { time: *time, displacement, velocities, flow })?;
+        let structure = StructureSnapshot::new(case, run.state());
+        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure })?;
     }
     if recorder.is_checkpoint_due() {
         recorder.checkpoint(run.store(), &context.statistics)?;

@@ -1,12 +1,17 @@
 //! Mesh and flow.
 
+use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
+use super::integrals::FlowIntegrals;
+use super::opening_states::OpeningStates;
 use super::openings;
-use super::record::MeshView;
+use super::probes::FlowAtPoints;
+use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
+use super::wall_profiles::WallProfiles;
 use super::walls::felt;
 use super::{build, checkpoint, history, restart, summary};
 use crate::destination::Destination;
@@ -20,6 +25,7 @@ use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stabil
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{SolverState, Summary};
+use std::path::Path;
 use std::time::Instant;
 
 /// Runs mesh and flow.
@@ -65,9 +71,28 @@ where
 {
     /// The walls of all bodies, by their number in the list of walls.
     fn walls_of_bodies(&self) -> Vec<usize> {
-        let moves = |boundary: usize| self.case.bodies.iter().any(|body| body.walls.contains(&boundary));
         let walls = self.flow.walls.iter().enumerate();
-        walls.filter(|(_, wall)| moves(wall.boundary)).map(|(number, _)| number).collect()
+        walls.filter(|(_, wall)| is_of_body(self.case, wall.boundary)).map(|(number, _)| number).collect()
+    }
+
+    /// The mean states at openings, the flow at the points of the case, and its integrals.
+    fn observed(&self) -> Vec<f64> {
+        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
+        let (order, gas) = (self.flow.order, &self.flow.law.gas);
+        let at_points = FlowAtPoints { mover, displacement: &state.d, state: &state.u, order, gas };
+        let one = self.march.solver.system.flow.operator.layout.at_one_time();
+        let integrals = FlowIntegrals::<D> {
+            orders: [order, self.case.mesh.order()],
+            cells: one.cells,
+            positions: &|cell| mover.cell_positions(cell, &state.d),
+            state: &|cell| &state.u[one.cell(cell)],
+            gas,
+        };
+        let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
+        let motion = [&state.d[..], velocity];
+        let at_openings = OpeningStates { flow: self.flow, mover, motion, state: &|cell| &state.u[one.cell(cell)] };
+        let (at_openings, at_points) = (at_openings.row::<M>(), at_points.row::<M>(&self.case.probes));
+        [at_openings, at_points, integrals.values::<M>(&self.case.output.integrals)].concat()
     }
 
     /// Measures inflows and outflows, and reports each observation once.
@@ -85,7 +110,7 @@ where
         let then = Then {
             time: state.time,
             displacement: &state.d,
-            velocity: state.past.as_ref().map_or(&still[..], |past| &past.v[past.v.len() - state.d.len()..]),
+            velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
             state: &|cell, _| by_point(&grid.sampler.state(&state.u[one.cell(cell)])),
         };
         let seen = openings::measure(self.flow, &mover.reference, &grid, &then);
@@ -123,7 +148,8 @@ where
         self.observe(context);
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
-        Ok(history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics))
+        let row = history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics);
+        Ok([row, self.observed()].concat())
     }
 }
 
@@ -215,7 +241,8 @@ where
         });
         let bodies = self.march.bodies();
         context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
-        history::row(self.flow, report, &felt, &bodies, &context.statistics)
+        let row = history::row(self.flow, report, &felt, &bodies, &context.statistics);
+        [row, self.observed()].concat()
     }
 
     fn store(&self) -> SolverState {
@@ -226,7 +253,8 @@ where
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
         let march = &mut self.march;
         let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
-        if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() {
+        if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state)
+        {
             return None;
         }
         march.state = state;
@@ -243,6 +271,20 @@ where
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
         Failed::new(self.case, self.flow, &self.march, error, &statistics.openings).examine()
+    }
+
+    fn leave(&self, directory: &Path) -> std::io::Result<()> {
+        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
+        let one = self.march.solver.system.flow.operator.layout.at_one_time();
+        let cell = |cell| &state.u[one.cell(cell)];
+        let profiles = WallProfiles { flow: self.flow, mover, displacement: &state.d, state: &cell };
+        let wanted = |wall: &&case::Wall<D>| self.case.output.surfaces.contains(&wall.name);
+        self.flow.walls.iter().filter(wanted).try_for_each(|wall| {
+            let row = |row: Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+            let lines = [WallProfiles::<D>::columns()].into_iter().chain(profiles.rows::<M>(wall).into_iter().map(row));
+            let text = lines.map(|line| line + "\n").collect::<String>();
+            std::fs::write(directory.join(format!("wall_{}.csv", wall.name)), text)
+        })
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {

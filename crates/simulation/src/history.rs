@@ -4,7 +4,8 @@ use super::bodies;
 use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
 use super::walls::WallLoads;
-use case::{Case, Flow, Structure, Wall};
+use super::{opening_states, probes};
+use case::{Case, Flow, Integral, Structure, Wall};
 use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
 use navier_stokes::Coefficients;
@@ -45,7 +46,7 @@ const OF_STRUCTURE: [&str; 10] = [
 /// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab and over the slab. For each
 /// inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
-    if let Some(structure) = &case.structure {
+    if let (None, Some(structure)) = (&case.flow, &case.structure) {
         return columns_of_structure(structure);
     }
     let mut columns: Vec<String> = OF_MESH.map(String::from).to_vec();
@@ -55,8 +56,19 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
         columns.extend(of_wall::<D>().iter().map(|column| format!("{}_{column}", wall.name)));
     }
     columns.extend(openings(flow).map(|boundary| format!("{}_mass_flow", case.mesh.boundary_names()[boundary])));
-    columns.extend(case.bodies.iter().flat_map(bodies::columns));
+    columns.extend(bodies::columns(case));
+    columns.extend(opening_states::columns(case));
+    columns.extend(probes::columns(case));
+    columns.extend(case.output.integrals.iter().map(|integral| integral_name(*integral).to_owned()));
     columns
+}
+
+fn integral_name(integral: Integral) -> &'static str {
+    match integral {
+        Integral::KineticEnergy => "kinetic_energy",
+        Integral::Enstrophy => "enstrophy",
+        Integral::Entropy => "entropy",
+    }
 }
 
 /// The inflows and outflows of a flow.
@@ -96,9 +108,7 @@ fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>) -> Vec<f64> 
 
 /// With the displacement of every point and the coordinate of every natural mode.
 fn columns_of_structure<const D: usize>(structure: &Structure<D>) -> Vec<String> {
-    let of_point =
-        |(name, _): &(String, [f64; D])| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}")).collect();
-    let points = structure.points.iter().flat_map(of_point as fn(&_) -> Vec<String>);
+    let points = bodies::point_names(structure);
     let modes = (1..=structure.natural_modes).map(|mode| format!("mode_{mode}"));
     OF_STRUCTURE.map(String::from).into_iter().chain(points).chain(modes).collect()
 }

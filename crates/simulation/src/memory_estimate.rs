@@ -6,11 +6,13 @@ use crate::elasticity_plan;
 use crate::error::Failure;
 use case::memory;
 use case::{Case, Flow, Preconditioner};
-use coupled::preconditioner::{coarse_functions_per_direction, padded};
+use coupled::preconditioner::{LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
 use navier_stokes::Viscosity;
 
 /// Krylov iterations of a Newton step of a run without surprises.
-pub const TYPICAL_ITERATIONS: usize = 8;
+pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
+    if case.preconditioner() == Preconditioner::LowOrder { 16 } else { 8 }
+}
 
 /// The memory of the program for a small case: its code, libraries, and the buffers of the result file.
 const PROGRAM: usize = 27_000_000;
@@ -66,17 +68,18 @@ impl MemoryEstimate {
         let vector = 8 * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
         let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
-        let vectors = newton + vector * krylov_vectors(restart.min(TYPICAL_ITERATIONS));
-        let (time_order, blocks) = (case.time.order, jacobian(case));
-        let (jacobian, factors_of_slab) = match case.solver.preconditioner {
-            Preconditioner::Blocks => (blocks, factors(case, time_order)),
+        let vectors = newton + vector * krylov_vectors(restart.min(typical_iterations(case)));
+        let time_order = case.time.order;
+        let (jacobian, factors_of_slab) = match case.preconditioner() {
+            Preconditioner::Blocks => (jacobian(case), factors(case, time_order)),
             Preconditioner::Lines => lines(case, time_order),
+            Preconditioner::LowOrder => node_blocks(case, time_order),
         };
         MemoryEstimate {
             jacobian,
             factors: factors_of_slab,
             vectors,
-            steady: case.solver.steady.map(|_| blocks + factors(case, 1) + vectors / time_order + coarse_level(case)),
+            steady: case.solver.steady.map(|_| vectors / time_order + steady_preconditioner(case)),
             most_krylov: vector * krylov_vectors(restart),
             mesh: mesh::bytes(case),
         }
@@ -99,7 +102,7 @@ pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     let shortage = memory::shortage(needed as u64).unwrap_or_default();
     Err(Failure::bad_input(anyhow::anyhow!(
         "the run does not fit into memory: {shortage}; fewer cells or a lower `flow.order` need less, and so does `solver.preconditioner = \
-         \"lines\"`; `stsolve check` tells the parts"
+         \"low_order\"`; `stsolve check` tells the parts"
     )))
 }
 
@@ -152,6 +155,25 @@ fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
     let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);
     let matrices = time_order % 2 + 4 * (time_order / 2);
     (8 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
+}
+
+/// That of the search for a steady flow, with its coarse level.
+fn steady_preconditioner<const D: usize>(case: &Case<D>) -> usize {
+    if case.preconditioner() == Preconditioner::LowOrder {
+        let (blocks, factors) = node_blocks(case, 1);
+        return blocks + factors;
+    }
+    jacobian(case) + factors(case, 1) + coarse_level(case)
+}
+
+/// Blocks between nodes in half precision, those of a node itself in single precision, the node's mass and neighbours; the factors, and the
+/// vectors of the iteration inside.
+fn node_blocks<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
+    let (nodes, block) = (mesh.n_cells() * flow.order.pow(D as u32), (D + 2) * (D + 2));
+    let neighbours = 4 * 2 * D * nodes / flow.order;
+    let jacobian = nodes * (block * (2 * 2 * D + 4) + 8) + neighbours;
+    (jacobian, nodes * time_order * (2 * block + 4 * LOW_ORDER_VECTORS * (D + 2)))
 }
 
 /// The direct solver of the coarse level.

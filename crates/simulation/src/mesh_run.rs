@@ -26,13 +26,13 @@ pub fn move_mesh<const D: usize, const M: usize>(
     observer: &dyn Observer,
 ) -> Result<Summary, Failure> {
     let call = Call { destination, observer, begun: Instant::now(), origin: None };
-    if case.structure.is_some() {
+    if case.flow.is_none() && case.structure.is_some() {
         let problem = "the case is a structure: there is no mesh motion to look at; use `stsolve run`";
         return Err(Failure::bad_input(anyhow::anyhow!(problem)));
     }
     let mover = build::mover(case).map_err(Failure::bad_input)?;
     let mesh = MeshView::new(&mover.reference, &mover.numbering);
-    let case = &Case { flow: None, ..case.clone() };
+    let case = &Case { flow: None, structure: None, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
     drive::<D, M, _>(case, MeshRun { case, march, inverted: None }, &mesh, call)
 }
@@ -93,17 +93,14 @@ impl<const D: usize> Run for MeshRun<'_, D> {
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        let (state, ..) = checkpoint::load(stored, &self.case.time)?;
-        let fits = state.d.len() == self.march.state.d.len();
-        self.march.state = state;
-        fits.then_some(())
+        checkpoint::restore(&mut self.march.state, stored, &self.case.time)
     }
 
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         summary::of_mesh(self.case, &self.march.solver.mover, &self.march.state, context, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _: &super::statistics::RunStatistics) -> Finding {
         examine_mesh(self.case, &self.march.solver.mover, &self.march.state, error)
     }
 

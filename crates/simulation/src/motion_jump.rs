@@ -1,9 +1,10 @@
 //! The differences between the motion of a case and the motion of the run that it continues, at the time of the change.
 
+use super::bodies::is_of_body;
 use super::build::prescribed_nodes;
 use case::{Case, Motion};
 use coupled::{MeshMover, State};
-use mesh::{Mesh, NodeNumbering};
+use mesh::NodeNumbering;
 use std::collections::BTreeSet;
 
 /// Displacements agree up to this times the size of the mesh and of the displacement. They are prescribed, so only round-off separates
@@ -49,7 +50,7 @@ pub fn of_position<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, state: 
     // Far from the origin formulas in the position have its round-off.
     let farthest = case.mesh.coordinates().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let least = ROUND_OFF * size + 16.0 * f64::EPSILON * farthest;
-    let nodes = known_nodes(&case.mesh, &mover.numbering, &[&case.motion]);
+    let nodes = known_nodes(case, &mover.numbering, &[&case.motion]);
     largest(mover.positions(), nodes, &state.d, &prescribed).filter(|jump| exceeds(jump, least))
 }
 
@@ -62,20 +63,28 @@ pub fn of_velocity<const D: usize>(before: &Case<D>, now: &Case<D>, mover: &Mesh
     let here = velocities(now, mover.field_len(), t, moment);
     let fastest = there.iter().chain(&here).fold(0.0, |most: f64, v| most.max(v.abs()));
     let least = (SMALL_JUMP * fastest).max(AT_REST * now.mesh.diameter() / now.time.step);
-    let nodes = known_nodes(&now.mesh, &mover.numbering, &[&before.motion, &now.motion]);
+    let nodes = known_nodes(now, &mover.numbering, &[&before.motion, &now.motion]);
     largest(mover.positions(), nodes, &there, &here).filter(|jump| jump.size() > least)
 }
 
-/// The nodes whose displacement all of the `motions` prescribe: those on boundaries if one of them has an elastic interior.
+/// The nodes whose displacement all of the `motions` of `case` prescribe: those on boundaries if one of them has an elastic interior, without
+/// those that bodies move.
 fn known_nodes<const D: usize>(
-    mesh: &Mesh<D>,
+    case: &Case<D>,
     numbering: &NodeNumbering,
     motions: &[&Option<Motion<D>>],
 ) -> BTreeSet<usize> {
+    if motions.iter().any(|motion| matches!(motion, Some(Motion::Followed))) {
+        return BTreeSet::new();
+    }
     if motions.iter().all(|motion| !matches!(motion, Some(Motion::Elastic { .. }))) {
         return (0..numbering.count).collect();
     }
-    (0..mesh.boundary_names().len()).flat_map(|boundary| numbering.on_boundary(mesh, boundary)).collect()
+    let on = |boundary: usize| numbering.on_boundary(&case.mesh, boundary);
+    let (moved, others): (Vec<usize>, Vec<usize>) =
+        (0..case.mesh.boundary_names().len()).partition(|boundary| is_of_body(case, *boundary));
+    let moved: BTreeSet<usize> = moved.into_iter().flat_map(on).collect();
+    others.into_iter().flat_map(on).filter(|node| !moved.contains(node)).collect()
 }
 
 /// The prescribed velocities of `case` at time `t`, `[C0 node][component]`, of second order in `moment` from one side of t.

@@ -1,11 +1,15 @@
 //! The output of every slab.
 
+use super::bodies::beside_flow;
+use super::build::solid;
 use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
 use crate::session::Session;
-use case::Case;
+use case::{Case, SolidPart};
+use coupled::block::BodyState;
+use elasticity::{Solid, Stress};
 use fem::{Layout as FlowLayout, Sampler};
 use mesh::{Mesh, NodeNumbering};
 use navier_stokes::Gas;
@@ -23,16 +27,47 @@ pub struct Snapshot<'a> {
     pub velocities: &'a [f64],
     /// The flow of that slab; empty without one.
     pub flow: &'a [f64],
+    /// The structure beside it.
+    pub structure: Option<StructureSnapshot>,
+}
+
+/// A structure beside a flow at the end of a slab, and within it.
+pub struct StructureSnapshot {
+    /// The displacement, `[C0 node][component]`.
+    pub displacement: Vec<f64>,
+    /// The velocities of the slab, `[time node][C0 node][component]`.
+    pub velocities: Vec<f64>,
+}
+
+impl StructureSnapshot {
+    /// That of a case in the `state` of its march, if it has one.
+    pub fn new<const D: usize>(case: &Case<D>, state: &coupled::State) -> Option<Self> {
+        beside_flow(case)?;
+        let stored = state.bodies.last()?;
+        let length = BodyState::coordinates(stored);
+        let velocities = match &state.past {
+            Some(past) => past.bodies.last()?.clone(),
+            None => stored[length..2 * length].repeat(case.time.order),
+        };
+        Some(StructureSnapshot { displacement: stored[..length].to_vec(), velocities })
+    }
 }
 
 /// The files of a run.
 pub struct Recorder<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     mesh: &'a MeshView<D>,
+    /// The mesh of a structure beside the flow.
+    beside: Option<MeshView<D>>,
+    /// The material of the structure, if there is one.
+    solid: Option<Solid<D>>,
     result: ResultFile,
     /// `history.csv`.
     pub history: History,
     sampler: Sampler<D>,
+    /// For fields of the order of the mesh.
+    mesh_sampler: Sampler<D>,
+    /// det J at rest in every cell of the mesh, and then of the structure beside the flow.
     reference_determinants: Vec<Vec<f64>>,
     slabs_since_checkpoint: usize,
 }
@@ -95,11 +130,30 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let before = stored.as_ref().or(origin);
         let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
         let history = History::create(&session.directory, &columns(case), rows)?;
-        let (sampler, _) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
-        let reference_determinants = mesh.positions.iter().map(|nodes| sampler.determinants(nodes)).collect();
-        let recorder =
-            Recorder { case, mesh, result, history, sampler, reference_determinants, slabs_since_checkpoint: 0 };
+        let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
+        let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
+        let beside =
+            |part: &SolidPart<D>| MeshView::new(&part.mesh, &NodeNumbering::new(&part.mesh, part.mesh.order()));
+        let beside = beside_flow(case).map(|(_, part)| beside(part));
+        let rest = mesh.positions.iter().chain(beside.iter().flat_map(|beside| &beside.positions));
+        let recorder = Recorder {
+            case,
+            mesh,
+            reference_determinants: rest.map(|nodes| sampler.determinants(nodes)).collect(),
+            beside,
+            solid: case.structure.as_ref().map(solid),
+            result,
+            history,
+            sampler,
+            mesh_sampler,
+            slabs_since_checkpoint: 0,
+        };
         Ok((recorder, stored))
+    }
+
+    /// The case of the run.
+    pub fn case(&self) -> &'a Case<D> {
+        self.case
     }
 
     /// Appends a step to the result.
@@ -112,10 +166,16 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let names: Vec<_> = self.fields().map(|field| fields::spec(field, D).name).collect();
         let fields: Vec<(&str, &[f64])> =
             names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
-        let (positions, velocities) = self.exact_mesh(snapshot);
+        let (positions, velocities) = exact_mesh(self.mesh, snapshot.displacement, snapshot.velocities);
+        let beside = self.beside.as_ref().zip(snapshot.structure.as_ref());
+        let of_structure =
+            beside.map(|(mesh, structure)| exact_mesh(mesh, &structure.displacement, &structure.velocities));
         let mut exact = vec![("position", &positions[..]), ("mesh_velocity", &velocities[..])];
         if self.case.flow.is_some() {
             exact.push(("flow", snapshot.flow));
+        }
+        if let Some((positions, velocities)) = &of_structure {
+            exact.extend([("structure_position", &positions[..]), ("structure_velocity", velocities)]);
         }
         Ok(self.result.append(&Step { time: snapshot.time, points: &points, fields: &fields, exact: &exact })?)
     }
@@ -142,40 +202,65 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         drawn_fields(self.case)
     }
 
-    /// Points `[cell][point][3]`, and for every field `[cell][point][component]`.
+    /// Points `[cell][point][3]`, and for every field `[cell][point][component]`: cells of the flow, then those of a structure beside it.
     fn draw(&self, snapshot: &Snapshot) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let gas: Option<&Gas> = self.case.flow.as_ref().map(|flow| &flow.law.gas);
-        let wanted: Vec<_> = self.fields().collect();
-        let (mut points, mut drawn) = (Vec::new(), vec![Vec::new(); wanted.len()]);
-        let n = self.sampler.points();
-        let last = &snapshot.velocities[snapshot.velocities.len() - snapshot.displacement.len()..];
-        for cell in 0..self.mesh.cells.len() {
-            let nodal = self.mesh.displaced(cell, snapshot.displacement);
-            let x = self.sampler.positions(&nodal);
-            points.extend(
-                (0..n).flat_map(|p| (0..3).map(|d| if d < D { x[d * n + p] } else { 0.0 }).collect::<Vec<_>>()),
-            );
-            let determinants = self.sampler.determinants(&nodal);
-            let jacobian: Vec<f64> =
-                determinants.iter().zip(&self.reference_determinants[cell]).map(|(j, j0)| j / j0).collect();
-            let coefficients = self.top_state(cell, snapshot.flow);
-            let gradients = if coefficients.is_empty() {
-                Vec::new()
-            } else {
-                self.sampler.gradients(coefficients, &nodal).to_vec()
-            };
-            let sample = CellSample {
-                points: n,
-                state: &self.sampler.state(coefficients),
-                mesh_velocity: &self.sampler.positions(&self.mesh.on_cell(cell, last)),
-                jacobian: &jacobian,
-                gradients: &gradients,
-            };
-            for (field, out) in wanted.iter().zip(&mut drawn) {
-                fields::values::<D, M>(*field, gas, &sample, out);
-            }
+        let mut drawn = Drawn { points: Vec::new(), fields: vec![Vec::new(); self.fields().count()] };
+        let Snapshot { displacement, velocities, flow, .. } = *snapshot;
+        let solid = self.solid.as_ref().filter(|_| self.case.flow.is_none());
+        let (determinants, of_structure) = self.reference_determinants.split_at(self.mesh.cells.len());
+        let velocity = top(velocities, displacement);
+        let moving = Moving { mesh: self.mesh, determinants, displacement, velocity, solid };
+        (0..self.mesh.cells.len())
+            .for_each(|cell| self.draw_cell(&moving, cell, self.top_state(cell, flow), &mut drawn));
+        if let Some((mesh, structure)) = self.beside.as_ref().zip(snapshot.structure.as_ref()) {
+            let (displacement, solid) = (&structure.displacement[..], self.solid.as_ref());
+            let velocity = top(&structure.velocities, displacement);
+            let moving = Moving { mesh, determinants: of_structure, displacement, velocity, solid };
+            (0..mesh.cells.len()).for_each(|cell| self.draw_cell(&moving, cell, &[], &mut drawn));
         }
-        (points, drawn)
+        (drawn.points, drawn.fields)
+    }
+
+    /// Adds a cell. A cell without a flow has no `coefficients`.
+    fn draw_cell(&self, moving: &Moving<'_, D>, cell: usize, coefficients: &[f64], drawn: &mut Drawn) {
+        let Moving { mesh, determinants, displacement, velocity, solid } = *moving;
+        let (rest, nodal, n) = (&mesh.positions[cell], mesh.displaced(cell, displacement), self.sampler.points());
+        let x = self.sampler.positions(&nodal);
+        drawn
+            .points
+            .extend((0..n).flat_map(|p| std::array::from_fn::<f64, 3, _>(|d| if d < D { x[d * n + p] } else { 0.0 })));
+        let jacobian = self.sampler.determinants(&nodal).into_iter().zip(&determinants[cell]);
+        let jacobian: Vec<f64> = jacobian.map(|(j, j0)| j / j0).collect();
+        let gradients = match coefficients.is_empty() {
+            true => Vec::new(),
+            false => self.sampler.gradients(coefficients, &nodal).to_vec(),
+        };
+        let moved = mesh.on_cell(cell, displacement);
+        let sample = CellSample {
+            points: n,
+            state: &self.sampler.state(coefficients),
+            mesh_velocity: &self.sampler.positions(&mesh.on_cell(cell, velocity)),
+            jacobian: &jacobian,
+            gradients: &gradients,
+            displacement: &self.sampler.positions(&moved),
+            stress: &solid.map_or(Vec::new(), |solid| self.stress(solid, rest, &moved)),
+        };
+        let gas: Option<&Gas> = self.case.flow.as_ref().filter(|_| solid.is_none()).map(|flow| &flow.law.gas);
+        for (field, out) in self.fields().zip(&mut drawn.fields) {
+            fields::values::<D, M>(field, gas, &sample, out);
+        }
+    }
+
+    /// The stress at the points of a cell at `rest` that is displaced by `moved`, both `[component][node]`.
+    fn stress(&self, solid: &Solid<D>, rest: &[f64], moved: &[f64]) -> Vec<Stress> {
+        let (x, n) = (self.mesh_sampler.positions(rest), self.mesh_sampler.points());
+        let gradients = self.mesh_sampler.gradients(moved, rest);
+        let at = |p: usize| {
+            let gradient = std::array::from_fn(|i| std::array::from_fn(|j| gradients[j][i * n + p]));
+            // The case has been checked at the nodes; a point between them may have no material.
+            solid.stress(&std::array::from_fn(|d| x[d * n + p]), &gradient).unwrap_or([[f64::NAN; 3]; 3])
+        };
+        (0..n).map(at).collect()
     }
 
     /// The flow of a cell at the last time node.
@@ -186,24 +271,53 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let layout = flow_layout::<D, M>(self.case);
         &flow[layout.cell_at(cell, layout.time_order - 1)]
     }
-
-    /// Positions `[cell][component][node]` and velocities `[cell][time node][component][node]`.
-    fn exact_mesh(&self, snapshot: &Snapshot) -> (Vec<f64>, Vec<f64>) {
-        let cells = 0..self.mesh.cells.len();
-        let fields = || snapshot.velocities.chunks_exact(snapshot.displacement.len());
-        let positions = cells.clone().flat_map(|cell| self.mesh.displaced(cell, snapshot.displacement)).collect();
-        let velocities =
-            cells.flat_map(|cell| fields().flat_map(move |field| self.mesh.on_cell(cell, field))).collect();
-        (positions, velocities)
-    }
 }
 
+/// A mesh that moves.
+#[derive(Clone, Copy)]
+struct Moving<'a, const D: usize> {
+    mesh: &'a MeshView<D>,
+    /// det J at rest, cell by cell.
+    determinants: &'a [Vec<f64>],
+    displacement: &'a [f64],
+    velocity: &'a [f64],
+    /// What fills it, if that is no gas.
+    solid: Option<&'a Solid<D>>,
+}
+
+/// What a viewer shows.
+struct Drawn {
+    /// `[cell][point][3]`
+    points: Vec<f64>,
+    /// For every field `[cell][point][component]`.
+    fields: Vec<Vec<f64>>,
+}
+
+/// The velocities at the last time node.
+pub fn top<'a>(velocities: &'a [f64], displacement: &[f64]) -> &'a [f64] {
+    &velocities[velocities.len() - displacement.len()..]
+}
+
+/// Positions `[cell][component][node]` and velocities `[cell][time node][component][node]`.
+fn exact_mesh<const D: usize>(mesh: &MeshView<D>, displacement: &[f64], velocities: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let cells = 0..mesh.cells.len();
+    let fields = || velocities.chunks_exact(displacement.len());
+    let positions = cells.clone().flat_map(|cell| mesh.displaced(cell, displacement)).collect();
+    let velocities = cells.flat_map(|cell| fields().flat_map(move |field| mesh.on_cell(cell, field))).collect();
+    (positions, velocities)
+}
+
+/// The fields that the case lists and that exist in it, and those of mesh and structure that every such run shows.
 fn drawn_fields<const D: usize>(case: &Case<D>) -> impl Iterator<Item = case::Field> + use<'_, D> {
-    let moves = case.flow.is_none();
-    let mesh_alone = [case::Field::Jacobian, case::Field::MeshVelocity];
-    let listed = case.output.fields.iter().copied().filter(move |field| !moves || fields::of_mesh(*field));
-    let added = mesh_alone.into_iter().filter(move |field| moves && !case.output.fields.contains(field));
-    listed.chain(added)
+    let (flows, has_structure) = (case.flow.is_some(), case.structure.is_some());
+    let exists = move |field: &case::Field| match fields::of_structure(*field) {
+        true => has_structure,
+        false => flows || fields::of_mesh(*field),
+    };
+    let of_mesh = [case::Field::Jacobian, case::Field::MeshVelocity].into_iter().filter(move |_| !flows);
+    let of_structure = [case::Field::Displacement, case::Field::VonMises].into_iter().filter(move |_| has_structure);
+    let listed = case.output.fields.iter().copied().filter(exists);
+    listed.chain(of_mesh.chain(of_structure).filter(|field| !case.output.fields.contains(field)))
 }
 
 /// The order of the flow, or of the mesh without a flow.
@@ -218,18 +332,25 @@ fn flow_layout<const D: usize, const M: usize>(case: &Case<D>) -> FlowLayout {
 }
 
 fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
-    let (cells, nodes, time) = (case.mesh.n_cells(), case.mesh.nodes_per_cell(), case.time.order);
+    let (cells, mesh_nodes, time) = (case.mesh.n_cells(), case.mesh.nodes_per_cell(), case.time.order);
     let points_per_direction = flow_order(case).max(case.mesh.order());
-    let position = ArraySpec::new("position", &[("cell", cells), ("component", D), ("mesh node", nodes)]);
-    let velocity = [("cell", cells), ("time node", time), ("component", D), ("mesh node", nodes)];
+    let position = ArraySpec::new("position", &[("cell", cells), ("component", D), ("mesh node", mesh_nodes)]);
+    let velocity = [("cell", cells), ("time node", time), ("component", D), ("mesh node", mesh_nodes)];
     let mut exact = vec![position, ArraySpec::new("mesh_velocity", &velocity)];
     if case.flow.is_some() {
         let nodes = flow_order(case).pow(D as u32);
         let axes = [("cell", cells), ("time node", time), ("component", M), ("flow node", nodes)];
         exact.push(ArraySpec::new("flow", &axes));
     }
+    let beside = beside_flow(case).map_or(0, |(_, part)| part.mesh.n_cells());
+    if beside > 0 {
+        let position = [("structure cell", beside), ("component", D), ("mesh node", mesh_nodes)];
+        let velocity = [("structure cell", beside), ("time node", time), ("component", D), ("mesh node", mesh_nodes)];
+        exact.push(ArraySpec::new("structure_position", &position));
+        exact.push(ArraySpec::new("structure_velocity", &velocity));
+    }
     let fields = drawn_fields(case).map(|field| fields::spec(field, D)).collect();
-    Layout { grid: Grid { dimension: D, points_per_direction, cells }, fields, exact }
+    Layout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
 }
 
 /// A checksum of the parts that a run must share with the run that it continues: the lasting part of the case, and the
@@ -241,7 +362,9 @@ fn fingerprint<const D: usize>(case: &Case<D>) -> String {
         (None, None) => "mesh",
     };
     // The mesh is included, because it may come from a file that has changed.
-    Checksum::default().text(&case.about.lasting).text(solved).numbers(case.mesh.coordinates()).to_string()
+    let solid = beside_flow(case).map_or(&[][..], |(_, part)| part.mesh.coordinates());
+    let checksum = Checksum::default().text(&case.about.lasting).text(solved);
+    checksum.numbers(case.mesh.coordinates()).numbers(solid).to_string()
 }
 
 fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>) -> Metadata {

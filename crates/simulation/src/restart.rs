@@ -3,9 +3,10 @@
 use super::history::columns;
 use super::statistics::RunStatistics;
 use super::walls::numbers_per_wall;
-use super::{checkpoint, motion_jump};
+use super::{bodies, checkpoint, motion_jump};
 use crate::error::Failure;
 use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
+use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State};
 use fem::Orders;
 use mesh::{Mesh, NodeNumbering};
@@ -143,6 +144,7 @@ impl Origin {
     ) -> Result<Start, RestartError> {
         self.check_mesh(case)?;
         let gas_changed = self.check_flow(case)?;
+        self.check_bodies(case)?;
         let mut sums = self.sums(case, flow)?;
         let metadata = &self.result.metadata;
         let mesh = case.mesh.order();
@@ -185,7 +187,8 @@ impl Origin {
         let size = |dimension: usize, cells: usize, numbers: usize| {
             format!("{cells} cells in {dimension} dimensions, {} nodes each", numbers / (dimension * cells).max(1))
         };
-        let of_there = size(grid.dimension, grid.cells, there.position.len());
+        let cells = grid.cells - self.cells_of_structure();
+        let of_there = size(grid.dimension, cells, there.position.len());
         let of_here = size(D, here.n_cells(), here.coordinates().len());
         if of_there != of_here {
             return Err(self.differs("the mesh", of_there, of_here));
@@ -199,6 +202,12 @@ impl Origin {
             return Err(self.differs("nodes of the mesh at rest", "elsewhere", format!("up to {apart:e} apart")));
         }
         Ok(())
+    }
+
+    /// The cells of a structure beside the flow in the file.
+    fn cells_of_structure(&self) -> usize {
+        let array = self.result.layout.exact.iter().find(|array| array.name == "structure_position");
+        array.and_then(|array| array.axes.first()).map_or(0, |axis| axis.length)
     }
 
     /// The gas in both cases, as text and without what is `allowed` to change.
@@ -222,6 +231,18 @@ impl Origin {
             return Err(self.differs("the gas", there, here + ALLOW));
         }
         Ok(true)
+    }
+
+    /// The bodies must be as many, with as many coordinates.
+    fn check_bodies<const D: usize>(&self, case: &Case<D>) -> Result<(), RestartError> {
+        let stored = checkpoint::bodies(&self.stored.arrays, "body");
+        let there: Vec<usize> = stored.iter().map(|body| BodyState::coordinates(body)).collect();
+        let here = bodies::coordinates(case);
+        let told = |coordinates: &[usize]| match coordinates {
+            [] => "no bodies".to_owned(),
+            _ => format!("{coordinates:?}"),
+        };
+        if there == here { Ok(()) } else { Err(self.differs("coordinates of the bodies", told(&there), told(&here))) }
     }
 
     /// Raises the pressure everywhere by the difference of the reference pressures: rho E = p / (gamma - 1) + ...

@@ -185,6 +185,7 @@ impl RunStatistics {
 
     /// Adds a slab of a structure.
     pub fn add_structure(&mut self, report: &StructureReport) {
+        self.rejected += report.rejected as u64;
         self.elasticity += report.dynamics.iterations as u64;
         self.structure.load_work += report.dynamics.work.load;
         self.structure.support_work += report.dynamics.work.support;

@@ -82,7 +82,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     }
     fn advance(&mut self) -> anyhow::Result<StructureReport> {
         self.march.advance().map_err(|error| match error.source {
-            SlabError::Structure(error) => error.into(),
+            // The cause alone: the slab is told beside it.
+            SlabError::Structure(source) => source.into(),
             _ => error.into(),
         })
     }
@@ -108,10 +109,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        let (state, ..) = checkpoint::load(stored, &self.case.time)?;
-        let fits = state.d.len() == self.march.state.d.len();
-        self.march.state = state;
-        fits.then_some(())
+        checkpoint::restore(&mut self.march.state, stored, &self.case.time)
     }
 
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
@@ -119,7 +117,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop)
     }
 
-    fn examine(&self, error: &anyhow::Error, _tally: &super::statistics::RunStatistics) -> Finding {
+    fn examine(&self, error: &anyhow::Error, _: &super::statistics::RunStatistics) -> Finding {
         examine_structure(self.case, self.structure, &self.march, error)
     }
 

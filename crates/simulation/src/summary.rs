@@ -1,5 +1,6 @@
 //! summary.json
 
+use super::bodies;
 use super::body_record::{BodyRecord, Oscillation};
 use super::context::{self, RunContext, Stop};
 use super::history::openings;
@@ -45,11 +46,12 @@ where
     if let Some(exact) = &flow.exact {
         add_errors(march, exact, summary.error.get_or_insert_default());
     }
+    // A manufactured source adds mass and energy, a body force does work.
+    let is_closed = !flow.manufactured && flow.acceleration.is_none();
     let conservation = Conservation {
-        // A manufactured source adds mass and energy.
         mass_error: (!flow.manufactured).then_some(statistics.mass_error),
-        energy_error: (!flow.manufactured).then_some(statistics.energy_error),
-        coupled_energy_error: (!case.bodies.is_empty()).then_some(statistics.coupled_energy_error),
+        energy_error: is_closed.then_some(statistics.energy_error),
+        coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
         free_stream_error: match &flow.exact {
             Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
             _ => None,
@@ -64,8 +66,14 @@ where
     for boundary in openings(flow) {
         summary.openings.insert(case.mesh.boundary_names()[boundary].clone(), of_opening(statistics, boundary));
     }
-    for ((body, state), record) in case.bodies.iter().zip(march.bodies()).zip(&statistics.bodies) {
-        summary.bodies.insert(body.name.clone(), of_body(body, &state, record));
+    let states = march.bodies();
+    for ((body, state), record) in case.bodies.iter().zip(&states).zip(&statistics.bodies) {
+        summary.bodies.insert(body.name.clone(), of_body(body, state, record));
+    }
+    if let (Some((structure, _)), Some(state), Some(record)) =
+        (bodies::beside_flow(case), states.last(), statistics.bodies.last())
+    {
+        summary.bodies.insert(bodies::STRUCTURE.to_owned(), of_structure_beside_flow(structure, state, record));
     }
     summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
@@ -98,28 +106,47 @@ fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record:
             None => (rotation, angular_velocity) = (Some(*q), Some(*w)),
         }
     }
-    let oscillation = |freedom: (&case::Freedom, &Oscillation)| {
-        let name = freedom.0.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
-        (name.to_owned(), output::Oscillation { amplitude: freedom.1.amplitude(), frequency: freedom.1.frequency() })
-    };
+    let name = |freedom: &case::Freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]).to_owned();
+    let names = body.freedoms.iter().map(name).collect();
+    let spring_energy = Some(state.potential_energy);
+    Body { displacement, rotation, velocity, angular_velocity, spring_energy, ..of_any_body(names, state, record) }
+}
+
+/// Of a structure beside a flow; its displacement is that of the first point that is observed.
+fn of_structure_beside_flow<const D: usize>(
+    structure: &case::Structure<D>,
+    state: &BodyState,
+    record: &BodyRecord,
+) -> Body {
+    let first = |field: &[f64]| field.iter().take(D).copied().collect();
+    Body {
+        displacement: first(&state.position),
+        velocity: first(&state.rate),
+        strain_energy: Some(state.potential_energy),
+        ..of_any_body(bodies::point_names(structure), state, record)
+    }
+}
+
+/// Oscillations and energies of a body with coordinates of these `names`.
+fn of_any_body(names: Vec<String>, state: &BodyState, record: &BodyRecord) -> Body {
     // The coordinate that moves most stands for the body.
     let largest =
         record.coordinates.iter().max_by(|a, b| a.amplitude().unwrap_or(0.0).total_cmp(&b.amplitude().unwrap_or(0.0)));
+    let figures = |oscillation: &Oscillation| output::Oscillation {
+        amplitude: oscillation.amplitude(),
+        frequency: oscillation.frequency(),
+    };
     Body {
-        displacement,
-        rotation,
-        velocity,
-        angular_velocity,
         amplitude: largest.and_then(Oscillation::amplitude),
         frequency: largest.and_then(Oscillation::frequency),
-        coordinates: body.freedoms.iter().zip(&record.coordinates).map(oscillation).collect(),
+        coordinates: names.into_iter().zip(record.coordinates.iter().map(figures)).collect(),
         work: state.ledger.flow,
         kinetic_energy: state.kinetic_energy,
-        spring_energy: state.potential_energy,
         drive_work: state.ledger.drive,
         force_work: state.ledger.force,
         damped: state.ledger.damped,
         numerical_dissipation: state.ledger.numerical,
+        ..Body::default()
     }
 }
 

@@ -49,6 +49,16 @@ pub enum Command {
         /// The directory of the run.
         directory: PathBuf,
     },
+    /// Print what differs between two runs: keys of their cases, figures, curves.
+    Compare {
+        /// The directory of a run.
+        first: PathBuf,
+        /// That of another.
+        second: PathBuf,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Measure the kernels on this machine, against its own arithmetic peak and memory bandwidth.
     Bench(BenchArguments),
     /// Print the JSON Schema of the case file: every key, its type, default and meaning.

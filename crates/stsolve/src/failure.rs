@@ -3,22 +3,21 @@
 use simulation::Failure;
 use std::error::Error;
 use std::io::Write;
-use std::process::ExitCode;
 
 /// Prints the chain of errors, once. Returns the exit code: 2 for bad input, 1 for a failed solve, 3 after a signal.
-pub fn report(failure: &Failure) -> ExitCode {
+pub fn report(failure: &Failure) -> u8 {
     let (error, code) = match failure {
         Failure::BadInput(error) => (error, 2),
         Failure::Solve(error) => (error, 1),
-        Failure::Stopped => return ExitCode::from(3),
+        Failure::Stopped => return 3,
     };
     // If stderr is closed, the message cannot be shown.
     let _ = writeln!(std::io::stderr(), "error: {}", chain(error.as_ref()));
-    ExitCode::from(code)
+    code
 }
 
 /// The message of `error` and of its causes, without those that the message above them already contains.
-fn chain(error: &(dyn Error + 'static)) -> String {
+pub fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut next = error.source();
     while let Some(cause) = next {

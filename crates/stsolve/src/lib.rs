@@ -25,6 +25,22 @@ use case::AnyCase;
 use cli::{Arguments, Command};
 use simulation::Failure;
 
+/// Executes the command line `arguments`, the name of the program first; prints what is wrong and returns the exit code.
+pub fn run_command(arguments: impl IntoIterator<Item = String>) -> i32 {
+    let arguments = match <Arguments as clap::Parser>::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // If the terminal is closed, the message cannot be shown.
+            let _ = error.print();
+            return error.exit_code();
+        }
+    };
+    match execute(&arguments) {
+        Ok(()) => 0,
+        Err(failure) => i32::from(failure::report(&failure)),
+    }
+}
+
 /// A program for one instruction set, on a machine that lacks it.
 const OTHER_MACHINE: &str = "this program was compiled for the instruction set of another machine alone (feature `this-machine`): compile it \
                              here, `cargo build --release`";
@@ -40,6 +56,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
+        Command::Compare { first, second, json } => commands::compare(first, second, *json),
         Command::Report { directory } => commands::report(directory),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),

@@ -6,6 +6,6 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     match stsolve::execute(&stsolve::cli::Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => stsolve::failure::report(&failure),
+        Err(failure) => ExitCode::from(stsolve::failure::report(&failure)),
     }
 }

@@ -86,7 +86,7 @@ impl Progress {
 
     /// Reports a slab of a structure.
     pub fn structure(&self, report: &coupled::StructureReport) {
-        let coupled::StructureReport { slab, interval, dynamics, kinetic_energy, strain_energy } = report;
+        let coupled::StructureReport { slab, interval, dynamics, kinetic_energy, strain_energy, .. } = report;
         let (time, end, energy, iterations) =
             (interval.end, self.end, kinetic_energy + strain_energy, dynamics.iterations);
         let text = format!("slab {slab}  t = {time:.6} of {end}  energy {energy:.6e}  iterations {iterations}");

@@ -66,6 +66,24 @@ fn a_driven_coordinate_is_released() {
     assert!(drive[3].abs() > 1e-3 && drive.last() == drive.get(4), "{drive:?}");
 }
 
+/// A run continues with the bodies that it had, and with other nodes in time.
+#[test]
+fn a_restart_from_other_bodies_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let go = |changes: &[&str], output: &str| {
+        let coarse = ["mesh.order=3", "flow.order=3", "mesh.generate.annulus.cells=[12,6]"];
+        on_case(at, "run", "cylinder_viv", &[&coarse[..], changes].concat(), output, &[])
+    };
+    go(&["time.order=2", "time.end=0.4"], "first").expect(0, &[]);
+    let from = format!("restart.from={}", at.join("first").display());
+    go(&["time.order=3", "time.end=0.8", &from], "second").expect(0, &[]);
+    assert_eq!(column(&at.join("second"), "cylinder_y").len(), 4);
+    go(&["time.order=2", "time.end=0.8", &from, "bodies.cylinder.x={}"], "refused")
+        .expect(2, &["coordinates of the bodies", "there: [1]; here: [2]"]);
+    assert!(!at.join("refused").exists());
+}
+
 #[test]
 fn bodies_that_cannot_be_are_refused() {
     let directory = TempDir::new().unwrap();

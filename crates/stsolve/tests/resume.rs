@@ -50,6 +50,14 @@ fn a_preconditioner_by_lines_resumes() {
     assert!(builds[1..].contains(&1.0) && builds.contains(&0.0), "{builds:?}");
 }
 
+/// The preconditioner of low order keeps its order of elimination.
+#[test]
+fn a_preconditioner_of_low_order_resumes() {
+    let directory = assert_interruption_leaves_no_trace(&["solver.preconditioner=low_order"], "2", "2.8");
+    let builds = column(&directory.path().join("1"), "preconditioner_builds");
+    assert!(builds[1..].contains(&1.0) && builds.contains(&0.0), "{builds:?}");
+}
+
 /// Three Newton steps are not always enough here: slabs are halved, each time with a new preconditioner.
 #[test]
 fn an_extrapolating_predictor_resumes_after_halved_slabs() {

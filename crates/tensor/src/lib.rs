@@ -27,6 +27,6 @@ pub use counted::{Counted, count_operations};
 pub use dual::Dual;
 pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};
 pub use real::{Over, Real, Transcendental};
-pub use small::{cofactor, determinant, dot, matrix_from_columns, norm};
+pub use small::{cofactor, cross, determinant, dot, matrix_from_columns, norm, rotated};
 
 pub use pulp;

@@ -7,6 +7,7 @@ mod coarse_level;
 mod elastic_body;
 mod large_rotation;
 mod lines;
+mod low_order;
 mod rigid_body;
 mod slab_operator;
 mod spring_mass;

@@ -3,8 +3,8 @@
 use crate::slab_operator::uniform_coefficients;
 use basis::Matrix;
 use coupled::block::Body;
-use coupled::blocks::RigidBody;
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, RigidBodyData, Surface, SurfaceNode};
+use coupled::blocks::{Instants, RigidBody};
 use coupled::{
     BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, State, System,
 };
@@ -70,7 +70,8 @@ where
         added_mass: AddedMass { density: 1.0, speed_of_sound: 1.5, depth: 0.3, area: Matrix::identity(count) },
     };
     let points = flow.tables.instants.iter().map(|point| point.s).collect();
-    let body = RigidBody::new(data, surface, 0, flow.tables.time.clone(), points, 0.05);
+    let instants = Instants { time: flow.tables.time.clone(), points, step: 0.05 };
+    let body = RigidBody::new(data, surface, 0, instants);
     let mut state = [0.0; M];
     (state[0], state[M - 1]) = (1.0, 1.7 / 0.4);
     let u = uniform_coefficients(&flow, &state, 1);

@@ -74,15 +74,7 @@ pub(crate) fn uniform_coefficients<const D: usize, const M: usize>(
 /// For each entry of a C0 field, the position of its node.
 fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f64; D]> {
     let numbering = mesh::NodeNumbering::new(mesh, order);
-    let mut positions = vec![[0.0; D]; numbering.count * D];
-    for cell in 0..mesh.n_cells() {
-        for (node, x) in numbering.cell(cell).iter().zip(mesh.cell_coordinates(cell).chunks_exact(D)) {
-            for d in 0..D {
-                positions[node * D + d] = std::array::from_fn(|i| x[i]);
-            }
-        }
-    }
-    positions
+    numbering.positions(mesh).into_iter().flat_map(|x| [x; D]).collect()
 }
 
 /// The residual of a uniform flow on any motion is round-off, relative to the moments of the state.

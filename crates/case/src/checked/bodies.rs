@@ -164,6 +164,11 @@ impl<const D: usize> Given<'_, D> {
         let own = [name.to_owned()];
         let (key, names) = match &raw.walls {
             Some(walls) => (key.child("walls"), &walls[..]),
+            None if !self.mesh.boundary_names().contains(&own[0]) => {
+                let known = self.mesh.boundary_names().join("`, `");
+                let accepted = format!("`walls`, a list of boundaries of the mesh, of `{known}`");
+                return Err(self.checker.combination(key, "no boundary has the name of the body", &accepted));
+            }
             None => (key.clone(), &own[..]),
         };
         let walls = self.checker.boundaries(&key, names, self.mesh.boundary_names())?;
@@ -303,12 +308,7 @@ impl<const D: usize> Given<'_, D> {
         }
         let numbering = NodeNumbering::new(self.mesh, self.mesh.order());
         let key = key.child("mesh");
-        let mut positions = vec![[0.0; D]; numbering.count];
-        for cell in 0..self.mesh.n_cells() {
-            for (node, x) in numbering.cell(cell).iter().zip(self.mesh.cell_coordinates(cell).chunks_exact(D)) {
-                positions[*node] = std::array::from_fn(|d| x[d]);
-            }
-        }
+        let positions = numbering.positions(self.mesh);
         let weight = |x: &[f64; D]| body.weight(x).unwrap_or(f64::NAN);
         if let Some(x) = positions.iter().find(|x| !weight(x).is_finite()) {
             let problem = format!("the weight at {x:?} is {}", weight(x));

@@ -75,16 +75,17 @@ impl<'a, const D: usize> Boundaries<'a, D> {
     }
 
     /// Checks that the `motions` of all boundaries, with their keys, agree at shared nodes. Boundaries that slide hold only the components
-    /// in `slides`.
+    /// in `slides`; those that something else has `moved` hold none.
     pub(super) fn check_shared(
         &self,
         keys: &[Key],
         motions: &[Option<BoundaryMotion<D>>],
         slides: &[Option<Held<D>>],
+        moved: &[bool],
     ) -> Checked<()> {
         let (checker, mesh, numbering, time) = (self.checker, self.mesh, self.numbering(), self.time);
         SharedNodes { checker, mesh, numbering, time }.check(keys, &|boundary, node, x, t| {
-            let held = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
+            let held = slides[boundary].as_ref().map_or([!moved[boundary]; D], |slide| slide[&node]);
             let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
             std::array::from_fn(|i| held[i].then_some(d[i]))
         })

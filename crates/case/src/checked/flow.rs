@@ -9,11 +9,13 @@ use super::states::{self, Typical};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
+use crate::magnitude::is_bounded;
 use crate::raw;
 use crate::state::State;
+use crate::vector::Vector;
 use navier_stokes::{
     AdiabaticWall, Boundary, FarField, Gas, IsothermalWall, NavierStokes, PrescribedState, Reference, Riemann,
-    SlipWall, Viscosity,
+    SlipWall, Source, Viscosity,
 };
 
 /// The compressible flow.
@@ -37,6 +39,8 @@ pub struct Flow<const D: usize> {
     pub exact: Option<State<D>>,
     /// Whether there is the source that makes `exact` the solution.
     pub manufactured: bool,
+    /// The acceleration of a body force.
+    pub acceleration: Option<Vector<D>>,
     /// The condition on each boundary, in the order of `Mesh::boundary_names`.
     pub boundary: Vec<BoundaryData<D>>,
     /// The boundaries that are walls.
@@ -87,7 +91,7 @@ pub(super) fn check<const D: usize>(
     }
     let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
     initial::check(checker, &of_start, &start_state, mesh, order, time.start)?;
-    if raw.source.is_some() && exact.is_none() {
+    if raw.source == Some(raw::Source::Manufactured) && exact.is_none() {
         let problem = "a manufactured source needs a solution to be made for";
         return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
     }
@@ -95,9 +99,11 @@ pub(super) fn check<const D: usize>(
     let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, time)?;
     let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
     let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
-    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference };
+    let acceleration = acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time)?;
+    let source = if acceleration.is_some() { Source::Acceleration } else { Source::Given };
+    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference, source };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
-    let manufactured = raw.source.is_some();
+    let manufactured = raw.source == Some(raw::Source::Manufactured);
     Ok(Flow {
         order,
         law,
@@ -108,9 +114,30 @@ pub(super) fn check<const D: usize>(
         uniform_velocity,
         exact,
         manufactured,
+        acceleration,
         boundary,
         walls,
     })
+}
+
+/// The acceleration of a body force, which has a value everywhere at the start and the end.
+fn acceleration<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: Option<&raw::Source>,
+    mesh: &Mesh<D>,
+    time: &Time,
+) -> Checked<Option<Vector<D>>> {
+    let Some(raw::Source::Acceleration(formulas)) = raw else { return Ok(None) };
+    let key = key.child("acceleration");
+    let acceleration: Vector<D> = checker.formulas(&key, formulas)?;
+    for (x, t) in mesh.coordinates().chunks_exact(D).flat_map(|x| [(x, time.start), (x, time.end)]) {
+        let a = acceleration.evaluate(&std::array::from_fn(|axis| x[axis]), t);
+        let quantity = format!("the acceleration at {x:?} and t = {t}, {a:?},");
+        let bounded = a.iter().all(|a| is_bounded(*a));
+        checker.require(&key, &quantity, bounded, "formulas that are finite everywhere, and at most 1e60")?;
+    }
+    Ok(Some(acceleration))
 }
 
 fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
@@ -203,6 +230,7 @@ fn riemann(raw: raw::Riemann) -> Riemann {
 fn quadrature(checker: &Checker<'_>, key: &Key, raw: raw::Quadrature, order: usize) -> Checked<fem::Quadrature> {
     match raw {
         raw::Quadrature::Conserving => Ok(fem::Quadrature::Conserving),
+        raw::Quadrature::ThreeHalves => Ok(fem::Quadrature::ThreeHalves),
         raw::Quadrature::Double => Ok(fem::Quadrature::Double),
         raw::Quadrature::Points(points) => {
             let accepted = format!("{order}, the order of the flow, to 64");

@@ -5,10 +5,14 @@ mod boundary_motion;
 mod displacement;
 mod flow;
 mod forces;
+mod held_nodes;
 mod initial;
 mod mesh;
 mod motion;
+mod movers;
 mod openings;
+mod parts;
+mod probes;
 mod resolved;
 mod shared_nodes;
 mod slide;
@@ -20,13 +24,15 @@ mod tables;
 mod time;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Damping, Field, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver, Steady,
-    StructureLaw,
+    AllowedChange, Analysis, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver,
+    Steady, StructureLaw,
 };
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
+pub use parts::SolidPart;
+pub use probes::Probe;
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
 pub use sliding_mesh::{Held, constrained};
 pub use structure::{Largest, Structure, Support};
@@ -35,7 +41,7 @@ pub use time::{Output, Time};
 use super::checker::{Checked, Checker};
 use super::continuation::lasting;
 use super::document::Document;
-use super::error::CaseError;
+use super::error::{CaseError, Errors};
 use super::key::Key;
 use super::raw;
 use crate::any_mesh::AnyMesh;
@@ -57,7 +63,7 @@ pub enum AnyCase {
 pub struct Case<const D: usize> {
     /// Name and texts.
     pub about: About,
-    /// The mesh at rest.
+    /// The mesh at rest: without the part of a structure beside a flow.
     pub mesh: mesh_crate::Mesh<D>,
     /// The motion of the mesh; None: it rests.
     pub motion: Option<Motion<D>>,
@@ -65,7 +71,7 @@ pub struct Case<const D: usize> {
     pub flow: Option<Flow<D>>,
     /// The rigid bodies that the flow moves.
     pub bodies: Vec<RigidBody<D>>,
-    /// The structure that fills the mesh; then there is neither motion nor flow.
+    /// The structure. Without a part of its own it fills the mesh, and there is neither motion nor flow.
     pub structure: Option<Structure<D>>,
     /// The time to cover.
     pub time: Time,
@@ -77,6 +83,8 @@ pub struct Case<const D: usize> {
     pub solver: Solver,
     /// Directory and contents of the output.
     pub output: Output,
+    /// The points at which the flow is observed.
+    pub probes: Vec<Probe<D>>,
 }
 
 /// The description of a case, without its numbers.
@@ -93,6 +101,10 @@ pub struct About {
     /// Every key that was left to its default, and the value taken.
     pub defaults: Vec<(String, String)>,
 }
+
+/// From this order of the flow in three dimensions the low-order preconditioner takes less memory than blocks and no more time
+/// (docs/src/speed.md). At order 2 it takes 1.2 times as much time.
+const LOW_ORDER_FROM: usize = 3;
 
 impl AnyCase {
     /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
@@ -143,20 +155,20 @@ impl AnyCase {
 
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
-        let time = time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-        let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, &time)).transpose()?;
+        let independent = Independent::check(checker, raw, mesh)?;
+        let Independent { time, mesh, flow, structure, output } = independent;
         let bodies = bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time)?;
-        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &bodies, &time)?;
-        let structure =
-            raw.structure.as_ref().map(|structure| structure::check(checker, structure, &mesh, &time)).transpose()?;
+        let movers = movers::Movers::new(checker, &bodies, structure.as_ref(), flow.as_ref(), &mesh)?;
+        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &movers, &time)?;
+        held_nodes::check(checker, structure.as_ref(), motion.as_ref(), &mesh, &time)?;
         sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
         if raw.restart.is_some() && flow.is_none() {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
         }
-        solver::check(checker, &raw.solver)?;
-        let output = time::check_output(checker, &raw.output)?;
+        check_surfaces(checker, &output, flow.as_ref())?;
+        let probes = probes::check(checker, &raw.output, &mesh, flow.is_some())?;
         Ok(Case {
             about: About::new(checker, document, raw),
             mesh,
@@ -169,7 +181,43 @@ impl<const D: usize> Case<D> {
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             output,
+            probes,
         })
+    }
+}
+
+/// The sections of a case that depend on the mesh and the time, and not on each other. All their errors are told at once.
+struct Independent<const D: usize> {
+    time: Time,
+    mesh: mesh_crate::Mesh<D>,
+    flow: Option<Flow<D>>,
+    structure: Option<Structure<D>>,
+    output: Output,
+}
+
+impl<const D: usize> Independent<D> {
+    fn check(checker: &Checker<'_>, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
+        let mut errors = Errors::default();
+        let time = errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
+        let parts = errors.note(parts::split(checker, raw.structure.as_ref(), raw.flow.is_some(), mesh));
+        let sections = match (&time, parts) {
+            (Some(time), Some((mesh, part))) => {
+                let flow = raw.flow.as_ref().map(|flow| flow::check(checker, flow, &mesh, time));
+                let structure = raw.structure.as_ref();
+                let structure = structure.map(|raw| structure::check(checker, raw, &mesh, part, time));
+                Some((errors.note(flow.transpose()), errors.note(structure.transpose()), mesh))
+            }
+            _ => None,
+        };
+        errors.note(solver::check(checker, &raw.solver));
+        let output = errors.note(time::check_output(checker, &raw.output));
+        errors.all()?;
+        match (time, sections, output) {
+            (Some(time), Some((Some(flow), Some(structure), mesh)), Some(output)) => {
+                Ok(Independent { time, mesh, flow, structure, output })
+            }
+            _ => unreachable!("what is missing has left an error"),
+        }
     }
 }
 
@@ -187,11 +235,26 @@ impl<const D: usize> Case<D> {
         Some(constrained.as_flattened().iter().filter(|constrained| !**constrained).count() * self.time.order)
     }
 
+    /// The preconditioner of the flow in slabs: the one that was asked for, or the cheapest in time and memory.
+    pub fn preconditioner(&self) -> Preconditioner {
+        let order = self.flow.as_ref().map_or(0, |flow| flow.order);
+        let cheapest =
+            if D == 3 && order >= LOW_ORDER_FROM { Preconditioner::LowOrder } else { Preconditioner::Blocks };
+        self.solver.preconditioner.unwrap_or(cheapest)
+    }
+
     /// Unknowns of the flow in a slab, 0 without a flow.
     pub fn flow_unknowns(&self) -> usize {
         let per_cell = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
         self.mesh.n_cells() * per_cell * self.time.order
     }
+}
+
+/// Surfaces are walls of the flow.
+fn check_surfaces<const D: usize>(checker: &Checker<'_>, output: &Output, flow: Option<&Flow<D>>) -> Checked<()> {
+    let walls: Vec<String> = flow.iter().flat_map(|flow| &flow.walls).map(|wall| wall.name.clone()).collect();
+    let key = Key::new("output").child("surfaces");
+    checker.boundaries(&key, &output.surfaces, &walls).map(|_| ())
 }
 
 /// Whether the present sections among [motion], [flow] and [structure] fit together.
@@ -202,12 +265,12 @@ fn check_sections(checker: &Checker<'_>, sections: [bool; 3]) -> Checked<()> {
             let accepted = "a section [motion], a section [flow], or both; or a section [structure]";
             Err(checker.combination(&Key::default(), problem, accepted))
         }
-        [_, _, false] | [false, false, true] => Ok(()),
-        [_, _, true] => {
-            let problem = "a structure moves by itself and has no flow";
-            let accepted = "this section, or [motion] and [flow]: remove the one or the others";
+        [true, false, true] => {
+            let problem = "a structure without a flow moves by itself: there is no other mesh to move";
+            let accepted = "this section together with [flow], or no [motion]";
             Err(checker.combination(&Key::new("structure"), problem, accepted))
         }
+        _ => Ok(()),
     }
 }
 

@@ -1,10 +1,10 @@
 //! The motion of the mesh.
 
 use super::Time;
-use super::bodies::RigidBody;
 use super::boundary_motion::Boundaries;
 use super::displacement::check_displacement;
 use super::mesh_crate::Mesh;
+use super::movers::Movers;
 use super::sliding_mesh::{Held, check_held};
 use crate::boundary_motion::BoundaryMotion;
 use crate::checker::{Checked, Checker};
@@ -91,17 +91,16 @@ pub enum Stiffness {
 /// The largest absolute power of det J. With larger ones the stiffness overflows or the matrix becomes singular.
 const LARGEST_POWER: f64 = 10.0;
 
-/// Checks `[motion]` of a run that covers `time`, in which `bodies` move parts of the mesh. None: the mesh rests.
+/// Checks `[motion]` of a run that covers `time`, in which `movers` move parts of the mesh. None: the mesh rests.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: Option<&raw::Motion>,
     mesh: &Mesh<D>,
-    bodies: &[RigidBody<D>],
+    movers: &Movers,
     time: &Time,
 ) -> Checked<Option<Motion<D>>> {
-    let by_weights = bodies.iter().any(|body| body.mesh.is_some());
     match raw {
-        Some(_) if by_weights => {
+        Some(_) if movers.by_weights => {
             let problem = "`bodies` move the whole mesh by weights";
             Err(checker.combination(
                 &Key::new("motion"),
@@ -109,11 +108,11 @@ pub(super) fn check<const D: usize>(
                 "this section, or the key `mesh` of the bodies: remove one",
             ))
         }
-        None if by_weights => Ok(Some(Motion::Followed)),
-        Some(raw) => Ok(Some(check_given(checker, raw, mesh, bodies, time)?)),
-        None if !bodies.is_empty() => {
+        None if movers.by_weights => Ok(Some(Motion::Followed)),
+        Some(raw) => Ok(Some(check_given(checker, raw, mesh, movers, time)?)),
+        None if !movers.walls.is_empty() => {
             let still = raw::Motion { displacement: None, elasticity: None, boundary: others_fixed() };
-            Ok(Some(check_given(checker, &still, mesh, bodies, time)?))
+            Ok(Some(check_given(checker, &still, mesh, movers, time)?))
         }
         None => Ok(None),
     }
@@ -127,15 +126,15 @@ fn check_given<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
-    bodies: &[RigidBody<D>],
+    movers: &Movers,
     time: &Time,
 ) -> Checked<Motion<D>> {
     let key = Key::new("motion");
     let Some(formulas) = &raw.displacement else {
-        let motion = elastic(checker, &key, raw, mesh, time)?;
-        return check_walls(checker, &key, motion, mesh, bodies);
+        let motion = elastic(checker, &key, raw, mesh, &movers.moved(mesh), time)?;
+        return check_walls(checker, &key, motion, mesh, movers);
     };
-    if !bodies.is_empty() {
+    if !movers.walls.is_empty() {
         let problem = "`motion.displacement` prescribes the motion everywhere, and a body moves its walls";
         return Err(checker.combination(&key.child("displacement"), problem, "one of the two: remove the other"));
     }
@@ -159,20 +158,20 @@ fn check_given<const D: usize>(
     Ok(Motion::Prescribed(displacement))
 }
 
-/// The walls of bodies have no other motion, and do not slide.
+/// Walls that something moves have no other motion, and do not slide.
 fn check_walls<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     motion: Motion<D>,
     mesh: &Mesh<D>,
-    bodies: &[RigidBody<D>],
+    movers: &Movers,
 ) -> Checked<Motion<D>> {
     let Motion::Elastic { boundary, slides, .. } = &motion else { return Ok(motion) };
-    let walls = bodies.iter().flat_map(|body| body.walls.iter().map(move |wall| (&body.name, *wall)));
+    let walls = movers.walls.iter().flat_map(|(mover, walls)| walls.iter().map(move |wall| (mover, *wall)));
     let mut moved = walls.filter(|(_, wall)| boundary[*wall].is_some() || slides[*wall].is_some());
-    if let Some((body, wall)) = moved.next() {
+    if let Some((mover, wall)) = moved.next() {
         let name = &mesh.boundary_names()[wall];
-        let problem = format!("boundary `{name}` is moved by the body `{body}`");
+        let problem = format!("boundary `{name}` is moved by {mover}");
         return Err(checker.combination(&key.child("boundary").child(name), &problem, "\"fixed\", or no such key"));
     }
     Ok(motion)
@@ -183,6 +182,7 @@ fn elastic<const D: usize>(
     key: &Key,
     raw: &raw::Motion,
     mesh: &Mesh<D>,
+    moved: &[bool],
     time: &Time,
 ) -> Checked<Motion<D>> {
     let elasticity = raw.elasticity.clone().unwrap_or_default();
@@ -197,7 +197,7 @@ fn elastic<const D: usize>(
     let slide = |(index, (key, motion)): (usize, &(Key, &raw::BoundaryMotion))| boundaries.slide(index, key, motion);
     let slides = named.iter().enumerate().map(slide).collect::<Checked<Vec<_>>>()?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
-    boundaries.check_shared(&keys, &boundary, &slides)?;
+    boundaries.check_shared(&keys, &boundary, &slides, moved)?;
     check_held(checker, &key.child("boundary"), &slides)?;
     Ok(Motion::Elastic {
         poisson_ratio: nu,

@@ -1,5 +1,6 @@
 //! What a case tells that was resolved, which is how a result file keeps it.
 
+use super::movers::Movers;
 use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
 use crate::document::Document;
 use crate::error::CaseError;
@@ -54,7 +55,7 @@ pub fn motion_of<const D: usize>(
     let raw: raw::Case = document.deserialize()?;
     let checker = checker_of(&document, &raw)?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
-    motion::check(&checker, raw.motion.as_ref(), mesh, &[], &time)
+    motion::check(&checker, raw.motion.as_ref(), mesh, &Movers::default(), &time)
 }
 
 /// The reference pressure of a resolved case with a flow.

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 /// The C0 nodes of a boundary, and which components of their displacement it prescribes.
 pub type Held<const D: usize> = BTreeMap<usize, [bool; D]>;
 
-/// For every C0 node of `mesh` the components of its displacement that boundaries prescribe: all of them, but for those that `slides`
-/// leaves free.
+/// For every C0 node of `mesh` the components of its displacement that boundaries prescribe. A boundary prescribes all of them, unless
+/// `slides` leaves some free.
 pub fn constrained<const D: usize>(
     mesh: &Mesh<D>,
     numbering: &NodeNumbering,

@@ -2,6 +2,9 @@
 
 use super::Time;
 use super::mesh_crate::{Mesh, NodeNumbering};
+use super::motion::check_start as check_at_rest;
+use super::parts::SolidPart;
+use super::probes::check_name;
 use super::shared_nodes::{SharedNodes, nodes_on};
 use crate::checker::{Checked, Checker};
 use crate::expression::Program;
@@ -9,10 +12,13 @@ use crate::key::Key;
 use crate::magnitude::is_bounded;
 use crate::raw::{self, Analysis, Damping, Plane, StructureBoundary, StructureLaw};
 use crate::vector::Vector;
+use std::collections::BTreeMap;
 
 /// An elastic body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure<const D: usize> {
+    /// Its part of the mesh; None: it fills the mesh, and there is no flow.
+    pub part: Option<SolidPart<D>>,
     /// E, in the position at rest.
     pub young_modulus: Program,
     /// nu, in the position at rest.
@@ -31,7 +37,7 @@ pub struct Structure<const D: usize> {
     pub largest: Largest,
     /// Force per volume, in the position at rest and time.
     pub body_force: Option<Vector<D>>,
-    /// Each boundary, in the order of `Mesh::boundary_names`.
+    /// Each boundary of its mesh, in the order of `Mesh::boundary_names`.
     pub boundary: Vec<Support<D>>,
     /// The displacement at the start; None: zero.
     pub displacement: Option<Vector<D>>,
@@ -44,6 +50,11 @@ pub struct Structure<const D: usize> {
 }
 
 impl<const D: usize> Structure<D> {
+    /// Its mesh, in a case whose flow or structure has the mesh `other`.
+    pub fn mesh<'a>(&'a self, other: &'a Mesh<D>) -> &'a Mesh<D> {
+        self.part.as_ref().map_or(other, |part| &part.mesh)
+    }
+
     /// The largest speed of shear waves, (mu / rho)^1/2; zero without a density.
     pub fn shear_speed(&self) -> f64 {
         self.density.map_or(0.0, |density| (self.largest.shear_modulus / density).sqrt())
@@ -87,41 +98,51 @@ impl<const D: usize> Support<D> {
     }
 
     /// The displacement that it prescribes at `x` and `t`.
-    fn prescribed(&self, x: &[f64; D], t: f64) -> [Option<f64>; D] {
+    pub(super) fn prescribed(&self, x: &[f64; D], t: f64) -> [Option<f64>; D] {
         let g = if let Support::Moved(g) = self { g.evaluate(x, t) } else { [0.0; D] };
         std::array::from_fn(|i| self.fixes()[i].then_some(g[i]))
     }
 }
 
-/// Checks `[structure]` of a run that covers `time`.
+/// Checks `[structure]` of a run that covers `time`, on its `part` beside a flow or on the whole `mesh`.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     raw: &raw::Structure,
     mesh: &Mesh<D>,
+    part: Option<SolidPart<D>>,
     time: &Time,
 ) -> Checked<Structure<D>> {
     let key = Key::new("structure");
+    if part.is_some() {
+        check_beside_flow(checker, &key, raw)?;
+    }
+    let mesh = part.as_ref().map_or(mesh, |part| &part.mesh);
+    let given = with_free_walls(raw, part.as_ref());
     let vector = |name: &str, formulas: &Option<Vec<_>>| {
         formulas.as_ref().map(|formulas| checker.formulas(&child(&key, name), formulas)).transpose()
     };
-    let named = checker.by_boundary(&key.child("boundary"), "support or load", &raw.boundary, mesh.boundary_names())?;
+    let named = checker.by_boundary(&key.child("boundary"), "support or load", &given, mesh.boundary_names())?;
     let boundary: Vec<Support<D>> =
         named.iter().map(|(key, boundary)| support(checker, key, boundary)).collect::<Checked<_>>()?;
     let keys: Vec<Key> = named.into_iter().map(|(key, _)| key).collect();
     let numbering = NodeNumbering::new(mesh, mesh.order());
     let shared = SharedNodes { checker, mesh, numbering: &numbering, time: *time };
     shared.check(&keys, &|index, _, x, t| boundary[index].prescribed(x, t))?;
+    check_walls(checker, part.as_ref(), &keys, &boundary)?;
     let displacement = vector("initial.displacement", &raw.initial.displacement)?;
     let velocity = vector("initial.velocity", &raw.initial.velocity)?;
     for (name, given) in [("displacement", &displacement), ("velocity", &velocity)] {
         check_finite(checker, &child(&key, "initial").child(name), name, given.as_ref(), mesh, time.start)?;
     }
+    check_start_of_walls(checker, part.as_ref(), displacement.as_ref(), &shared)?;
     match raw.analysis {
         Analysis::Dynamic => check_start(checker, &boundary, displacement.as_ref(), &shared)?,
         Analysis::Static => check_static(checker, &key, raw)?,
     }
     let (young_modulus, poisson_ratio, largest) = material(checker, &key, raw, mesh)?;
+    let points = points(checker, &key.child("points"), raw, mesh)?;
     Ok(Structure {
+        part,
         young_modulus,
         poisson_ratio,
         law: raw.law,
@@ -135,8 +156,48 @@ pub(super) fn check<const D: usize>(
         displacement,
         velocity,
         natural_modes: raw.natural_modes,
-        points: points(checker, &key.child("points"), raw, mesh)?,
+        points,
     })
+}
+
+/// Beside a flow a structure has inertia, and moves in other modes than by itself.
+fn check_beside_flow(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> Checked<()> {
+    if raw.analysis == Analysis::Static {
+        let problem = "a flow moves the structure in time";
+        let accepted = "\"dynamic\"; with `time.order = 1` and long slabs flow and structure settle";
+        return Err(checker.combination(&key.child("analysis"), problem, accepted));
+    }
+    if raw.natural_modes > 0 {
+        let problem = "natural modes are those of a structure by itself";
+        let accepted = "no such key here; a case without [flow] and [motion] finds them";
+        return Err(checker.combination(&key.child("natural_modes"), problem, accepted));
+    }
+    Ok(())
+}
+
+/// What is given of the boundaries, where walls to the flow are free unless they are named.
+fn with_free_walls<const D: usize>(
+    raw: &raw::Structure,
+    part: Option<&SolidPart<D>>,
+) -> BTreeMap<String, StructureBoundary> {
+    let mut given = raw.boundary.clone();
+    for wall in part.iter().flat_map(|part| part.wet_names()) {
+        given.entry(wall.clone()).or_insert(StructureBoundary::Free);
+    }
+    given
+}
+
+/// Walls to the flow have no support: the flow moves them.
+fn check_walls<const D: usize>(
+    checker: &Checker<'_>,
+    part: Option<&SolidPart<D>>,
+    keys: &[Key],
+    boundary: &[Support<D>],
+) -> Checked<()> {
+    let mut supported = part.iter().flat_map(|part| &part.wet).filter(|&&wall| boundary[wall].fixes() != [false; D]);
+    let Some(&wall) = supported.next() else { return Ok(()) };
+    let accepted = "\"free\", a load beside that of the flow, or no such key";
+    Err(checker.combination(&keys[wall], "the flow moves this wall", accepted))
 }
 
 /// E and nu, which must be in range at all nodes of the mesh, and their extremes there.
@@ -293,6 +354,22 @@ fn check_start<const D: usize>(
     Ok(())
 }
 
+/// The mesh of the flow starts at rest, and so do the walls that it shares with the structure.
+fn check_start_of_walls<const D: usize>(
+    checker: &Checker<'_>,
+    part: Option<&SolidPart<D>>,
+    displacement: Option<&Vector<D>>,
+    SharedNodes { mesh, numbering, time, .. }: &SharedNodes<'_, D>,
+) -> Checked<()> {
+    let (Some(part), Some(displacement)) = (part, displacement) else { return Ok(()) };
+    let key = Key::new("structure.initial.displacement");
+    for (_, x) in part.wet.iter().flat_map(|wall| nodes_on(mesh, numbering, *wall)) {
+        let d = displacement.evaluate(&x, time.start);
+        check_at_rest(checker, |axis| key.entry(axis), &x, &d, time.start, mesh.diameter())?;
+    }
+    Ok(())
+}
+
 fn points<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -301,9 +378,7 @@ fn points<const D: usize>(
 ) -> Checked<Vec<(String, [f64; D])>> {
     let point = |(name, x): (&String, &Vec<f64>)| {
         let key = key.child(name);
-        // It becomes a part of the first line of history.csv.
-        let is_printable = !name.is_empty() && !name.contains(char::is_control);
-        checker.require(&key, "the name of the point", is_printable, "a name of printable characters, on one line")?;
+        check_name(checker, &key, name)?;
         let x = checker.finite_vector(&key, "the coordinate", x)?;
         checker.require(&key, "the point", mesh.locate(&x).is_some(), "a point inside the mesh, or on its boundary")?;
         Ok((name.clone(), x))

@@ -2,7 +2,7 @@
 
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::raw::{self, Field};
+use crate::raw::{self, Field, Integral};
 use coupled::{Schedule, StepControl};
 use std::path::PathBuf;
 
@@ -51,6 +51,10 @@ pub struct Output {
     pub every: usize,
     /// Fields for display.
     pub fields: Vec<Field>,
+    /// Integrals over the flow.
+    pub integrals: Vec<Integral>,
+    /// Walls whose profiles are written.
+    pub surfaces: Vec<String>,
 }
 
 /// Checks `[time]`. A run that `begins_steady` may end at its start, with the steady flow.
@@ -158,5 +162,7 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
         )?,
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         fields: checker.distinct(&key.child("fields"), "field", &raw.fields)?.to_vec(),
+        surfaces: checker.distinct(&key.child("surfaces"), "wall", &raw.surfaces)?.to_vec(),
+        integrals: checker.distinct(&key.child("integrals"), "integral", &raw.integrals)?.to_vec(),
     })
 }

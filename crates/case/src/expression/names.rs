@@ -38,6 +38,7 @@ pub(super) enum Function {
     Tanh,
     Sinh,
     Cosh,
+    Deg,
 }
 
 /// Names that are called like functions.
@@ -62,7 +63,7 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 const ARC_LENGTH: &str = "s";
 
-static CALLABLES: [(&str, Callable); 14] = [
+static CALLABLES: [(&str, Callable); 15] = [
     ("if", Callable::If),
     ("min", Callable::Min),
     ("max", Callable::Max),
@@ -77,6 +78,7 @@ static CALLABLES: [(&str, Callable); 14] = [
     ("tanh", Callable::Unary(Function::Tanh)),
     ("sinh", Callable::Unary(Function::Sinh)),
     ("cosh", Callable::Unary(Function::Cosh)),
+    ("deg", Callable::Unary(Function::Deg)),
 ];
 
 impl Callable {

@@ -146,6 +146,7 @@ fn apply<T: Transcendental>(function: Function, a: T) -> T {
         // (e^a -+ e^-a) / 2
         Function::Sinh => (a.exp() - (-a).exp()) * 0.5,
         Function::Cosh => (a.exp() + (-a).exp()) * 0.5,
+        Function::Deg => a * (std::f64::consts::PI / 180.0),
     }
 }
 

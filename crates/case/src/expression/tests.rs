@@ -40,6 +40,7 @@ const SAMPLES: &[Sample] = &[
     }),
     ("abs(x - y) + sqrt(z) + log(y)", |x, _| (x[0] - x[1]).abs() + x[2].sqrt() + x[1].ln()),
     ("tan(x) + atan(y) + tanh(z)", |x, _| x[0].tan() + x[1].atan() + x[2].tanh()),
+    ("deg(90*x)", |x, _| (90.0 * x[0]).to_radians()),
     ("sinh(x) * cosh(y) / 1.5e1", |x, _| x[0].sinh() * x[1].cosh() / 15.0),
     ("(((x)))*.5 - 1.e-1", |x, _| x[0] * 0.5 - 0.1),
 ];

@@ -113,6 +113,8 @@ pub enum Quadrature {
     /// The least number that preserves a free stream exactly on any moving mesh.
     #[default]
     Conserving,
+    /// Three points for two nodes, or "conserving" where that has more: for flow that the mesh does not resolve. In time as "conserving".
+    ThreeHalves,
     /// Twice the order, in space and time.
     Double,
     /// This number in space; in time as "conserving".
@@ -222,11 +224,13 @@ pub struct Primitive {
 }
 
 /// A source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum Source {
     /// The source that makes the exact state a solution, by exact differentiation.
     Manufactured,
+    /// A body force per mass, a formula per axis in x, y, z and t: gravity, or what drives a periodic channel.
+    Acceleration(Vec<Formula>),
 }
 
 /// A condition on a boundary.

@@ -16,11 +16,17 @@ pub struct Mesh {
     /// The generator of the mesh.
     pub generate: Option<Generate>,
     /// A Gmsh file, relative to the case file: MSH 4.1 or 2.2, quadrilaterals or hexahedra. Its physical groups of curves (in
-    /// three dimensions surfaces) are the boundaries, those of surfaces (volumes) the regions.
+    /// three dimensions surfaces) are the boundaries, those of surfaces (volumes) the regions. For triangles, tetrahedra and
+    /// prisms see `split_simplices`.
     pub file: Option<PathBuf>,
     /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and lose their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub periodic: Vec<[String; 2]>,
+    /// Splits the triangles of the file into 3 quadrilaterals, its tetrahedra into 4 hexahedra, its prisms into 3, or 6 next to
+    /// tetrahedra. Quadrilaterals and hexahedra are cut where a neighbour is. The pieces have the order and exactly the shape
+    /// of the file; the scaled Jacobian is 1/3 or less in a piece of a triangle or prism, 2/27 or less in one of a tetrahedron.
+    /// Without this key, triangles, tetrahedra and prisms are an error.
+    pub split_simplices: Option<bool>,
     /// Extrudes a two-dimensional mesh.
     pub extrude: Option<Extrude>,
     /// Turns the axes of every cell at random, by this seed. This is a test of the program: results must not change.

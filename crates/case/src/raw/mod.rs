@@ -31,12 +31,12 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A case of stsolve: a mesh, its motion, the flow on it, and the time to cover; or a mesh, the structure that fills it, and the
-/// time.
+/// time. A structure beside a flow fills some regions of the mesh.
 ///
 /// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
 /// the case. Its operators are + - * / ^, comparisons and if(condition, a, b). Its functions are min, max, abs, sqrt, exp,
-/// log, sin, cos, tan, atan, tanh, sinh and cosh.
+/// log, sin, cos, tan, atan, tanh, sinh and cosh. deg(a) is the angle of a degrees, in radians.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -59,7 +59,7 @@ pub struct Case {
     /// Rigid bodies that the flow moves, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub bodies: BTreeMap<String, Body>,
-    /// An elastic structure that fills the mesh and moves by itself. It excludes `motion` and `flow`.
+    /// An elastic structure. It moves by itself, or with the flow beside it.
     pub structure: Option<Structure>,
     /// The time to cover.
     pub time: Time,
@@ -73,7 +73,12 @@ pub struct Case {
     pub output: Output,
 }
 
+/// The name of the schema, for editors.
+const SCHEMA_ID: &str = "https://github.com/stsolve/stsolve/schema/case.json";
+
 /// The JSON Schema of a case file.
 pub fn schema() -> schemars::Schema {
-    schemars::schema_for!(Case)
+    let mut schema = schemars::schema_for!(Case);
+    schema.insert("$id".to_owned(), SCHEMA_ID.into());
+    schema
 }

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The time to cover, slab by slab: give `step` or `slabs`.
@@ -77,12 +78,52 @@ pub struct Output {
     pub every: usize,
     /// The fields for display. The exact coefficients are always written.
     pub fields: Vec<Field>,
+    /// Walls whose distribution of pressure, friction and heat at the end of the run goes to files wall_NAME.csv, by name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<String>,
+    /// Integrals over the flow that go to history.csv after every slab.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub integrals: Vec<Integral>,
+    /// Points whose density, velocity and pressure go to history.csv after every slab, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub probes: BTreeMap<String, Probe>,
+}
+
+/// An integral over the flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Integral {
+    /// The kinetic energy, int rho v.v / 2 dx.
+    KineticEnergy,
+    /// The enstrophy, int rho w.w / 2 dx of the vorticity w.
+    Enstrophy,
+    /// The entropy, int rho ln(p / rho^gamma) dx.
+    Entropy,
+}
+
+/// A point at which the flow is observed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Its position, that at rest if the mesh carries it.
+    pub at: Vec<f64>,
+    /// Whether it moves with the mesh. Otherwise it is fixed in space, and has no value where the mesh has left it.
+    #[serde(default)]
+    pub carried: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
         let fields = vec![Field::Density, Field::Velocity, Field::Pressure, Field::Mach];
-        Output { directory: None, checkpoint_every: 10, every: 1, fields }
+        Output {
+            directory: None,
+            checkpoint_every: 10,
+            every: 1,
+            fields,
+            surfaces: Vec::new(),
+            integrals: Vec::new(),
+            probes: BTreeMap::new(),
+        }
     }
 }
 
@@ -106,4 +147,10 @@ pub enum Field {
     MeshVelocity,
     /// det J of the motion of the mesh.
     Jacobian,
+    /// The displacement of the mesh, and of a structure.
+    Displacement,
+    /// The von Mises stress of a structure.
+    VonMises,
+    /// The principal stresses of a structure, the largest first.
+    PrincipalStress,
 }

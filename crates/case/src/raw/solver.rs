@@ -24,8 +24,8 @@ pub struct Solver {
     pub krylov_restart: usize,
     /// The method for products with the Jacobian.
     pub jacobian: Jacobian,
-    /// The preconditioner of the flow.
-    pub preconditioner: Preconditioner,
+    /// The preconditioner of the flow. Default: `"low_order"` in three dimensions from `flow.order` = 3, otherwise `"blocks"`.
+    pub preconditioner: Option<Preconditioner>,
     /// The first guess of a slab.
     pub predictor: Predictor,
     /// Pseudo-time damping of the first Newton steps of a slab.
@@ -48,7 +48,7 @@ impl Default for Solver {
             krylov_iterations: newton.krylov.max_iterations,
             krylov_restart: newton.krylov.restart,
             jacobian: Jacobian::Exact,
-            preconditioner: Preconditioner::Blocks,
+            preconditioner: None,
             predictor: Predictor::Elastic,
             pseudo_time: PseudoTime::default(),
             slab_halvings: 6,
@@ -76,6 +76,9 @@ pub enum Preconditioner {
     /// Each cell alone, one direction after the other. It costs little time and memory at any order, and suits slabs so short that sound
     /// crosses at most about one cell. Steady flows always use blocks.
     Lines,
+    /// The flow on the control volumes of its nodes, by point-block ILU(0). Its memory per unknown does not depend on the order: for flows in
+    /// three dimensions.
+    LowOrder,
 }
 
 /// The first guess of a slab.

@@ -6,11 +6,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// An elastic body that fills the mesh. Its displacement has the order of the mesh. Positions and loads are those of the body at rest:
-/// with the linear law the displacement is small.
+/// An elastic body that fills the mesh, or beside a flow some regions of it. Its displacement has the order of the mesh. Positions and
+/// loads are those of the body at rest: with the linear law the displacement is small.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
+    /// The regions of the mesh that the body fills. A flow fills all others: they move each other. Default: the body fills the mesh, and
+    /// there is no flow.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<String>,
     /// Young's modulus E: a number, or a formula in the position x, y, z at rest.
     pub young_modulus: Formula,
     /// Poisson's ratio nu, -1 < nu < 0.5: a number, or a formula in the position x, y, z at rest.
@@ -18,7 +22,7 @@ pub struct Structure {
     /// The stress of a strain. A law that is not linear needs plane strain, or three dimensions.
     #[serde(default)]
     pub law: StructureLaw,
-    /// Rayleigh damping. Without it there is none.
+    /// Rayleigh damping. By default the body is undamped.
     #[serde(default)]
     pub damping: Damping,
     /// The density at rest: mass per volume. A static analysis without natural modes does not need it.
@@ -30,7 +34,8 @@ pub struct Structure {
     pub plane: Option<Plane>,
     /// The force per volume, a formula per axis in the position x, y, z at rest and the time t. Default: no force.
     pub body_force: Option<Vec<Formula>>,
-    /// The support or load of each boundary, by name; `others` stands for all that are not named.
+    /// The support or load of each boundary, by name; `others` stands for all that are not named. The walls between the body and the flow
+    /// are named after the region of the flow. They have no support, and need no entry.
     #[serde(default)]
     pub boundary: BTreeMap<String, StructureBoundary>,
     /// The motion at the start. Default: the body is at rest. A static analysis starts from the equilibrium at the start.

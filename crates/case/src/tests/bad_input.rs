@@ -461,3 +461,25 @@ fn choices_are_listed_where_none_is_made() {
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
 }
+
+/// Sections that do not depend on each other have their errors told at once, each with its place.
+#[test]
+fn errors_of_several_sections_are_told_at_once() {
+    let text = BASE.replace("order = 2", "order = 0").replace("order = 4", "order = 4\nquadrature = { points = 2 }");
+    let error = check_text(&text, &["solver.krylov_restart=0", "output.every=0"]).unwrap_err();
+    let message = error.to_string();
+    assert_eq!(error.also.len(), 2, "{message}");
+    for part in ["`time.order = 0`", "solver.krylov_restart", "output.every"] {
+        assert!(message.contains(part), "{message}");
+    }
+    let error = check_text(&text.replace("order = 0", "order = 2"), &["output.every=0"]).unwrap_err();
+    assert!(error.to_string().contains("flow.quadrature.points") && error.also.len() == 1, "{error}");
+}
+
+/// A number where a choice with a number is needed.
+#[test]
+fn a_number_alone_is_shown_where_it_belongs() {
+    let text = BASE.replace("order = 4", "order = 4\ngas.viscosity = 0.002");
+    let message = check_text(&text, &[]).unwrap_err().to_string();
+    assert!(message.contains("`{ constant = 0.002 }`"), "{message}");
+}

@@ -127,6 +127,30 @@ fn a_file_has_an_order_that_may_be_raised() {
 }
 
 #[test]
+fn triangles_of_a_file_are_split_on_request() {
+    let directory = TempDir::new().unwrap();
+    let triangles = "7 2 2 9 1 1 2 5\n9 2 2 9 1 1 5 4\n8 3 2 9 1 2 3 6 5\n";
+    let text =
+        TWO_CELLS.replace("7 3 2 9 1 1 2 5 4\n8 3 2 9 1 2 3 6 5\n", triangles).replace("$Elements\n8", "$Elements\n9");
+    std::fs::write(directory.path().join("three.msh"), text).unwrap();
+    let check = |keys: &str| {
+        let text = format!("{MOVED}file = \"three.msh\"\n{keys}");
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    let AnyCase::Plane(case) = check("split_simplices = true").unwrap() else { panic!("two dimensions") };
+    // The square beside the triangles is cut along y.
+    assert_eq!((case.mesh.order(), case.mesh.n_cells()), (2, 3 + 3 + 2));
+    assert!((case.mesh.volume() - 2.0).abs() < 1e-14);
+    assert_eq!(case.mesh.boundary_names(), ["left", "right", "bottom", "top"]);
+    for keys in ["", "split_simplices = false"] {
+        let message = check(keys).unwrap_err().to_string();
+        for part in ["`mesh.file", "2 triangles", "Mesh.SubdivisionAlgorithm = 1", "mesh.split_simplices = true"] {
+            assert!(message.contains(part), "no {part} in:\n{message}");
+        }
+    }
+}
+
+#[test]
 fn a_blade_may_come_from_a_file_of_points() {
     let directory = TempDir::new().unwrap();
     let file = directory.path().join("blade.txt");
@@ -157,6 +181,10 @@ fn a_blade_may_come_from_a_file_of_points() {
 const BAD: &[(&str, &[&str])] = &[
     ("", &["`mesh`", "there is no mesh", "`file`"]),
     ("periodic = [[\"a\", \"b\"]]\ngenerate.airfoil = {}", &["`mesh.periodic", "joined by name"]),
+    (
+        "split_simplices = true\ngenerate.disc = { radius = 2, core_cells = 2, radial_cells = 1 }",
+        &["`mesh.split_simplices", "only cells of a file"],
+    ),
     ("file = \"none.msh\"", &["`mesh.file = \"none.msh\"`", "cannot read dir/none.msh"]),
     ("generate.airfoli = {}", &["unknown choice `airfoli`", "did you mean `airfoil`"]),
     ("generate.rotating_box = { cells_per_side = 5, sides = 1 }", &["rotating_box.sides = 1`", "did you mean `side`"]),

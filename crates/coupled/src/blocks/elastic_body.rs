@@ -16,10 +16,12 @@ mod slab;
 pub use interface::{Follower, Interface};
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
+use crate::blocks::Instants;
+use crate::observation::Observation;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use crate::structure_march::Supports;
-use basis::{Matrix, RadauTime, TemporalModes};
+use basis::{Matrix, TemporalModes};
 use elasticity::{FluidLayer, Loads, ModalSolver, SlabMotion, Structure};
 use newton_krylov::problem::Inadmissible;
 use slab::Slab;
@@ -44,17 +46,8 @@ pub struct ElasticBodyData<const D: usize> {
     pub velocity: Vec<f64>,
     /// The fluid that moves with it, for the preconditioner alone.
     pub fluid: FluidLayer<D>,
-}
-
-/// When a run is solved for.
-#[derive(Clone, Debug)]
-pub struct Instants {
-    /// The time nodes of a slab.
-    pub time: RadauTime,
-    /// The quadrature points of the flow in time.
-    pub points: Vec<f64>,
-    /// The length of most slabs, to which norms refer.
-    pub step: f64,
+    /// The points whose displacements are its coordinates in reports.
+    pub points: Vec<Observation>,
 }
 
 /// An elastic body as a block.
@@ -83,12 +76,12 @@ pub struct ElasticBody<const D: usize> {
 impl<const D: usize> ElasticBody<D> {
     /// Body number `number` of a run with the slabs of `instants`.
     pub fn new(data: ElasticBodyData<D>, interface: Interface, number: usize, instants: Instants) -> Self {
-        let Instants { time, points, step } = instants;
-        let values: Vec<f64> = points.iter().flat_map(|s| time.values(*s)).collect();
+        let at_points = instants.test_functions();
+        let Instants { time, step, .. } = instants;
         let length = data.structure.length() * time.order();
         let eigenvalues = TemporalModes::new(&time).eigenvalues;
         let mut body = ElasticBody {
-            at_points: Matrix::new(points.len(), time.order(), values),
+            at_points,
             interface,
             number,
             step,
@@ -270,11 +263,13 @@ impl<const D: usize> Body for ElasticBody<D> {
 
     fn read(&self, stored: &[f64]) -> BodyState {
         let (displacement, velocity) = self.fields(stored);
+        let at_points = |field| self.data.points.iter().flat_map(|point| point.value::<D>(field)).collect();
         BodyState {
+            position: at_points(displacement),
+            rate: at_points(velocity),
             kinetic_energy: self.data.structure.kinetic_energy(velocity),
             potential_energy: self.data.structure.strain_energy(displacement),
             ledger: Ledger::read(&stored[displacement.len() + velocity.len()..]),
-            ..BodyState::default()
         }
     }
 

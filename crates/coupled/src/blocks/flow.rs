@@ -5,6 +5,7 @@ use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use fem::{SlabOperator, Violation};
+use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
 
 /// What a solve has cost.
@@ -96,11 +97,8 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         let mut mass_product = vec![0.0; one.len()];
         let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
         flow.mass_product(u, &row, &mut mass_product);
-        let component = |m: usize| -> f64 {
-            (0..one.cells)
-                .map(|c| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum::<f64>())
-                .sum()
-        };
+        let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
+        let component = |m: usize| inner_product::sum(&(0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>());
         (0..M).map(component).collect()
     }
 

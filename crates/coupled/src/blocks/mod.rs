@@ -2,11 +2,13 @@
 
 pub mod elastic_body;
 mod flow;
+mod instants;
 mod mesh_motion;
 pub mod rigid_body;
 
 pub use elastic_body::ElasticBody;
 pub(crate) use flow::inadmissible;
 pub use flow::{Counts, FlowBlock};
+pub use instants::Instants;
 pub use mesh_motion::MeshBlock;
 pub use rigid_body::RigidBody;

@@ -23,11 +23,14 @@ mod loads;
 
 pub use coordinate::{Coordinate, Drive, Stops};
 pub use geometry::{Surface, SurfaceNode};
+use loads::{Loads, WallInTime};
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
+use crate::blocks::Instants;
 use crate::slab_error::SlabError;
-use crate::state::{Interval, State};
-use basis::{Matrix, RadauTime};
+use crate::state::{Interval, State, extend};
+use basis::{Matrix, RadauTime, TemporalModes};
+use elasticity::SlabMotion;
 use newton_krylov::problem::Inadmissible;
 use std::sync::Arc;
 
@@ -92,16 +95,22 @@ pub struct RigidBody<const D: usize> {
     data: RigidBodyData,
     surface: Surface<D>,
     number: usize,
-    time: RadauTime,
+    motion: SlabMotion,
     /// phi_a at the quadrature points of the flow in time, `[point][a]`.
     at_points: Matrix,
     /// s at these points.
     points: Vec<f64>,
+    /// The mean |lambda|.
+    mean_eigenvalue: f64,
     slab: Slab,
     /// W at the point of linearisation and evaluation.
     w: Vec<f64>,
     /// The loads of the flow at that point, `[time point][loaded node][component]`.
     flow_loads: Vec<f64>,
+    /// The motion of the wall at that point.
+    wall: WallInTime,
+    /// Q at that point.
+    loads: Loads,
     inverse: Option<Matrix>,
     inverse_pseudo_time: f64,
     /// The length of most slabs, to which its norm refers.
@@ -109,32 +118,31 @@ pub struct RigidBody<const D: usize> {
 }
 
 impl<const D: usize> RigidBody<D> {
-    /// Body number `number` of a run whose slabs have the nodes of `time` and mostly the length `step`; the flow has quadrature points at
-    /// `points` in time.
-    pub fn new(
-        data: RigidBodyData,
-        surface: Surface<D>,
-        number: usize,
-        time: RadauTime,
-        points: Vec<f64>,
-        step: f64,
-    ) -> Self {
-        let n = time.order();
-        let values: Vec<f64> = points.iter().flat_map(|s| time.values(*s)).collect();
+    /// Body number `number` of a run with the slabs of `instants`.
+    pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, instants: Instants) -> Self {
+        let at_points = instants.test_functions();
+        let Instants { time, points, step } = instants;
         RigidBody {
-            at_points: Matrix::new(points.len(), n, values),
+            at_points,
             points,
+            mean_eigenvalue: TemporalModes::new(&time).mean_shift(),
             slab: Slab::default(),
-            w: vec![0.0; n * data.coordinates.len()],
+            w: vec![0.0; time.order() * data.coordinates.len()],
             flow_loads: Vec::new(),
+            wall: WallInTime::default(),
+            loads: Loads::default(),
             inverse: None,
             inverse_pseudo_time: 0.0,
             data,
             surface,
             number,
-            time,
+            motion: SlabMotion::new(time),
             step,
         }
+    }
+
+    fn time(&self) -> &RadauTime {
+        self.motion.time()
     }
 
     /// The number of coordinates.
@@ -142,23 +150,24 @@ impl<const D: usize> RigidBody<D> {
         self.data.coordinates.len()
     }
 
-    /// Coordinates at the time nodes, `[a][k]`: q_n + dt sum_b A_ab W_b.
+    /// Coordinates at the time nodes, `[a][k]`.
     fn positions(&self, w: &[f64]) -> Vec<f64> {
         self.at_nodes(&self.slab.position, w)
     }
 
+    /// What grows from `bottom` by the rates `w`, at the time nodes.
     fn at_nodes(&self, bottom: &[f64], w: &[f64]) -> Vec<f64> {
-        let (n, count) = (self.time.order(), self.count());
-        let integral = |a: usize, k: usize| -> f64 {
-            (0..n).map(|b| self.time.collocation()[(a, b)] * w[b * count + k]).sum::<f64>() * self.slab.dt
-        };
-        (0..n * count).map(|i| bottom[i % count] + integral(i / count, i % count)).collect()
+        let mut q = vec![0.0; w.len()];
+        for (a, q) in q.chunks_exact_mut(bottom.len()).enumerate() {
+            self.motion.displacement_at_node(self.slab.dt, bottom, w, a, q);
+        }
+        q
     }
 
     /// Writes the displacement of the nodes that the body moves.
     fn write_surface(&self, w: &[f64], exchange: &mut Exchange) {
         let q = self.positions(w);
-        let field = exchange.wall_displacement.len() / self.time.order();
+        let field = exchange.wall_displacement.len() / self.time().order();
         for (q, out) in q.chunks_exact(self.count()).zip(exchange.wall_displacement.chunks_exact_mut(field)) {
             self.surface.add_displacement(&self.data, q, out);
         }
@@ -167,7 +176,7 @@ impl<const D: usize> RigidBody<D> {
     /// Writes the derivative of that along the rates `x`.
     fn write_surface_derivative(&self, x: &[f64], tangent: &mut Exchange) {
         let (q, dq) = (self.positions(&self.w), self.at_nodes(&vec![0.0; self.count()], x));
-        let field = tangent.wall_displacement.len() / self.time.order();
+        let field = tangent.wall_displacement.len() / self.time().order();
         let nodes = q.chunks_exact(self.count()).zip(dq.chunks_exact(self.count()));
         for ((q, dq), out) in nodes.zip(tangent.wall_displacement.chunks_exact_mut(field)) {
             self.surface.add_derivative(&self.data, q, dq, out);
@@ -186,7 +195,7 @@ impl<const D: usize> Block for RigidBody<D> {
 
     /// An impulse R moves a coordinate by about R dt / m in a slab, here in units of length, or of one for the rotation.
     fn weights(&self) -> Vec<f64> {
-        let n = self.time.order();
+        let n = self.time().order();
         let count = (n * self.count()) as f64;
         let mass = self.inertia_with_fluid(self.step);
         let weight =
@@ -217,13 +226,14 @@ impl<const D: usize> Block for RigidBody<D> {
 
     fn receive(&mut self, exchange: &Exchange, r: &mut [f64]) {
         self.flow_loads.clone_from(&exchange.wall_loads);
-        let loads = self.load(&self.flow_loads);
-        self.subtract_loads(&loads.total(&self.w, self.count()), r);
+        self.set_loads();
+        self.subtract_loads(&self.loads.total(&self.w, self.count()), r);
     }
 
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
         self.w.copy_from_slice(z);
         self.write_surface(z, exchange);
+        self.set_loads();
         self.inverse_pseudo_time = inverse_pseudo_time;
         self.inverse = None;
     }
@@ -238,7 +248,7 @@ impl<const D: usize> Block for RigidBody<D> {
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
         let along = self.load(&tangent.wall_loads);
         let still = vec![0.0; out.len()];
-        let loads = self.load(&self.flow_loads).derivative(&along, &self.w, &still, self.count());
+        let loads = self.loads.derivative(&along, &self.w, &still, self.count());
         self.subtract_loads(&loads, out);
     }
 
@@ -256,7 +266,7 @@ impl<const D: usize> Block for RigidBody<D> {
     /// (1/dtau) w_a (M + added mass) dt.
     fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]) {
         let (count, mass) = (self.count(), self.inertia_with_fluid(self.slab.dt));
-        for (a, weight) in self.time.weights().iter().enumerate() {
+        for (a, weight) in self.time().weights().iter().enumerate() {
             for k in 0..count {
                 let inertia: f64 = (0..count).map(|l| mass[(k, l)] * x[a * count + l]).sum();
                 out[a * count + k] += self.inverse_pseudo_time * weight * self.slab.dt * inertia;
@@ -284,17 +294,9 @@ impl<const D: usize> Body for RigidBody<D> {
     }
 
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]) {
-        let count = self.count();
-        for (a, z) in z.chunks_exact_mut(count).enumerate() {
-            match past {
-                None => z.copy_from_slice(&self.slab.rate),
-                Some((past, dt)) => {
-                    let phi = self.time.extrapolation(self.slab.dt / dt, self.time.nodes()[a]);
-                    z.iter_mut()
-                        .enumerate()
-                        .for_each(|(k, z)| *z = (0..phi.len()).map(|b| phi[b] * past[b * count + k]).sum());
-                }
-            }
+        match past {
+            Some((past, dt)) => extend(self.time(), self.slab.dt / dt, past, z),
+            None => z.chunks_exact_mut(self.count()).for_each(|z| z.copy_from_slice(&self.slab.rate)),
         }
         self.prescribe_rates(z);
         self.w.copy_from_slice(z);
@@ -302,7 +304,7 @@ impl<const D: usize> Body for RigidBody<D> {
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {
-        let (count, n) = (self.count(), self.time.order());
+        let (count, n) = (self.count(), self.time().order());
         let ledger = self.closed(z, Ledger::read(&stored[2 * count..]));
         let top = self.positions(z)[(n - 1) * count..].to_vec();
         stored.clear();

@@ -36,7 +36,12 @@ impl Ordering {
 pub fn minimum_discarded_fill(jacobian: &SpaceJacobian, links: &[Vec<Link>], dt: f64, lambda: f64) -> Ordering {
     let strengths: Vec<Vec<f64>> =
         (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
-    by_level(&eliminate(links, &strengths), links)
+    minimum_discarded_fill_of(links, &strengths)
+}
+
+/// The order by the strength |A_ii^{-1} A_ik| of every link of cell i.
+pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Ordering {
+    by_level(&eliminate(links, strengths), links)
 }
 
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.

@@ -26,7 +26,7 @@ fn moved<const D: usize>(components: usize, orders: Orders) -> (MeshMover<D>, St
         bottom: vec![0.0; d.len()],
         u: scattered(orders.time * len, 2.0),
         v: scattered(orders.time * d.len(), 3.0),
-        bodies: Vec::new(),
+        bodies: vec![scattered(orders.time * 3, 4.0), scattered(orders.time, 5.0)],
     };
     (mover, State { past: Some(past), slab: 1, ..State::new(0.1, scattered(len, 1.0), d) })
 }
@@ -77,11 +77,15 @@ fn every_component_of_every_cell_is_kept() {
 fn there_and_back_nothing_is_lost() {
     let [low, high] = [(3, 2), (5, 4)].map(|(flow, time)| Orders { flow, mesh: MESH, time });
     let (mover, state) = moved::<2>(4, low);
-    let back = state.transfer(&mover, 4, low, high).transfer(&mover, 4, high, low);
+    let there = state.transfer(&mover, 4, low, high);
+    let lengths = |state: &State| state.past.as_ref().unwrap().bodies.iter().map(Vec::len).collect::<Vec<_>>();
+    assert_eq!((lengths(&state), lengths(&there)), (vec![6, 2], vec![12, 4]), "unknowns of the bodies");
+    let back = there.transfer(&mover, 4, high, low);
     assert!(largest_difference(&back.u, &state.u) < 1e-13);
     let (past, before) = (back.past.unwrap(), state.past.unwrap());
     assert!(largest_difference(&past.u, &before.u) < 1e-13);
     assert!(largest_difference(&past.v, &before.v) < 1e-13);
+    assert!(largest_difference(&past.bodies.concat(), &before.bodies.concat()) < 1e-13);
     assert_eq!((back.time, back.slab, past.interval), (0.1, 1, before.interval));
 }
 

@@ -115,7 +115,7 @@ impl ChannelFlagMesh {
         let ([length, height], [x, y], radius) = (self.extent, self.centre, 0.5 * self.diameter);
         let accepted = "less than the diameter";
         check.that(self.thickness < self.diameter, "the thickness of the flag", self.thickness, accepted)?;
-        let inside = "a place at which the cylinder touches neither walls nor inflow";
+        let inside = "a place at which a cylinder of the given diameter touches neither walls nor inflow";
         let above = (y - radius).min(height - y - radius);
         check.that(x > radius, "x of the centre", x, inside)?;
         check.that(above > 0.0, "y of the centre", y, inside)?;

@@ -1,12 +1,12 @@
 //! From the lists of a file to a mesh.
 
-use super::GmshError;
-use super::element::Kind;
+use super::cells::Cells;
 use super::file::{Element, File};
-use crate::facet::{corner_node, face_nodes};
-use crate::lattice::{Lattice, digit};
-use crate::{CellMap, Mesh, MeshError, PeriodicPair, Region, Side};
-use basis::{Lagrange, Matrix, equidistant_points, gauss_lobatto};
+use super::shape::Shape;
+use super::split::{Corners, CutEdges, Splitter};
+use super::{GmshError, Simplices};
+use crate::topology::face_key;
+use crate::{Mesh, MeshError, PeriodicPair, Region, Side};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// z of a plane mesh is constant up to this times its size.
@@ -14,152 +14,104 @@ const PLANE: f64 = 1e-9;
 
 type Boundaries = Vec<(String, Vec<Side>)>;
 
-pub(super) fn mesh<const D: usize>(file: &File, periodic: &[(String, String)]) -> Result<Mesh<D>, GmshError> {
-    let cells = cells::<D>(file)?;
-    let degree = common_degree(&cells)?;
-    let reader = CellReader::<D>::new(degree);
-    let (mut corners, mut coordinates) = (Vec::new(), Vec::new());
-    for cell in &cells {
-        let (nodes, positions) = reader.read(file, cell)?;
-        corners.extend((0..1 << D).map(|k| nodes[corner_node(D, degree + 1, k)]));
-        coordinates.extend(positions);
+pub(super) fn mesh<const D: usize>(
+    file: &File,
+    periodic: &[(String, String)],
+    simplices: Simplices,
+) -> Result<Mesh<D>, GmshError> {
+    let elements = elements::<D>(file)?;
+    let degree = common_degree(&elements)?;
+    if simplices == Simplices::Refuse {
+        refuse_simplices::<D>(file, &elements)?;
     }
     if D == 2 {
-        check_plane(file, &cells)?;
+        check_plane(file, &elements)?;
     }
-    let boundaries = boundaries::<D>(file, &corners)?;
-    let pairs = pairs::<D>(file, &corners, &boundaries, periodic)?;
-    let refused = |error| match error {
-        MeshError::Inverted { cell, .. } | MeshError::Degenerate { cell, .. } => {
-            GmshError::Cell { element: cells[cell].number, source: error }
-        }
-        error => GmshError::Mesh(error),
-    };
-    let regions = regions::<D>(file, &cells);
-    Mesh::of_regions(degree + 1, numbered(&corners), coordinates, boundaries, pairs, regions).map_err(refused)
+    let mut splitter = Splitter::new(file, CutEdges::new::<D>(file, &elements, periodic));
+    let cells = Cells::read(&mut splitter, file, &elements, degree)?;
+    let boundaries = boundaries(file, &splitter, &cells)?;
+    let pairs = pairs(&cells, &boundaries, periodic)?;
+    let regions = regions(file, &elements, &cells);
+    let refused = |error| refused(file, &elements, &cells, error);
+    let (corners, coordinates) = (cells.corners.clone(), cells.coordinates.clone());
+    Mesh::of_regions(degree + 1, corners, coordinates, boundaries, pairs, regions).map_err(refused)
 }
 
 /// The elements of dimension D, each once: an element of two physical groups is listed twice in version 2.2.
-fn cells<const D: usize>(file: &File) -> Result<Vec<&Element>, GmshError> {
-    let count = |dimension| file.elements.iter().filter(|element| element.kind.dimension == dimension).count();
-    let (quadrilaterals, hexahedra) = (count(2), count(3));
-    if count(D) == 0 || D == 2 && hexahedra > 0 {
-        return Err(GmshError::Dimension { dimension: D, quadrilaterals, hexahedra });
+fn elements<const D: usize>(file: &File) -> Result<Vec<&Element>, GmshError> {
+    let count = |dimension| file.elements.iter().filter(|element| element.kind.dimension() == dimension).count();
+    let (surface, volume) = (count(2), count(3));
+    if count(D) == 0 || D == 2 && volume > 0 {
+        return Err(GmshError::Dimension { dimension: D, surface, volume });
     }
     let mut seen = BTreeSet::new();
-    let cells = file.elements.iter().filter(|element| element.kind.dimension == D);
-    Ok(cells.filter(|element| seen.insert(&element.nodes)).collect())
+    let elements = file.elements.iter().filter(|element| element.kind.dimension() == D);
+    Ok(elements.filter(|element| seen.insert(&element.nodes)).collect())
 }
 
-fn common_degree(cells: &[&Element]) -> Result<usize, GmshError> {
-    let first = cells[0].kind.degree;
-    match cells.iter().find(|cell| cell.kind.degree != first) {
-        Some(cell) => Err(GmshError::Degree { element: cell.number, degree: cell.kind.degree, first }),
+fn common_degree(elements: &[&Element]) -> Result<usize, GmshError> {
+    let first = elements[0].kind.degree;
+    match elements.iter().find(|element| element.kind.degree != first) {
+        Some(element) => Err(GmshError::Degree { element: element.number, degree: element.kind.degree, first }),
         None => Ok(first),
     }
 }
 
-/// Converts the nodes of a cell to the order and the Gauss-Lobatto nodes of this program.
-struct CellReader<const D: usize> {
-    /// N of the lattice.
-    order: usize,
-    /// For each node of the file its index in the lattice.
-    indices: Vec<usize>,
-    /// Interpolation from equidistant to Gauss-Lobatto nodes, exact for polynomials of the file's degree.
-    to_gauss_lobatto: Matrix,
-    /// The Jacobian at the Gauss-Lobatto nodes.
-    map: CellMap<D>,
+/// Cells, and faces of boundaries, must be quadrilaterals and hexahedra.
+fn refuse_simplices<const D: usize>(file: &File, elements: &[&Element]) -> Result<(), GmshError> {
+    let is_face = |element: &&Element| element.kind.dimension() == D - 1 && !element.groups.is_empty();
+    let all: Vec<&Element> = elements.iter().copied().chain(file.elements.iter().filter(is_face)).collect();
+    let Some(first) = all.iter().find(|element| !element.kind.shape.is_product_of_lines()) else { return Ok(()) };
+    let shape = first.kind.shape;
+    let count = all.iter().filter(|element| element.kind.shape == shape).count();
+    let kind = match shape {
+        Shape::Tetrahedron => "tetrahedra",
+        Shape::Prism => "prisms",
+        _ => "triangles",
+    };
+    Err(GmshError::Simplices { kind, count, element: first.number, dimension: D })
 }
 
-impl<const D: usize> CellReader<D> {
-    fn new(degree: usize) -> Self {
-        let order = degree + 1;
-        let nodes = gauss_lobatto(order).points;
-        CellReader {
-            order,
-            indices: Kind { dimension: D, degree }.lattice_indices(),
-            to_gauss_lobatto: Lagrange::new(equidistant_points(order)).value_matrix(&nodes),
-            map: CellMap::on_grid(order, &nodes),
-        }
-    }
-
-    /// Node numbers in the order of the lattice, and the positions of the Gauss-Lobatto nodes, `[node][D]`.
-    fn read(&self, file: &File, cell: &Element) -> Result<(Vec<u64>, Vec<f64>), GmshError> {
-        let mut nodes = vec![0; cell.nodes.len()];
-        self.indices.iter().zip(&cell.nodes).for_each(|(&index, &node)| nodes[index] = node);
-        let positions = self.positions(file, cell.number, &nodes)?;
-        if self.map.determinants(&positions).iter().any(|&det| det >= 0.0) {
-            return Ok((nodes, positions));
-        }
-        // Left-handed: axes 0 and 1 are exchanged.
-        let nodes: Vec<u64> = (0..nodes.len()).map(|k| nodes[exchanged(k, self.order)]).collect();
-        let positions = self.positions(file, cell.number, &nodes)?;
-        Ok((nodes, positions))
-    }
-
-    fn positions(&self, file: &File, element: u64, nodes: &[u64]) -> Result<Vec<f64>, GmshError> {
-        let mut equidistant = Vec::with_capacity(nodes.len() * D);
-        for &node in nodes {
-            let position = file.nodes.get(&node).ok_or(GmshError::NoNode { element, node })?;
-            equidistant.extend_from_slice(&position[..D]);
-        }
-        let shape = std::iter::once(D).chain([self.order; D]).collect();
-        let lattice = Lattice::new(shape, equidistant);
-        Ok((1..=D).fold(lattice, |lattice, axis| lattice.apply(axis, &self.to_gauss_lobatto)).values)
-    }
-}
-
-/// The lattice index with the digits along axes 0 and 1 exchanged.
-fn exchanged(index: usize, n: usize) -> usize {
-    index / (n * n) * (n * n) + digit(index, n, 0) * n + digit(index, n, 1)
-}
-
-fn check_plane(file: &File, cells: &[&Element]) -> Result<(), GmshError> {
-    let nodes: BTreeSet<u64> = cells.iter().flat_map(|cell| cell.nodes.iter().copied()).collect();
+fn check_plane(file: &File, elements: &[&Element]) -> Result<(), GmshError> {
     let size = file.nodes.values().flatten().map(|x| x.abs()).fold(0.0, f64::max);
-    let first = file.nodes[&cells[0].nodes[0]][2];
-    for node in nodes {
-        let z = file.nodes[&node][2];
-        if (z - first).abs() > PLANE * size {
-            return Err(GmshError::NotPlane { node, z, first });
+    let mut first = None;
+    for element in elements {
+        for (&node, [_, _, z]) in element.nodes.iter().zip(file.positions::<3>(element)?) {
+            let first = *first.get_or_insert(z);
+            if (z - first).abs() > PLANE * size {
+                return Err(GmshError::NotPlane { node, z, first });
+            }
         }
     }
     Ok(())
 }
 
-/// Vertex numbers from node numbers, in the order of first appearance.
-fn numbered(corners: &[u64]) -> Vec<usize> {
-    let mut numbers = BTreeMap::new();
-    let mut number = |node: &u64| {
-        let next = numbers.len();
-        *numbers.entry(*node).or_insert(next)
-    };
-    corners.iter().map(&mut number).collect()
-}
-
 /// The faces of the cells that are listed as elements of a physical group, by the name of the group.
-fn boundaries<const D: usize>(file: &File, corners: &[u64]) -> Result<Boundaries, GmshError> {
-    let side_of = sides::<D>(corners);
+fn boundaries<const D: usize>(file: &File, splitter: &Splitter, cells: &Cells<D>) -> Result<Boundaries, GmshError> {
+    let side_of = sides(cells);
     // In the order of the groups' numbers.
     let mut groups: BTreeMap<i64, Vec<Side>> = BTreeMap::new();
-    for element in file.elements.iter().filter(|element| element.kind.dimension == D - 1) {
+    let elements = file.elements.iter().filter(|element| element.kind.dimension() == D - 1);
+    for element in elements.filter(|element| !element.groups.is_empty()) {
+        let side = |corners: &Corners| side_of.get(&face_key(cells.vertices(corners)?)).copied();
+        let found: Option<Vec<Side>> = splitter.corners(element).iter().map(side).collect();
         for &group in &element.groups {
-            let side = side_of.get(&face_key(&element.nodes[..1 << (D - 1)]));
-            let stray = || GmshError::Stray { element: element.number, name: name(file, D - 1, group) };
-            groups.entry(group).or_default().push(*side.ok_or_else(stray)?);
+            let stray = || GmshError::Stray { element: element.number, name: file.name(D - 1, group) };
+            groups.entry(group).or_default().extend(found.as_ref().ok_or_else(stray)?);
         }
     }
-    Ok(by_name(groups.into_iter().map(|(group, sides)| (name(file, D - 1, group), sides))))
+    Ok(by_name(groups.into_iter().map(|(group, sides)| (file.name(D - 1, group), sides))))
 }
 
 /// The cells of each physical group of dimension D, by its name.
-fn regions<const D: usize>(file: &File, cells: &[&Element]) -> Vec<Region> {
-    let number: BTreeMap<&[u64], usize> = cells.iter().enumerate().map(|(k, cell)| (&cell.nodes[..], k)).collect();
+fn regions<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>) -> Vec<Region> {
+    let index: BTreeMap<&[u64], usize> = elements.iter().enumerate().map(|(k, cell)| (&cell.nodes[..], k)).collect();
     let mut groups: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    for element in file.elements.iter().filter(|element| element.kind.dimension == D) {
-        element.groups.iter().for_each(|&group| groups.entry(group).or_default().push(number[&element.nodes[..]]));
+    for element in file.elements.iter().filter(|element| element.kind.dimension() == D) {
+        let of_element = cells.of_element(index[&element.nodes[..]]);
+        element.groups.iter().for_each(|&group| groups.entry(group).or_default().extend(of_element.clone()));
     }
-    let named = by_name(groups.into_iter().map(|(group, cells)| (name(file, D, group), cells)));
+    let named = by_name(groups.into_iter().map(|(group, cells)| (file.name(D, group), cells)));
     named.into_iter().map(|(name, cells)| Region { name, cells }).collect()
 }
 
@@ -175,32 +127,21 @@ fn by_name<T>(lists: impl Iterator<Item = (String, Vec<T>)>) -> Vec<(String, Vec
     named
 }
 
-fn name(file: &File, dimension: usize, group: i64) -> String {
-    file.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
-}
-
-/// The first side with given corners.
-fn sides<const D: usize>(corners: &[u64]) -> BTreeMap<Vec<u64>, Side> {
+/// The first side with given vertices.
+fn sides<const D: usize>(cells: &Cells<D>) -> BTreeMap<Vec<usize>, Side> {
     let mut sides = BTreeMap::new();
-    for (cell, corners) in corners.chunks_exact(1 << D).enumerate() {
-        for face in 0..2 * D {
-            let nodes: Vec<u64> = face_nodes(D, 2, face).into_iter().map(|k| corners[k]).collect();
-            sides.entry(face_key(&nodes)).or_insert(Side { cell, face });
+    for cell in 0..cells.corners.len() >> D {
+        for side in (0..2 * D).map(|face| Side { cell, face }) {
+            let vertices = cells.face(side).into_iter().map(|(vertex, _)| vertex).collect();
+            sides.entry(face_key(vertices)).or_insert(side);
         }
     }
     sides
 }
 
-fn face_key(nodes: &[u64]) -> Vec<u64> {
-    let mut key = nodes.to_vec();
-    key.sort_unstable();
-    key
-}
-
 /// Pairs of boundaries by name. The translation is the one between the means of their corners.
 fn pairs<const D: usize>(
-    file: &File,
-    corners: &[u64],
+    cells: &Cells<D>,
     boundaries: &Boundaries,
     periodic: &[(String, String)],
 ) -> Result<Vec<PeriodicPair<D>>, GmshError> {
@@ -210,10 +151,9 @@ fn pairs<const D: usize>(
         found.ok_or_else(|| GmshError::NoBoundary { name: name.clone(), known: known() })
     };
     let centre = |boundary: usize| {
-        let nodes: Vec<u64> =
-            boundaries[boundary].1.iter().flat_map(|&side| face_corners::<D>(corners, side)).collect();
-        let sum = |i: usize| nodes.iter().map(|node| file.nodes[node][i]).sum::<f64>();
-        std::array::from_fn::<f64, D, _>(|i| sum(i) / nodes.len() as f64)
+        let corners: Vec<_> = boundaries[boundary].1.iter().flat_map(|&side| cells.face(side)).collect();
+        let sum = |i: usize| corners.iter().map(|(_, x)| x[i]).sum::<f64>();
+        std::array::from_fn::<f64, D, _>(|i| sum(i) / corners.len() as f64)
     };
     let pair = |(minus, plus): &(String, String)| {
         let (minus, plus) = (number(minus)?, number(plus)?);
@@ -223,7 +163,19 @@ fn pairs<const D: usize>(
     periodic.iter().map(pair).collect()
 }
 
-fn face_corners<const D: usize>(corners: &[u64], side: Side) -> Vec<u64> {
-    let cell = &corners[side.cell << D..];
-    face_nodes(D, 2, side.face).into_iter().map(|k| cell[k]).collect()
+/// The error of a mesh, with the element of the file.
+fn refused<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>, error: MeshError) -> GmshError {
+    let element = |cell: usize| elements[cells.element(cell)];
+    match error {
+        MeshError::Inverted { cell, .. } | MeshError::Degenerate { cell, .. } => {
+            let element = element(cell);
+            GmshError::Cell { element: element.number, degree: element.kind.degree, source: error }
+        }
+        MeshError::Unnamed { cell, .. } => {
+            let groups = file.elements.iter().filter(|element| element.kind.dimension() == D - 1);
+            let named = groups.flat_map(|element| &element.groups).next().is_some();
+            GmshError::Unnamed { element: element(cell).number, dimension: D, named, source: error }
+        }
+        error => GmshError::Mesh(error),
+    }
 }

@@ -1,5 +1,6 @@
 //! Errors of Gmsh files.
 
+use super::remedies;
 use crate::MeshError;
 use std::fmt;
 use std::path::PathBuf;
@@ -44,6 +45,12 @@ pub enum GmshError {
         /// The input found.
         found: String,
     },
+    /// The file has another format.
+    #[error("this is {format}: save the mesh as a Gmsh file, MSH 4.1 or 2.2")]
+    Format {
+        /// The format, with its article.
+        format: &'static str,
+    },
     /// An unsupported version of the format.
     #[error("{place}: version {version} of the MSH format is not supported: save as 4.1 or 2.2")]
     Version {
@@ -54,8 +61,8 @@ pub enum GmshError {
     },
     /// An unsupported kind of element.
     #[error(
-        "{place}: elements of type {code} ({kind}) are not supported: use points, lines, quadrilaterals and \
-         hexahedra with all nodes"
+        "{place}: elements of type {code} ({kind}) are not supported: use points, lines, quadrilaterals, hexahedra and, \
+         to be split, triangles, tetrahedra and prisms, all with all nodes"
     )]
     Element {
         /// The place.
@@ -89,18 +96,30 @@ pub enum GmshError {
         /// Its number.
         number: u64,
     },
+    /// Triangles, tetrahedra or prisms, which are not to be split.
+    #[error("the file has {count} {kind}, the first is element {element}: {}", remedies::simplices(*dimension))]
+    Simplices {
+        /// Their name.
+        kind: &'static str,
+        /// Their number.
+        count: usize,
+        /// The first one.
+        element: u64,
+        /// The dimension of the mesh.
+        dimension: usize,
+    },
     /// There are no cells of the requested dimension, or cells of a higher one.
     #[error(
-        "the file has {quadrilaterals} quadrilaterals and {hexahedra} hexahedra, which is no mesh in {dimension} \
-         dimensions"
+        "the file has {surface} elements of surfaces and {volume} of volumes, which is no mesh in {dimension} dimensions{}",
+        remedies::dimension(*surface, *volume)
     )]
     Dimension {
         /// The requested dimension.
         dimension: usize,
-        /// Quadrilaterals in the file.
-        quadrilaterals: usize,
-        /// Hexahedra in the file.
-        hexahedra: usize,
+        /// Triangles and quadrilaterals in the file.
+        surface: usize,
+        /// Tetrahedra, prisms and hexahedra in the file.
+        volume: usize,
     },
     /// Cells of different degrees.
     #[error(
@@ -149,11 +168,25 @@ pub enum GmshError {
         known: Vec<String>,
     },
     /// A cell is inverted or degenerate.
-    #[error("element {element}: {source}")]
+    #[error("element {element}: {source}{}", remedies::cell(*degree))]
     Cell {
         /// The element.
         element: u64,
-        /// The error; its cells are counted from 0 in the order of the file.
+        /// Its degree.
+        degree: usize,
+        /// The error; its cells are counted from 0 in the order of the file. Pieces of elements count as cells.
+        source: MeshError,
+    },
+    /// A side of a cell has no neighbour and is in no physical group.
+    #[error("element {element}: {source}: {}", remedies::unnamed(*dimension, *named))]
+    Unnamed {
+        /// The element.
+        element: u64,
+        /// The dimension of the mesh.
+        dimension: usize,
+        /// Whether the file names other boundaries.
+        named: bool,
+        /// The error.
         source: MeshError,
     },
     /// The cells do not form a mesh.

@@ -2,7 +2,7 @@
 
 use super::element::Kind;
 use super::source::{Encoding, Source};
-use super::{GmshError, version2, version4};
+use super::{GmshError, foreign, version2, version4};
 use std::collections::BTreeMap;
 
 /// The contents of a file.
@@ -25,6 +25,22 @@ pub(super) struct Element {
     pub(super) nodes: Vec<u64>,
 }
 
+impl File {
+    /// The positions of the nodes of `element`, in the order of the file.
+    pub(super) fn positions<const D: usize>(&self, element: &Element) -> Result<Vec<[f64; D]>, GmshError> {
+        let position = |&node: &u64| match self.nodes.get(&node) {
+            Some(position) => Ok(std::array::from_fn(|i| position[i])),
+            None => Err(GmshError::NoNode { element: element.number, node }),
+        };
+        element.nodes.iter().map(position).collect()
+    }
+
+    /// The name of a physical group, or else its number.
+    pub(super) fn name(&self, dimension: usize, group: i64) -> String {
+        self.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
+    }
+}
+
 /// The two layouts of nodes and elements.
 #[derive(Clone, Copy)]
 enum Version {
@@ -33,6 +49,9 @@ enum Version {
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
+    if let Some(format) = foreign::format(bytes) {
+        return Err(GmshError::Format { format });
+    }
     let mut source = Source::new(bytes);
     let version = format(&mut source)?;
     let mut file = File::default();

@@ -1,4 +1,5 @@
-//! Meshes written by Gmsh: MSH 4.1 and 2.2, text and binary, quadrilaterals and hexahedra of degree 1 to 10.
+//! Meshes written by Gmsh: MSH 4.1 and 2.2, text and binary, quadrilaterals and hexahedra of degree 1 to 10. Triangles,
+//! tetrahedra and prisms may be split into them.
 //!
 //! A file contributes its cells (elements of dimension D), the elements of dimension D - 1 that belong to a physical
 //! group, and the names of those groups: they become the boundaries. Physical groups of cells become regions; a boundary
@@ -12,14 +13,23 @@
 //! |---|---|
 //! | `source` | numbers and lines of a file, in text or binary |
 //! | `file` | sections and versions; `version2`, `version4` the two layouts of nodes and elements |
-//! | `element` | kinds of elements and the order of their nodes |
+//! | `foreign` | files of other programs |
+//! | `element`, `shape` | kinds of elements, their shapes and the order of their nodes |
+//! | `split` | pieces of triangles, tetrahedra and prisms |
+//! | `cells` | from elements to cells |
 //! | `convert` | from the file's lists to a [`Mesh`] |
+//! | `remedies` | the parts of messages that say what to do |
 
+mod cells;
 mod convert;
 mod element;
 mod error;
 mod file;
+mod foreign;
+mod remedies;
+mod shape;
 mod source;
+mod split;
 #[cfg(test)]
 mod tests;
 mod version2;
@@ -30,6 +40,17 @@ pub use error::{GmshError, Place};
 use crate::Mesh;
 use std::path::Path;
 
+/// The treatment of triangles, tetrahedra and prisms in a Gmsh file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Simplices {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// They are split: a triangle into 3 quadrilaterals, a tetrahedron into 4 hexahedra, a prism into 3, or into 6 next to
+    /// tetrahedra. Quadrilaterals and hexahedra are cut where an edge of theirs is. The pieces fill exactly the same space.
+    Split,
+}
+
 impl<const D: usize> Mesh<D> {
     /// The mesh in the Gmsh file `bytes`: MSH 4.1 or 2.2, text or binary. Degree p, 1 to 10, becomes order p + 1;
     /// equidistant nodes are replaced by Gauss-Lobatto nodes of the same polynomials.
@@ -39,7 +60,17 @@ impl<const D: usize> Mesh<D> {
     /// D = 2 the mesh lies in a plane of constant z. Left-handed cells are turned. Errors name the line, byte or
     /// element. The conditions of [`Mesh::new`] hold too.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
-        convert::mesh(&file::read(bytes)?, periodic)
+        Self::from_gmsh_with(bytes, periodic, Simplices::Refuse)
+    }
+
+    /// The same with triangles, tetrahedra and prisms treated as `simplices` says. Boundaries and regions consist of the
+    /// pieces of their elements.
+    pub fn from_gmsh_with(
+        bytes: &[u8],
+        periodic: &[(String, String)],
+        simplices: Simplices,
+    ) -> Result<Self, GmshError> {
+        convert::mesh(&file::read(bytes)?, periodic, simplices)
     }
 
     /// The mesh in the file `path`, see [`Mesh::from_gmsh`].

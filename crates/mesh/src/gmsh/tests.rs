@@ -1,13 +1,18 @@
 #![allow(clippy::unwrap_used)]
 //! Files written here by hand, the same files damaged, and files that Gmsh wrote.
 
+mod contents;
 mod damaged;
+mod drawing;
+mod foreign;
 mod sample;
+mod split;
 mod written_by_gmsh;
 
 use super::{GmshError, Place};
 use crate::{Mesh, MeshError};
-use sample::{Encoding, Sample, two_cells};
+use contents::Encoding;
+use sample::{Sample, two_cells};
 
 /// One square with corners 1 2 3 4 and sides of two groups, one of them without a name.
 const SQUARE_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat
@@ -117,8 +122,8 @@ fn errors_of_a_binary_file_name_the_byte() {
 
 #[test]
 fn meshes_that_are_none_are_refused() {
-    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 2 2 1 1 1 2 3");
-    assert_eq!(error, GmshError::Element { place: Place::Line(24), code: 2, kind: "triangles" });
+    let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 7 2 1 1 1 2 3 4 9");
+    assert!(matches!(error, GmshError::Element { place: Place::Line(24), code: 7, .. }), "{error}");
     let error = spoiled(SQUARE_2, "6 3 2 1 1 1 2 3 4", "6 3 2 1 1 1 2 3 17");
     assert_eq!(error, GmshError::NoNode { element: 6, node: 17 });
     let error = spoiled(SQUARE_2, "4 1 2 7 3 3 4", "4 1 2 7 3 2 4");
@@ -126,9 +131,15 @@ fn meshes_that_are_none_are_refused() {
     let error = spoiled(SQUARE_2, "4 0 1 1\n9", "4 0 1 2\n9");
     assert_eq!(error, GmshError::NotPlane { node: 4, z: 2.0, first: 1.0 });
     let error = spoiled(SQUARE_2, "5 1 2 8 4 4 1", "5 1 2 0 4 4 1");
-    assert!(matches!(error, GmshError::Mesh(MeshError::Unnamed { cell: 0, face: 0, .. })), "{error}");
+    assert!(
+        matches!(
+            error,
+            GmshError::Unnamed { element: 6, named: true, source: MeshError::Unnamed { cell: 0, face: 0, .. }, .. }
+        ),
+        "{error}"
+    );
     let error = Mesh::<3>::from_gmsh(SQUARE_2.as_bytes(), &[]).unwrap_err();
-    assert_eq!(error, GmshError::Dimension { dimension: 3, quadrilaterals: 1, hexahedra: 0 });
+    assert_eq!(error, GmshError::Dimension { dimension: 3, surface: 1, volume: 0 });
     let missing = Mesh::<2>::from_gmsh_file("no/such.msh".as_ref(), &[]).unwrap_err();
     assert!(missing.to_string().starts_with("no/such.msh: "), "{missing}");
 }
@@ -153,7 +164,8 @@ fn what_is_defined_twice_is_refused() {
 fn an_inverted_cell_is_named_by_its_element() {
     // Node 3 is moved across the diagonal, so the cell folds.
     let error = spoiled(SQUARE_2, "3 2 1 1\n", "3 -1 -1 1\n");
-    let GmshError::Cell { element: 6, source: MeshError::Inverted { cell: 0, determinant, .. } } = error else {
+    let GmshError::Cell { element: 6, degree: 1, source: MeshError::Inverted { cell: 0, determinant, .. } } = error
+    else {
         unreachable!("{error}")
     };
     assert!(determinant < 0.0);

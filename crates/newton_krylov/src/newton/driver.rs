@@ -213,6 +213,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let w = &mut *self.workspace;
         copy(&w.trial, z);
         std::mem::swap(&mut w.residual, &mut w.trial_residual);
+        self.tolerances.forget_rounding();
         let (residual_norm, field_norms) = norms(self.problem, &w.residual);
         let step = StepReport {
             residual_norm,

@@ -20,7 +20,7 @@ pub(super) struct Tolerances {
     pub(super) fields: Vec<f64>,
     /// The norm below which no decrease is required.
     pub(super) round_off: f64,
-    /// The rounding of each field as the problem estimates it, once it was asked; zero if it does not know.
+    /// The rounding of each field at the iterate as the problem estimates it, once it was asked; zero if it does not know.
     pub(super) rounding: Option<Vec<f64>>,
 }
 
@@ -39,7 +39,13 @@ impl Tolerances {
         }
     }
 
-    /// The norm below which no decrease is required, from the rounding of each field that `ask` returns. `ask` is called once.
+    /// The next iterate has another rounding: a displacement that grows from zero, for example.
+    pub(super) fn forget_rounding(&mut self) {
+        self.rounding = None;
+    }
+
+    /// The norm below which no decrease is required, from the rounding of each field that `ask` returns. `ask` is called once for an
+    /// iterate.
     pub(super) fn floor(&mut self, ask: impl FnOnce() -> Option<Vec<f64>>) -> f64 {
         let fields = self.fields.len();
         let rounding = self.rounding.get_or_insert_with(|| ask().unwrap_or_else(|| vec![0.0; fields]));

@@ -50,6 +50,9 @@ impl Quantity {
             Quantity::Flow(Field::Velocity) => "Velocity",
             Quantity::Flow(Field::Temperature) => "Temperature",
             Quantity::Flow(Field::MeshVelocity) => "Mesh velocity",
+            Quantity::Flow(Field::Displacement) => "Displacement",
+            Quantity::Flow(Field::VonMises) => "Von Mises stress",
+            Quantity::Flow(Field::PrincipalStress) => "Principal stress",
             Quantity::Flow(Field::Jacobian) | Quantity::Jacobian => "Mesh: det J / det J\u{2080}",
             Quantity::ScaledJacobian => "Mesh: scaled Jacobian",
         }

@@ -25,7 +25,7 @@ pub struct Scheme<const D: usize> {
     samplers: Vec<Sampler<D>>,
 }
 
-/// The coefficients at one time.
+/// The coefficients at one time. Cells of a structure beside the flow come after those of the flow.
 pub struct Snapshot<'a, const D: usize> {
     scheme: &'a Scheme<D>,
     /// `[cell][component][node]`
@@ -49,7 +49,8 @@ impl<const D: usize> Scheme<D> {
     pub fn new(reader: &ResultReader, gas: Gas) -> Option<Self> {
         let axes = |name: &str| reader.layout.exact.iter().find(|array| array.name == name).map(|array| &array.axes);
         let last = |name: &str| axes(name).and_then(|axes| axes.last()).map(|axis| axis.length);
-        let (cells, mesh_nodes) = (reader.layout.grid.cells, last("position")?);
+        let mesh_nodes = last("position")?;
+        let cells = axes("position")?.first()?.length;
         let flow = last("flow")
             .map(|nodes| (nodes, axes("flow").iter().flat_map(|a| a.iter()).map(|a| a.length).skip(1).product()));
         let rest = reader.metadata.mesh.position.clone();
@@ -65,7 +66,8 @@ impl<const D: usize> Scheme<D> {
     /// # Errors
     /// A file that cannot be read.
     pub fn at(&self, reader: &ResultReader, step: usize) -> Result<Snapshot<'_, D>, OutputError> {
-        let position = reader.exact("position", step)?.unwrap_or_default();
+        let mut position = reader.exact("position", step)?.unwrap_or_default();
+        position.extend(reader.exact("structure_position", step)?.unwrap_or_default());
         Ok(Snapshot { scheme: self, position, flow: reader.exact("flow", step)?.unwrap_or_default() })
     }
 
@@ -109,13 +111,17 @@ impl<const D: usize> Snapshot<'_, D> {
         let (scheme, sampler) = (self.scheme, &self.scheme.samplers[fineness]);
         let quantities = scheme.quantities();
         let nodal = scheme.nodes(&self.position, cell);
+        if (cell + 1) * D * scheme.mesh_nodes > scheme.rest.len() {
+            let values = vec![f64::NAN; quantities.len() * sampler.points()];
+            return Patch { parts: PARTS[fineness], points: self.points(cell, fineness), values };
+        }
         let jacobian = ratio(&sampler.determinants(nodal), &sampler.determinants(scheme.nodes(&scheme.rest, cell)));
         let columns: Vec<Vec<f64>> = match self.state(cell) {
             None => quantities.iter().map(|quantity| of_mesh(*quantity, &jacobian)).collect(),
             Some(u) => {
                 let (state, gradients) = (&sampler.state(u)[..], &sampler.gradients(u, nodal)[..]);
                 let sample =
-                    CellSample { points: sampler.points(), state, mesh_velocity: &[], jacobian: &jacobian, gradients };
+                    CellSample { state, jacobian: &jacobian, gradients, ..CellSample::of_points(sampler.points()) };
                 quantities.iter().map(|quantity| of_flow::<D, M>(*quantity, &scheme.gas, &sample)).collect()
             }
         };

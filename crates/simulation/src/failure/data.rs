@@ -174,12 +174,12 @@ pub struct Gas {
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
     /// Flow at inflows and outflows that their conditions are not made for.
-    pub openings: Vec<OpeningEvidence>,
+    pub openings: Vec<OpeningMisuse>,
 }
 
 /// An observation at an inflow or outflow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct OpeningEvidence {
+pub struct OpeningMisuse {
     /// The boundary.
     pub boundary: String,
     /// The kind, the share and the start.

@@ -46,9 +46,9 @@ pub struct WorstCellCause<'a> {
 }
 
 impl WorstCell {
-    /// The worst cell by `verdict`, on the mesh displaced by `d`.
-    pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], verdict: WorstCellCause<'_>) -> Self {
-        let WorstCellCause { cell, because, quantity, values } = verdict;
+    /// The worst cell by `cause`, on the mesh displaced by `d`.
+    pub fn new<const D: usize>(grid: &Grid<D>, d: &[f64], cause: WorstCellCause<'_>) -> Self {
+        let WorstCellCause { cell, because, quantity, values } = cause;
         let mesh = grid.mesh;
         let points = grid.positions(cell, d);
         let facets = mesh.boundary_facets().iter().filter(|facet| facet.side.cell == cell);

@@ -1,13 +1,14 @@
 //! The examination of a failed run of mesh and flow.
 
 use super::super::openings::Record;
-use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningEvidence, Settling};
+use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningMisuse, Settling};
 use super::finding::{Finding, WorstCell, WorstCellCause};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
 use super::of_mesh::{self, inverted};
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
+use elasticity::ElasticityError;
 use navier_stokes::ExactState;
 use newton_krylov::newton;
 
@@ -101,7 +102,9 @@ where
     fn gave_up(&self) -> GaveUp {
         match self.error {
             None => GaveUp::Other,
-            Some(SlabError::Mesh(_) | SlabError::Structure(_)) => GaveUp::Equilibrium,
+            Some(SlabError::Mesh(_)) => GaveUp::Equilibrium,
+            Some(SlabError::Structure(ElasticityError::Load { .. })) => GaveUp::Load,
+            Some(SlabError::Structure(_)) => GaveUp::Structure,
             Some(SlabError::Invalid { .. }) => GaveUp::InvertedCell,
             Some(SlabError::Guess(_) | SlabError::Top(_)) => GaveUp::Inadmissible,
             Some(SlabError::Newton { source, .. }) => match **source {
@@ -175,9 +178,9 @@ where
         }
     }
 
-    fn opening(&self, record: &Record) -> OpeningEvidence {
+    fn opening(&self, record: &Record) -> OpeningMisuse {
         let boundary = self.case.mesh.boundary_names()[record.now.boundary].clone();
-        OpeningEvidence { record: *record, told: record.told(&boundary).to_string(), boundary }
+        OpeningMisuse { record: *record, told: record.told(&boundary).to_string(), boundary }
     }
 
     /// The inverted cell, or else the cell with the largest residual, or else the cell with the lowest density.
@@ -196,8 +199,8 @@ where
         let cell = residual_breakdown.worst_cell()?;
         let because = format!("its residual is {:.3e}, the largest", residual_breakdown.cells[cell]);
         let values = |cell: usize| vec![residual_breakdown.cells[cell].log10(); grid.points.pow(D as u32)];
-        let verdict = WorstCellCause { cell, because, quantity: "log10 of the residual of the flow", values: &values };
-        Some(WorstCell::new(grid, &self.march.state.d, verdict))
+        let cause = WorstCellCause { cell, because, quantity: "log10 of the residual of the flow", values: &values };
+        Some(WorstCell::new(grid, &self.march.state.d, cause))
     }
 
     fn thinnest_cell(&self, grid: &Grid<D>, gases: &Gases) -> WorstCell {
@@ -207,8 +210,8 @@ where
             then.gas(&self.flow.law.gas, grid, cell).iter().map(|state| state.pressure).collect()
         };
         let values = |cell: usize| self.with_last(grid, |then| pressure(then, cell));
-        let verdict = WorstCellCause { cell: lowest.cell, because, quantity: "pressure", values: &values };
-        WorstCell::new(grid, &self.march.state.d, verdict)
+        let cause = WorstCellCause { cell: lowest.cell, because, quantity: "pressure", values: &values };
+        WorstCell::new(grid, &self.march.state.d, cause)
     }
 
     /// The displacement of the last attempt at time `t`.

@@ -3,7 +3,7 @@
 use super::subject::{Build, Size, Subject, Work, bytes};
 use fem::{Differentiate, Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
-use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Viscosity};
+use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity};
 
 /// Nodes in time.
 const TIME_ORDER: usize = 2;
@@ -40,7 +40,12 @@ where
         let mesh = BoxMesh { lower, upper, cells, order: mesh_order, curving, periodic }.build()?;
         let numbering = NodeNumbering::new(&mesh, mesh_order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Constant(1e-3))?;
-        let law = NavierStokes { gas, riemann: Riemann::Roe, reference: Reference::new(&gas, 1.0, 0.5, 1.0)? };
+        let law = NavierStokes {
+            gas,
+            riemann: Riemann::Roe,
+            reference: Reference::new(&gas, 1.0, 0.5, 1.0)?,
+            source: Source::Given,
+        };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
         let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };
         let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, Quadrature::Conserving);

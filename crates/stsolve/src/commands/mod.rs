@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod check;
+mod compare;
 mod info;
 mod reference;
 mod report;
@@ -8,6 +9,7 @@ mod run;
 mod table;
 
 pub use check::check;
+pub use compare::compare;
 pub use info::info;
 pub use report::report;
 pub use run::{motion, run};

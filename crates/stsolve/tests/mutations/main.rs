@@ -31,7 +31,7 @@ const COARSER: [(&str, &str, &str); 2] =
 
 /// The treatment of a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum WorstCellCause {
+enum Verdict {
     /// Refused at the damaged line, with the damaged key if the file is still TOML.
     RefusedThere,
     /// Refused where the damage has its effect, with its name.
@@ -47,14 +47,14 @@ enum WorstCellCause {
 #[test]
 fn every_slip_is_refused_at_its_place_or_is_none() {
     let mut random = Random(4);
-    let mut statistics = BTreeMap::<_, usize>::new();
+    let mut tally = BTreeMap::<_, usize>::new();
     let mut problems = Vec::new();
     let cases: Vec<_> = case_files().into_iter().map(|path| (path.clone(), original(&path))).collect();
     for number in 0..FILES {
         let (path, original) = &cases[number % cases.len()];
         let damaged = damage(original, &mut random);
         match judge(path, original, &damaged) {
-            Ok(verdict) => *statistics.entry((damaged.kind, verdict)).or_default() += 1,
+            Ok(verdict) => *tally.entry((damaged.kind, verdict)).or_default() += 1,
             Err(problem) => {
                 let line = damaged.text.lines().nth(damaged.line - 1).unwrap_or_default();
                 let (file, number) = (path.file_name().unwrap().display(), damaged.line);
@@ -62,11 +62,10 @@ fn every_slip_is_refused_at_its_place_or_is_none() {
             }
         }
     }
-    print_tally(&statistics);
+    print_tally(&tally);
     assert!(problems.is_empty(), "{} of {FILES}:\n{}", problems.len(), problems.join("\n\n"));
-    let refused =
-        |verdict: &WorstCellCause| matches!(verdict, WorstCellCause::RefusedThere | WorstCellCause::RefusedByName);
-    let refusals: usize = statistics.iter().filter(|((_, verdict), _)| refused(verdict)).map(|(_, n)| n).sum();
+    let refused = |verdict: &Verdict| matches!(verdict, Verdict::RefusedThere | Verdict::RefusedByName);
+    let refusals: usize = tally.iter().filter(|((_, verdict), _)| refused(verdict)).map(|(_, n)| n).sum();
     assert!(refusals > 3 * FILES / 4, "{refusals} of {FILES} refused: the damage is too mild to show anything");
 }
 
@@ -88,8 +87,8 @@ fn original(path: &Path) -> String {
 }
 
 #[allow(clippy::print_stdout)]
-fn print_tally(statistics: &BTreeMap<(damage::Kind, WorstCellCause), usize>) {
-    for ((kind, verdict), count) in statistics {
+fn print_tally(tally: &BTreeMap<(damage::Kind, Verdict), usize>) {
+    for ((kind, verdict), count) in tally {
         println!("{:10} {:14} {count:4}", format!("{kind:?}"), format!("{verdict:?}"));
     }
 }
@@ -99,7 +98,7 @@ fn check(path: &Path, text: &str) -> Result<AnyCase, Box<CaseError>> {
 }
 
 /// The verdict on a damaged file, or the error in its treatment.
-fn judge(path: &Path, original: &str, damaged: &Damaged) -> Result<WorstCellCause, String> {
+fn judge(path: &Path, original: &str, damaged: &Damaged) -> Result<Verdict, String> {
     let before = leaves(original).ok_or("the original is no TOML")?;
     match (check(path, &damaged.text), leaves(&damaged.text)) {
         (Ok(_), None) => Err("accepted, and no TOML".to_owned()),
@@ -119,7 +118,7 @@ fn place(error: &CaseError) -> Result<(usize, &str), String> {
 
 /// If a text is not TOML, the error must show where it stops being TOML: in the damaged line, or in the next non-empty one. Or it
 /// shows the unclosed bracket before the damaged line.
-fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<WorstCellCause, String> {
+fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<Verdict, String> {
     let (line, _) = place(error)?;
     let filled = |text: &&str| !text.trim().is_empty() && !text.trim_start().starts_with('#');
     let between = damaged.text.lines().take(line.saturating_sub(1)).skip(damaged.line).filter(filled).count();
@@ -127,16 +126,16 @@ fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<WorstCellCaus
     let bracket = message.split("the bracket of line ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
     let unclosed = bracket.is_some_and(|bracket: usize| bracket <= damaged.line);
     if line == damaged.line {
-        Ok(WorstCellCause::RefusedThere)
+        Ok(Verdict::RefusedThere)
     } else if line > damaged.line && (between == 0 || unclosed) {
-        Ok(WorstCellCause::RefusedByName)
+        Ok(Verdict::RefusedByName)
     } else {
         Err(format!("refused at line {line}: {error}"))
     }
 }
 
 /// A refusal must concern one of the `differing` paths, and show it.
-fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result<WorstCellCause, String> {
+fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result<Verdict, String> {
     let (line, _) = place(error)?;
     let concerns = |path: &String| within(path, &error.key) || within(&error.key, path);
     let message = error.to_string();
@@ -144,9 +143,9 @@ fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result
     let missing = |path: &str| path.strip_prefix(&error.key).is_some_and(|rest| is_named(&message, first_name(rest)));
     let named = |path: &String| is_named(&message, last_name(path)) || missing(path);
     if line == damaged.line && differing.iter().any(concerns) {
-        Ok(WorstCellCause::RefusedThere)
+        Ok(Verdict::RefusedThere)
     } else if differing.iter().any(named) {
-        Ok(WorstCellCause::RefusedByName)
+        Ok(Verdict::RefusedByName)
     } else {
         Err(format!("refused, but not by what differs, {differing:?}: {error}"))
     }
@@ -167,7 +166,7 @@ fn is_named(text: &str, name: &str) -> bool {
 }
 
 /// An accepted case must hold the written values, and these must be legal.
-fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<WorstCellCause, String> {
+fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Verdict, String> {
     let resolved = leaves(&case.about().resolved).ok_or("the resolved case is no TOML")?;
     let lost = |(path, value): &(&String, &toml::Value)| !is_empty(value) && !holds(&resolved, path, value);
     if let Some((path, value)) = after.iter().find(lost) {
@@ -175,7 +174,7 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<WorstCell
     }
     let differing = differing(before, after);
     if differing.is_empty() {
-        return Ok(WorstCellCause::Equal);
+        return Ok(Verdict::Equal);
     }
     if let Some(path) = differing.iter().find(|path| after.get(*path).is_some_and(|v| !is_legal_number(path, v))) {
         return Err(format!("accepted, but {path} = {} makes no sense", after[path]));
@@ -188,8 +187,8 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<WorstCell
     };
     match (written.is_empty(), missing.iter().all(has_default)) {
         (_, false) => Err(format!("accepted without {missing:?}, which have no default")),
-        (true, true) => Ok(WorstCellCause::Default),
-        (false, true) => Ok(WorstCellCause::OtherValue),
+        (true, true) => Ok(Verdict::Default),
+        (false, true) => Ok(Verdict::OtherValue),
     }
 }
 

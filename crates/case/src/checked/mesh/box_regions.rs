@@ -8,8 +8,8 @@ use crate::raw::{Axis, BoxGenerator};
 use ::mesh::generate::{BoxRegion, Segment};
 use ::mesh::{BoxMesh, Mesh, MeshError, REST};
 
-/// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. Cells that are inverted are the fault of
-/// what is given at `curving`.
+/// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. The error of an
+/// inverted cell names the key `curving`.
 pub(super) fn build<const D: usize>(
     family: &Family<'_>,
     raw: &BoxGenerator,

@@ -47,7 +47,19 @@ impl Family<'_> {
             _ => None,
         };
         let key = path.map_or_else(|| self.key.clone(), |(_, path)| self.key.descendant(path));
-        self.refused_at(&key, error)
+        match error {
+            MeshError::Inverted { .. } if !self.parameters.is_empty() => {
+                self.checker.combination(&key, &error.to_string(), &self.less_curved())
+            }
+            error => self.refused_at(&key, error),
+        }
+    }
+
+    /// What may differ where the quantities together make a cell that is inverted.
+    fn less_curved(&self) -> String {
+        let mut keys: Vec<&str> = self.parameters.iter().filter_map(|(_, path)| path.split('.').next()).collect();
+        keys.dedup();
+        format!("cells that are less curved: other values of `{}`, or a higher order", keys.join("`, `"))
     }
 
     /// The error of the generator at `key`.

@@ -6,7 +6,7 @@ use crate::error::Cause;
 use crate::key::Key;
 use crate::mesh_file;
 use crate::raw;
-use ::mesh::GmshError;
+use ::mesh::{GmshError, Simplices};
 use std::path::Path;
 
 /// The mesh of a Gmsh file, in the order of the file.
@@ -22,7 +22,8 @@ pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Check
         }
         _ => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
     };
-    let mesh = AnyMesh::from_gmsh(&bytes, &pairs).map_err(refused)?;
+    let simplices = if raw.split_simplices == Some(true) { Simplices::Split } else { Simplices::Refuse };
+    let mesh = AnyMesh::from_gmsh_with(&bytes, &pairs, simplices).map_err(refused)?;
     check_names(checker, &key, &mesh)?;
     Ok(mesh)
 }

@@ -46,14 +46,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
     let missing =
         || checker.combination(&key, "the order of the mesh is missing", "`order`, 2 to 16 nodes per direction");
     let order = order(checker, &key, "the order of the mesh", raw.order.ok_or_else(missing)?)?;
-    if !raw.periodic.is_empty() {
-        let accepted = "the key `periodic` of the generator, if it has one";
-        return Err(checker.combination(
-            &Key::new("mesh.periodic"),
-            "only boundaries of a file are joined by name",
-            accepted,
-        ));
-    }
+    refuse_keys_of_files(checker, raw)?;
     match generate {
         Generate::Box(raw) => box_mesh::build(checker, raw, order),
         Generate::Channel(raw) => channel::build(checker, raw, order),
@@ -65,6 +58,20 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
         Generate::Airfoil(raw) => airfoil::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::TurbineBlade(raw) => turbine_blade::build(checker, raw, order).map(AnyMesh::Plane),
     }
+}
+
+/// The keys that only a file can have.
+fn refuse_keys_of_files(checker: &Checker<'_>, raw: &Raw) -> Checked<()> {
+    if !raw.periodic.is_empty() {
+        let accepted = "the key `periodic` of the generator, if it has one";
+        let problem = "only boundaries of a file are joined by name";
+        return Err(checker.combination(&Key::new("mesh.periodic"), problem, accepted));
+    }
+    if raw.split_simplices.is_some() {
+        let accepted = "a mesh without this key: generated cells are quadrilaterals or hexahedra";
+        return Err(checker.combination(&Key::new("mesh.split_simplices"), "only cells of a file are split", accepted));
+    }
+    Ok(())
 }
 
 /// The mesh of a file, in the requested order.

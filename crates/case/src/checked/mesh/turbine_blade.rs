@@ -65,16 +65,16 @@ fn profile(family: &Family<'_>, raw: &Profile) -> Checked<ClosedCurve> {
         Profile::LowPressureTurbine => low_pressure_turbine_profile().map_err(|error| family.refused_at(&key, error)),
         Profile::File(path) => {
             let (key, path) = (key.child("file"), family.checker.beside_case(path));
-            let points = points(&path).map_err(|cause| family.checker.error(&key, cause))?;
+            let points = points(&path).map_err(|cause| family.checker.error(&key, *cause))?;
             ClosedCurve::through(&points).map_err(|error: MeshError| family.refused_at(&key, error))
         }
     }
 }
 
 /// The points of a text file: a line for each with two numbers; # begins a comment.
-fn points(path: &Path) -> Result<Vec<[f64; 2]>, Cause> {
+fn points(path: &Path) -> Result<Vec<[f64; 2]>, Box<Cause>> {
     let text = input_file::read_text(path, LARGEST_TABLE);
-    let text = text.map_err(|error| Cause::File { path: path.to_owned(), error })?;
+    let text = text.map_err(|error| Box::new(Cause::File { path: path.to_owned(), error }))?;
     let mut points = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();
@@ -84,7 +84,7 @@ fn points(path: &Path) -> Result<Vec<[f64; 2]>, Cause> {
             Ok(&[x, y]) => points.push([x, y]),
             _ => {
                 let (path, found) = (path.to_owned(), line.trim().to_owned());
-                return Err(Cause::Coordinates { path, line: index + 1, found });
+                return Err(Box::new(Cause::Coordinates { path, line: index + 1, found }));
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use super::ElasticBody;
 use crate::block::{Exchange, Ledger};
+use crate::blocks::instants::at_each_point;
+use crate::state::extend;
 use elasticity::{SlabBottom, StructureSlab};
 
 /// The slab that is being solved. Fields have the layout `[C0 node][component]`, behind a time node where there is one.
@@ -41,16 +43,9 @@ impl<const D: usize> ElasticBody<D> {
 
     /// z := the unknowns `past` of the slab before and its length, extended; without them the velocity at the bottom.
     pub(super) fn extrapolate(&self, past: Option<(&[f64], f64)>, z: &mut [f64]) {
-        let (time, length) = (self.motion.time(), self.data.structure.length());
-        for (s, z) in time.nodes().iter().zip(z.chunks_exact_mut(length)) {
-            let Some((past, dt)) = past else {
-                z.copy_from_slice(&self.slab.velocity);
-                continue;
-            };
-            z.fill(0.0);
-            for (phi, past) in time.extrapolation(self.slab.dt / dt, *s).iter().zip(past.chunks_exact(length)) {
-                z.iter_mut().zip(past).for_each(|(z, past)| *z += phi * past);
-            }
+        match past {
+            Some((past, dt)) => extend(self.motion.time(), self.slab.dt / dt, past, z),
+            None => z.chunks_exact_mut(self.slab.velocity.len()).for_each(|z| z.copy_from_slice(&self.slab.velocity)),
         }
     }
 
@@ -66,9 +61,9 @@ impl<const D: usize> ElasticBody<D> {
 
     /// L_a of the loads `l` of the flow, `[time point][loaded node][component]`.
     pub(super) fn nodal_loads(&self, l: &[f64]) -> Vec<f64> {
-        let (length, points) = (self.data.structure.length(), self.at_points.rows());
+        let length = self.data.structure.length();
         let mut loads = vec![0.0; self.w.len()];
-        for (point, l) in l.chunks_exact((l.len() / points).max(1)).enumerate() {
+        for (point, l) in at_each_point(l, self.at_points.rows()).enumerate() {
             for (a, loads) in loads.chunks_exact_mut(length).enumerate() {
                 let phi = self.at_points[(point, a)];
                 for (solid, loaded) in self.interface.wall() {

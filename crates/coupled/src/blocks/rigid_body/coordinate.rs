@@ -68,7 +68,7 @@ impl Coordinate {
 
     /// Whether it is driven in the slab that begins at `start`.
     pub fn is_driven(&self, start: f64) -> bool {
-        // A release falls on the beginning of a slab but for rounding.
+        // A release falls on the beginning of a slab, up to rounding.
         self.drive
             .as_ref()
             .is_some_and(|drive| drive.release.is_none_or(|release| start < release - 1e-9 * release.abs()))

@@ -1,6 +1,7 @@
 //! (rigid motion) of the nodes of the mesh that a body moves.
 
 use super::{Coordinate, RigidBodyData, Vec3};
+use tensor::{cross, rotated};
 
 /// A node of the mesh that a body moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,21 +120,4 @@ impl RigidBodyData {
             .direction
             .unwrap_or_else(|| cross(&self.axis, &rotated(&self.axis, theta, &self.centre_of_mass)))
     }
-}
-
-/// R(theta) x about the unit vector `axis` (Rodrigues).
-pub(super) fn rotated(axis: &Vec3, theta: f64, x: &Vec3) -> Vec3 {
-    let (sin, cos) = theta.sin_cos();
-    let (across, along) = (cross(axis, x), dot(axis, x));
-    std::array::from_fn(|i| cos * x[i] + sin * across[i] + (1.0 - cos) * along * axis[i])
-}
-
-/// a x b
-pub(super) fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// a . b
-pub(super) fn dot(a: &Vec3, b: &Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -9,11 +9,13 @@
 //! Between the time nodes the wall is a polynomial in time, not a rigid body. The last term, of the order of the error in time, gives the
 //! body exactly the energy that the flow loses.
 
-use super::geometry::{cross, dot};
 use super::{RigidBody, Vec3};
 use crate::block::Ledger;
+use crate::blocks::instants::at_each_point;
+use tensor::{cross, dot};
 
 /// The load without the correction, and what the wall does.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Loads {
     /// `[a][k]`
     pub(super) moments: Vec<f64>,
@@ -65,21 +67,28 @@ impl Loads {
 }
 
 impl<const D: usize> RigidBody<D> {
-    /// Q of the nodal loads `l`, `[time point][loaded node][component]`.
-    pub(super) fn load(&self, l: &[f64]) -> Loads {
-        let (count, n) = (self.count(), self.time.order());
+    /// Takes the motion of the wall and its load at the point of linearisation and evaluation.
+    pub(super) fn set_loads(&mut self) {
+        self.wall = self.wall_in_time();
+        self.loads = self.load(&self.flow_loads);
+    }
+
+    /// Q = 0.
+    fn no_load(&self) -> Loads {
+        let (count, n) = (self.count(), self.time().order());
         let rotation = (0..count).find(|k| self.data.coordinates[*k].direction.is_none());
-        let mut loads = Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation, slow: HARDLY / self.slab.dt };
-        let walls = self.wall_in_time();
-        for (point, l) in l.chunks_exact(l.len() / self.points.len().max(1)).enumerate() {
-            let (force, moment, work) = self.resultants(&walls, point, l);
+        Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation, slow: HARDLY / self.slab.dt }
+    }
+
+    /// Q of the nodal loads `l`, `[time point][loaded node][component]`, on the wall as it moves.
+    pub(super) fn load(&self, l: &[f64]) -> Loads {
+        let (count, mut loads) = (self.count(), self.no_load());
+        for (point, l) in at_each_point(l, self.points.len()).enumerate() {
+            let (force, moment, work) = self.resultants(&self.wall, point, l);
             loads.wall_work += work;
-            for a in 0..n {
-                for k in 0..count {
-                    let of_mode =
-                        self.data.coordinates[k].direction.map_or(moment, |direction| dot(&direction, &force));
-                    loads.moments[a * count + k] += self.at_points[(point, a)] * of_mode;
-                }
+            for (i, q) in loads.moments.iter_mut().enumerate() {
+                let of_mode = self.data.coordinates[i % count].direction.map_or(moment, |mode| dot(&mode, &force));
+                *q += self.at_points[(point, i / count)] * of_mode;
             }
         }
         loads
@@ -89,7 +98,7 @@ impl<const D: usize> RigidBody<D> {
     fn resultants(&self, walls: &WallInTime, point: usize, l: &[f64]) -> (Vec3, f64, f64) {
         let (mut force, mut moment, mut power) = ([0.0; 3], 0.0, 0.0);
         for (i, loaded) in self.surface.loaded.iter().enumerate() {
-            let load: Vec3 = std::array::from_fn(|d| if d < D { l[loaded * D + d] } else { 0.0 });
+            let load = in_space(&l[loaded * D..(loaded + 1) * D], |_, l| l);
             let (arm, velocity) = walls.at(point, i);
             (0..3).for_each(|d| force[d] += load[d]);
             moment += dot(&self.data.axis, &cross(arm, &load));
@@ -101,77 +110,54 @@ impl<const D: usize> RigidBody<D> {
     /// The positions of the wall nodes relative to the pivot and their velocities at the time points, as the mesh moves.
     fn wall_in_time(&self) -> WallInTime {
         let (q, count) = (self.positions(&self.w), self.count());
-        let mut velocities: Vec<f64> =
-            q.chunks_exact(count).flat_map(|q| self.surface.wall_displacement(&self.data, q)).collect();
-        elasticity::SlabMotion::new(self.time.clone()).velocities(self.slab.dt, &self.slab.surface, &mut velocities);
+        let d = q.chunks_exact(count).flat_map(|q| self.surface.wall_displacement(&self.data, q)).collect();
         let rest = |i: usize| self.data.arm(&self.surface.nodes[i].position);
-        let coordinates = |integrals: &[f64]| self.moved(&self.slab.position, &self.w, integrals);
-        self.in_time(&velocities, &self.slab.surface, rest, coordinates)
+        self.in_time(d, &self.slab.surface, rest, &self.slab.position, &self.w)
     }
 
-    /// Arms `rest` + d(s) - h(s) and velocities v(s) at the time points, where d grows from `bottom` by `velocities`, `[b][node][component]`,
-    /// and `coordinates` gives those of the body from the integrals of the time basis.
-    fn in_time(
-        &self,
-        velocities: &[f64],
-        bottom: &[f64],
-        rest: impl Fn(usize) -> Vec3,
-        coordinates: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> WallInTime {
-        let (wall, n) = (self.surface.loaded.len(), self.time.order());
-        let mut walls = WallInTime { wall, arms: Vec::new(), velocities: Vec::new() };
+    /// Its derivative along the rates `x`.
+    fn wall_derivative_in_time(&self, x: &[f64]) -> WallInTime {
+        let (count, wall, body) = (self.count(), vec![0.0; self.slab.surface.len()], vec![0.0; self.count()]);
+        let (q, dq) = (self.positions(&self.w), self.at_nodes(&body, x));
+        let at_nodes = q.chunks_exact(count).zip(dq.chunks_exact(count));
+        let d = at_nodes.flat_map(|(q, dq)| self.surface.wall_derivative(&self.data, q, dq)).collect();
+        self.in_time(d, &wall, |_| [0.0; 3], &body, x)
+    }
+
+    /// Arms `rest` + d(s) - h(s) and velocities d'(s) at the time points. d has the value `wall` at the bottom and `d` at the time nodes. The
+    /// coordinates grow from `body` by the rates `w`.
+    fn in_time(&self, d: Vec<f64>, wall: &[f64], rest: impl Fn(usize) -> Vec3, body: &[f64], w: &[f64]) -> WallInTime {
+        let (dt, mut rates) = (self.slab.dt, d);
+        self.motion.velocities(dt, wall, &mut rates);
+        let (mut d, mut q) = (wall.to_vec(), body.to_vec());
+        let mut walls = WallInTime { wall: wall.len() / D, ..WallInTime::default() };
         for (point, s) in self.points.iter().enumerate() {
-            let integrals = self.time.integrals(*s);
-            let (h, _) = self.data.motion(&coordinates(&integrals));
-            for i in 0..wall {
-                let sum = |weight: &dyn Fn(usize) -> f64, d: usize| -> f64 {
-                    (0..n).map(|b| weight(b) * velocities[(b * wall + i) * D + d]).sum()
-                };
-                let (rest, in_space) = (rest(i), |f: &dyn Fn(usize) -> f64| -> Vec3 {
-                    std::array::from_fn(|d| if d < D { f(d) } else { 0.0 })
-                });
-                let displacement = |d: usize| bottom[i * D + d] + self.slab.dt * sum(&|b| integrals[b], d);
-                walls.arms.push(in_space(&|d| rest[d] + displacement(d) - h[d]));
-                walls.velocities.push(in_space(&|d| sum(&|b| self.at_points[(point, b)], d)));
-            }
+            self.motion.displacement(dt, wall, &rates, *s, &mut d);
+            self.motion.displacement(dt, body, w, *s, &mut q);
+            let (h, _) = self.data.motion(&q);
+            let arm = |(i, d): (usize, &[f64])| -> Vec3 { in_space(d, |k, d| rest(i)[k] + d - h[k]) };
+            walls.arms.extend(d.chunks_exact(D).enumerate().map(arm));
+            let phi = self.at_points.row(point);
+            let v: Vec<f64> = (0..d.len())
+                .map(|i| phi.iter().zip(rates.chunks_exact(d.len())).map(|(phi, rate)| phi * rate[i]).sum())
+                .collect();
+            walls.velocities.extend(v.chunks_exact(D).map(|v| in_space(v, |_, v| v)));
         }
         walls
     }
 
-    /// `bottom` + dt sum_b integrals[b] w[b]
-    fn moved(&self, bottom: &[f64], w: &[f64], integrals: &[f64]) -> Vec<f64> {
-        let count = self.count();
-        let moved = |k: usize| -> f64 { integrals.iter().enumerate().map(|(b, i)| i * w[b * count + k]).sum() };
-        (0..count).map(|k| bottom[k] + self.slab.dt * moved(k)).collect()
-    }
-
     /// The derivative of Q along the rates `x`, at fixed nodal loads: the arms and the velocity of the wall change.
     pub(super) fn load_derivative_of_motion(&self, x: &[f64]) -> Vec<f64> {
-        let (count, n) = (self.count(), self.time.order());
-        let here = self.load(&self.flow_loads);
-        let mut along =
-            Loads { moments: vec![0.0; n * count], wall_work: 0.0, rotation: here.rotation, slow: here.slow };
-        let Some(rotation) = here.rotation else { return along.moments };
+        let (count, mut along) = (self.count(), self.no_load());
+        let Some(rotation) = along.rotation else { return along.moments };
         let moved = self.wall_derivative_in_time(x);
-        for (point, l) in self.flow_loads.chunks_exact(self.flow_loads.len() / self.points.len()).enumerate() {
+        for (point, l) in at_each_point(&self.flow_loads, self.points.len()).enumerate() {
             let (_, moment, work) = self.resultants(&moved, point, l);
             along.wall_work += work;
-            (0..n).for_each(|a| along.moments[a * count + rotation] += self.at_points[(point, a)] * moment);
+            let moments = along.moments.iter_mut().skip(rotation).step_by(count).enumerate();
+            moments.for_each(|(a, q)| *q += self.at_points[(point, a)] * moment);
         }
-        here.derivative(&along, &self.w, x, count)
-    }
-
-    /// The derivative of [`Self::wall_in_time`] along the rates `x`.
-    fn wall_derivative_in_time(&self, x: &[f64]) -> WallInTime {
-        let (q, count) = (self.positions(&self.w), self.count());
-        let still = vec![0.0; count];
-        let dq = self.at_nodes(&still, x);
-        let at_nodes = q.chunks_exact(count).zip(dq.chunks_exact(count));
-        let mut velocities: Vec<f64> =
-            at_nodes.flat_map(|(q, dq)| self.surface.wall_derivative(&self.data, q, dq)).collect();
-        let bottom = vec![0.0; self.slab.surface.len()];
-        elasticity::SlabMotion::new(self.time.clone()).velocities(self.slab.dt, &bottom, &mut velocities);
-        self.in_time(&velocities, &bottom, |_| [0.0; 3], |integrals| self.moved(&still, x, integrals))
+        self.loads.derivative(&along, &self.w, x, count)
     }
 
     /// r -= Q where the coordinate is not driven.
@@ -184,10 +170,10 @@ impl<const D: usize> RigidBody<D> {
 
     /// The ledger after a slab with the rates `z`.
     pub(super) fn closed(&self, z: &[f64], before: Ledger) -> Ledger {
-        let (count, n, weights) = (self.count(), self.time.order(), self.time.weights());
+        let (count, n, weights) = (self.count(), self.time().order(), self.time().weights());
         let mut r = vec![0.0; z.len()];
         self.free_dynamics(z, &mut r);
-        let q = self.load(&self.flow_loads).total(z, count);
+        let q = self.loads.total(z, count);
         let positions = self.positions(z);
         let driven: Vec<usize> = self.driven().collect();
         let flow: f64 = q.iter().zip(z).map(|(q, w)| q * w).sum();
@@ -196,7 +182,7 @@ impl<const D: usize> RigidBody<D> {
         for a in 0..n {
             let (w, here) = (&z[a * count..][..count], &positions[a * count..][..count]);
             let weight = self.slab.dt * weights[a];
-            ledger.force += weight * dot(&self.outer_force_at(a), &self.velocity_of_mass(here, w));
+            ledger.force += weight * dot(&self.outer_force(a), &self.velocity_of_mass(here, w));
             for k in 0..count {
                 let power = (r[a * count + k] - q[a * count + k]) * w[k];
                 if driven.contains(&k) {
@@ -213,11 +199,6 @@ impl<const D: usize> RigidBody<D> {
         ledger
     }
 
-    fn outer_force_at(&self, a: usize) -> Vec3 {
-        let t = self.slab.start + self.time.nodes()[a] * self.slab.dt;
-        self.data.force.as_ref().map_or([0.0; 3], |force| force(t))
-    }
-
     /// m v_c^2 / 2 + I theta'^2 / 2
     pub fn kinetic_energy(&self, q: &[f64], w: &[f64]) -> f64 {
         let v = self.velocity_of_mass(q, w);
@@ -232,7 +213,7 @@ impl<const D: usize> RigidBody<D> {
 
     /// The kinetic energy of the jumps at the bottom.
     fn kinetic_jump(&self, z: &[f64]) -> f64 {
-        let (count, n, phi) = (self.count(), self.time.order(), self.time.values(0.0));
+        let (count, n, phi) = (self.count(), self.time().order(), self.time().values(0.0));
         let positions = self.positions(z);
         let mut jump = self.velocity_of_mass(&self.slab.position, &self.slab.rate).map(|v| -v);
         let mut spin = -self.data.motion(&self.slab.rate).1;
@@ -246,8 +227,14 @@ impl<const D: usize> RigidBody<D> {
     }
 }
 
+/// A vector of as many components as there are, as one of space: `value` of each component and its number.
+fn in_space(components: &[f64], value: impl Fn(usize, f64) -> f64) -> Vec3 {
+    std::array::from_fn(|k| components.get(k).map_or(0.0, |c| value(k, *c)))
+}
+
 /// Arms and velocities of the wall nodes at the time points, `[point][node]`.
-struct WallInTime {
+#[derive(Clone, Debug, Default)]
+pub(super) struct WallInTime {
     wall: usize,
     arms: Vec<Vec3>,
     velocities: Vec<Vec3>,

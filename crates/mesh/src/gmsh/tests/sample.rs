@@ -1,18 +1,6 @@
-//! A small curved mesh, and writers of all layouts of the format.
+//! A small curved mesh.
 
-use std::fmt::Write;
-
-/// The format of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Encoding {
-    Text,
-    LittleEndian,
-    BigEndian,
-}
-
-impl Encoding {
-    pub(super) const ALL: [Encoding; 3] = [Encoding::Text, Encoding::LittleEndian, Encoding::BigEndian];
-}
+use super::contents::{Contents, Element, Encoding};
 
 /// Two curved cells of degree 2, x in [0, 2], on a lattice of 5 x 3 nodes numbered from 1.
 #[derive(Clone, Copy)]
@@ -25,10 +13,7 @@ pub(super) fn two_cells() -> Sample {
     Sample { left_handed: false }
 }
 
-/// Type, physical group, nodes.
-type Element = (i32, i32, Vec<usize>);
-
-const GROUPS: [(i32, i32, &str); 4] = [(1, 1, "inflow"), (1, 2, "wall"), (1, 3, "outflow"), (2, 4, "fluid")];
+const GROUPS: &[(i32, i32, &str)] = &[(1, 1, "inflow"), (1, 2, "wall"), (1, 3, "outflow"), (2, 4, "fluid")];
 
 impl Sample {
     /// y is raised by a parabola, the same over both cells.
@@ -67,106 +52,15 @@ impl Sample {
         elements
     }
 
+    fn contents(&self) -> Contents {
+        Contents { groups: GROUPS, nodes: self.nodes(), elements: self.elements() }
+    }
+
     pub(super) fn version2(&self, encoding: Encoding) -> Vec<u8> {
-        let mut file = Writer::new("2.2", encoding);
-        let (nodes, elements) = (self.nodes(), self.elements());
-        file.text(&format!("$Nodes\n{}\n", nodes.len()));
-        for (k, x) in nodes.iter().enumerate() {
-            file.ints(&[k as i32 + 1]);
-            file.reals(x);
-        }
-        file.text(&format!("\n$EndNodes\n$Elements\n{}\n", elements.len()));
-        for (k, (kind, group, nodes)) in elements.iter().enumerate() {
-            let number = k as i32 + 1;
-            match encoding {
-                Encoding::Text => file.ints(&[number, *kind, 2, *group, 1]),
-                _ => file.ints(&[*kind, 1, 2, number, *group, 1]),
-            }
-            nodes.iter().for_each(|&node| file.ints(&[node as i32]));
-            file.end_of_record();
-        }
-        file.text("\n$EndElements\n");
-        file.bytes
+        self.contents().version2(encoding)
     }
 
     pub(super) fn version4(&self, encoding: Encoding) -> Vec<u8> {
-        let mut file = Writer::new("4.1", encoding);
-        let (nodes, elements) = (self.nodes(), self.elements());
-        file.text("$Entities\n");
-        file.sizes(&[0, 3, 1, 0]);
-        for (_, group, _) in GROUPS {
-            file.ints(&[group]);
-            file.reals(&[0.0; 6]);
-            file.sizes(&[1]);
-            file.ints(&[group]);
-            file.sizes(&[0]);
-        }
-        file.text("\n$EndEntities\n$Nodes\n");
-        file.sizes(&[1, 15, 1, 15]);
-        file.ints(&[2, 4, 0]);
-        file.sizes(&[15]);
-        (1..=15).for_each(|k| file.sizes(&[k]));
-        nodes.iter().for_each(|x| file.reals(x));
-        file.text("\n$EndNodes\n$Elements\n");
-        file.sizes(&[elements.len(), elements.len(), 1, elements.len()]);
-        for (k, (kind, group, nodes)) in elements.iter().enumerate() {
-            file.ints(&[if *kind == 8 { 1 } else { 2 }, *group, *kind]);
-            file.sizes(&[1, k + 1]);
-            file.sizes(nodes);
-        }
-        file.text("\n$EndElements\n");
-        file.bytes
-    }
-}
-
-struct Writer {
-    encoding: Encoding,
-    bytes: Vec<u8>,
-}
-
-impl Writer {
-    /// Format and names.
-    fn new(version: &str, encoding: Encoding) -> Self {
-        let mut file = Writer { encoding, bytes: Vec::new() };
-        let binary = i32::from(encoding != Encoding::Text);
-        file.text(&format!("$MeshFormat\n{version} {binary} 8\n"));
-        if binary == 1 {
-            file.ints(&[1]);
-        }
-        let mut names = String::new();
-        GROUPS.iter().for_each(|(dimension, group, name)| writeln!(names, "{dimension} {group} \"{name}\"").unwrap());
-        file.text(&format!("\n$EndMeshFormat\n$PhysicalNames\n4\n{names}$EndPhysicalNames\n"));
-        file
-    }
-
-    fn text(&mut self, text: &str) {
-        self.bytes.extend_from_slice(text.as_bytes());
-    }
-
-    fn ints(&mut self, values: &[i32]) {
-        values.iter().for_each(|x| self.number(x.to_string(), x.to_le_bytes(), x.to_be_bytes()));
-    }
-
-    fn sizes(&mut self, values: &[usize]) {
-        values.iter().map(|&x| x as u64).for_each(|x| self.number(x.to_string(), x.to_le_bytes(), x.to_be_bytes()));
-    }
-
-    fn reals(&mut self, values: &[f64]) {
-        values.iter().for_each(|x| self.number(x.to_string(), x.to_le_bytes(), x.to_be_bytes()));
-    }
-
-    fn number<const N: usize>(&mut self, text: String, little: [u8; N], big: [u8; N]) {
-        match self.encoding {
-            Encoding::Text => self.text(&format!("{text} ")),
-            Encoding::LittleEndian => self.bytes.extend(little),
-            Encoding::BigEndian => self.bytes.extend(big),
-        }
-    }
-
-    fn end_of_record(&mut self) {
-        if self.encoding == Encoding::Text {
-            self.bytes.pop();
-            self.text("\n");
-        }
+        self.contents().version4(encoding)
     }
 }

@@ -1,6 +1,6 @@
 //! Causes in the gas: its initial state, its boundaries, its resolution.
 
-use super::super::data::{Extreme, FailureData, Mismatch, OpeningEvidence};
+use super::super::data::{Extreme, FailureData, Mismatch, OpeningMisuse};
 use super::{Cause, number, rises};
 use crate::openings::Misuse;
 
@@ -25,7 +25,7 @@ pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
 pub fn opening(data: &FailureData) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
-    let weighed = |opening: &OpeningEvidence| match opening.record.now.misuse {
+    let weighed = |opening: &OpeningMisuse| match opening.record.now.misuse {
         Misuse::Supersonic | Misuse::Subsonic => 0.99 * rises(opening.record.now.share, 0.02),
         Misuse::Leaving | Misuse::Backflow => 0.9 * rises(opening.record.now.share, 0.1),
     };
@@ -111,13 +111,17 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         ),
         false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
     };
-    // The search for a steady flow has already tried that flux.
-    let flux = if data.attempt.steady { "" } else { ", or take `flow.riemann = \"lax_friedrichs\"`" };
+    let [points, needed] = gas.quadrature;
+    // Where it helps: products of under-resolved fields are integrated exactly.
+    let more = match points > needed {
+        true => "",
+        false => ", or more quadrature points: `flow.quadrature = \"three_halves\"`, on curved meshes \"double\"",
+    };
     Some(Cause {
         name: "not_resolved",
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
         what: format!("the flow is {what}; {viscosity}"),
-        remedy: format!("take more or smaller cells there, or add viscosity{flux}; there is no shock capturing"),
+        remedy: format!("take more or smaller cells there, or add viscosity{more}; there is no shock capturing"),
     })
 }
 

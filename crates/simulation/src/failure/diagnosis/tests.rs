@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::failure::data::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningEvidence, Settling, Structure,
+    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling, Structure,
     Undefined,
 };
 use crate::openings::{Misuse, Record, Seen};
@@ -75,7 +75,7 @@ fn a_fact_of_the_gas_names_its_cause() {
 fn a_misused_opening_is_named_first() {
     let seen = |misuse, share| {
         let record = Record { since: 0.5, now: Seen { boundary: 0, misuse, share, mach: 2.0 }, largest_share: share };
-        OpeningEvidence { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
+        OpeningMisuse { boundary: "inlet".into(), told: record.told("inlet").to_string(), record }
     };
     let mismatch =
         Mismatch { boundary: "inlet".into(), quantity: "pressure", inside: 1.0, target_state: 10.0, size: 2.3 };

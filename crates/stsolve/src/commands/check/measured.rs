@@ -4,7 +4,7 @@ use super::super::table::Table;
 use crate::cli::Probe;
 use case::{Case, Motion};
 use elasticity::Law;
-use simulation::{MeshOverRun, TYPICAL_ITERATIONS, Timing};
+use simulation::{MeshOverRun, Timing, typical_iterations};
 
 /// Newton steps of a typical slab.
 const TYPICAL_STEPS: usize = 3;
@@ -44,7 +44,7 @@ fn chosen(probe: Probe, cheap: bool) -> bool {
 
 /// Seconds of the parts of a run, and of the whole.
 pub(super) fn timing_table<const D: usize>(case: &Case<D>, timing: &Timing) -> Table {
-    let (steps, iterations) = (TYPICAL_STEPS, TYPICAL_ITERATIONS);
+    let (steps, iterations) = (TYPICAL_STEPS, typical_iterations(case));
     let slab = steps as f64 * (2.0 * timing.residual + iterations as f64 * timing.iteration);
     let run = timing.setup + timing.preconditioner + case.time.slabs as f64 * slab;
     let mut table = Table::new("seconds, measured");

@@ -2,11 +2,11 @@
 
 use super::super::table::Table;
 use super::Facts;
-use case::{About, Analysis, Case, Flow, Motion, Plane, Structure, StructureLaw, Support};
+use case::{About, Analysis, Case, Flow, Motion, Plane, Preconditioner, Structure, StructureLaw, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
 use serde_json::Value;
-use simulation::{MemoryEstimate, TYPICAL_ITERATIONS, elasticity_plan};
+use simulation::{MemoryEstimate, elasticity_plan, typical_iterations};
 
 /// All tables except the defaults.
 pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
@@ -100,6 +100,9 @@ fn motion_table<const D: usize>(facts: &Facts<'_, D>, motion: &Motion<D>) -> Tab
 fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> Table {
     let count = |chosen: fn(&Support<D>) -> bool| structure.boundary.iter().filter(|support| chosen(support)).count();
     let mut table = Table::new("structure");
+    if let Some(part) = &structure.part {
+        table.row("cells", part.mesh.n_cells(), "beside those of the flow");
+    }
     table.row("analysis", if structure.analysis == Analysis::Static { "static" } else { "dynamic" }, "");
     let law = match structure.law {
         StructureLaw::Linear => "linear",
@@ -119,7 +122,7 @@ fn structure_table<const D: usize>(case: &Case<D>, structure: &Structure<D>) -> 
         };
     }
     if let Some(density) = structure.density {
-        table.row("density", density, "").row("mass", density * case.mesh.volume(), "").row(
+        table.row("density", density, "").row("mass", density * structure.mesh(&case.mesh).volume(), "").row(
             "speed of shear waves",
             structure.shear_speed(),
             "",
@@ -208,14 +211,26 @@ fn cost_table<const D: usize>(facts: &Facts<'_, D>) -> Table {
         .row("memory of a run", megabytes(memory.peak()), "MB, estimated, of which")
         .row("mesh", megabytes(memory.mesh), "MB, with the solver of an elastic one")
         .row("Jacobian blocks", megabytes(memory.jacobian), "MB")
-        .row("preconditioner", megabytes(memory.factors), "MB")
-        .row("vectors", megabytes(memory.vectors), format!("MB, with {TYPICAL_ITERATIONS} Krylov iterations"))
+        .row("preconditioner", megabytes(memory.factors), preconditioner(case))
+        .row("vectors", megabytes(memory.vectors), format!("MB, with {} Krylov iterations", typical_iterations(case)))
         .row("Krylov vectors", megabytes(memory.most_krylov), "MB at most, with `solver.krylov_restart` iterations");
     if let Some(steady) = memory.steady {
         table.row("steady flow", megabytes(steady), "MB, in the place of these, with its coarse level");
     }
     table.row("result file", facts.result_megabytes(), "MB");
     table
+}
+
+/// The unit of the memory of the preconditioner: which one it is, and why.
+fn preconditioner<const D: usize>(case: &Case<D>) -> String {
+    let name = match case.preconditioner() {
+        Preconditioner::Blocks => "blocks of cells",
+        Preconditioner::Lines => "lines of cells",
+        Preconditioner::LowOrder => "low order",
+    };
+    let reason =
+        if case.solver.preconditioner.is_some() { "as asked for" } else { "the cheapest for this dimension and order" };
+    format!("MB, {name}, {reason}")
 }
 
 /// Every default taken.

@@ -125,7 +125,7 @@ fn slab_length<const D: usize>(facts: &Facts<'_, D>) -> Option<Warning> {
 /// The preconditioner by lines neglects neighbours.
 fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let crossed = facts.cells_crossed(flow);
-    if facts.case.solver.preconditioner != Preconditioner::Lines || crossed <= CELLS_CROSSED {
+    if facts.case.preconditioner() != Preconditioner::Lines || crossed <= CELLS_CROSSED {
         return None;
     }
     let text = format!(

@@ -1,0 +1,80 @@
+//! Nodes of a structure that other boundaries of the flow hold.
+
+use super::mesh_crate::{Mesh, NodeNumbering};
+use super::parts::SolidPart;
+use super::{Motion, Structure, Time};
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use coupled::BoundaryField;
+use std::collections::BTreeMap;
+
+/// What holds a node, by component: None where it is free.
+type Held<const D: usize> = [Option<f64>; D];
+
+/// A node that the structure shares with the flow lies on other boundaries of the flow, too, at the ends of the wall between them. What those
+/// prescribe there a support of the structure must prescribe as well: else the node would leave its boundary.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    structure: Option<&Structure<D>>,
+    motion: Option<&Motion<D>>,
+    mesh: &Mesh<D>,
+    time: &Time,
+) -> Checked<()> {
+    let Some((structure, part)) = structure.and_then(|structure| Some((structure, structure.part.as_ref()?))) else {
+        return Ok(());
+    };
+    let shared: BTreeMap<usize, usize> = part.shared.iter().map(|&(solid, node)| (node, solid)).collect();
+    let numbering = NodeNumbering::new(mesh, mesh.order());
+    let tolerance = 1e-9 * mesh.diameter();
+    for t in time.instants() {
+        let supported = supported(structure, part, t);
+        for boundary in (0..mesh.boundary_names().len()).filter(|boundary| !part.walls.contains(boundary)) {
+            for (node, x) in super::shared_nodes::nodes_on(mesh, &numbering, boundary) {
+                let Some(solid) = shared.get(&node) else { continue };
+                let (wanted, given) = (held(motion, boundary, node, &x, t), supported.get(solid).copied());
+                let given = given.unwrap_or([None; D]);
+                let apart = |i: &usize| wanted[*i].is_some_and(|d| given[*i].is_none_or(|g| (g - d).abs() > tolerance));
+                if let Some(axis) = (0..D).find(apart) {
+                    return Err(refused(checker, mesh, boundary, &x, axis));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn refused<const D: usize>(
+    checker: &Checker<'_>,
+    mesh: &Mesh<D>,
+    boundary: usize,
+    x: &[f64; D],
+    axis: usize,
+) -> Box<crate::CaseError> {
+    let (name, axis) = (&mesh.boundary_names()[boundary], ["x", "y", "z"][axis]);
+    let problem = format!(
+        "at {x:?} boundary `{name}` of the flow holds the mesh along {axis}, and the structure does not, or moves otherwise"
+    );
+    let accepted = format!("a support of the structure on `{name}` with the motion that the flow has there");
+    checker.combination(&Key::new("structure").child("boundary"), &problem, &accepted)
+}
+
+/// What the supports of the structure prescribe at its nodes.
+fn supported<const D: usize>(structure: &Structure<D>, part: &SolidPart<D>, t: f64) -> BTreeMap<usize, Held<D>> {
+    let numbering = NodeNumbering::new(&part.mesh, part.mesh.order());
+    let mut nodes: BTreeMap<usize, Held<D>> = BTreeMap::new();
+    for (index, support) in structure.boundary.iter().enumerate() {
+        for (node, x) in super::shared_nodes::nodes_on(&part.mesh, &numbering, index) {
+            let (given, held) = (support.prescribed(&x, t), nodes.entry(node).or_insert([None; D]));
+            (0..D).for_each(|i| held[i] = held[i].or(given[i]));
+        }
+    }
+    nodes
+}
+
+/// What a boundary of the flow prescribes at a node.
+fn held<const D: usize>(motion: Option<&Motion<D>>, boundary: usize, node: usize, x: &[f64; D], t: f64) -> Held<D> {
+    let Some(Motion::Elastic { boundary: motions, slides, .. }) = motion else { return [None; D] };
+    let components = slides[boundary].as_ref().map_or([true; D], |slide| slide[&node]);
+    let d = motions[boundary].as_ref().map_or([0.0; D], |motion| motion.displacement(node, x, t));
+    std::array::from_fn(|i| components[i].then_some(d[i]))
+}

@@ -1,0 +1,27 @@
+//! The times of a slab at which a body meets the flow.
+
+use basis::{Matrix, RadauTime};
+
+/// When a run is solved for.
+#[derive(Clone, Debug)]
+pub struct Instants {
+    /// The time nodes of a slab.
+    pub time: RadauTime,
+    /// The quadrature points of the flow in time.
+    pub points: Vec<f64>,
+    /// The length of most slabs, to which norms refer.
+    pub step: f64,
+}
+
+impl Instants {
+    /// phi_a at the quadrature points, `[point][a]`.
+    pub fn test_functions(&self) -> Matrix {
+        let values: Vec<f64> = self.points.iter().flat_map(|s| self.time.values(*s)).collect();
+        Matrix::new(self.points.len(), self.time.order(), values)
+    }
+}
+
+/// What the flow leaves at each of so many time `points`, of the loads `[time point][..]`; nothing before it has left any.
+pub(super) fn at_each_point(loads: &[f64], points: usize) -> impl Iterator<Item = &[f64]> {
+    loads.chunks_exact((loads.len() / points).max(1))
+}

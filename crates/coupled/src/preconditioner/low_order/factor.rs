@@ -1,0 +1,191 @@
+//! The diagonal blocks of (node ilu).
+
+use super::matrix::{BEYOND, NodeBlocks};
+use super::stencil::Step;
+use super::sweeps::add_product;
+use super::vectors::columns;
+use super::walk::Walk;
+use basis::TemporalModes;
+use faer::c64;
+use half::bf16;
+use sparse::dependency_schedule;
+use std::ops::Range;
+use std::sync::{PoisonError, RwLock, RwLockReadGuard};
+
+/// D_i^-1 of all modes.
+pub(super) struct Factor {
+    /// Of every cell, `[node][mode][part][column][row]`: the real part, and of a complex mode the imaginary part.
+    inverses: Vec<RwLock<Vec<bf16>>>,
+    /// The columns of each mode.
+    pub(super) columns: Vec<Range<usize>>,
+    /// lambda of each mode, damped.
+    pub(super) shifts: Vec<c64>,
+    /// The slab length over that of the blocks.
+    pub(super) ratio: f64,
+}
+
+impl Factor {
+    /// Without blocks.
+    pub(super) fn empty(cells: usize, modes: &TemporalModes) -> Self {
+        let inverses = (0..cells).map(|_| RwLock::new(Vec::new())).collect();
+        Factor { inverses, columns: columns(modes), shifts: Vec::new(), ratio: 1.0 }
+    }
+
+    /// The blocks of a cell.
+    pub(super) fn read(&self, cell: usize) -> RwLockReadGuard<'_, Vec<bf16>> {
+        self.inverses[cell].read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Those of a node among the blocks of its cell.
+    #[inline(always)]
+    pub(super) fn of_node<'a, const M: usize>(&self, inverses: &'a [bf16], node: usize) -> &'a [bf16] {
+        &inverses[node * self.parts() * M * M..]
+    }
+
+    /// Blocks of a node, which are as many as columns.
+    fn parts(&self) -> usize {
+        self.columns.last().map_or(0, |columns| columns.end)
+    }
+
+    /// Factors the modes for slabs `ratio` times as long as that of the blocks.
+    pub(super) fn compute<const D: usize, const M: usize, const W: usize>(
+        &mut self,
+        matrix: &NodeBlocks<D, M>,
+        walk: &Walk,
+        ratio: f64,
+        shifts: Vec<c64>,
+    ) {
+        (self.ratio, self.shifts) = (ratio, shifts);
+        let (cells, ordering) = (matrix.layout.cells, &walk.ordering);
+        let earlier = |cell: usize| {
+            let others = (0..2 * D).filter_map(move |face| matrix.cell_across(cell, face));
+            others.filter(move |&other| walk.is_before(other, cell))
+        };
+        let needs = |k: usize| earlier(ordering.cells[k]).map(|other| ordering.positions[other]);
+        dependency_schedule(cells, ordering.widest_level(), needs, |k| {
+            let cell = ordering.cells[k];
+            let mut inverses = self.inverses[cell].write().unwrap_or_else(PoisonError::into_inner);
+            inverses.resize(matrix.layout.nodes * self.parts() * M * M + BEYOND, bf16::ZERO);
+            for &node in walk.nodes(cell) {
+                self.eliminate::<D, M, W>(matrix, walk, (cell, node as usize), &mut inverses);
+            }
+        });
+    }
+
+    /// D_i^-1 of one node; those of earlier nodes are there.
+    fn eliminate<const D: usize, const M: usize, const W: usize>(
+        &self,
+        matrix: &NodeBlocks<D, M>,
+        walk: &Walk,
+        (cell, node): (usize, usize),
+        inverses: &mut [bf16],
+    ) {
+        let fill = self.fill::<D, M, W>(matrix, walk, (cell, node), inverses);
+        let mut rest = &mut inverses[node * self.parts() * M * M..];
+        for (shift, columns) in self.shifts.iter().zip(&self.columns) {
+            let d = self.diagonal::<M, W>(matrix.diagonal(cell, node), *shift, &fill[columns.clone()]);
+            let (stored, others) = rest.split_at_mut(columns.len() * M * M);
+            store(inverse(d).as_flattened(), stored);
+            rest = others;
+        }
+    }
+
+    /// sum_(j before i) A_ij D_j^-1 A_ji, `[part][column][row]`.
+    fn fill<const D: usize, const M: usize, const W: usize>(
+        &self,
+        matrix: &NodeBlocks<D, M>,
+        walk: &Walk,
+        (cell, node): (usize, usize),
+        inverses: &[bf16],
+    ) -> Vec<[[f32; W]; M]> {
+        let (nodes, mut sums) = (matrix.layout.nodes, vec![[[0.0; W]; M]; self.parts()]);
+        for (face, step) in matrix.stencil.of(node).iter().enumerate() {
+            let coupling = matrix.coupling(cell, node, face);
+            match *step {
+                Step::Inside(j) if walk.is_earlier_inside(cell, face) => {
+                    let back = matrix.coupling(cell, j as usize, face ^ 1);
+                    add_fill::<M, W>(coupling, self.of_node::<M>(inverses, j as usize), back, &mut sums);
+                }
+                Step::Across(i) => {
+                    let earlier = matrix.cell_across(cell, face).filter(|other| walk.is_before(*other, cell));
+                    if let Some(other) = earlier {
+                        let j = matrix.across(cell, face)[i as usize] as usize % nodes;
+                        let back = matrix.coupling(other, j, matrix.face_across(cell, face));
+                        add_fill::<M, W>(coupling, self.of_node::<M>(&self.read(other), j), back, &mut sums);
+                    }
+                }
+                Step::Inside(_) => {}
+            }
+        }
+        sums
+    }
+
+    /// D_i = lambda + dt A_ii - dt^2 times the fill, which has one part or two.
+    fn diagonal<const M: usize, const W: usize>(
+        &self,
+        block: &[f32],
+        shift: c64,
+        fill: &[[[f32; W]; M]],
+    ) -> [[c64; M]; M] {
+        let (ratio, mut d) = (self.ratio, [[c64::ZERO; M]; M]);
+        for (j, i) in (0..M).flat_map(|j| (0..M).map(move |i| (j, i))) {
+            let part = |part: usize| fill.get(part).map_or(0.0, |fill| ratio * ratio * f64::from(fill[j][i]));
+            d[j][i] = c64::new(ratio * f64::from(block[j * M + i]) - part(0), -part(1));
+            d[j][i] += if i == j { shift } else { c64::ZERO };
+        }
+        d
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        (0..self.inverses.len()).map(|cell| size_of_val(&self.read(cell)[..])).sum()
+    }
+}
+
+/// Stores the real part of a block and, where there is room for it, the imaginary part.
+fn store(block: &[c64], stored: &mut [bf16]) {
+    let (re, im) = stored.split_at_mut(block.len());
+    re.iter_mut().zip(block).for_each(|(stored, entry)| *stored = bf16::from_f64(entry.re));
+    im.iter_mut().zip(block).for_each(|(stored, entry)| *stored = bf16::from_f64(entry.im));
+}
+
+/// sums += A_ij D_j^-1 A_ji for every part of D_j^-1.
+fn add_fill<const M: usize, const W: usize>(
+    coupling: &[bf16],
+    inverse: &[bf16],
+    back: &[bf16],
+    sums: &mut [[[f32; W]; M]],
+) {
+    let mut columns = [[0.0; M]; M];
+    columns.as_flattened_mut().iter_mut().zip(back).for_each(|(x, stored)| *x = stored.to_f32());
+    for (part, sums) in sums.iter_mut().enumerate() {
+        let mut solved = [[0.0; W]; M];
+        add_product::<M, W>(&inverse[part * M * M..], columns.as_flattened(), &mut solved);
+        let mut rows = [[0.0; M]; M];
+        for (rows, solved) in rows.iter_mut().zip(&solved) {
+            rows.copy_from_slice(&solved[..M]);
+        }
+        add_product::<M, W>(coupling, rows.as_flattened(), sums);
+    }
+}
+
+/// The inverse of a small matrix `[column][row]` by Gauss-Jordan elimination with pivots from the rows below.
+fn inverse<const M: usize>(mut a: [[c64; M]; M]) -> [[c64; M]; M] {
+    let mut b = [[c64::ZERO; M]; M];
+    (0..M).for_each(|i| b[i][i] = c64::ONE);
+    for k in 0..M {
+        let pivot = (k..M).max_by(|&i, &j| a[k][i].norm().total_cmp(&a[k][j].norm())).unwrap_or(k);
+        for column in a.iter_mut().chain(&mut b) {
+            column.swap(k, pivot);
+        }
+        let scale = c64::ONE / a[k][k];
+        let mut factors = a[k];
+        factors[k] = c64::ZERO;
+        for column in a.iter_mut().chain(&mut b) {
+            column[k] *= scale;
+            let head = column[k];
+            column.iter_mut().zip(&factors).for_each(|(entry, factor)| *entry -= *factor * head);
+        }
+    }
+    b
+}

@@ -1,0 +1,29 @@
+//! Files of other programs, recognised by their beginning.
+
+/// A file is searched for the keys of SU2 up to this length, in bytes.
+const HEADER: usize = 1 << 16;
+
+/// The first bytes of formats, and their names with an article.
+const BEGINNINGS: [(&[u8], &str); 3] = [
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 file, such as a CGNS mesh or a result of stsolve"),
+    (b"@(#)ADF Database Version", "a CGNS file (ADF)"),
+    (b"<?xml", "an XML file, such as a mesh of VTK"),
+];
+
+/// The format of a file that is not Gmsh's, if it is known.
+pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {
+    let known = BEGINNINGS.iter().find(|(beginning, _)| bytes.starts_with(beginning)).map(|(_, name)| *name);
+    known.or_else(|| is_su2(bytes).then_some("an SU2 mesh"))
+}
+
+/// An SU2 file is a text with a line `NDIME= 2`, after comments and perhaps other keys.
+fn is_su2(bytes: &[u8]) -> bool {
+    if bytes.trim_ascii_start().starts_with(b"$") {
+        return false;
+    }
+    let mut lines = bytes[..bytes.len().min(HEADER)].split(|&byte| byte == b'\n');
+    lines.any(|line| {
+        let after = line.trim_ascii_start().strip_prefix(b"NDIME");
+        after.is_some_and(|rest| rest.trim_ascii_start().starts_with(b"="))
+    })
+}

@@ -1,0 +1,128 @@
+//! A case, and how it runs.
+
+use crate::observer::Listener;
+use crate::values::{to_python, to_toml};
+use crate::{CaseError, SolveError, message};
+use ::case::AnyCase;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use simulation::{Destination, Existing, Failure};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How often a run looks for an interrupt.
+const WATCH: Duration = Duration::from_millis(20);
+
+/// A case: `Case("case.toml", {"flow.order": 4})`. Settings are written over the file, as `--set` of the command does.
+///
+/// Raises CaseError with the place and the remedy if the case is wrong.
+#[pyclass(frozen)]
+pub struct Case {
+    case: AnyCase,
+}
+
+#[pymethods]
+impl Case {
+    #[new]
+    #[pyo3(signature = (path, settings=None))]
+    fn new(py: Python<'_>, path: PathBuf, settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let option = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            Ok(format!("{}={}", key.extract::<String>()?, to_toml(&value)?))
+        };
+        let options =
+            settings.into_iter().flat_map(|settings| settings.iter().map(option)).collect::<PyResult<Vec<_>>>()?;
+        let case =
+            py.detach(|| AnyCase::read(&path, &options)).map_err(|error| CaseError::new_err(message(&*error)))?;
+        Ok(Case { case })
+    }
+
+    /// The name of the case.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.case.about().name
+    }
+
+    /// The title of the case.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.case.about().title
+    }
+
+    /// The resolved case with all defaults, as TOML.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.case.about().resolved
+    }
+
+    /// Runs the case and returns what summary.json says, as a dictionary.
+    ///
+    /// `output` is the directory; default that of the case, or runs/<name>.
+    ///
+    /// `existing` says what becomes of a run there: "keep" refuses to write, "resume" goes on from its checkpoint, "replace" replaces it.
+    ///
+    /// `on_slab` is called after every slab with a dictionary of numbers. The run stops with a checkpoint if it returns False.
+    #[pyo3(signature = (output=None, existing="keep", on_slab=None))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        output: Option<PathBuf>,
+        existing: &str,
+        on_slab: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let destination = self.destination(output, existing)?;
+        let listener = Listener::new(on_slab);
+        let done = self.run_watched(py, &destination, &listener);
+        if let Some(error) = listener.error() {
+            return Err(error);
+        }
+        match done {
+            Ok(summary) => to_python(py, &summary),
+            Err(Failure::Stopped) => read_summary(py, &destination.directory),
+            Err(Failure::BadInput(error)) => Err(CaseError::new_err(message(error.as_ref()))),
+            Err(Failure::Solve(error)) => Err(SolveError::new_err(message(error.as_ref()))),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!("stsolve.Case({:?})", self.name())
+    }
+}
+
+impl Case {
+    /// Runs in a thread of its own, while this one, which Python interrupts, watches for interrupts.
+    fn run_watched(
+        &self,
+        py: Python<'_>,
+        destination: &Destination,
+        listener: &Listener,
+    ) -> Result<output::Summary, Failure> {
+        std::thread::scope(|scope| {
+            let run = scope.spawn(|| simulation::run(&self.case, destination, listener));
+            while !run.is_finished() {
+                py.detach(|| std::thread::sleep(WATCH));
+                listener.follow(py.check_signals().map(|()| true));
+            }
+            run.join().unwrap_or_else(|_| Err(Failure::solve(std::io::Error::other("the run ended without a result"))))
+        })
+    }
+
+    fn destination(&self, output: Option<PathBuf>, existing: &str) -> PyResult<Destination> {
+        let existing = match existing {
+            "keep" => Existing::Keep,
+            "resume" => Existing::Resume,
+            "replace" => Existing::Replace,
+            other => {
+                let problem = format!("existing = {other:?}; accepted: \"keep\", \"resume\", \"replace\"");
+                return Err(CaseError::new_err(problem));
+            }
+        };
+        let of_case = Destination::of(&self.case).directory;
+        Ok(Destination { directory: output.unwrap_or(of_case), existing })
+    }
+}
+
+/// summary.json of a run that was stopped.
+fn read_summary<'py>(py: Python<'py>, directory: &Path) -> PyResult<Bound<'py, PyAny>> {
+    let text = std::fs::read_to_string(directory.join("summary.json"))?;
+    py.import("json")?.call_method1("loads", (text,))
+}

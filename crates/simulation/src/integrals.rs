@@ -1,0 +1,87 @@
+//! Integrals over the flow: columns of history.csv.
+//!
+//! ```text
+//! K = int rho v . v / 2 dx,     E = int rho omega . omega / 2 dx,     S = int rho ln(p / rho^gamma) dx                (integrals)
+//! ```
+//!
+//! The kinetic energy K, the enstrophy E of the vorticity omega, and the entropy S. They are integrated by Gauss points, three for two
+//! nodes. Cells are added in their order, so the sums have the same bits for any number of threads.
+
+use case::{Field, Integral};
+use fem::Sampler;
+use navier_stokes::{Gas, Primitive};
+use rayon::prelude::*;
+use report::fields::{self, CellSample};
+
+/// The flow of a run at one time.
+pub struct FlowIntegrals<'a, const D: usize> {
+    /// Nodes per direction of flow and mesh.
+    pub orders: [usize; 2],
+    /// Number of cells.
+    pub cells: usize,
+    /// The positions of the nodes of a cell, `[component][node]`.
+    pub positions: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
+    /// The state of a cell, `[component][node]`.
+    pub state: &'a (dyn Fn(usize) -> &'a [f64] + Sync),
+    /// The gas.
+    pub gas: &'a Gas,
+}
+
+impl<const D: usize> FlowIntegrals<'_, D> {
+    /// The `wanted` integrals.
+    pub fn values<const M: usize>(&self, wanted: &[Integral]) -> Vec<f64> {
+        if wanted.is_empty() {
+            return Vec::new();
+        }
+        let rule = basis::gauss((3 * self.orders[0]).div_ceil(2).max(self.orders[1]));
+        let sampler = Sampler::<D>::new(self.orders[0], self.orders[1], &rule.points);
+        let weights = rule.tensor_weights(D);
+        let of_cell = |cell: usize| self.of_cell::<M>(cell, &sampler, &weights, wanted);
+        let cells: Vec<Vec<f64>> = (0..self.cells).into_par_iter().map(of_cell).collect();
+        (0..wanted.len()).map(|k| cells.iter().map(|cell| cell[k]).sum()).collect()
+    }
+
+    fn of_cell<const M: usize>(
+        &self,
+        cell: usize,
+        sampler: &Sampler<D>,
+        weights: &[f64],
+        wanted: &[Integral],
+    ) -> Vec<f64> {
+        let (nodal, coefficients) = ((self.positions)(cell), (self.state)(cell));
+        let (state, det) = (sampler.state(coefficients), sampler.determinants(&nodal));
+        let vorticity = match wanted.contains(&Integral::Enstrophy) {
+            true => self.squared_vorticity::<M>(sampler, coefficients, &nodal, &state),
+            false => Vec::new(),
+        };
+        let at = |p: usize, integral: &Integral| {
+            let u: [f64; M] = std::array::from_fn(|m| state[m * weights.len() + p]);
+            let Primitive { density, velocity, pressure } = Primitive::<f64, D>::unpack(self.gas, &u);
+            density
+                * match integral {
+                    Integral::KineticEnergy => 0.5 * tensor::dot(&velocity, &velocity),
+                    Integral::Enstrophy => 0.5 * vorticity[p],
+                    Integral::Entropy => pressure.ln() - self.gas.gamma() * density.ln(),
+                }
+        };
+        let integral = |integral: &Integral| {
+            weights.iter().zip(&det).enumerate().map(|(p, (w, det))| w * det * at(p, integral)).sum()
+        };
+        wanted.iter().map(integral).collect()
+    }
+
+    /// omega . omega at the points.
+    fn squared_vorticity<const M: usize>(
+        &self,
+        sampler: &Sampler<D>,
+        coefficients: &[f64],
+        nodal: &[f64],
+        state: &[f64],
+    ) -> Vec<f64> {
+        let gradients = sampler.gradients(coefficients, nodal);
+        let sample = CellSample { state, gradients: &gradients, ..CellSample::of_points(sampler.points()) };
+        let mut omega = Vec::new();
+        fields::values::<D, M>(Field::Vorticity, Some(self.gas), &sample, &mut omega);
+        omega.chunks_exact(omega.len() / sampler.points()).map(|omega| omega.iter().map(|w| w * w).sum()).collect()
+    }
+}

@@ -1,0 +1,141 @@
+//! The mean state of the gas that crosses inflows and outflows: columns of history.csv.
+//!
+//! ```text
+//! <q> = int q rho (w - v) . n dA / int rho (w - v) . n dA,     q = p (1 + (gamma - 1)/2 M^2)^(gamma/(gamma - 1)), T (1 + (gamma - 1)/2 M^2), p
+//! ```
+//!
+//! for an observer at rest, with the velocities w of the gas and v of the boundary: total pressure, total temperature, static pressure.
+
+use super::history::openings;
+use case::{Case, Flow};
+use coupled::MeshMover;
+use fem::functions_at;
+use mesh::{BoundaryFacet, CellMap, axis_and_side, outward_area};
+use navier_stokes::{Gas, Primitive};
+use tensor::dot;
+
+const NAMES: [&str; 3] = ["total_pressure", "total_temperature", "pressure"];
+
+/// The names of the columns.
+pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
+    let Some(flow) = &case.flow else { return Vec::new() };
+    let name = |boundary: usize| &case.mesh.boundary_names()[boundary];
+    openings(flow).flat_map(|boundary| NAMES.map(|column| format!("{}_{column}", name(boundary)))).collect()
+}
+
+/// The points of one face of the reference cell.
+pub struct FacePoints<const D: usize> {
+    /// The map of the mesh there.
+    pub map: CellMap<D>,
+    /// The functions of the flow and of the mesh at each point.
+    pub functions: Vec<[Vec<f64>; 2]>,
+    /// The derivatives of those of the flow along each reference direction.
+    pub slopes: Vec<[Vec<f64>; D]>,
+    /// Weights on the reference face.
+    pub weights: Vec<f64>,
+}
+
+impl<const D: usize> FacePoints<D> {
+    /// The Gauss points of `face`, one more per direction than the higher order has nodes.
+    pub fn new(face: usize, flow_order: usize, mesh_order: usize) -> Self {
+        let rule = basis::gauss(flow_order.max(mesh_order) + 1);
+        let ((axis, side), n) = (axis_and_side(face), rule.points.len());
+        let end = [if side == 0 { -1.0 } else { 1.0 }];
+        let point = |index: usize| -> [f64; D] {
+            let along = |d: usize| rule.points[index / n.pow(d as u32) % n];
+            std::array::from_fn(|d| if d == axis { end[0] } else { along(if d > axis { d - 1 } else { d }) })
+        };
+        let points: Vec<[f64; D]> = (0..n.pow(D as u32 - 1)).map(point).collect();
+        FacePoints {
+            map: CellMap::new(mesh_order, std::array::from_fn(|d| if d == axis { &end[..] } else { &rule.points })),
+            functions: points.iter().map(|xi| [flow_order, mesh_order].map(|order| functions_at(order, xi))).collect(),
+            slopes: points.iter().map(|xi| slopes_at(flow_order, xi)).collect(),
+            weights: rule.tensor_weights(D - 1),
+        }
+    }
+}
+
+/// The derivatives of the nodal functions of order `order` at `xi` along each axis, axis 0 fastest.
+fn slopes_at<const D: usize>(order: usize, xi: &[f64; D]) -> [Vec<f64>; D] {
+    let basis = basis::Lagrange::gauss_lobatto(order);
+    let along = |axis: usize, of: usize| if axis == of { basis.derivatives(xi[of]) } else { basis.values(xi[of]) };
+    std::array::from_fn(|axis| {
+        (0..D).fold(vec![1.0], |product: Vec<f64>, of| {
+            along(axis, of).iter().flat_map(|phi| product.iter().map(move |p| p * phi)).collect()
+        })
+    })
+}
+
+/// The flow at one time.
+pub struct OpeningStates<'a, const D: usize> {
+    /// The flow of the case.
+    pub flow: &'a Flow<D>,
+    /// The mesh.
+    pub mover: &'a MeshMover<D>,
+    /// Its displacement, and its velocity; empty where that is not known.
+    pub motion: [&'a [f64]; 2],
+    /// The state of a cell, `[component][node]`.
+    pub state: &'a dyn Fn(usize) -> &'a [f64],
+}
+
+impl<const D: usize> OpeningStates<'_, D> {
+    /// The values of the columns; NaN where nothing crosses a boundary.
+    pub fn row<const M: usize>(&self) -> Vec<f64> {
+        let (order, mesh) = (self.flow.order, &self.mover.reference);
+        if openings(self.flow).next().is_none() {
+            return Vec::new();
+        }
+        let faces: Vec<FacePoints<D>> = (0..2 * D).map(|face| FacePoints::new(face, order, mesh.order())).collect();
+        let mean = |boundary: usize| {
+            let mut sums = [0.0; NAMES.len() + 1];
+            for facet in mesh.boundary_facets().iter().filter(|facet| facet.boundary == boundary) {
+                self.add::<M>(facet, &faces[facet.side.face], &mut sums);
+            }
+            std::array::from_fn::<f64, { NAMES.len() }, _>(|q| sums[q + 1] / sums[0])
+        };
+        openings(self.flow).flat_map(mean).collect()
+    }
+
+    /// Adds a facet: the mass flow, and that times each quantity.
+    fn add<const M: usize>(&self, facet: &BoundaryFacet, points: &FacePoints<D>, sums: &mut [f64]) {
+        let (cell, face) = (facet.side.cell, facet.side.face);
+        let nodal = by_node::<D>(&self.mover.cell_positions(cell, self.motion[0]));
+        let state = (self.state)(cell);
+        let at_points = points.functions.iter().zip(points.map.jacobians(&nodal)).zip(&points.weights);
+        for (([functions, of_mesh], jacobian), weight) in at_points {
+            let u: [f64; M] = std::array::from_fn(|m| dot_of(&state[m * functions.len()..], functions));
+            let gas = Primitive::<f64, D>::unpack(&self.flow.law.gas, &u);
+            let (normal, velocity) = (outward_area(&jacobian, face), self.velocity(cell, of_mesh));
+            let relative: [f64; D] = std::array::from_fn(|i| gas.velocity[i] - velocity[i]);
+            let mass = weight * gas.density * dot(&relative, &normal);
+            sums[0] += mass;
+            sums[1..].iter_mut().zip(quantities(&self.flow.law.gas, &gas)).for_each(|(sum, q)| *sum += mass * q);
+        }
+    }
+
+    /// The velocity of the mesh in a cell.
+    fn velocity(&self, cell: usize, functions: &[f64]) -> [f64; D] {
+        let at = |node: usize, i: usize| self.motion[1].get(node * D + i).copied().unwrap_or(0.0);
+        let nodes = || self.mover.numbering.cell(cell).iter().zip(functions);
+        std::array::from_fn(|i| nodes().map(|(&node, phi)| phi * at(node, i)).sum())
+    }
+}
+
+/// Total pressure, total temperature, pressure.
+fn quantities<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; NAMES.len()] {
+    let (gamma, c) = (gas.gamma(), gas.sound_speed(at.density, at.pressure));
+    let ratio = 1.0 + 0.5 * (gamma - 1.0) * dot(&at.velocity, &at.velocity) / (c * c);
+    let temperature = gas.temperature(at.density, at.pressure);
+    [at.pressure * ratio.powf(gamma / (gamma - 1.0)), temperature * ratio, at.pressure]
+}
+
+/// `[component][node]` as `[node][component]`.
+pub fn by_node<const D: usize>(nodal: &[f64]) -> Vec<f64> {
+    let nodes = nodal.len() / D;
+    (0..nodal.len()).map(|i| nodal[i % D * nodes + i / D]).collect()
+}
+
+/// The value of a component with the coefficients that `u` begins with, where the functions are known.
+pub fn dot_of(u: &[f64], functions: &[f64]) -> f64 {
+    u.iter().zip(functions).map(|(u, phi)| u * phi).sum()
+}

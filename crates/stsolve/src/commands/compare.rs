@@ -1,0 +1,156 @@
+//! `stsolve compare`
+
+use super::print;
+use super::table::Table;
+use case::Difference;
+use output::{HistoryTable, RESULT_FILE, ResultReader, SUMMARY_FILE};
+use serde_json::{Map, Value, json};
+use simulation::Failure;
+use std::path::Path;
+
+/// Figures of two runs that are at most this far apart, relative to the larger, count as the same.
+const SAME: f64 = 1e-12;
+
+/// Parts of summary.json that tell of the machine, not of the case.
+const OF_THE_MACHINE: [&str; 3] = ["cost", "machine", "version"];
+
+/// Prints what differs between the runs in the directories `first` and `second`: keys of the cases, figures of summary.json, and curves of
+/// history.csv over the time that both have.
+///
+/// # Errors
+/// A directory without a result, or with a damaged one.
+pub fn compare(first: &Path, second: &Path, json: bool) -> Result<(), Failure> {
+    let runs = [Run::read(first)?, Run::read(second)?];
+    let (keys, figures, curves) = (keys(&runs)?, figures(&runs), curves(&runs));
+    if json {
+        let key = |d: &Difference| (d.key.clone(), json!([d.before, d.now]));
+        let keys: Map<String, Value> = keys.iter().map(key).collect();
+        let page = json!({ "keys": keys, "figures": named(&figures), "curves": named(&curves) });
+        return print(&serde_json::to_string_pretty(&page).map_err(Failure::bad_input)?);
+    }
+    let mut tables = vec![Table::new("keys that differ")];
+    for Difference { key, before, now } in &keys {
+        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "not there".into());
+        tables[0].row(key, text(before), format!("and {}", text(now)));
+    }
+    tables.push(table("figures that differ", &figures, |[a, b]| (b - a).abs() / a.abs().max(b.abs())));
+    tables.push(table("curves that differ: the largest difference, and where", &curves, |[largest, _]| *largest));
+    let texts: Vec<_> = tables.iter().filter(|table| !table.is_empty()).map(Table::text).collect();
+    print(&if texts.is_empty() { "no difference".to_owned() } else { texts.join("\n") })
+}
+
+/// A run as it lies on disk.
+struct Run {
+    case: String,
+    /// The numbers of summary.json by their paths; none as long as the run has not finished.
+    summary: Vec<(String, f64)>,
+    history: HistoryTable,
+}
+
+impl Run {
+    fn read(directory: &Path) -> Result<Self, Failure> {
+        let case = ResultReader::open(&directory.join(RESULT_FILE))?.metadata.case_text;
+        let summary = std::fs::read_to_string(directory.join(SUMMARY_FILE)).unwrap_or_default();
+        let mut numbers = Vec::new();
+        collect("", &serde_json::from_str(&summary).unwrap_or_default(), &mut numbers);
+        Ok(Run { case, summary: numbers, history: HistoryTable::read(directory)? })
+    }
+}
+
+/// The numbers in `value` by their paths.
+fn collect(path: &str, value: &Value, numbers: &mut Vec<(String, f64)>) {
+    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+    match value {
+        Value::Number(number) => numbers.push((path.to_owned(), number.as_f64().unwrap_or(f64::NAN))),
+        Value::Array(entries) => {
+            entries.iter().enumerate().for_each(|(i, entry)| collect(&format!("{path}[{i}]"), entry, numbers));
+        }
+        Value::Object(entries) => entries
+            .iter()
+            .filter(|(name, _)| !path.is_empty() || !OF_THE_MACHINE.contains(&name.as_str()))
+            .for_each(|(name, entry)| collect(&below(name), entry, numbers)),
+        _ => {}
+    }
+}
+
+fn keys([first, second]: &[Run; 2]) -> Result<Vec<Difference>, Failure> {
+    let differences = case::differences(&first.case, &second.case);
+    let explained = |error| anyhow::anyhow!("a result holds the case of another version of the program: {error}");
+    differences.map(|differences| differences.all).map_err(|error| Failure::bad_input(explained(error)))
+}
+
+/// A figure or curve by its name, with two numbers about it.
+type Named = (String, [f64; 2]);
+
+/// The figures that both runs have, with different values.
+fn figures([first, second]: &[Run; 2]) -> Vec<Named> {
+    let other = |name: &str| second.summary.iter().find(|(other, _)| other == name).map(|(_, value)| *value);
+    let pair = |(name, value): &(String, f64)| Some((name.clone(), [*value, other(name)?]));
+    first.summary.iter().filter_map(pair).filter(|(_, [a, b])| differ(*a, *b)).collect()
+}
+
+/// The columns that both histories have: the largest difference, relative to the largest value of the first, and its time. The second curve is
+/// taken at the times of the first, joined by straight lines.
+fn curves([first, second]: &[Run; 2]) -> Vec<Named> {
+    let (Some(times), Some(others)) = (first.history.column("t"), second.history.column("t")) else {
+        return Vec::new();
+    };
+    let difference = |name: &String| {
+        let (one, other) = (first.history.column(name)?, second.history.column(name)?);
+        let largest = one.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let apart = |(t, value): (&f64, &f64)| Some([(value - at(&others, &other, *t)?).abs(), *t]);
+        let worst = times.iter().zip(&one).filter_map(apart).max_by(|a, b| a[0].total_cmp(&b[0]))?;
+        let relative = if largest > 0.0 { worst[0] / largest } else { worst[0] };
+        (relative > SAME).then(|| (name.clone(), [relative, worst[1]]))
+    };
+    first.history.columns.iter().filter(|name| *name != "t").filter_map(difference).collect()
+}
+
+/// The curve through (`times`, `values`) at `t`; None beyond its ends.
+fn at(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
+    let after = times.partition_point(|time| *time < t);
+    let (right, end) = (values.get(after)?, times[after]);
+    if end == t {
+        return Some(*right);
+    }
+    let (left, start) = (values[after.checked_sub(1)?], times[after - 1]);
+    Some(left + (right - left) * (t - start) / (end - start))
+}
+
+fn differ(a: f64, b: f64) -> bool {
+    (a - b).abs() > SAME * a.abs().max(b.abs())
+}
+
+fn named(rows: &[Named]) -> Map<String, Value> {
+    rows.iter().map(|(name, values)| (name.clone(), json!(values))).collect()
+}
+
+/// Rows of two numbers each, the largest `measure` first.
+fn table(title: &str, rows: &[Named], measure: impl Fn(&[f64; 2]) -> f64) -> Table {
+    let (mut table, mut rows) = (Table::new(title), rows.to_vec());
+    rows.sort_by(|a, b| measure(&b.1).total_cmp(&measure(&a.1)));
+    for (name, [first, second]) in rows {
+        table.row(&name, vec![first, second], "");
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_are_joined_by_straight_lines_and_end_at_their_ends() {
+        let (times, values) = ([0.0, 1.0, 3.0], [2.0, 4.0, 8.0]);
+        assert_eq!([0.0, 0.5, 1.0, 2.0, 3.0].map(|t| at(&times, &values, t)), [2.0, 3.0, 4.0, 6.0, 8.0].map(Some));
+        assert_eq!([-0.1, 3.1].map(|t| at(&times, &values, t)), [None, None]);
+    }
+
+    #[test]
+    fn numbers_have_paths_and_those_of_the_machine_are_left_out() {
+        let summary = json!({ "walls": { "a": { "impulse": [1.0, 2.0] } }, "cost": { "seconds": 3 }, "case": "x" });
+        let mut numbers = Vec::new();
+        collect("", &summary, &mut numbers);
+        assert_eq!(numbers, [("walls.a.impulse[0]".to_owned(), 1.0), ("walls.a.impulse[1]".to_owned(), 2.0)]);
+    }
+}

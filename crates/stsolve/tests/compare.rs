@@ -1,0 +1,39 @@
+//! `stsolve compare`
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{on_case, stsolve};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SHORT: [&str; 3] = ["mesh.generate.box.cells=[3,3]", "time.end=0.8", "time.step=0.4"];
+
+#[test]
+fn two_runs_differ_where_their_cases_do() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let go = |output: &str, order: &str| {
+        on_case(at, "run", "vortex", &[&SHORT[..], &[order]].concat(), output, &[]).expect(0, &[]);
+    };
+    go("three", "flow.order=3");
+    go("again", "flow.order=3");
+    go("four", "flow.order=4");
+    let compared: Value = serde_json::from_str(&stsolve(at, &["compare", "three", "four", "--json"]).stdout).unwrap();
+    assert_eq!(compared["keys"], serde_json::json!({ "flow.order": ["3", "4"] }));
+    assert_eq!(
+        compared["figures"]["unknowns.flow"][0].as_f64().unwrap() * 16.0 / 9.0,
+        compared["figures"]["unknowns.flow"][1].as_f64().unwrap()
+    );
+    let krylov = compared["curves"]["krylov"][0].as_f64().unwrap();
+    assert!(krylov > 0.0 && krylov < 10.0, "{compared}");
+    stsolve(at, &["compare", "three", "four"]).expect(0, &[]);
+    assert_eq!(stsolve(at, &["compare", "three", "again"]).stdout.trim(), "no difference");
+}
+
+#[test]
+fn a_directory_without_a_run_is_refused() {
+    let directory = TempDir::new().unwrap();
+    stsolve(directory.path(), &["compare", ".", "."]).expect(2, &["result.vtkhdf"]);
+}

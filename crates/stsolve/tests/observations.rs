@@ -1,0 +1,140 @@
+//! What a run observes of the flow: points, integrals, openings, walls; a body force.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{column, finished, on_case, shipped, stsolve};
+use std::fs;
+use tempfile::TempDir;
+
+fn largest_error(values: &[f64], exact: f64) -> f64 {
+    values.iter().map(|value| (value - exact).abs()).fold(0.0, f64::max)
+}
+
+/// Points fixed in space or carried by a mesh that moves, and integrals, of a uniform stream.
+#[test]
+fn points_and_integrals_of_a_uniform_stream_are_exact() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "output.probes={fixed={at=[0.5,0.4]},carried={at=[0.05,0.95],carried=true},corner={at=[0,0]}}",
+        "output.integrals=[\"kinetic_energy\",\"enstrophy\",\"entropy\"]",
+    ];
+    finished(directory.path(), "free_stream", &set);
+    let run = directory.path().join("free_stream");
+    let exact = [("density", 1.2), ("velocity_x", 0.4), ("velocity_y", -0.3), ("pressure", 0.8)];
+    for (name, value) in exact {
+        for probe in ["fixed", "carried"] {
+            assert!(largest_error(&column(&run, &format!("{probe}_{name}")), value) < 1e-12, "{probe} {name}");
+        }
+    }
+    // The corner of the mesh moves away from the point, and comes back never.
+    assert!(column(&run, "corner_density").iter().any(|density| density.is_nan()));
+    let mass = column(&run, "mass");
+    let kinetic: Vec<f64> = column(&run, "kinetic_energy").iter().zip(&mass).map(|(k, mass)| k / mass).collect();
+    assert!(largest_error(&kinetic, 0.125) < 1e-12, "{kinetic:?}");
+    let entropy: Vec<f64> = column(&run, "entropy").iter().zip(&mass).map(|(s, mass)| s / mass).collect();
+    assert!(largest_error(&entropy, 0.8_f64.ln() - 1.4 * 1.2_f64.ln()) < 1e-11, "{entropy:?}");
+    assert!(largest_error(&column(&run, "enstrophy"), 0.0) < 1e-18);
+}
+
+/// A uniform gas that a body force accelerates in a periodic box: v = a t, and the pressure stays.
+#[test]
+fn a_body_force_accelerates_a_uniform_gas() {
+    let directory = TempDir::new().unwrap();
+    let case = directory.path().join("falling.toml");
+    let text = r#"
+        mesh = { order = 3, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 3], periodic = ["x", "y"] } }
+        flow = { order = 3, initial.uniform = { density = 2, velocity = [0.1, 0], pressure = 3 }, source = { acceleration = ["0.3", "-0.2*t"] } }
+        time = { order = 3, end = 1, slabs = 5 }
+        solver.newton_tolerance = 1e-12
+        output.probes.middle = { at = [0.3, 0.6] }
+    "#;
+    fs::write(&case, text).unwrap();
+    stsolve(directory.path(), &["run", case.to_str().unwrap(), "--output", "run", "--quiet"]).expect(0, &[]);
+    let run = directory.path().join("run");
+    for (name, value) in [("velocity_x", 0.4), ("velocity_y", -0.1), ("density", 2.0), ("pressure", 3.0)] {
+        let last = *column(&run, &format!("middle_{name}")).last().unwrap();
+        assert!((last - value).abs() < 1e-10, "{name}: {last}");
+    }
+}
+
+/// The states of openings of a channel, and the force on a wall from its file, against summary.json and the exact stress of Couette flow.
+#[test]
+fn walls_and_openings_are_told() {
+    let directory = TempDir::new().unwrap();
+    let summary =
+        finished(directory.path(), "couette", &["output.surfaces=[\"bottom\"]", "time.slabs=4", "time.end=0.2"]);
+    let run = directory.path().join("couette");
+    let text = fs::read_to_string(run.join("wall_bottom.csv")).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    let integral = |name: &str| rows.iter().map(|row| row[at("area")] * row[at(name)]).sum::<f64>();
+    // mu du/dy = 0.02 * 0.5 on a length of 2.
+    assert!((integral("friction_x") - 0.02).abs() < 1e-5, "{}", integral("friction_x"));
+    assert!((integral("pressure") - 1.6).abs() < 1e-6);
+    let force = column(&run, "bottom_friction_force_x");
+    assert!((force.last().unwrap() - integral("friction_x")).abs() < 1e-5);
+    let heat = *column(&run, "bottom_heat_flow").last().unwrap();
+    assert!((heat - integral("heat_flux")).abs() < 1e-3 * heat.abs(), "{heat}, {}", integral("heat_flux"));
+    assert!(rows.iter().all(|row| row[at("y_plus")] > 0.0 && row[at("normal_y")] < -0.9));
+    assert!(summary["walls"]["bottom"].is_object());
+}
+
+/// Mean states of openings, and integrals, on a periodic mesh: a uniform stream at an angle.
+#[test]
+fn openings_of_a_periodic_passage_have_their_total_state() {
+    let directory = TempDir::new().unwrap();
+    let case = directory.path().join("passage.toml");
+    let text = r#"
+        mesh = { order = 3, generate.box = { lower = [0, 0], upper = [2, 1], cells = [3, 3], periodic = ["y"] } }
+        output = { integrals = ["kinetic_energy"], probes.edge = { at = [1.1, 0.99] } }
+        time = { order = 1, end = 0.1, slabs = 2 }
+        [flow]
+        order = 3
+        initial.uniform = { density = 1.4, velocity = [0.4, 0.3], pressure = 1 }
+        boundary.left.inflow = { total_pressure = 1.1862126380443982, total_temperature = 0.75, direction = [4, 3] }
+        boundary.right.outflow = { pressure = 1 }
+    "#;
+    fs::write(&case, text).unwrap();
+    stsolve(directory.path(), &["run", case.to_str().unwrap(), "--output", "run", "--quiet"]).expect(0, &[]);
+    let run = directory.path().join("run");
+    // M = 1/2: p0 / p = 1.05^3.5, T = 1/1.4.
+    let total = [1.05_f64.powf(3.5), 0.75, 1.0];
+    for opening in ["left", "right"] {
+        for (name, value) in ["total_pressure", "total_temperature", "pressure"].iter().zip(total) {
+            let found = column(&run, &format!("{opening}_{name}"));
+            assert!(largest_error(&found, value) < 1e-9, "{opening} {name}: {found:?}, {value}");
+        }
+    }
+    assert!(largest_error(&column(&run, "kinetic_energy"), 0.35) < 1e-9);
+    assert!(largest_error(&column(&run, "edge_pressure"), 1.0) < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_observed_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let refused = [
+        ("free_stream", "output.probes={far={at=[7,7]}}", "inside the mesh"),
+        ("free_stream", "output.probes={far={at=[0.5]}}", "output.probes.far.at"),
+        ("free_stream", "output.surfaces=[\"left\"]", "unknown boundary"),
+        ("free_stream", "output.integrals=[\"mass\"]", "kinetic_energy"),
+        ("cantilever", "output.probes={tip={at=[0.5,0.5]}}", "without a flow there is nothing to observe"),
+        ("free_stream", "flow.source={acceleration=[\"1/x\",0]}", "the acceleration at"),
+    ];
+    for (case, change, message) in refused {
+        let case = shipped(&format!("{case}.toml"));
+        stsolve(directory.path(), &["check", &case, "--set", change]).expect(2, &[message]);
+    }
+}
+
+/// Columns of a resumed run are those of its checkpoint.
+#[test]
+fn other_points_are_no_resumed_run() {
+    let directory = TempDir::new().unwrap();
+    let go = |set: &[&str], extra: &[&str]| on_case(directory.path(), "run", "free_stream", set, "run", extra);
+    go(&["time.end=0.2", "time.slabs=2"], &[]).expect(0, &[]);
+    let probe = "output.probes={middle={at=[0.5,0.4]}}";
+    go(&["time.end=0.4", "time.slabs=4", probe], &["--resume"]).expect(2, &["output.probes"]);
+}
