@@ -236,8 +236,12 @@ fn a_motion_that_inverts_a_cell_says_why() {
 #[test]
 fn a_structure_whose_load_is_no_number_says_so() {
     let directory = TempDir::new().unwrap();
-    let set =
-        ["structure.boundary.top={traction=[0,\"sqrt(0.0005-t)\"]}", "time.end=0.002", "structure.natural_modes=0", "solver.slab_halvings=0"];
+    let set = [
+        "structure.boundary.top={traction=[0,\"sqrt(0.0005-t)\"]}",
+        "time.end=0.002",
+        "structure.natural_modes=0",
+        "solver.slab_halvings=0",
+    ];
     let outcome = on_case(directory.path(), "run", "cantilever", &set, "run", &[]);
     outcome.expect(1, &["the run stopped at t = 0.0004", "likely cause: the formula of a load has no finite value"]);
     let numbers = numbers_of(&directory.path().join("run"));
