@@ -1,6 +1,7 @@
 //! Verification, regression, command-line and restart tests of stsolve: shared helpers.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+pub mod manufactured_interface;
 pub mod orders;
 pub mod rotating_box;
 pub mod strip;

@@ -121,10 +121,9 @@ impl Strip {
         v: impl Fn(f64) -> f64,
     ) -> ElasticBody<2> {
         let (structure, loads) = self.structure();
-        let wall: Vec<usize> =
-            (0..structure.coordinates().len()).filter(|i| structure.coordinates()[*i][0] == 0.0).collect();
-        let interface = self.interface(&structure, &wall, flow, mover);
-        let wet: Vec<bool> = (0..structure.coordinates().len()).map(|node| wall.contains(&node)).collect();
+        let (pairs, behind) = followers(&structure, mover, self.lengths[0]);
+        let interface = Interface::new(&pairs, flow.loaded_nodes()).with_followers(behind);
+        let wet: Vec<bool> = structure.coordinates().iter().map(|x| x[0] == 0.0).collect();
         let along = |f: &dyn Fn(f64) -> f64| structure.coordinates().iter().flat_map(|x| [f(x[0]), 0.0]).collect();
         let data = ElasticBodyData {
             displacement: along(&d),
@@ -145,32 +144,28 @@ impl Strip {
         ElasticBody::new(data, interface, 0, instants)
     }
 
-    /// The nodes of the gas follow the node of the bar beside them, less and less towards the closed end.
-    fn interface(
-        &self,
-        structure: &Structure<2>,
-        wall: &[usize],
-        flow: &SlabOperator<2, 4>,
-        mover: &MeshMover<2>,
-    ) -> Interface {
-        let beside = |y: f64| {
-            let distance = |node: &usize| (structure.coordinates()[*node][1] - y).abs();
-            wall.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
-        };
-        let nodes =
-            mover.positions().iter().enumerate().map(|(node, x)| (beside(x[1]), node, 1.0 - x[0] / self.lengths[0]));
-        let pairs: Vec<_> = nodes.clone().filter(|(_, _, weight)| *weight == 1.0).map(|(s, n, _)| (s, n)).collect();
-        let behind = nodes.filter(|(_, _, weight)| *weight != 1.0 && *weight != 0.0);
-        let behind = behind.map(|(solid, node, weight)| Follower { solid, node, weight });
-        Interface::new(&pairs, flow.loaded_nodes()).with_followers(behind)
-    }
-
     /// The velocity of the interface at the time reached.
     pub fn interface_velocity(&self, march: &FlowMarch<2, 4>) -> f64 {
         let (structure, _) = self.structure();
         let node = structure.coordinates().iter().position(|x| x[0] == 0.0).unwrap();
         march.state.bodies[0][structure.length() + 2 * node]
     }
+}
+
+/// The pairs of nodes of the wall x = 0, one of the solid and one of the gas, and how the other nodes of the gas follow the node of the solid
+/// beside them: less and less towards x = `length`.
+pub fn followers(structure: &Structure<2>, mover: &MeshMover<2>, length: f64) -> (Vec<(usize, usize)>, Vec<Follower>) {
+    let x = structure.coordinates();
+    let wall: Vec<usize> = (0..x.len()).filter(|node| x[*node][0] == 0.0).collect();
+    let beside = |y: f64| {
+        let distance = |node: &usize| (x[*node][1] - y).abs();
+        wall.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+    };
+    let follower = |(node, x): (usize, &[f64; 2])| Follower { solid: beside(x[1]), node, weight: 1.0 - x[0] / length };
+    let all = mover.positions().iter().enumerate().map(follower);
+    let (on_wall, behind): (Vec<Follower>, Vec<Follower>) =
+        all.filter(|follower| follower.weight != 0.0).partition(|follower| follower.weight == 1.0);
+    (on_wall.iter().map(|follower| (follower.solid, follower.node)).collect(), behind)
 }
 
 /// The energy of gas and bar and all that has left them: constant but for rounding.

@@ -4,9 +4,11 @@
 //! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
 //!
 //! ```text
-//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( R(d(s_a)) + C V_a - f(s_a) ) = 0     at free entries      (dynamics)
-//! V_a = g'(s_a)                                                                          at fixed entries
+//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( R(d(s_a)) + C V_a - f(s_a) ) - I_a = 0     at free entries      (dynamics)
+//! V_a = g'(s_a)                                                                                at fixed entries
 //! ```
+//!
+//! I_a is the impulse of follower pressures, see `pressure_impulse`.
 //!
 //! T and w are those of `basis::RadauTime`. As W^{-1} T = A^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
 //! slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
@@ -17,12 +19,14 @@
 //!
 //! ```text
 //! E_{n+1} - E_n = W - D_C - D,     E = v.Mv/2 + W_s(d)                                                         (energy)
-//! W = dt sum_a w_a f(s_a) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
+//! W = sum_a ( dt w_a f(s_a) + I_a ) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
 //! D_C = dt sum_a w_a V_a . C V_a
 //! D = [v].M[v]/2 + dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
 //! ```
 //!
 //! The last difference is [d].K[d]/2 for a linear law, and of the order 2 N_t - 1 for others.
+
+mod pressure_impulse;
 
 use crate::slab::accumulate;
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
@@ -104,10 +108,10 @@ impl<const D: usize> StructureSlab<'_, D> {
             self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
             self.structure.internal_forces(&d, &mut elastic[node.clone()])?;
             self.structure.add_damping(&d, &v[node.clone()], &mut elastic[node.clone()]);
-            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut loads[node.clone()]);
             elastic[node.clone()].iter_mut().for_each(|k| *k *= weight);
             loads[node].iter_mut().for_each(|f| *f *= weight);
         }
+        self.add_pressure_impulses(v, &mut loads);
         (0..v.len()).for_each(|i| r[i] = inertia[i] + elastic[i] - loads[i]);
         Ok([&inertia, &elastic, &loads].map(|part| Euclidean.norm(part)).into_iter().sum())
     }
@@ -126,9 +130,9 @@ impl<const D: usize> StructureSlab<'_, D> {
             accumulate(self.dt, w, time.collocation().row(a), &mut along);
             self.structure.apply_stiffness_at(&d, &along, &mut elastic);
             self.structure.add_damping_product((&d, &v[node.clone()]), (&along, &w[node]), &mut elastic);
-            self.structure.add_pressure_stiffness(self.loads, self.time_of(a), (&d, &along), -1.0, &mut elastic);
             out.iter_mut().zip(&elastic).for_each(|(out, k)| *out += weight * k);
         }
+        self.subtract_impulse_product(v, w, out);
     }
 
     /// The terms of (energy) for the solution `v` with the residual `r` of (dynamics).
@@ -148,9 +152,7 @@ impl<const D: usize> StructureSlab<'_, D> {
             let (node, weight) = (a * length..(a + 1) * length, self.dt * time.weights()[a]);
             let velocity = &v[node.clone()];
             self.motion.displacement_at_node(self.dt, self.bottom.displacement, v, a, &mut d);
-            let mut force = forces[node].to_vec();
-            self.structure.add_pressures(self.loads, self.time_of(a), &d, &mut force);
-            work.load += weight * Euclidean.dot(&force, velocity);
+            work.load += weight * Euclidean.dot(&forces[node], velocity);
             let mut reaction = vec![0.0; length];
             self.structure.at_fixed(&mut reaction, |i| r[a * length + i]);
             work.support += Euclidean.dot(&reaction, velocity);
@@ -158,6 +160,9 @@ impl<const D: usize> StructureSlab<'_, D> {
             self.structure.add_damping(&d, velocity, &mut damping);
             work.damped += weight * Euclidean.dot(&damping, velocity);
         }
+        let mut impulses = vec![0.0; v.len()];
+        self.add_pressure_impulses(v, &mut impulses);
+        work.load += Euclidean.dot(&impulses, v);
         work.dissipation = if self.structure.law().is_linear() { self.energy_of_jump(v) } else { self.excess_work(v) };
         work
     }

@@ -8,6 +8,7 @@ mod elastic_body;
 mod large_rotation;
 mod lines;
 mod low_order;
+mod manufactured_interface;
 mod rigid_body;
 mod slab_operator;
 mod spring_mass;
