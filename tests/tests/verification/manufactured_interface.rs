@@ -11,7 +11,8 @@ fn list(errors: Errors) -> [f64; 3] {
 fn orders([coarse, fine]: [Setting; 2], ratio: f64) -> [f64; 3] {
     let errors = [coarse, fine].map(|setting| list(setting.errors()));
     let orders = [0, 1, 2].map(|i| (errors[0][i] / errors[1][i]).ln() / ratio.ln());
-    println!("{fine:?}: orders of flow, displacement, velocity {orders:.2?}, errors {:.1e?}", errors[1]);
+    let last = errors[1].map(|error| format!("{error:.1e}")).join(", ");
+    println!("{fine:?}: orders of flow, displacement, velocity {orders:.2?}, errors {last}");
     orders
 }
 
