@@ -4,7 +4,7 @@
 //! the defect q, make this motion exact:
 //!
 //! ```text
-//! d = ( g s (1 + sin(X) / 2),  sin(2 X) sin(t + Y) / 20 ),    g = 0.08 sin 2t,    s = 1 + 0.3 cos(pi y)        (solid)
+//! d = ( g s (1 + X) (1 + X / 2),  (1 + X) sin(2 X) s sin(t + Y) / 20 ),    g = 0.08 sin 2t,    s = sin(pi y)        (solid)
 //! w = ( g' s + 0.3 psi sin(2 y + t),  0.3 psi cos(x - t) ),   psi = x - g s
 //! T = 1 + psi^2 cos(y + t) / 5,    p = 1 + sin(x + 2 y - 3 t) / 10                                               (gas)
 //! q = P N + (p - tau) cof(F) N                                                                                  (defect)
@@ -64,12 +64,13 @@ fn g<T: Transcendental>(t: T) -> T {
 }
 
 fn s<T: Transcendental>(y: T) -> T {
-    (y * PI).cos() * 0.3 + 1.0
+    (y * PI).sin()
 }
 
 /// (solid)
 fn displacement<T: Transcendental>([x, y]: [T; 2], t: T) -> [T; 2] {
-    [g(t) * s(y) * (x.sin() * 0.5 + 1.0), (x * 2.0).sin() * (t + y).sin() * 0.05]
+    let shape = s(y) * (x + 1.0);
+    [g(t) * shape * (x * 0.5 + 1.0), shape * (x * 2.0).sin() * (t + y).sin() * 0.05]
 }
 
 /// `f` along axis `i` of x and, with i = 2, along t.

@@ -28,10 +28,21 @@ pub(crate) struct Shifted<const D: usize> {
     pub(crate) layer: Vec<[[f64; D]; D]>,
     /// Where K is taken; empty for a linear law.
     pub(crate) position: Vec<f64>,
+    /// Whether K is without its part of the stress, see [`Structure::apply_material_stiffness_at`].
+    pub(crate) material: bool,
     pub(crate) low_order: LowOrder<D>,
 }
 
 impl<const D: usize> Shifted<D> {
+    /// out = K x on all entries.
+    fn apply_stiffness(&self, structure: &Structure<D>, x: &[f64], out: &mut [f64]) {
+        if self.material {
+            structure.apply_material_stiffness_at(&self.position, x, out);
+        } else {
+            structure.apply_stiffness_at(&self.position, x, out);
+        }
+    }
+
     /// Solves (K + m M) x = b at free entries from x = 0 by CG to |residual| <= `tolerance` |b|. b must vanish at fixed entries; then x
     /// does too. Returns the iterations. After an error x still is an approximation.
     pub(crate) fn solve(
@@ -94,7 +105,7 @@ struct Real<'a, const D: usize> {
 
 impl<const D: usize> LinearSystem for Real<'_, D> {
     fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.structure.apply_stiffness_at(&self.shifted.position, x, y);
+        self.shifted.apply_stiffness(self.structure, x, y);
         self.structure.apply_mass_with(&self.shifted.layer, x, &mut self.inertia);
         y.iter_mut().zip(&self.inertia).for_each(|(y, inertia)| *y += self.shifted.m * inertia);
         self.structure.at_fixed(y, |_| 0.0);
@@ -121,7 +132,7 @@ impl<const D: usize> LinearSystem for Rotated<'_, D> {
         let (n, m) = (x.len() / 2, self.shifted.m);
         let (forces, inertia) = self.work.split_at_mut(2 * n);
         for part in [0..n, n..2 * n] {
-            self.structure.apply_stiffness_at(&self.shifted.position, &x[part.clone()], &mut forces[part.clone()]);
+            self.shifted.apply_stiffness(self.structure, &x[part.clone()], &mut forces[part.clone()]);
             self.structure.apply_mass_with(&self.shifted.layer, &x[part.clone()], &mut inertia[part]);
         }
         let (re, im) = y.split_at_mut(n);

@@ -139,6 +139,20 @@ impl<const D: usize> Structure<D> {
         });
     }
 
+    /// out = K(d) w without the part of the stress, on all entries: int F C : sym(F^T grad w) : grad phi, positive semi-definite for any `d`.
+    /// C is that of a body without strain; for the law of St. Venant and Kirchhoff it always is.
+    pub(crate) fn apply_material_stiffness_at(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
+        if self.law().is_linear() {
+            return self.apply_stiffness_at(d, w, out);
+        }
+        self.operator.viscous_forces(d, w, out);
+        // These forces have no error.
+        let _ = self.add_excess(out, |excess, out| {
+            excess.viscous_forces(d, w, out);
+            Ok(())
+        });
+    }
+
     /// out = K w on all entries, fixed or not.
     pub fn apply_stiffness(&self, w: &[f64], out: &mut [f64]) {
         if self.law().is_linear() {

@@ -13,6 +13,9 @@ impl<const D: usize> Structure<D> {
     ///
     /// K(d) is taken for linear elasticity on the mesh that d has moved. A curved cell may be valid where a sub-cell between its nodes is
     /// inverted: then it is that of the mesh at rest, which costs iterations, but no accuracy.
+    ///
+    /// With a layer K(d) is without its part of the stress. The pressure of the fluid puts the body under a stress, and acts on its surface as
+    /// that moves. A flag under pressure would buckle by the first, if the second did not cancel it.
     pub(crate) fn shifted(
         &self,
         m: f64,
@@ -25,7 +28,8 @@ impl<const D: usize> Structure<D> {
             Err(ElasticityError::SubCell { .. }) if moved => self.low_order(m, &layer, &[])?,
             built => built?,
         };
-        Ok(Shifted { m, low_order, layer, position: if moved { position.to_vec() } else { rest } })
+        let material = !layer.is_empty();
+        Ok(Shifted { m, low_order, layer, position: if moved { position.to_vec() } else { rest }, material })
     }
 
     fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrder<D>, ElasticityError> {

@@ -18,6 +18,17 @@ pub struct FailureData {
     pub gas: Option<Gas>,
     /// The structure, if it is one.
     pub structure: Option<Structure>,
+    /// The bodies that the flow moves, if there are any.
+    pub bodies: Option<Bodies>,
+}
+
+/// Bodies that the flow moves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bodies {
+    /// The path of the mesh in the slab at its last velocity, in thicknesses of its cells.
+    pub travel: f64,
+    /// The mass of a cylinder or sphere of fluid as large as the body, over the mass of the body; the largest of all bodies.
+    pub added_mass: f64,
 }
 
 /// The part that failed.

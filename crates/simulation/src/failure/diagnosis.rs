@@ -3,6 +3,7 @@
 //! Every rule reads a few data and returns a likelihood between 0 and 1: a judgement, not a probability. Observations at the start of
 //! a run count more than those in the failed state, which may be a consequence.
 
+mod body_rules;
 mod gas_rules;
 mod mesh_rules;
 mod solver_rules;
@@ -31,12 +32,14 @@ const NAMED: usize = 3;
 
 type Rule = fn(&FailureData) -> Option<Cause>;
 
-const OF_MESH: [Rule; 8] = [
+const OF_MESH: [Rule; 10] = [
     mesh_rules::undefined_motion,
     mesh_rules::far_away,
     mesh_rules::deformation,
     mesh_rules::folding_formula,
     mesh_rules::far_in_one_slab,
+    body_rules::far_in_one_slab,
+    body_rules::folding_weights,
     mesh_rules::stiffness,
     mesh_rules::uneven_cells,
     mesh_rules::nearly_incompressible,
@@ -45,7 +48,7 @@ const OF_MESH: [Rule; 8] = [
 const OF_STRUCTURE: [Rule; 3] =
     [structure_rules::long_slab, structure_rules::slender_cells, structure_rules::nearly_incompressible];
 
-const OF_FLOW: [Rule; 13] = [
+const OF_FLOW: [Rule; 15] = [
     gas_rules::opening,
     gas_rules::near_vacuum,
     gas_rules::boundary_condition,
@@ -59,6 +62,8 @@ const OF_FLOW: [Rule; 13] = [
     solver_rules::time_step,
     solver_rules::tolerance,
     mesh_rules::nearly_inverted,
+    body_rules::far_in_one_slab,
+    body_rules::light_body,
 ];
 
 /// The likeliest causes, in decreasing order.

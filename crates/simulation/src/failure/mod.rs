@@ -17,6 +17,7 @@ mod diagnosis;
 mod finding;
 mod gas;
 mod grid;
+mod of_bodies;
 mod of_flow;
 mod of_mesh;
 mod of_structure;

@@ -5,6 +5,7 @@ use super::data::{Attempt, FailureData, Gas, GaveUp, Newton, OpeningMisuse, Sett
 use super::finding::{Finding, WorstCell, WorstCellCause};
 use super::gas::{CellGas, Measured, Then, measure};
 use super::grid::Grid;
+use super::of_bodies;
 use super::of_mesh::{self, inverted};
 use case::{Case, Flow, State};
 use coupled::{FlowMarch, Interval, MarchError, MeshMover, ResidualBreakdown, SlabError, SteadyError};
@@ -77,6 +78,7 @@ where
                 mesh,
                 gas: Some(self.gas(&grid, &gases)),
                 structure: None,
+                bodies: of_bodies::measure(self.case, self.flow, &grid, &self.march.state, end - start),
             },
         }
     }

@@ -129,5 +129,5 @@ fn data(gave_up: GaveUp, slabs_done: usize, interval: Interval, mesh: Mesh) -> F
     let mesh = Mesh { alone: true, ..mesh };
     let Interval { start, end, halvings } = interval;
     let attempt = Attempt { steady: false, slabs_done, start, length: end - start, halvings };
-    FailureData { gave_up, attempt, newton: None, mesh, gas: None, structure: None }
+    FailureData { gave_up, attempt, newton: None, mesh, gas: None, structure: None, bodies: None }
 }

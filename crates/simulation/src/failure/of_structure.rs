@@ -36,6 +36,7 @@ pub fn examine<const D: usize>(
                 waves_per_slab: structure.shear_speed() * length / smallest_distance(&grid, &state.d),
                 bad_load,
             }),
+            bodies: None,
         },
     }
 }

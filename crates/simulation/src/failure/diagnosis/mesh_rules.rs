@@ -44,7 +44,7 @@ pub fn deformation(data: &FailureData) -> Option<Cause> {
             number(mesh.smallest_det_j),
             in_equilibrium(mesh)
         ),
-        remedy: to_follow_further(mesh, &["move less", "make the cells between moving and fixed boundaries larger"]),
+        remedy: to_follow_further(data, &["move less", "make the cells between moving and fixed boundaries larger"]),
     })
 }
 
@@ -61,8 +61,10 @@ fn in_equilibrium(mesh: &Mesh) -> String {
 }
 
 /// `remedies`, and those that are not in use yet.
-fn to_follow_further(mesh: &Mesh, remedies: &[&str]) -> String {
-    let look = (!mesh.alone).then_some("look at the motion alone with `stsolve motion CASE`");
+fn to_follow_further(data: &FailureData, remedies: &[&str]) -> String {
+    let mesh = &data.mesh;
+    // Without the flow nobody knows how it moves bodies.
+    let look = (!mesh.alone && data.bodies.is_none()).then_some("look at the motion alone with `stsolve motion CASE`");
     let law = mesh.tolerance.is_none().then_some("take `motion.elasticity.law = \"neo_hookean\"`");
     let graded = match mesh.motion {
         Motion::Elastic => Some("let small cells be stiffer with `motion.elasticity.stiffness`"),
@@ -78,7 +80,7 @@ fn to_follow_further(mesh: &Mesh, remedies: &[&str]) -> String {
 /// The formula of the displacement maps two points to one.
 pub fn folding_formula(data: &FailureData) -> Option<Cause> {
     let mesh = &data.mesh;
-    (mesh.motion == Motion::Prescribed).then(|| Cause {
+    (mesh.motion == Motion::Prescribed && data.bodies.is_none()).then(|| Cause {
         name: "folding_formula",
         likelihood: 0.9 * trust(mesh),
         what: format!(
@@ -147,6 +149,6 @@ pub fn nearly_inverted(data: &FailureData) -> Option<Cause> {
         name: "nearly_inverted",
         likelihood: 0.9 * (1.0 - rises(smallest.max(0.0), 0.05)),
         what: format!("cells are nearly inverted: det J / det J_0 is down to {}", number(smallest)),
-        remedy: to_follow_further(&data.mesh, &["move less"]),
+        remedy: to_follow_further(data, &["move less"]),
     })
 }

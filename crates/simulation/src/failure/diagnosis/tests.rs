@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::failure::data::{
-    Attempt, BadLoad, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling, Structure,
+    Attempt, BadLoad, Bodies, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling, Structure,
     Undefined,
 };
 use crate::openings::{Misuse, Record, Seen};
@@ -36,6 +36,7 @@ fn nothing_suspicious() -> FailureData {
             openings: Vec::new(),
         }),
         structure: None,
+        bodies: None,
     }
 }
 
@@ -119,6 +120,22 @@ fn a_fact_of_the_solver_names_its_cause() {
         "linear_solver"
     );
     assert_eq!(first(|e| gas(e).waves_per_slab = 1e5), "time_step");
+}
+
+#[test]
+fn a_fact_of_a_body_names_its_cause() {
+    let of = |travel, added_mass| first(|e| e.bodies = Some(Bodies { travel, added_mass }));
+    assert_eq!(of(0.01, 0.1), "not_resolved");
+    assert_eq!(of(3.0, 0.1), "body_far_in_one_slab");
+    assert_eq!(of(0.01, 300.0), "light_body");
+    // Nobody can look at a motion that the flow decides.
+    let mut data = nothing_suspicious();
+    data.gave_up = GaveUp::InvertedCell;
+    data.mesh.motion = Motion::Elastic;
+    data.bodies = Some(Bodies { travel: 0.01, added_mass: 0.1 });
+    assert!(causes(&data).iter().all(|cause| !cause.remedy.contains("stsolve motion")), "{:?}", causes(&data));
+    data.mesh.motion = Motion::Prescribed;
+    assert_eq!(causes(&data)[0].name, "folding_weights");
 }
 
 #[test]

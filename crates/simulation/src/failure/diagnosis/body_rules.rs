@@ -1,0 +1,42 @@
+//! Causes in bodies that the flow moves.
+
+use super::super::data::{FailureData, Motion};
+use super::{Cause, number, rises};
+
+/// A body crosses its cells within one slab: it is too soft, or the slab too long.
+pub fn far_in_one_slab(data: &FailureData) -> Option<Cause> {
+    let travel = data.bodies?.travel;
+    Some(Cause {
+        name: "body_far_in_one_slab",
+        likelihood: 0.02 + 0.9 * rises(travel, 0.5),
+        what: format!("the flow moves the body by {} thicknesses of cells in one slab", number(travel)),
+        remedy: "shorten `time.step`, or let `time.adaptive` choose it; a stiffer or heavier body moves less".into(),
+    })
+}
+
+/// The mesh that follows a body by weights folds.
+pub fn folding_weights(data: &FailureData) -> Option<Cause> {
+    (data.bodies.is_some() && data.mesh.motion == Motion::Prescribed).then(|| Cause {
+        name: "folding_weights",
+        likelihood: 0.9,
+        what: format!(
+            "the mesh between the body and the boundaries at rest folds: det J / det J_0 is {} in the worst cell",
+            number(data.mesh.smallest_det_j)
+        ),
+        remedy: "in `bodies.NAME.mesh` take a smaller `inner` and a larger `outer`, or leave `mesh` out: then the mesh is an elastic body"
+            .into(),
+    })
+}
+
+/// The fluid that moves with a body weighs much more than it. The first slabs feel that most.
+pub fn light_body(data: &FailureData) -> Option<Cause> {
+    let ratio = data.bodies?.added_mass;
+    let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);
+    Some(Cause {
+        name: "light_body",
+        likelihood: 0.02 + 0.9 * recent * rises(ratio, 30.0),
+        what: format!("the body is light: a volume of fluid of its size weighs {} times as much", number(ratio)),
+        remedy: "start from rest and let the inflow grow smoothly, or drive the body and release it later; shorten `time.step`"
+            .into(),
+    })
+}
