@@ -252,7 +252,7 @@ impl Setting {
 }
 
 fn law() -> NavierStokes<2> {
-    let gas = crate::gas(Viscosity::Constant(0.02));
+    let gas = crate::gas(Viscosity::Constant(0.002));
     let reference = Reference::new(&gas, 1.0, 0.3, 1.0).unwrap();
     NavierStokes { gas, riemann: Riemann::Roe, reference, source: Source::Given }
 }
