@@ -1,5 +1,7 @@
 //! A structure.
 
+use super::bodies::STRUCTURE;
+use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Finding, examine_structure};
@@ -10,6 +12,7 @@ use crate::error::Failure;
 use crate::observer::Observer;
 use crate::session::Session;
 use case::{Case, Structure};
+use coupled::block::{BodyState, Ledger};
 use coupled::{Observation, SlabError, StructureMarch, StructureReport};
 use elasticity::{ElasticityError, NaturalMode, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
@@ -71,6 +74,26 @@ impl Observed {
     }
 }
 
+impl<const D: usize> StructureRun<'_, D> {
+    /// The structure as a body that no flow moves.
+    fn as_body(&self, context: &RunContext) -> BodyState {
+        let at_points = |field: &[f64]| self.observed.points.iter().flat_map(|point| point.value::<D>(field)).collect();
+        let ([kinetic_energy, potential_energy], balance) = (self.march.energies(), context.statistics.structure);
+        BodyState {
+            position: at_points(&self.march.state.d),
+            rate: at_points(&self.march.velocity()),
+            kinetic_energy,
+            potential_energy,
+            ledger: Ledger {
+                drive: balance.support_work,
+                force: balance.load_work,
+                numerical: balance.dissipation,
+                ..Ledger::default()
+            },
+        }
+    }
+}
+
 impl<const D: usize> Run for StructureRun<'_, D> {
     type Report = StructureReport;
 
@@ -93,11 +116,14 @@ impl<const D: usize> Run for StructureRun<'_, D> {
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         context.statistics.structure.energy_at_start = self.march.energies().iter().sum();
+        context.statistics.bodies = vec![BodyRecord::start(&self.as_body(context), self.march.state.time)];
         Ok(None)
     }
 
     fn enter(&self, report: &StructureReport, context: &mut RunContext) -> Vec<f64> {
         context.statistics.add_structure(report);
+        let (body, time) = (self.as_body(context), self.march.state.time);
+        context.statistics.bodies.iter_mut().for_each(|record| record.add(&body, time));
         context.observer.structure_slab(report);
         let mut row = history::row_of_structure(report, &context.statistics.structure);
         row.extend(self.observed.values::<D>(&self.march.state.d));
@@ -114,7 +140,12 @@ impl<const D: usize> Run for StructureRun<'_, D> {
 
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         let energy = self.march.energies().iter().sum();
-        summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop)
+        let mut summary = summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop);
+        if let Some(record) = context.statistics.bodies.first() {
+            let body = summary::of_elastic_body(self.structure, &self.as_body(context), record);
+            summary.bodies.insert(STRUCTURE.to_owned(), body);
+        }
+        summary
     }
 
     fn examine(&self, error: &anyhow::Error, _: &super::statistics::RunStatistics) -> Finding {

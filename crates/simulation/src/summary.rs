@@ -73,7 +73,7 @@ where
     if let (Some((structure, _)), Some(state), Some(record)) =
         (bodies::beside_flow(case), states.last(), statistics.bodies.last())
     {
-        summary.bodies.insert(bodies::STRUCTURE.to_owned(), of_structure_beside_flow(structure, state, record));
+        summary.bodies.insert(bodies::STRUCTURE.to_owned(), of_elastic_body(structure, state, record));
     }
     summary.steady = statistics.steady.as_ref().map(|steady| of_steady(flow, steady));
     summary
@@ -112,12 +112,8 @@ fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record:
     Body { displacement, rotation, velocity, angular_velocity, spring_energy, ..of_any_body(names, state, record) }
 }
 
-/// Of a structure beside a flow; its displacement is that of the first point that is observed.
-fn of_structure_beside_flow<const D: usize>(
-    structure: &case::Structure<D>,
-    state: &BodyState,
-    record: &BodyRecord,
-) -> Body {
+/// Of an elastic body; its displacement is that of the first point that is observed.
+pub fn of_elastic_body<const D: usize>(structure: &case::Structure<D>, state: &BodyState, record: &BodyRecord) -> Body {
     let first = |field: &[f64]| field.iter().take(D).copied().collect();
     Body {
         displacement: first(&state.position),

@@ -36,6 +36,22 @@ fn modes_swing_at_their_frequencies() {
     assert_eq!(column(&run, "tip_y").len(), 60);
 }
 
+/// The summary of a structure by itself says how its points swing, as that of a structure in a flow does.
+#[test]
+fn amplitude_and_frequency_of_a_point_are_told() {
+    let directory = TempDir::new().unwrap();
+    let summary = finished(directory.path(), "turek_hron_csm3", &["mesh.order=3", "time.end=2"]);
+    let tip = column(&directory.path().join("turek_hron_csm3"), "tip_y");
+    let [low, high] = [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| tip.iter().copied().fold(0.0, pick));
+    let found = |key: &str| number(&summary, &format!("bodies.structure.coordinates.tip_y.{key}"));
+    assert!((found("amplitude") / (0.5 * (high - low)) - 1.0).abs() < 0.02, "{}", found("amplitude"));
+    // Published: 1.0995 Hz.
+    assert!((found("frequency") / 1.0995 - 1.0).abs() < 0.02, "{}", found("frequency"));
+    let body = |key: &str| number(&summary, &format!("bodies.structure.{key}"));
+    let energy = body("kinetic_energy") + body("strain_energy") + body("numerical_dissipation");
+    assert!((energy / body("force_work") - 1.0).abs() < 1e-6, "{energy}");
+}
+
 /// A slowly applied weight ends in the deflection q L^4 / (8 E' I) of beam theory, and its work is the energy.
 #[test]
 fn a_slow_load_does_the_work_of_the_deflection() {
