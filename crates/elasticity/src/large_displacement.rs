@@ -124,8 +124,8 @@ impl<const D: usize> NonlinearProblem for Motion<'_, D> {
 
 /// The rounding of R(d).
 fn rounding<const D: usize>(structure: &Structure<D>, d: &[f64]) -> f64 {
-    let forces = structure.force_scales(0.0).into_iter().zip(d).map(|(k, d)| (k * d).powi(2));
-    ROUNDING * forces.sum::<f64>().sqrt()
+    let forces: Vec<f64> = structure.force_scales(0.0).into_iter().zip(d).map(|(k, d)| k * d).collect();
+    ROUNDING * Euclidean.norm(&forces)
 }
 
 /// R(d) - f = 0 at free entries; fixed ones stay as they are.

@@ -5,11 +5,12 @@
 //! ```
 //!
 //! The kinetic energy K, the enstrophy E of the vorticity omega, and the entropy S. They are integrated by Gauss points, three for two
-//! nodes. Cells are added in their order, so the sums have the same bits for any number of threads.
+//! nodes. `inner_product::sum` adds the cells, so the sums have the same bits for any number of threads.
 
 use case::{Field, Integral};
 use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
+use newton_krylov::inner_product;
 use rayon::prelude::*;
 use report::fields::{self, CellSample};
 
@@ -38,7 +39,8 @@ impl<const D: usize> FlowIntegrals<'_, D> {
         let weights = rule.tensor_weights(D);
         let of_cell = |cell: usize| self.of_cell::<M>(cell, &sampler, &weights, wanted);
         let cells: Vec<Vec<f64>> = (0..self.cells).into_par_iter().map(of_cell).collect();
-        (0..wanted.len()).map(|k| cells.iter().map(|cell| cell[k]).sum()).collect()
+        let sum = |k: usize| inner_product::sum(&cells.iter().map(|cell| cell[k]).collect::<Vec<f64>>());
+        (0..wanted.len()).map(sum).collect()
     }
 
     fn of_cell<const M: usize>(

@@ -5,6 +5,7 @@ use crate::block::{Exchange, Ledger};
 use crate::blocks::instants::at_each_point;
 use crate::state::extend;
 use elasticity::{SlabBottom, StructureSlab};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// The slab that is being solved. Fields have the layout `[C0 node][component]`, behind a time node where there is one.
 #[derive(Clone, Debug, Default)]
@@ -82,15 +83,14 @@ impl<const D: usize> ElasticBody<D> {
         let _ = slab.residual(&self.slab.forces, w, &mut r);
         r.iter_mut().zip(&self.flow_loads).for_each(|(r, load)| *r -= load);
         let work = slab.work(&self.slab.forces, w, &r);
-        let sum = |terms: &mut dyn Iterator<Item = f64>| terms.sum::<f64>();
-        let free = |i: &usize| !fixed[i % fixed.len()];
+        let open: Vec<f64> = r.iter().enumerate().map(|(i, r)| if fixed[i % fixed.len()] { 0.0 } else { *r }).collect();
         Ledger {
-            flow: before.flow + sum(&mut self.flow_loads.iter().zip(w).map(|(load, w)| load * w)),
+            flow: before.flow + Euclidean.dot(&self.flow_loads, w),
             drive: before.drive + work.support,
             force: before.force + work.load,
             damped: before.damped + work.damped,
             numerical: before.numerical + work.dissipation,
-            defect: before.defect + sum(&mut (0..w.len()).filter(free).map(|i| r[i] * w[i])),
+            defect: before.defect + Euclidean.dot(&open, w),
         }
     }
 }
