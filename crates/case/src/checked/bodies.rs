@@ -1,6 +1,7 @@
 //! Rigid bodies that the flow moves.
 
 use super::flow::Flow;
+use super::inertia::{self, COMPONENTS};
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
@@ -8,7 +9,7 @@ use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
-use coupled::blocks::rigid_body::Stops;
+use coupled::blocks::rigid_body::{Freedom as Direction, Stops};
 use std::collections::BTreeMap;
 
 /// A rigid body.
@@ -20,17 +21,15 @@ pub struct RigidBody<const D: usize> {
     pub walls: Vec<usize>,
     /// Its mass.
     pub mass: f64,
-    /// Its moment of inertia about the axis through the centre of mass.
-    pub moment_of_inertia: f64,
-    /// A point on the axis of rotation.
+    /// Its tensor of inertia about the centre of mass.
+    pub inertia: [[f64; 3]; 3],
+    /// The point about which it rotates.
     pub pivot: [f64; D],
-    /// The axis of rotation, a unit vector.
-    pub axis: [f64; 3],
     /// The centre of mass.
     pub centre_of_mass: [f64; D],
     /// The outer force.
     pub force: Option<Vector<D>>,
-    /// Its coordinates: translations, then the rotation.
+    /// Its coordinates: translations, then rotations.
     pub freedoms: Vec<Freedom>,
     /// How the mesh follows; None: as an elastic body.
     pub mesh: Option<FollowingMesh>,
@@ -39,8 +38,10 @@ pub struct RigidBody<const D: usize> {
 /// A translation or rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freedom {
-    /// The axis of a translation; None: the rotation.
-    pub axis: Option<usize>,
+    /// Its key: "x", "y", "z", "rotation", "rotation_x", "rotation_y" or "rotation_z".
+    pub name: &'static str,
+    /// How it moves the body.
+    pub direction: Direction,
     /// Spring, cubic spring, where they rest, damping.
     pub spring: f64,
     /// Force per cube of the displacement.
@@ -135,7 +136,6 @@ impl<const D: usize> Given<'_, D> {
             return Err(checker.combination(&key, "nothing moves a body without a flow", "a section [flow]"));
         }
         let freedoms = self.freedoms(&key, raw)?;
-        let rotates = freedoms.iter().any(|freedom| freedom.axis.is_none());
         let point = |name: &str, given: &Option<Vec<f64>>, default: [f64; D]| match given {
             Some(given) => checker.finite_vector(&key.child(name), name, given),
             None => Ok(default),
@@ -145,12 +145,8 @@ impl<const D: usize> Given<'_, D> {
             name: name.to_owned(),
             walls: self.walls(name, &key, raw)?,
             mass: checker.positive(&key.child("mass"), "the mass", checker.number(&key.child("mass"), &raw.mass)?)?,
-            moment_of_inertia: self.moment_of_inertia(&key, raw, rotates)?,
+            inertia: inertia::check::<D>(checker, &key, raw)?,
             pivot,
-            axis: match raw.axis {
-                Some(axis) => super::unit_axis::<D>(checker, &key.child("axis"), axis, "a rotation")?,
-                None => [0.0, 0.0, 1.0],
-            },
             centre_of_mass: point("centre_of_mass", &raw.centre_of_mass, pivot)?,
             force: raw.force.as_ref().map(|force| checker.formulas_of_time(&key.child("force"), force)).transpose()?,
             freedoms,
@@ -187,41 +183,53 @@ impl<const D: usize> Given<'_, D> {
         }
     }
 
-    fn moment_of_inertia(&self, key: &Key, raw: &raw::Body, rotates: bool) -> Checked<f64> {
-        match &raw.moment_of_inertia {
-            Some(inertia) => {
-                let key = key.child("moment_of_inertia");
-                self.checker.positive(&key, "the moment of inertia", self.checker.number(&key, inertia)?)
-            }
-            None if rotates => {
-                let accepted = "`moment_of_inertia`, about the axis through the centre of mass";
-                Err(self.checker.combination(key, "a body that rotates has no moment of inertia", accepted))
-            }
-            None => Ok(1.0),
-        }
-    }
-
     fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
-        let given =
-            [("x", Some(0), &raw.x), ("y", Some(1), &raw.y), ("z", Some(2), &raw.z), ("rotation", None, &raw.rotation)];
+        let axis = self.axis(key, raw)?;
+        let along = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
+        let given = [
+            ("x", Direction::Translation(along(0)), &raw.x),
+            ("y", Direction::Translation(along(1)), &raw.y),
+            ("z", Direction::Translation(along(2)), &raw.z),
+            ("rotation", Direction::Rotation(axis), &raw.rotation),
+            ("rotation_x", Direction::Rotation(along(0)), &raw.rotation_x),
+            ("rotation_y", Direction::Rotation(along(1)), &raw.rotation_y),
+            ("rotation_z", Direction::Rotation(along(2)), &raw.rotation_z),
+        ];
         let mut freedoms = Vec::new();
-        for (name, axis, freedom) in given {
+        for (name, direction, freedom) in given {
             let Some(freedom) = freedom else { continue };
             let key = key.child(name);
-            if axis.is_some_and(|axis| axis >= D) {
+            if D == 2 && !["x", "y", "rotation"].contains(&name) {
                 return Err(self.checker.combination(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
             }
-            freedoms.push(self.freedom(&key, axis, freedom)?);
+            freedoms.push(self.freedom(&key, (name, direction), freedom)?);
         }
         if freedoms.is_empty() {
-            let accepted =
-                "a section for each coordinate that it has: `x`, `y`, `z`, `rotation`; empty where it is free";
+            let accepted = "a section for each coordinate that it has: `x`, `y`, `z`, `rotation`, or in three dimensions \
+                            `rotation_x`, `rotation_y`, `rotation_z`; empty where it is free";
             return Err(self.checker.combination(key, "a body that cannot move", accepted));
         }
         Ok(freedoms)
     }
 
-    fn freedom(&self, key: &Key, axis: Option<usize>, raw: &raw::Freedom) -> Checked<Freedom> {
+    /// The axis of `rotation`, which excludes rotations about the axes of space.
+    fn axis(&self, key: &Key, raw: &raw::Body) -> Checked<[f64; 3]> {
+        if let Some(name) = inertia::component(raw) {
+            let accepted = format!("`rotation` about `axis`, or some of {COMPONENTS}");
+            if raw.rotation.is_some() {
+                let problem = format!("`rotation` and `{name}` both turn the body");
+                return Err(self.checker.combination(&key.child("rotation"), &problem, &accepted));
+            }
+            if raw.axis.is_some() {
+                let problem = format!("`{name}` is about an axis of space, not about this one");
+                return Err(self.checker.combination(&key.child("axis"), &problem, &accepted));
+            }
+        }
+        let axis = raw.axis.map(|axis| super::unit_axis::<D>(self.checker, &key.child("axis"), axis, "a rotation"));
+        axis.unwrap_or(Ok([0.0, 0.0, 1.0]))
+    }
+
+    fn freedom(&self, key: &Key, (name, direction): (&'static str, Direction), raw: &raw::Freedom) -> Checked<Freedom> {
         let checker = self.checker;
         let number = |name: &str, formula: &raw::Formula| -> Checked<f64> {
             let (key, quantity) = (key.child(name), format!("the {}", name.replace('_', " ")));
@@ -250,7 +258,8 @@ impl<const D: usize> Given<'_, D> {
         }
         let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
         Ok(Freedom {
-            axis,
+            name,
+            direction,
             spring: number("spring", &raw.spring)?,
             cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
             rest: number("rest", &raw.rest)?,
