@@ -22,12 +22,14 @@
 //! T is singular at |Theta| = 2 pi unless the axis is fixed. No mesh that follows a body in space turns so far.
 
 mod coordinate;
+mod data;
 mod dynamics;
 mod energy;
 mod geometry;
 mod loads;
 
 pub use coordinate::{Coordinate, Drive, Freedom, Stops};
+pub use data::{AddedMass, RigidBodyData};
 pub use geometry::{Surface, SurfaceNode};
 use loads::Loads;
 
@@ -38,7 +40,6 @@ use crate::state::{Interval, State, extend};
 use basis::{Matrix, RadauTime, TemporalModes};
 use elasticity::SlabMotion;
 use newton_krylov::problem::Inadmissible;
-use std::sync::Arc;
 use tensor::{Dual, Transcendental};
 
 /// A vector of space; in two dimensions its last component is zero.
@@ -46,44 +47,6 @@ pub type Vec3 = [f64; 3];
 
 /// A velocity and an angular velocity, or a force and a moment.
 type Six<T> = [T; 6];
-
-/// What a rigid body is.
-#[derive(Clone)]
-pub struct RigidBodyData {
-    /// Its name.
-    pub name: String,
-    /// m
-    pub mass: f64,
-    /// J, about the centre of mass, at rest.
-    pub inertia: [Vec3; 3],
-    /// c at rest.
-    pub centre_of_mass: Vec3,
-    /// p
-    pub pivot: Vec3,
-    /// The coordinates that it has.
-    pub coordinates: Vec<Coordinate>,
-    /// b as a function of time: weight, for example.
-    pub force: Option<Arc<dyn Fn(f64) -> Vec3 + Send + Sync>>,
-    /// The estimate of the added mass that its preconditioner takes.
-    pub added_mass: AddedMass,
-}
-
-/// The mass of fluid that moves with a body, for the preconditioner alone.
-///
-/// ```text
-/// m_L G_kl,    m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2),    G_kl = int (g_k . n)(g_l . n) dS                (added mass)
-/// ```
-#[derive(Clone, Debug)]
-pub struct AddedMass {
-    /// rho
-    pub density: f64,
-    /// c
-    pub speed_of_sound: f64,
-    /// L
-    pub depth: f64,
-    /// G, `[coordinate][coordinate]`.
-    pub area: Matrix,
-}
 
 /// The slab that is being solved, from the bottom.
 #[derive(Clone, Debug, Default)]
