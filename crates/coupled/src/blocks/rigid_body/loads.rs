@@ -10,7 +10,7 @@
 //! order of the error in time, gives the body exactly the energy that the flow loses.
 
 use super::geometry::six;
-use super::{RigidBody, Six, along, derivatives, lifted};
+use super::{RigidBody, Six, SurfaceNode, along, derivatives, lifted};
 use crate::blocks::instants::at_each_point;
 use tensor::{Transcendental, cross, dot};
 
@@ -89,26 +89,30 @@ impl<const D: usize> RigidBody<D> {
 
     /// The wall at a time point, where the coordinates have the rates `w` and the wall the velocities `rates` at the time nodes.
     fn wall_at<T: Transcendental>(&self, point: usize, w: &[T], rates: &[T]) -> Wall<T> {
-        let (dt, s, phi) = (self.slab.dt, self.points[point], self.at_points.row(point));
+        let (dt, s) = (self.slab.dt, self.points[point]);
         let (mut d, mut q) = (lifted(&self.slab.surface), lifted(&self.slab.position));
         self.motion.displacement(dt, &d.clone(), rates, s, &mut d);
         self.motion.displacement(dt, &q.clone(), w, s, &mut q);
         let h = self.data.place(&q).h;
-        let arm = |(node, d): (&super::SurfaceNode<D>, &[T])| {
+        let arm = |(node, d): (&SurfaceNode<D>, &[T])| {
             let (rest, d) = (self.data.arm(&node.position), in_space(d));
             std::array::from_fn(|i| d[i] - h[i] + rest[i])
         };
-        let velocity = |i: usize| {
-            let nodes = phi.iter().zip(rates.chunks_exact(d.len()));
-            in_space(
-                &nodes.fold([T::from(0.0); D], |v, (phi, rates)| std::array::from_fn(|k| v[k] + rates[i + k] * *phi)),
-            )
-        };
         Wall {
             arms: self.surface.wall().iter().zip(d.chunks_exact(D)).map(arm).collect(),
-            velocities: (0..d.len()).step_by(D).map(velocity).collect(),
+            velocities: self.interpolated(point, rates).chunks_exact(D).map(in_space).collect(),
             modes: self.data.pivot_modes(&q),
         }
+    }
+
+    /// sum_b phi_b V_b at a time point, of vectors V of any length.
+    fn interpolated<T: Transcendental>(&self, point: usize, v: &[T]) -> Vec<T> {
+        let (phi, length) = (self.at_points.row(point), v.len() / self.time().order());
+        let mut sum = vec![T::from(0.0); length];
+        for (phi, v) in phi.iter().zip(v.chunks_exact(length)) {
+            sum.iter_mut().zip(v).for_each(|(sum, v)| *sum += *v * *phi);
+        }
+        sum
     }
 
     /// The derivative of Q along the rates `x`, at fixed nodal loads: the arms and the velocity of the wall change.
