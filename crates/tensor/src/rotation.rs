@@ -13,23 +13,28 @@ use crate::{Transcendental, cross};
 
 /// R y. In two dimensions y has no component along z, and neither has the result.
 pub fn rotated<T: Transcendental, const D: usize>(theta: &[T; 3], y: &[T; D]) -> [T; D] {
-    let y = std::array::from_fn(|i| y.get(i).copied().unwrap_or(T::from(0.0)));
-    let turned = combined(1, theta, &y);
-    std::array::from_fn(|i| turned[i])
+    let moved = moved_by_rotation(theta, &std::array::from_fn(|i| y.get(i).copied().unwrap_or(T::from(0.0))));
+    std::array::from_fn(|i| y[i] + moved[i])
+}
+
+/// R y - y, to as many digits for small angles as for large ones.
+pub fn moved_by_rotation<T: Transcendental>(theta: &[T; 3], y: &[T; 3]) -> [T; 3] {
+    change(1, theta, y)
 }
 
 /// omega, for the derivative Theta' = `rate`.
 pub fn angular_velocity<T: Transcendental>(theta: &[T; 3], rate: &[T; 3]) -> [T; 3] {
-    combined(2, theta, rate)
+    let change = change(2, theta, rate);
+    std::array::from_fn(|i| rate[i] + change[i])
 }
 
-/// y + c_k Theta x y + c_(k+1) Theta x (Theta x y)
-fn combined<T: Transcendental>(k: usize, theta: &[T; 3], y: &[T; 3]) -> [T; 3] {
+/// c_k Theta x y + c_(k+1) Theta x (Theta x y)
+fn change<T: Transcendental>(k: usize, theta: &[T; 3], y: &[T; 3]) -> [T; 3] {
     let x = theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2];
     let (first, second) = (stumpff(k, x), stumpff(k + 1, x));
     let once = cross(theta, y);
     let twice = cross(theta, &once);
-    std::array::from_fn(|i| y[i] + first * once[i] + second * twice[i])
+    std::array::from_fn(|i| first * once[i] + second * twice[i])
 }
 
 /// c_k by (Stumpff) for small x, by c_k = (1 - c_(k-2)) / x otherwise; k is 3 at most.
@@ -83,6 +88,12 @@ mod tests {
         }
         let quarter = rotated(&[0.0, 0.0, std::f64::consts::FRAC_PI_2], &[2.0, 1.0]);
         assert!((quarter[0] + 1.0).abs() < 1e-15 && (quarter[1] - 2.0).abs() < 1e-15, "{quarter:?}");
+    }
+
+    #[test]
+    fn small_rotations_keep_their_digits() {
+        let moved = moved_by_rotation(&[0.0, 0.0, 1e-12], &[2.0, 1.0, 5.0]);
+        assert!((moved[0] + 1e-12).abs() < 1e-23 && (moved[1] - 2e-12).abs() < 1e-23, "{moved:?}");
     }
 
     /// d(R y) = omega x R y along any change of Theta.

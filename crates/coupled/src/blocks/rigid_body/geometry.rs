@@ -1,7 +1,7 @@
 //! (rigid motion) of the nodes of the mesh that a body moves.
 
 use super::{Coordinate, Freedom, RigidBodyData, Six, Vec3};
-use tensor::{Transcendental, angular_velocity, cross, rotated};
+use tensor::{Transcendental, angular_velocity, cross, moved_by_rotation, rotated};
 
 /// A node of the mesh that a body moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,8 +94,8 @@ impl RigidBodyData {
     /// The displacement of `node`, (rigid motion).
     fn displacement<T: Transcendental, const D: usize>(&self, node: &SurfaceNode<D>, place: &Place<T>) -> [T; D] {
         let arm = self.arm(&node.position).map(T::from);
-        let turned = rotated(&place.theta.map(|theta| theta * node.weight), &arm);
-        std::array::from_fn(|d| place.h[d] * node.weight + (turned[d] - arm[d]))
+        let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
+        std::array::from_fn(|d| place.h[d] * node.weight + turned[d])
     }
 
     /// Velocity of the pivot and angular velocity per rate of every coordinate: (e_k, 0) or (0, G_k).
