@@ -106,7 +106,8 @@ impl<const D: usize> RigidStep<D> {
             RigidStep::Rotate { angle, centre, axis } => {
                 let c = centre.evaluate(x, t);
                 let y: [T; D] = std::array::from_fn(|i| x[i] - c[i]);
-                let turned = rotated(axis, angle.evaluate(x, t), &y);
+                let angle = angle.evaluate(x, t);
+                let turned = rotated(&axis.map(|k| angle * k), &y);
                 std::array::from_fn(|i| c[i] + turned[i])
             }
         }

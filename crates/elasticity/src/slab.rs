@@ -17,6 +17,7 @@
 use crate::{ElasticMesh, ElasticityError, Inversion};
 use basis::{Matrix, RadauTime};
 use newton_krylov::cg;
+use tensor::Real;
 
 /// The largest number of time nodes of a slab.
 pub const MAX_TIME_ORDER: usize = 16;
@@ -39,45 +40,47 @@ impl SlabMotion {
     }
 
     /// out = d(s) by (motion), for the displacement `bottom` = d_n, the velocities `v[b][..]`, and s in [0, 1].
-    pub fn displacement(&self, dt: f64, bottom: &[f64], v: &[f64], s: f64, out: &mut [f64]) {
+    pub fn displacement<T: Real>(&self, dt: f64, bottom: &[T], v: &[T], s: f64, out: &mut [T]) {
         displace(dt, bottom, v, &self.time.integrals(s), out);
     }
 
     /// out = d(s_a) at time node `a`.
-    pub fn displacement_at_node(&self, dt: f64, bottom: &[f64], v: &[f64], a: usize, out: &mut [f64]) {
+    pub fn displacement_at_node<T: Real>(&self, dt: f64, bottom: &[T], v: &[T], a: usize, out: &mut [T]) {
         displace(dt, bottom, v, self.time.collocation().row(a), out);
     }
 
     /// Replaces the displacements `d[a][..]` at the time nodes by the velocities by (velocity).
-    pub fn velocities(&self, dt: f64, bottom: &[f64], d: &mut [f64]) {
+    pub fn velocities<T: Real>(&self, dt: f64, bottom: &[T], d: &mut [T]) {
         for node in d.chunks_exact_mut(bottom.len()) {
-            node.iter_mut().zip(bottom).for_each(|(d, bottom)| *d = (*d - bottom) / dt);
+            node.iter_mut().zip(bottom).for_each(|(d, bottom)| *d = (*d - *bottom) / d.constant(dt));
         }
         combine_nodes(self.time.inverse_collocation(), d);
     }
 }
 
 /// out = bottom + dt sum_b integrals[b] v[b].
-fn displace(dt: f64, bottom: &[f64], v: &[f64], integrals: &[f64], out: &mut [f64]) {
+fn displace<T: Real>(dt: f64, bottom: &[T], v: &[T], integrals: &[f64], out: &mut [T]) {
     out.copy_from_slice(bottom);
     accumulate(dt, v, integrals, out);
 }
 
 /// out = out + dt sum_b integrals[b] v[b].
-pub(crate) fn accumulate(dt: f64, v: &[f64], integrals: &[f64], out: &mut [f64]) {
+pub(crate) fn accumulate<T: Real>(dt: f64, v: &[T], integrals: &[f64], out: &mut [T]) {
     for (v, integral) in v.chunks_exact(out.len()).zip(integrals) {
-        out.iter_mut().zip(v).for_each(|(out, v)| *out += dt * integral * v);
+        out.iter_mut().zip(v).for_each(|(out, v)| *out += *v * (dt * integral));
     }
 }
 
 /// field[a] = sum_b matrix[a][b] field[b], in place.
-pub(crate) fn combine_nodes(matrix: &Matrix, field: &mut [f64]) {
+pub(crate) fn combine_nodes<T: Real>(matrix: &Matrix, field: &mut [T]) {
     let (nodes, length) = (matrix.rows(), field.len() / matrix.rows());
-    let (mut old, mut new) = ([0.0; MAX_TIME_ORDER], [0.0; MAX_TIME_ORDER]);
+    let Some(zero) = field.first().map(|number| number.zero()) else { return };
+    let mut old = [zero; MAX_TIME_ORDER];
     for i in 0..length {
         (0..nodes).for_each(|b| old[b] = field[b * length + i]);
-        matrix.apply(&old[..nodes], &mut new[..nodes]);
-        (0..nodes).for_each(|a| field[a * length + i] = new[a]);
+        for a in 0..nodes {
+            field[a * length + i] = matrix.row(a).iter().zip(old).fold(zero, |sum, (entry, old)| sum + old * *entry);
+        }
     }
 }
 

@@ -214,18 +214,24 @@ pub struct Body {
     /// How far it has turned, in radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<f64>,
+    /// Its rotation vector, where it turns about several axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_vector: Option<Vec<f64>>,
     /// Its velocity.
     pub velocity: Vec<f64>,
     /// Its angular velocity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<f64>,
+    /// The vector of its angular velocity, where it turns about several axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocity_vector: Option<Vec<f64>>,
     /// The amplitude of the coordinate that oscillates most, over the last ten periods at most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<f64>,
     /// Its frequency.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency: Option<f64>,
-    /// Every coordinate: "x", "y", "z", "rotation" of a rigid body, the displacements of the observed points of a structure.
+    /// Every coordinate: "x", "y", "z", "rotation", "rotation_x" ... of a rigid body, the displacements of the observed points of a structure.
     pub coordinates: BTreeMap<String, Oscillation>,
     /// The work of the flow on it.
     pub work: f64,

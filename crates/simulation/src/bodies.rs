@@ -4,6 +4,7 @@ use super::elastic_body::elastic_body;
 use case::expression::Program;
 use case::{Case, Flow, Freedom, SolidPart, Structure};
 use coupled::block::{Body, BodyState};
+use coupled::blocks::rigid_body::Freedom as Direction;
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Drive, RigidBodyData, Surface, SurfaceNode, Vec3};
 use coupled::blocks::{Instants, RigidBody};
 use elasticity::ElasticityError;
@@ -130,10 +131,9 @@ fn data<const D: usize>(
     RigidBodyData {
         name: body.name.clone(),
         mass: body.mass,
-        moment_of_inertia: body.moment_of_inertia,
+        inertia: body.inertia,
         centre_of_mass: std::array::from_fn(|i| centre[i] - pivot[i]),
         pivot,
-        axis: body.axis,
         coordinates,
         force,
         added_mass: AddedMass {
@@ -153,7 +153,7 @@ fn coordinate<const D: usize>(case: &Case<D>, freedom: &Freedom) -> Coordinate {
     let rate = |motion: &Program| motion.evaluate(&[], Dual::new(case.time.start, 1.0)).derivative;
     let rate_at_start = freedom.motion.as_ref().map_or(freedom.rate, rate);
     Coordinate {
-        direction: freedom.axis.map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis)))),
+        freedom: freedom.direction,
         stiffness: freedom.spring,
         cubic_stiffness: freedom.cubic_spring,
         damping: freedom.damping,
@@ -174,7 +174,10 @@ fn wetted_area<const D: usize>(case: &Case<D>, body: &case::RigidBody<D>, coordi
             .iter()
             .map(|coordinate| {
                 let arm: Vec3 = std::array::from_fn(|i| centre[i] - body.pivot.get(i).copied().unwrap_or(0.0));
-                let mode = coordinate.direction.unwrap_or_else(|| tensor::cross(&body.axis, &arm));
+                let mode = match coordinate.freedom {
+                    Direction::Translation(direction) => direction,
+                    Direction::Rotation(axis) => tensor::cross(&axis, &arm),
+                };
                 tensor::dot(&mode, &normal) / area.max(f64::MIN_POSITIVE)
             })
             .collect();
@@ -203,8 +206,7 @@ fn middle_and_area<const D: usize>(nodes: &[[f64; D]]) -> (Vec3, Vec3) {
 /// The names of the columns of history.csv that the bodies of a case have.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     let names = |body: &case::RigidBody<D>| {
-        let name = |freedom: &Freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]);
-        body.freedoms.iter().map(|freedom| format!("{}_{}", body.name, name(freedom))).collect()
+        body.freedoms.iter().map(|freedom| format!("{}_{}", body.name, freedom.name)).collect()
     };
     let rigid = case.bodies.iter().flat_map(|body| of_body(&body.name, names(body), "spring_energy"));
     let elastic = beside_flow(case).into_iter();

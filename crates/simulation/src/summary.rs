@@ -9,6 +9,7 @@ use super::statistics;
 use super::walls::from_numbers;
 use case::{Case, DisplacementOf, Flow, Motion, State, Stiffness};
 use coupled::block::BodyState;
+use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{StateField, squared_errors};
@@ -98,18 +99,35 @@ fn of_wall<const D: usize>(wall: &case::Wall<D>, impulses: &[f64], forces: &[f64
 
 /// Of a rigid body.
 fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record: &BodyRecord) -> Body {
-    let (mut displacement, mut velocity) = (vec![0.0; D], vec![0.0; D]);
-    let (mut rotation, mut angular_velocity) = (None, None);
-    for (freedom, (q, w)) in body.freedoms.iter().zip(state.position.iter().zip(&state.rate)) {
-        match freedom.axis {
-            Some(axis) => (displacement[axis], velocity[axis]) = (*q, *w),
-            None => (rotation, angular_velocity) = (Some(*q), Some(*w)),
-        }
+    let (displacement, theta) = moved(body, &state.position);
+    let (velocity, rate) = moved(body, &state.rate);
+    let turns = body.freedoms.iter().any(|freedom| freedom.name.starts_with("rotation_"));
+    let about_axis = |numbers: &[f64]| {
+        body.freedoms.iter().zip(numbers).find(|(freedom, _)| freedom.name == "rotation").map(|(_, number)| *number)
+    };
+    Body {
+        displacement: displacement[..D].to_vec(),
+        rotation: about_axis(&state.position),
+        rotation_vector: turns.then(|| theta.to_vec()),
+        velocity: velocity[..D].to_vec(),
+        angular_velocity: about_axis(&state.rate),
+        angular_velocity_vector: turns.then(|| tensor::angular_velocity(&theta, &rate).to_vec()),
+        spring_energy: Some(state.potential_energy),
+        ..of_any_body(body.freedoms.iter().map(|freedom| freedom.name.to_owned()).collect(), state, record)
     }
-    let name = |freedom: &case::Freedom| freedom.axis.map_or("rotation", |axis| ["x", "y", "z"][axis]).to_owned();
-    let names = body.freedoms.iter().map(name).collect();
-    let spring_energy = Some(state.potential_energy);
-    Body { displacement, rotation, velocity, angular_velocity, spring_energy, ..of_any_body(names, state, record) }
+}
+
+/// The translation and the rotation vector where the coordinates of a body are `q`; their rates where these are rates.
+fn moved<const D: usize>(body: &case::RigidBody<D>, q: &[f64]) -> (Vec3, Vec3) {
+    let (mut translation, mut rotation) = ([0.0; 3], [0.0; 3]);
+    for (freedom, q) in body.freedoms.iter().zip(q) {
+        let (sum, direction) = match freedom.direction {
+            Direction::Translation(direction) => (&mut translation, direction),
+            Direction::Rotation(axis) => (&mut rotation, axis),
+        };
+        (0..3).for_each(|i| sum[i] += q * direction[i]);
+    }
+    (translation, rotation)
 }
 
 /// Of an elastic body; its displacement is that of the first point that is observed.

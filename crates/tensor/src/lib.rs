@@ -20,6 +20,7 @@ mod counted;
 mod dual;
 mod lanes;
 mod real;
+mod rotation;
 mod small;
 
 pub use arch::{Arch, runs_here};
@@ -27,6 +28,7 @@ pub use counted::{Counted, count_operations};
 pub use dual::Dual;
 pub use lanes::{LaneNumber, Lanes, Pack, WIDTH, zeroed};
 pub use real::{Over, Real, Transcendental};
-pub use small::{cofactor, cross, determinant, dot, matrix_from_columns, norm, rotated};
+pub use rotation::{angular_velocity, moved_by_rotation, rotated};
+pub use small::{cofactor, cross, determinant, dot, matrix_from_columns, norm};
 
 pub use pulp;

@@ -1,6 +1,6 @@
 //! Vectors of length D and D x D matrices, D = 1, 2 or 3, of any number type. Matrices are `m[row][column]`.
 
-use crate::{Real, Transcendental};
+use crate::Real;
 
 /// a . b
 #[inline(always)]
@@ -19,22 +19,9 @@ pub fn norm<T: Real, const D: usize>(a: &[T; D]) -> T {
 }
 
 /// a x b; of vectors in the plane only the last component is not zero.
-pub fn cross<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; 3] {
-    let at = |v: &[f64; D], i: usize| v.get(i % 3).copied().unwrap_or(0.0);
+pub fn cross<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; 3] {
+    let at = |v: &[T; D], i: usize| v.get(i % 3).copied().unwrap_or(a[0].zero());
     std::array::from_fn(|i| at(a, i + 1) * at(b, i + 2) - at(a, i + 2) * at(b, i + 1))
-}
-
-/// R y = cos(a) y + sin(a) k x y + (1 - cos(a)) (k . y) k for the angle a about the unit vector k (Rodrigues).
-pub fn rotated<T: Transcendental, const D: usize>(k: &[f64; 3], angle: T, y: &[T; D]) -> [T; D] {
-    let (cos, sin) = (angle.cos(), angle.sin());
-    // In two dimensions z = 0.
-    let y: [T; 3] = std::array::from_fn(|i| y.get(i).copied().unwrap_or(T::from(0.0)));
-    let along = y[0] * k[0] + y[1] * k[1] + y[2] * k[2];
-    let cross = |i: usize| {
-        let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-        y[l] * k[j] - y[j] * k[l]
-    };
-    std::array::from_fn(|i| cos * y[i] + sin * cross(i) + (T::from(1.0) - cos) * along * k[i])
 }
 
 /// The matrix whose column j is `columns[j]`.

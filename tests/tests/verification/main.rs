@@ -11,6 +11,7 @@ mod low_order;
 mod manufactured_interface;
 mod rigid_body;
 mod slab_operator;
+mod spinning_body;
 mod spring_mass;
 mod sweeps;
 mod top_of_slab;

@@ -1,6 +1,9 @@
 //! Rigid bodies that the flow moves.
 
+mod freedoms;
+
 use super::flow::Flow;
+use super::inertia;
 use super::mesh_crate::{Mesh, NodeNumbering};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
@@ -8,7 +11,7 @@ use crate::expression::Program;
 use crate::key::Key;
 use crate::raw;
 use crate::vector::Vector;
-use coupled::blocks::rigid_body::Stops;
+use coupled::blocks::rigid_body::{Freedom as Direction, Stops};
 use std::collections::BTreeMap;
 
 /// A rigid body.
@@ -20,17 +23,15 @@ pub struct RigidBody<const D: usize> {
     pub walls: Vec<usize>,
     /// Its mass.
     pub mass: f64,
-    /// Its moment of inertia about the axis through the centre of mass.
-    pub moment_of_inertia: f64,
-    /// A point on the axis of rotation.
+    /// Its tensor of inertia about the centre of mass.
+    pub inertia: [[f64; 3]; 3],
+    /// The point about which it rotates.
     pub pivot: [f64; D],
-    /// The axis of rotation, a unit vector.
-    pub axis: [f64; 3],
     /// The centre of mass.
     pub centre_of_mass: [f64; D],
     /// The outer force.
     pub force: Option<Vector<D>>,
-    /// Its coordinates: translations, then the rotation.
+    /// Its coordinates: translations, then rotations.
     pub freedoms: Vec<Freedom>,
     /// How the mesh follows; None: as an elastic body.
     pub mesh: Option<FollowingMesh>,
@@ -39,8 +40,10 @@ pub struct RigidBody<const D: usize> {
 /// A translation or rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freedom {
-    /// The axis of a translation; None: the rotation.
-    pub axis: Option<usize>,
+    /// Its key: "x", "y", "z", "rotation", "rotation_x", "rotation_y" or "rotation_z".
+    pub name: &'static str,
+    /// How it moves the body.
+    pub direction: Direction,
     /// Spring, cubic spring, where they rest, damping.
     pub spring: f64,
     /// Force per cube of the displacement.
@@ -135,7 +138,6 @@ impl<const D: usize> Given<'_, D> {
             return Err(checker.combination(&key, "nothing moves a body without a flow", "a section [flow]"));
         }
         let freedoms = self.freedoms(&key, raw)?;
-        let rotates = freedoms.iter().any(|freedom| freedom.axis.is_none());
         let point = |name: &str, given: &Option<Vec<f64>>, default: [f64; D]| match given {
             Some(given) => checker.finite_vector(&key.child(name), name, given),
             None => Ok(default),
@@ -145,12 +147,8 @@ impl<const D: usize> Given<'_, D> {
             name: name.to_owned(),
             walls: self.walls(name, &key, raw)?,
             mass: checker.positive(&key.child("mass"), "the mass", checker.number(&key.child("mass"), &raw.mass)?)?,
-            moment_of_inertia: self.moment_of_inertia(&key, raw, rotates)?,
+            inertia: inertia::check::<D>(checker, &key, raw)?,
             pivot,
-            axis: match raw.axis {
-                Some(axis) => super::unit_axis::<D>(checker, &key.child("axis"), axis, "a rotation")?,
-                None => [0.0, 0.0, 1.0],
-            },
             centre_of_mass: point("centre_of_mass", &raw.centre_of_mass, pivot)?,
             force: raw.force.as_ref().map(|force| checker.formulas_of_time(&key.child("force"), force)).transpose()?,
             freedoms,
@@ -185,100 +183,6 @@ impl<const D: usize> Given<'_, D> {
             }
             None => Ok(walls),
         }
-    }
-
-    fn moment_of_inertia(&self, key: &Key, raw: &raw::Body, rotates: bool) -> Checked<f64> {
-        match &raw.moment_of_inertia {
-            Some(inertia) => {
-                let key = key.child("moment_of_inertia");
-                self.checker.positive(&key, "the moment of inertia", self.checker.number(&key, inertia)?)
-            }
-            None if rotates => {
-                let accepted = "`moment_of_inertia`, about the axis through the centre of mass";
-                Err(self.checker.combination(key, "a body that rotates has no moment of inertia", accepted))
-            }
-            None => Ok(1.0),
-        }
-    }
-
-    fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
-        let given =
-            [("x", Some(0), &raw.x), ("y", Some(1), &raw.y), ("z", Some(2), &raw.z), ("rotation", None, &raw.rotation)];
-        let mut freedoms = Vec::new();
-        for (name, axis, freedom) in given {
-            let Some(freedom) = freedom else { continue };
-            let key = key.child(name);
-            if axis.is_some_and(|axis| axis >= D) {
-                return Err(self.checker.combination(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
-            }
-            freedoms.push(self.freedom(&key, axis, freedom)?);
-        }
-        if freedoms.is_empty() {
-            let accepted =
-                "a section for each coordinate that it has: `x`, `y`, `z`, `rotation`; empty where it is free";
-            return Err(self.checker.combination(key, "a body that cannot move", accepted));
-        }
-        Ok(freedoms)
-    }
-
-    fn freedom(&self, key: &Key, axis: Option<usize>, raw: &raw::Freedom) -> Checked<Freedom> {
-        let checker = self.checker;
-        let number = |name: &str, formula: &raw::Formula| -> Checked<f64> {
-            let (key, quantity) = (key.child(name), format!("the {}", name.replace('_', " ")));
-            let value = checker.number(&key, formula)?;
-            checker.require(&key, &quantity, value.is_finite(), "a finite number")?;
-            Ok(value)
-        };
-        if let Some(raw::Stops { lower, upper, stiffness }) = raw.stops {
-            let key = key.child("stops");
-            checker.require(
-                &key.child("upper"),
-                "the upper stop",
-                upper > lower && lower.is_finite(),
-                "a number above `lower`",
-            )?;
-            checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness)?;
-        }
-        let motion = raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), motion)).transpose()?;
-        if raw.release.is_some() && motion.is_none() {
-            let accepted = "this key together with `motion`";
-            return Err(checker.combination(
-                &key.child("release"),
-                "a coordinate that nothing drives is free already",
-                accepted,
-            ));
-        }
-        let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
-        Ok(Freedom {
-            axis,
-            spring: number("spring", &raw.spring)?,
-            cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
-            rest: number("rest", &raw.rest)?,
-            damping: number("damping", &raw.damping)?,
-            rate: number("rate", &raw.rate)?,
-            stops,
-            motion,
-            release: raw.release,
-        })
-    }
-
-    /// A driven coordinate starts at zero and has a value over the whole run.
-    fn drive(&self, key: &Key, raw: &raw::Formula) -> Checked<Program> {
-        let motion = self.checker.formula_of_time(key, raw)?;
-        let start = motion.evaluate::<f64>(&[], self.time.start);
-        let at_rest = start.abs() <= 1e-12 * self.mesh.diameter();
-        self.checker.require(
-            key,
-            &format!("the motion at the start, {start},"),
-            at_rest,
-            "a formula that is zero at the start",
-        )?;
-        for t in self.time.instants() {
-            let value = motion.evaluate::<f64>(&[], t);
-            let quantity = format!("the motion at t = {t}, {value},");
-            self.checker.require(key, &quantity, value.is_finite(), "a formula that is finite over the whole run")?;
-        }
-        Ok(motion)
     }
 
     fn following(&self, key: &Key, raw: &raw::FollowingMesh) -> Checked<FollowingMesh> {

@@ -6,6 +6,7 @@ mod displacement;
 mod flow;
 mod forces;
 mod held_nodes;
+mod inertia;
 mod initial;
 mod mesh;
 mod motion;

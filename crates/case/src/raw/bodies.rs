@@ -1,6 +1,7 @@
 //! `[bodies.<name>]`
 
 use super::formula::Formula;
+use super::inertia::InertiaEntry;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,11 +13,15 @@ pub struct Body {
     pub walls: Option<Vec<String>>,
     /// Its mass.
     pub mass: Formula,
-    /// Its moment of inertia about the axis of rotation through the centre of mass; needed where it rotates.
+    /// Its moment of inertia about the axis of `rotation` through the centre of mass; needed with `rotation`.
     pub moment_of_inertia: Option<Formula>,
-    /// A point on the axis of rotation, at rest. Without it the origin.
+    /// Its tensor of inertia about the centre of mass at rest, in three dimensions: three rows of three numbers, or the three numbers of its
+    /// diagonal. Needed with `rotation_x`, `rotation_y`, `rotation_z`.
+    pub inertia: Option<Vec<InertiaEntry>>,
+    /// A point on the axis of rotation, at rest; with rotations about several axes the point about which the body turns. Without it the
+    /// origin.
     pub pivot: Option<Vec<f64>>,
-    /// The axis of rotation in three dimensions. Without it z.
+    /// The axis of `rotation` in three dimensions. Without it z.
     pub axis: Option<[f64; 3]>,
     /// The centre of mass at rest. Without it the pivot.
     pub centre_of_mass: Option<Vec<f64>>,
@@ -30,6 +35,13 @@ pub struct Body {
     pub z: Option<Freedom>,
     /// The rotation about the axis through the pivot, in radians, if the body has it; in two dimensions counter-clockwise.
     pub rotation: Option<Freedom>,
+    /// The component along x of the rotation vector, if the body has it, in three dimensions. The body turns about this vector, by its length
+    /// in radians.
+    pub rotation_x: Option<Freedom>,
+    /// The component along y of the rotation vector, if the body has it.
+    pub rotation_y: Option<Freedom>,
+    /// The component along z of the rotation vector, if the body has it.
+    pub rotation_z: Option<Freedom>,
     /// How the mesh follows the body. Without it the mesh is an elastic body, see `motion`.
     pub mesh: Option<FollowingMesh>,
 }

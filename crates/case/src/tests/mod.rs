@@ -8,6 +8,7 @@ use navier_stokes::{Boundary, ExactState, Riemann};
 use std::path::{Path, PathBuf};
 
 mod bad_input;
+mod bodies;
 mod continuation;
 mod meshes;
 mod motions;

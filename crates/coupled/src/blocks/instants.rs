@@ -22,6 +22,6 @@ impl Instants {
 }
 
 /// What the flow leaves at each of so many time `points`, of the loads `[time point][..]`; nothing before it has left any.
-pub(super) fn at_each_point(loads: &[f64], points: usize) -> impl Iterator<Item = &[f64]> {
+pub(super) fn at_each_point<T>(loads: &[T], points: usize) -> impl Iterator<Item = &[T]> {
     loads.chunks_exact((loads.len() / points).max(1))
 }

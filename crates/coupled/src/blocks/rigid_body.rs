@@ -1,29 +1,37 @@
-//! A rigid body that the flow moves: translations along axes and a rotation about one axis, free or driven.
+//! A rigid body that the flow moves: translations and rotations, up to six, free or driven.
 //!
 //! ```text
-//! x(X) = p + h + R(w theta) (X - p) + (w - 1) h,      v_c = h' + theta' n x R(theta) c                             (rigid motion)
+//! x(X) = p + h + R(w Theta) (X - p) + (w - 1) h,      h = sum_k q_k e_k,      Theta = sum_k q_k a_k                (rigid motion)
+//! v_c = h' + omega x R(Theta) c,      omega = T(Theta) Theta',      g_k = dv_c/dq_k',      G_k = T(Theta) a_k
 //! ```
 //!
-//! p is the pivot at rest, h the translation, theta the rotation about the unit vector n, and c the centre of mass relative to the pivot.
-//! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q = (h, theta) at the
-//! time nodes. With g_k = dv_c/dq_k',
+//! p is the pivot at rest, h the translation, Theta the rotation vector, and c the centre of mass relative to the pivot. R turns by the angle
+//! |Theta| about Theta, see [`tensor::rotated`] and [`tensor::angular_velocity`]. A rotation about a fixed axis has one a_k.
+//! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q at the time nodes.
+//! With H = R J R^T omega, the angular momentum about the centre of mass,
 //!
 //! ```text
-//! R_a,k = g_k(s_a) . m [ sum_b T_ab v_c,b - phi_a(0) v_c,n ] + I_k [ sum_b T_ab W_b,k - phi_a(0) w_n,k ]
+//! R_a,k = g_k(s_a) . m [ sum_b T_ab v_c,b - phi_a(0) v_c,n ] + G_k(s_a) . [ sum_b T_ab H_b - phi_a(0) H_n ]
 //!         + dt w_a ( c_k W_a,k + f_k(q_a) - g_k(s_a) . b(s_a) ) - Q_a,k = 0                                        (rigid body)
 //! ```
 //!
-//! I_k is the moment of inertia for the rotation and zero otherwise, c_k damps, f_k is the force of springs, b an outer force, and Q the
-//! load of the flow, see `loads`. The sum of R_a,k W_a,k is the balance of energy: jumps of v_c take energy, as in a structure.
+//! J is the tensor of inertia at rest, c_k damps, f_k is the force of springs, b an outer force, and Q the load of the flow, see `loads`. About
+//! a fixed axis n, the second term is that of the moment of inertia n . J n. A body without forces keeps H exactly. The sum of
+//! R_a,k W_a,k is the balance of energy, see `energy`.
+//!
+//! T is singular at |Theta| = 2 pi unless the axis is fixed. No mesh that follows a body in space turns so far.
 
 mod coordinate;
+mod data;
 mod dynamics;
+mod energy;
 mod geometry;
 mod loads;
 
-pub use coordinate::{Coordinate, Drive, Stops};
+pub use coordinate::{Coordinate, Drive, Freedom, Stops};
+pub use data::{AddedMass, RigidBodyData};
 pub use geometry::{Surface, SurfaceNode};
-use loads::{Loads, WallInTime};
+use loads::Loads;
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
 use crate::blocks::Instants;
@@ -32,50 +40,13 @@ use crate::state::{Interval, State, extend};
 use basis::{Matrix, RadauTime, TemporalModes};
 use elasticity::SlabMotion;
 use newton_krylov::problem::Inadmissible;
-use std::sync::Arc;
+use tensor::{Dual, Transcendental};
 
 /// A vector of space; in two dimensions its last component is zero.
 pub type Vec3 = [f64; 3];
 
-/// What a rigid body is.
-#[derive(Clone)]
-pub struct RigidBodyData {
-    /// Its name.
-    pub name: String,
-    /// m
-    pub mass: f64,
-    /// The moment of inertia about the axis of rotation through the centre of mass.
-    pub moment_of_inertia: f64,
-    /// c at rest.
-    pub centre_of_mass: Vec3,
-    /// p
-    pub pivot: Vec3,
-    /// n
-    pub axis: Vec3,
-    /// The coordinates that it has; at most one rotation.
-    pub coordinates: Vec<Coordinate>,
-    /// b as a function of time: weight, for example.
-    pub force: Option<Arc<dyn Fn(f64) -> Vec3 + Send + Sync>>,
-    /// The estimate of the added mass that its preconditioner takes.
-    pub added_mass: AddedMass,
-}
-
-/// The mass of fluid that moves with a body, for the preconditioner alone.
-///
-/// ```text
-/// m_L G_kl,    m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2),    G_kl = int (g_k . n)(g_l . n) dS                (added mass)
-/// ```
-#[derive(Clone, Debug)]
-pub struct AddedMass {
-    /// rho
-    pub density: f64,
-    /// c
-    pub speed_of_sound: f64,
-    /// L
-    pub depth: f64,
-    /// G, `[coordinate][coordinate]`.
-    pub area: Matrix,
-}
+/// A velocity and an angular velocity, or a force and a moment.
+type Six<T> = [T; 6];
 
 /// The slab that is being solved, from the bottom.
 #[derive(Clone, Debug, Default)]
@@ -107,10 +78,8 @@ pub struct RigidBody<const D: usize> {
     w: Vec<f64>,
     /// The loads of the flow at that point, `[time point][loaded node][component]`.
     flow_loads: Vec<f64>,
-    /// The motion of the wall at that point.
-    wall: WallInTime,
     /// Q at that point.
-    loads: Loads,
+    loads: Loads<f64>,
     inverse: Option<Matrix>,
     inverse_pseudo_time: f64,
     /// The length of most slabs, to which its norm refers.
@@ -129,7 +98,6 @@ impl<const D: usize> RigidBody<D> {
             slab: Slab::default(),
             w: vec![0.0; time.order() * data.coordinates.len()],
             flow_loads: Vec::new(),
-            wall: WallInTime::default(),
             loads: Loads::default(),
             inverse: None,
             inverse_pseudo_time: 0.0,
@@ -151,37 +119,42 @@ impl<const D: usize> RigidBody<D> {
     }
 
     /// Coordinates at the time nodes, `[a][k]`.
-    fn positions(&self, w: &[f64]) -> Vec<f64> {
-        self.at_nodes(&self.slab.position, w)
-    }
-
-    /// What grows from `bottom` by the rates `w`, at the time nodes.
-    fn at_nodes(&self, bottom: &[f64], w: &[f64]) -> Vec<f64> {
-        let mut q = vec![0.0; w.len()];
+    fn positions<T: Transcendental>(&self, w: &[T]) -> Vec<T> {
+        let (bottom, mut q) = (lifted(&self.slab.position), w.to_vec());
         for (a, q) in q.chunks_exact_mut(bottom.len()).enumerate() {
-            self.motion.displacement_at_node(self.slab.dt, bottom, w, a, q);
+            self.motion.displacement_at_node(self.slab.dt, &bottom, w, a, q);
         }
         q
     }
 
-    /// Writes the displacement of the nodes that the body moves.
-    fn write_surface(&self, w: &[f64], exchange: &mut Exchange) {
+    /// Writes the displacement of the nodes that the body moves, or the `part` of it.
+    fn write_surface<T: Transcendental>(&self, w: &[T], part: impl Fn(T) -> f64, exchange: &mut Exchange) {
         let q = self.positions(w);
         let field = exchange.wall_displacement.len() / self.time().order();
         for (q, out) in q.chunks_exact(self.count()).zip(exchange.wall_displacement.chunks_exact_mut(field)) {
-            self.surface.add_displacement(&self.data, q, out);
+            self.surface.add_displacement(&self.data, q, &part, out);
         }
     }
 
     /// Writes the derivative of that along the rates `x`.
     fn write_surface_derivative(&self, x: &[f64], tangent: &mut Exchange) {
-        let (q, dq) = (self.positions(&self.w), self.at_nodes(&vec![0.0; self.count()], x));
-        let field = tangent.wall_displacement.len() / self.time().order();
-        let nodes = q.chunks_exact(self.count()).zip(dq.chunks_exact(self.count()));
-        for ((q, dq), out) in nodes.zip(tangent.wall_displacement.chunks_exact_mut(field)) {
-            self.surface.add_derivative(&self.data, q, dq, out);
-        }
+        self.write_surface(&along(&self.w, x), |displacement| displacement.derivative, tangent);
     }
+}
+
+/// Numbers that do not change.
+fn lifted<T: Transcendental>(numbers: &[f64]) -> Vec<T> {
+    numbers.iter().map(|number| T::from(*number)).collect()
+}
+
+/// Numbers that change with the derivatives `x`.
+fn along(numbers: &[f64], x: &[f64]) -> Vec<Dual<f64>> {
+    numbers.iter().zip(x).map(|(number, x)| Dual::new(*number, *x)).collect()
+}
+
+/// How they change.
+fn derivatives(numbers: &[Dual<f64>]) -> Vec<f64> {
+    numbers.iter().map(|number| number.derivative).collect()
 }
 
 impl<const D: usize> Block for RigidBody<D> {
@@ -219,20 +192,20 @@ impl<const D: usize> Block for RigidBody<D> {
 
     fn residual(&mut self, z: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
         self.w.copy_from_slice(z);
-        self.write_surface(z, exchange);
-        self.dynamics(z, r);
+        self.write_surface(z, |displacement: f64| displacement, exchange);
+        r.copy_from_slice(&self.dynamics(z));
         Ok(())
     }
 
     fn receive(&mut self, exchange: &Exchange, r: &mut [f64]) {
         self.flow_loads.clone_from(&exchange.wall_loads);
         self.set_loads();
-        self.subtract_loads(&self.loads.total(&self.w, self.count()), r);
+        self.subtract_loads(&self.total(&self.loads, &self.w), r);
     }
 
     fn linearise(&mut self, z: &[f64], exchange: &mut Exchange, inverse_pseudo_time: f64) {
         self.w.copy_from_slice(z);
-        self.write_surface(z, exchange);
+        self.write_surface(z, |displacement: f64| displacement, exchange);
         self.set_loads();
         self.inverse_pseudo_time = inverse_pseudo_time;
         self.inverse = None;
@@ -240,16 +213,13 @@ impl<const D: usize> Block for RigidBody<D> {
 
     fn product(&mut self, x: &[f64], tangent: &mut Exchange, out: &mut [f64]) {
         self.write_surface_derivative(x, tangent);
-        self.dynamics_product(x, out);
+        out.copy_from_slice(&self.dynamics_product(x));
         let moved = self.load_derivative_of_motion(x);
         self.subtract_loads(&moved, out);
     }
 
     fn receive_product(&mut self, tangent: &Exchange, out: &mut [f64]) {
-        let along = self.load(&tangent.wall_loads);
-        let still = vec![0.0; out.len()];
-        let loads = self.loads.derivative(&along, &self.w, &still, self.count());
-        self.subtract_loads(&loads, out);
+        self.subtract_loads(&self.load_derivative(&tangent.wall_loads), out);
     }
 
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
@@ -300,7 +270,7 @@ impl<const D: usize> Body for RigidBody<D> {
         }
         self.prescribe_rates(z);
         self.w.copy_from_slice(z);
-        self.write_surface(z, exchange);
+        self.write_surface(z, |displacement: f64| displacement, exchange);
     }
 
     fn end_slab(&mut self, z: &[f64], stored: &mut Vec<f64>) {

@@ -2,6 +2,23 @@
 
 use super::Vec3;
 use std::sync::Arc;
+use tensor::Transcendental;
+
+/// How a coordinate moves a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freedom {
+    /// Along e_k.
+    Translation(Vec3),
+    /// By the part of the rotation vector along a_k, a unit vector.
+    Rotation(Vec3),
+}
+
+impl Freedom {
+    /// Whether it turns the body.
+    pub fn rotates(&self) -> bool {
+        matches!(self, Freedom::Rotation(_))
+    }
+}
 
 /// Springs that a coordinate meets outside of a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +43,8 @@ pub struct Drive {
 /// A translation or a rotation, free on springs or driven.
 #[derive(Clone)]
 pub struct Coordinate {
-    /// The direction of a translation; none for the rotation.
-    pub direction: Option<Vec3>,
+    /// How it moves the body.
+    pub freedom: Freedom,
     /// Force or moment per displacement or angle.
     pub stiffness: f64,
     /// The same per cube of it.
@@ -46,16 +63,9 @@ pub struct Coordinate {
 
 impl Coordinate {
     /// f(q), the force that springs need.
-    pub fn spring_force(&self, q: f64) -> f64 {
+    pub fn spring_force<T: Transcendental>(&self, q: T) -> T {
         let x = q - self.rest;
-        self.stiffness * x + self.cubic_stiffness * x * x * x + self.beyond(q) * self.stop_stiffness()
-    }
-
-    /// df/dq
-    pub fn spring_stiffness(&self, q: f64) -> f64 {
-        let x = q - self.rest;
-        let stop = if self.beyond(q) != 0.0 { self.stop_stiffness() } else { 0.0 };
-        self.stiffness + 3.0 * self.cubic_stiffness * x * x + stop
+        x * self.stiffness + x * x * x * self.cubic_stiffness + self.beyond(q) * self.stop_stiffness()
     }
 
     /// The energy in the springs.
@@ -79,7 +89,8 @@ impl Coordinate {
     }
 
     /// How far q lies outside of the range of the stops.
-    fn beyond(&self, q: f64) -> f64 {
-        self.stops.map_or(0.0, |stops| (q - stops.upper).max(0.0) + (q - stops.lower).min(0.0))
+    fn beyond<T: Transcendental>(&self, q: T) -> T {
+        let zero = q.zero();
+        self.stops.map_or(zero, |stops| zero.max(q - stops.upper) + zero.min(q - stops.lower))
     }
 }

@@ -1,7 +1,7 @@
 //! (rigid motion) of the nodes of the mesh that a body moves.
 
-use super::{Coordinate, RigidBodyData, Vec3};
-use tensor::{cross, rotated};
+use super::{Coordinate, Freedom, RigidBodyData, Six, Vec3};
+use tensor::{Transcendental, angular_velocity, cross, moved_by_rotation, rotated};
 
 /// A node of the mesh that a body moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,65 +28,62 @@ pub struct Surface<const D: usize> {
 impl<const D: usize> Surface<D> {
     /// The unit of a coordinate: the size of the body, or one radian.
     pub(super) fn length(&self, coordinate: &Coordinate) -> f64 {
-        if coordinate.direction.is_some() { self.size } else { 1.0 }
+        if coordinate.freedom.rotates() { 1.0 } else { self.size }
     }
 
     /// The displacement of the wall nodes in the field `d`, `[C0 node][component]`.
     pub(super) fn gather(&self, d: &[f64]) -> Vec<f64> {
-        self.nodes[..self.loaded.len()]
-            .iter()
-            .flat_map(|node| &d[node.node * D..(node.node + 1) * D])
-            .copied()
-            .collect()
+        self.wall().iter().flat_map(|node| &d[node.node * D..(node.node + 1) * D]).copied().collect()
     }
 
     /// The displacement of the wall nodes at the coordinates `q`, `[node][component]`.
-    pub(super) fn wall_displacement(&self, data: &RigidBodyData, q: &[f64]) -> Vec<f64> {
-        let motion = data.motion(q);
-        self.wall().iter().flat_map(|node| data.displacement(node, motion)).collect()
+    pub(super) fn wall_displacement<T: Transcendental>(&self, data: &RigidBodyData, q: &[T]) -> Vec<T> {
+        let place = data.place(q);
+        self.wall().iter().flat_map(|node| data.displacement(node, &place)).collect()
     }
 
-    /// Its derivative along `dq`.
-    pub(super) fn wall_derivative(&self, data: &RigidBodyData, q: &[f64], dq: &[f64]) -> Vec<f64> {
-        let (motion, along) = (data.motion(q), data.motion(dq));
-        self.wall().iter().flat_map(|node| data.displacement_derivative(node, motion, along)).collect()
-    }
-
-    /// Adds the displacement at the coordinates `q` to the field `out`, `[C0 node][component]`.
-    pub(super) fn add_displacement(&self, data: &RigidBodyData, q: &[f64], out: &mut [f64]) {
-        let motion = data.motion(q);
-        self.add(out, |node| data.displacement(node, motion));
-    }
-
-    /// Adds its derivative along `dq`.
-    pub(super) fn add_derivative(&self, data: &RigidBodyData, q: &[f64], dq: &[f64], out: &mut [f64]) {
-        let (motion, along) = (data.motion(q), data.motion(dq));
-        self.add(out, |node| data.displacement_derivative(node, motion, along));
-    }
-
-    fn wall(&self) -> &[SurfaceNode<D>] {
-        &self.nodes[..self.loaded.len()]
-    }
-
-    fn add(&self, out: &mut [f64], value: impl Fn(&SurfaceNode<D>) -> [f64; D]) {
+    /// Adds the displacement at the coordinates `q`, or the `part` of it, to the field `out`, `[C0 node][component]`.
+    pub(super) fn add_displacement<T: Transcendental>(
+        &self,
+        data: &RigidBodyData,
+        q: &[T],
+        part: impl Fn(T) -> f64,
+        out: &mut [f64],
+    ) {
+        let place = data.place(q);
         for node in &self.nodes {
-            let value = value(node);
-            out[node.node * D..(node.node + 1) * D].iter_mut().zip(value).for_each(|(out, value)| *out += value);
+            let displacement = data.displacement(node, &place);
+            let entries = out[node.node * D..(node.node + 1) * D].iter_mut();
+            entries.zip(displacement).for_each(|(out, value)| *out += part(value));
         }
+    }
+
+    /// The nodes of the wall.
+    pub(super) fn wall(&self) -> &[SurfaceNode<D>] {
+        &self.nodes[..self.loaded.len()]
     }
 }
 
+/// Where a body is.
+pub(super) struct Place<T> {
+    /// h
+    pub(super) h: [T; 3],
+    /// Theta
+    pub(super) theta: [T; 3],
+}
+
 impl RigidBodyData {
-    /// The translation and the rotation at the coordinates `q`, or their rates.
-    pub(super) fn motion(&self, q: &[f64]) -> (Vec3, f64) {
-        let (mut h, mut theta) = ([0.0; 3], 0.0);
+    /// h and Theta at the coordinates `q`.
+    pub(super) fn place<T: Transcendental>(&self, q: &[T]) -> Place<T> {
+        let mut place = Place { h: [T::from(0.0); 3], theta: [T::from(0.0); 3] };
         for (coordinate, q) in self.coordinates.iter().zip(q) {
-            match coordinate.direction {
-                Some(direction) => (0..3).for_each(|i| h[i] += q * direction[i]),
-                None => theta = *q,
-            }
+            let (sum, direction) = match coordinate.freedom {
+                Freedom::Translation(direction) => (&mut place.h, direction),
+                Freedom::Rotation(axis) => (&mut place.theta, axis),
+            };
+            (0..3).for_each(|i| sum[i] += *q * direction[i]);
         }
-        (h, theta)
+        place
     }
 
     /// X - p
@@ -94,30 +91,53 @@ impl RigidBodyData {
         std::array::from_fn(|i| if i < D { x[i] - self.pivot[i] } else { 0.0 })
     }
 
-    /// The displacement of `node` by a translation and a rotation, (rigid motion).
-    fn displacement<const D: usize>(&self, node: &SurfaceNode<D>, (h, theta): (Vec3, f64)) -> [f64; D] {
-        let arm = self.arm(&node.position);
-        let turned = rotated(&self.axis, node.weight * theta, &arm);
-        std::array::from_fn(|d| node.weight * h[d] + (turned[d] - arm[d]))
+    /// The displacement of `node`, (rigid motion).
+    fn displacement<T: Transcendental, const D: usize>(&self, node: &SurfaceNode<D>, place: &Place<T>) -> [T; D] {
+        let arm = self.arm(&node.position).map(T::from);
+        let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
+        std::array::from_fn(|d| place.h[d] * node.weight + turned[d])
     }
 
-    /// Its derivative along a translation and a rotation.
-    fn displacement_derivative<const D: usize>(
-        &self,
-        node: &SurfaceNode<D>,
-        (_, theta): (Vec3, f64),
-        (dh, dtheta): (Vec3, f64),
-    ) -> [f64; D] {
-        let turned = rotated(&self.axis, node.weight * theta, &self.arm(&node.position));
-        let along = cross(&self.axis, &turned);
-        std::array::from_fn(|d| node.weight * (dh[d] + dtheta * along[d]))
+    /// Velocity of the pivot and angular velocity per rate of every coordinate: (e_k, 0) or (0, G_k).
+    pub(super) fn pivot_modes<T: Transcendental>(&self, q: &[T]) -> Vec<Six<T>> {
+        let (theta, zero) = (self.place(q).theta, [T::from(0.0); 3]);
+        let mode = |coordinate: &Coordinate| match coordinate.freedom {
+            Freedom::Translation(direction) => six(&direction.map(T::from), &zero),
+            Freedom::Rotation(axis) => six(&zero, &angular_velocity(&theta, &axis.map(T::from))),
+        };
+        self.coordinates.iter().map(mode).collect()
     }
 
-    /// g_k = dv_c / dq_k' at the coordinates `q`.
-    pub(super) fn mode(&self, k: usize, q: &[f64]) -> Vec3 {
-        let (_, theta) = self.motion(q);
-        self.coordinates[k]
-            .direction
-            .unwrap_or_else(|| cross(&self.axis, &rotated(&self.axis, theta, &self.centre_of_mass)))
+    /// (g_k, G_k) of every coordinate at the coordinates `q`.
+    pub(super) fn modes<T: Transcendental>(&self, q: &[T]) -> Vec<Six<T>> {
+        let arm = rotated(&self.place(q).theta, &self.centre_of_mass.map(T::from));
+        let mut modes = self.pivot_modes(q);
+        for mode in &mut modes {
+            let turning = cross(&[mode[3], mode[4], mode[5]], &arm);
+            (0..3).for_each(|i| mode[i] += turning[i]);
+        }
+        modes
     }
+
+    /// (v_c, omega) at the coordinates `q` and their rates `w`.
+    pub(super) fn velocity<T: Transcendental>(&self, q: &[T], w: &[T]) -> Six<T> {
+        let mut sum = [T::from(0.0); 6];
+        for (mode, w) in self.modes(q).iter().zip(w) {
+            (0..6).for_each(|i| sum[i] += *w * mode[i]);
+        }
+        sum
+    }
+
+    /// (m v_c, H) at the coordinates `q`, where the velocity is (v_c, omega).
+    pub(super) fn momentum<T: Transcendental>(&self, q: &[T], velocity: &Six<T>) -> Six<T> {
+        let theta = self.place(q).theta;
+        let spin = rotated(&theta.map(|theta| -theta), &[velocity[3], velocity[4], velocity[5]]);
+        let at_rest = std::array::from_fn(|i| (0..3).fold(spin[0].zero(), |sum, j| sum + spin[j] * self.inertia[i][j]));
+        six(&[velocity[0], velocity[1], velocity[2]].map(|v| v * self.mass), &rotated(&theta, &at_rest))
+    }
+}
+
+/// Two vectors of space in one.
+pub(super) fn six<T: Copy>(first: &[T; 3], second: &[T; 3]) -> Six<T> {
+    std::array::from_fn(|i| if i < 3 { first[i] } else { second[i - 3] })
 }

@@ -1,0 +1,119 @@
+//! The coordinates of a rigid body.
+
+use super::{Direction, Freedom, Given};
+use crate::checked::inertia::{self, COMPONENTS};
+use crate::checked::unit_axis;
+use crate::checker::Checked;
+use crate::expression::Program;
+use crate::key::Key;
+use crate::raw;
+use coupled::blocks::rigid_body::Stops;
+
+impl<const D: usize> Given<'_, D> {
+    pub(super) fn freedoms(&self, key: &Key, raw: &raw::Body) -> Checked<Vec<Freedom>> {
+        let axis = self.axis(key, raw)?;
+        let along = |i: usize| std::array::from_fn(|j| f64::from(u8::from(i == j)));
+        let given = [
+            ("x", Direction::Translation(along(0)), &raw.x),
+            ("y", Direction::Translation(along(1)), &raw.y),
+            ("z", Direction::Translation(along(2)), &raw.z),
+            ("rotation", Direction::Rotation(axis), &raw.rotation),
+            ("rotation_x", Direction::Rotation(along(0)), &raw.rotation_x),
+            ("rotation_y", Direction::Rotation(along(1)), &raw.rotation_y),
+            ("rotation_z", Direction::Rotation(along(2)), &raw.rotation_z),
+        ];
+        let mut freedoms = Vec::new();
+        for (name, direction, freedom) in given {
+            let Some(freedom) = freedom else { continue };
+            let key = key.child(name);
+            if D == 2 && !["x", "y", "rotation"].contains(&name) {
+                return Err(self.checker.combination(&key, "the mesh is two-dimensional", "`x`, `y`, `rotation`"));
+            }
+            freedoms.push(self.freedom(&key, (name, direction), freedom)?);
+        }
+        if freedoms.is_empty() {
+            let accepted = "a section for each coordinate that it has: `x`, `y`, `z`, `rotation`, or in three dimensions \
+                            `rotation_x`, `rotation_y`, `rotation_z`; empty where it is free";
+            return Err(self.checker.combination(key, "a body that cannot move", accepted));
+        }
+        Ok(freedoms)
+    }
+
+    /// The axis of `rotation`, which excludes rotations about the axes of space.
+    fn axis(&self, key: &Key, raw: &raw::Body) -> Checked<[f64; 3]> {
+        if let Some(name) = inertia::component(raw) {
+            let accepted = format!("`rotation` about `axis`, or some of {COMPONENTS}");
+            if raw.rotation.is_some() {
+                let problem = format!("`rotation` and `{name}` both turn the body");
+                return Err(self.checker.combination(&key.child("rotation"), &problem, &accepted));
+            }
+            if raw.axis.is_some() {
+                let problem = format!("`{name}` is about an axis of space, not about this one");
+                return Err(self.checker.combination(&key.child("axis"), &problem, &accepted));
+            }
+        }
+        let axis = raw.axis.map(|axis| unit_axis::<D>(self.checker, &key.child("axis"), axis, "a rotation"));
+        axis.unwrap_or(Ok([0.0, 0.0, 1.0]))
+    }
+
+    fn freedom(&self, key: &Key, (name, direction): (&'static str, Direction), raw: &raw::Freedom) -> Checked<Freedom> {
+        let checker = self.checker;
+        let number = |name: &str, formula: &raw::Formula| -> Checked<f64> {
+            let (key, quantity) = (key.child(name), format!("the {}", name.replace('_', " ")));
+            let value = checker.number(&key, formula)?;
+            checker.require(&key, &quantity, value.is_finite(), "a finite number")?;
+            Ok(value)
+        };
+        if let Some(raw::Stops { lower, upper, stiffness }) = raw.stops {
+            let key = key.child("stops");
+            checker.require(
+                &key.child("upper"),
+                "the upper stop",
+                upper > lower && lower.is_finite(),
+                "a number above `lower`",
+            )?;
+            checker.positive(&key.child("stiffness"), "the stiffness of the stops", stiffness)?;
+        }
+        let motion = raw.motion.as_ref().map(|motion| self.drive(&key.child("motion"), motion)).transpose()?;
+        if raw.release.is_some() && motion.is_none() {
+            let accepted = "this key together with `motion`";
+            return Err(checker.combination(
+                &key.child("release"),
+                "a coordinate that nothing drives is free already",
+                accepted,
+            ));
+        }
+        let stops = raw.stops.map(|raw::Stops { lower, upper, stiffness }| Stops { lower, upper, stiffness });
+        Ok(Freedom {
+            name,
+            direction,
+            spring: number("spring", &raw.spring)?,
+            cubic_spring: number("cubic_spring", &raw.cubic_spring)?,
+            rest: number("rest", &raw.rest)?,
+            damping: number("damping", &raw.damping)?,
+            rate: number("rate", &raw.rate)?,
+            stops,
+            motion,
+            release: raw.release,
+        })
+    }
+
+    /// A driven coordinate starts at zero and has a value over the whole run.
+    fn drive(&self, key: &Key, raw: &raw::Formula) -> Checked<Program> {
+        let motion = self.checker.formula_of_time(key, raw)?;
+        let start = motion.evaluate::<f64>(&[], self.time.start);
+        let at_rest = start.abs() <= 1e-12 * self.mesh.diameter();
+        self.checker.require(
+            key,
+            &format!("the motion at the start, {start},"),
+            at_rest,
+            "a formula that is zero at the start",
+        )?;
+        for t in self.time.instants() {
+            let value = motion.evaluate::<f64>(&[], t);
+            let quantity = format!("the motion at t = {t}, {value},");
+            self.checker.require(key, &quantity, value.is_finite(), "a formula that is finite over the whole run")?;
+        }
+        Ok(motion)
+    }
+}
