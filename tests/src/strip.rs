@@ -152,8 +152,8 @@ impl Strip {
     }
 }
 
-/// The pairs of nodes of the wall x = 0, one of the solid and one of the gas, and how the other nodes of the gas follow the node of the solid
-/// beside them: less and less towards x = `length`.
+/// The pairs of nodes of the wall x = 0, one of the solid and one of the gas. Then how the other nodes of the gas follow the node of the
+/// solid beside them: less and less towards x = `length`.
 pub fn followers(structure: &Structure<2>, mover: &MeshMover<2>, length: f64) -> (Vec<(usize, usize)>, Vec<Follower>) {
     let x = structure.coordinates();
     let wall: Vec<usize> = (0..x.len()).filter(|node| x[*node][0] == 0.0).collect();

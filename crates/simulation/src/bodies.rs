@@ -10,6 +10,7 @@ use coupled::blocks::{Instants, RigidBody};
 use elasticity::ElasticityError;
 use fem::SlabOperator;
 use mesh::{Mesh, NodeNumbering};
+use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 use std::sync::Arc;
 use tensor::Dual;
 
@@ -17,7 +18,7 @@ use tensor::Dual;
 pub const STRUCTURE: &str = "structure";
 
 /// The part of the size of a body that is the depth of the fluid that moves with it, for the preconditioner: that of a plate.
-const DEPTH: f64 = std::f64::consts::FRAC_PI_8;
+const DEPTH: f64 = FRAC_PI_8;
 
 /// The bodies of `case` on the mesh of `operator`, whose walls it has leave their loads: rigid ones, then the structure.
 ///
@@ -134,15 +135,24 @@ fn data<const D: usize>(
         inertia: body.inertia,
         centre_of_mass: std::array::from_fn(|i| centre[i] - pivot[i]),
         pivot,
-        coordinates,
         force,
         added_mass: AddedMass {
             density: reference.density(),
             speed_of_sound: flow.law.gas.sound_speed(reference.density(), flow.reference_pressure()),
-            depth: DEPTH * surface.size,
+            depth: depth::<D>(surface.size, &coordinates, &area),
             area,
         },
+        coordinates,
     }
+}
+
+/// The depth L of the fluid that moves with a body of the size l. G is its wetted `area`, see [`AddedMass`].
+///
+/// In two dimensions L = pi l^2 / (4 max G_kk) over translations: the added mass is that of an ellipse that moves across its longer axis.
+fn depth<const D: usize>(size: f64, coordinates: &[Coordinate], area: &basis::Matrix) -> f64 {
+    let of = |(k, coordinate): (usize, &Coordinate)| if coordinate.freedom.rotates() { 0.0 } else { area[(k, k)] };
+    let widest = coordinates.iter().enumerate().map(of).fold(0.0, f64::max);
+    if D == 2 && widest > 0.0 { FRAC_PI_4 * size * size / widest } else { DEPTH * size }
 }
 
 fn coordinate<const D: usize>(case: &Case<D>, freedom: &Freedom) -> Coordinate {
