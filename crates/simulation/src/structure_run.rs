@@ -81,7 +81,7 @@ impl<const D: usize> StructureRun<'_, D> {
         let ([kinetic_energy, potential_energy], balance) = (self.march.energies(), context.statistics.structure);
         BodyState {
             position: at_points(&self.march.state.d),
-            rate: at_points(&self.march.velocity()),
+            rate: at_points(self.march.velocity()),
             kinetic_energy,
             potential_energy,
             ledger: Ledger {
