@@ -101,6 +101,8 @@ impl<const D: usize> Statics<D> {
             self.structure.load(&self.loads, t, f)?;
             report.iterations += self.balance(t, f, d)?;
             self.imbalance(t, f, d, r)?;
+            // Equilibrium holds at the time nodes, so follower pressures work there too.
+            self.structure.add_pressures(&self.loads, t, d, f);
             r.iter_mut().for_each(|r| *r *= dt * time.weights()[a]);
         }
         self.motion.velocities(dt, bottom, v);

@@ -141,10 +141,13 @@ impl<const D: usize> StructureSlab<'_, D> {
         let mut jump: Vec<f64> = self.bottom.velocity.iter().map(|v| -v).collect();
         accumulate(1.0, v, &self.motion.time().values(0.0), &mut jump);
         work.dissipation += self.structure.kinetic_energy(&jump);
+        let mut impulses = vec![0.0; v.len()];
+        self.add_pressure_impulses(v, &mut impulses);
+        work.load += Euclidean.dot(&impulses, v);
         work
     }
 
-    /// The same but for the kinetic term.
+    /// The same without inertia and impulses of follower pressures.
     pub(crate) fn work_without_inertia(&self, forces: &[f64], v: &[f64], r: &[f64]) -> SlabWork {
         let (time, length) = (self.motion.time(), self.structure.length());
         let (mut work, mut d) = (SlabWork::default(), vec![0.0; length]);
@@ -160,9 +163,6 @@ impl<const D: usize> StructureSlab<'_, D> {
             self.structure.add_damping(&d, velocity, &mut damping);
             work.damped += weight * Euclidean.dot(&damping, velocity);
         }
-        let mut impulses = vec![0.0; v.len()];
-        self.add_pressure_impulses(v, &mut impulses);
-        work.load += Euclidean.dot(&impulses, v);
         work.dissipation = if self.structure.law().is_linear() { self.energy_of_jump(v) } else { self.excess_work(v) };
         work
     }

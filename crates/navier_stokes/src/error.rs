@@ -34,12 +34,16 @@ pub enum InvalidParameter {
         quantity: &'static str,
     },
     /// A vortex with a negative absolute temperature at its centre.
-    #[error("the vortex strength is {strength}, but at Mach number {mach} its size must stay below {limit}")]
+    #[error(
+        "the vortex strength is {strength}, but at Mach number {mach} and gamma = {gamma} its size must stay below {limit}"
+    )]
     VortexTooStrong {
         /// The strength given.
         strength: f64,
         /// The Mach number of the free stream.
         mach: f64,
+        /// The ratio of specific heats.
+        gamma: f64,
         /// The strength at which the temperature at the centre is zero.
         limit: f64,
     },

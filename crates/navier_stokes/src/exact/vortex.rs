@@ -54,7 +54,7 @@ impl<const D: usize> Vortex<D> {
         }
         let mach = norm(&free_stream.velocity) / gas.sound_speed(free_stream.density, free_stream.pressure);
         let limit = (2.0 / (gas.gamma() - 1.0)).sqrt() / mach;
-        Err(InvalidParameter::VortexTooStrong { strength, mach, limit })
+        Err(InvalidParameter::VortexTooStrong { strength, mach, gamma: gas.gamma(), limit })
     }
 
     /// beta = eps exp(1/2) / (2 pi), for the vortex of Persson, Bonet & Peraire (2009).
