@@ -85,6 +85,8 @@ def test_exception_and_interrupt_stop_the_run(directory):
         pass
     else:
         raise AssertionError("the exception is lost")
+    # A shell has its background jobs ignore the interrupt.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     started = time.time()
     try:
