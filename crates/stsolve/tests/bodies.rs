@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, finished, number, on_case, stsolve};
+use common::{assert_same_bits, column, finished, number, on_case, stsolve, summary};
 use tempfile::TempDir;
 
 /// V(1) and x(1) of the free piston.
@@ -23,6 +23,48 @@ fn the_free_piston_follows_its_simple_wave() {
     let kinetic = column(&directory.path().join("piston_free"), "piston_kinetic_energy");
     let lost = work.iter().zip(&kinetic).map(|(work, kinetic)| (work - kinetic).abs()).fold(0.0, f64::max);
     assert!(lost < 1e-9, "{lost:e}");
+}
+
+/// A force that makes x = t^6 / 20 the exact motion of the piston: V' = p(V) + F in front of a simple wave, p = p0 (1 - V/5)^7.
+const SMOOTH: &str = "bodies.piston.force=[\"1.5*t^4 - p0*(1 - 0.06*t^5)^7\", 0]";
+
+#[test]
+fn a_piston_that_moves_smoothly_has_the_order_of_radau() {
+    let directory = TempDir::new().unwrap();
+    let errors = |order: usize, slabs: usize| {
+        let (order, slabs) = (format!("time.order={order}"), format!("time.slabs={slabs}"));
+        on_case(directory.path(), "run", "piston_free", &[&order, &slabs, SMOOTH], "run", &["--force"]).expect(0, &[]);
+        let summary = summary(&directory.path().join("run"));
+        let of = |key: &str| summary["bodies"]["piston"][key][0].as_f64().unwrap();
+        [of("displacement") - 0.05, of("velocity") - 0.3]
+    };
+    for (order, slabs, wanted) in [(1, 16, [0.8, 0.8]), (2, 12, [2.8, 2.8]), (3, 8, [4.8, 3.7])] {
+        let (coarse, fine) = (errors(order, slabs), errors(order, 2 * slabs));
+        let found = [0, 1].map(|i| (coarse[i] / fine[i]).abs().log2());
+        assert!(found[0] >= wanted[0] && found[1] >= wanted[1], "N_t = {order}: {found:.2?}");
+    }
+}
+
+/// Gas, a free piston and a driven wall that move alike stay as they are, while the mesh between them stretches.
+#[test]
+fn bodies_that_move_with_the_stream_leave_it_alone() {
+    let directory = TempDir::new().unwrap();
+    let set = [
+        "time={order=2,end=1,slabs=10}",
+        "flow.initial.expression.velocity=[0.3,0]",
+        "bodies.piston={walls=[\"right\"],mass=1,force=[\"-p0\",0],x={rate=0.3},mesh={weight=\"(x/1.5)^2\"}}",
+        "bodies.left={walls=[\"left\"],mass=1,x={motion=\"0.3*t\"},mesh={weight=\"1-x/1.5\"}}",
+        "output.probes.inside.at=[0.7,0.5]",
+    ];
+    let summary = finished(directory.path(), "piston_free", &set);
+    assert!(number(&summary, "mesh_quality.det_j_sampled_min") < 0.9, "the mesh has not moved");
+    let last = |name: &str| *column(&directory.path().join("piston_free"), name).last().unwrap();
+    let velocity = [last("piston_x_rate"), last("inside_velocity_x")].map(|v| (v - 0.3).abs());
+    assert!(velocity.iter().all(|error| *error < 1e-13), "{velocity:?}");
+    assert!((last("inside_density") - 1.0).abs() < 1e-13 && last("inside_velocity_y").abs() < 1e-13);
+    for key in ["mass_error", "energy_error", "coupled_energy_error"] {
+        assert!(number(&summary, &format!("conservation.{key}")) < 1e-13, "{key}");
+    }
 }
 
 /// A cylinder on springs over some slabs, on one thread and on two, stopped and resumed.
