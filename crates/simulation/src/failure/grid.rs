@@ -90,6 +90,15 @@ impl<'a, const D: usize> Grid<'a, D> {
         let distance = |axis: usize| tensor::norm(&difference(&x[middle(axis, 1)], &x[middle(axis, 0)]));
         (0..D).map(distance).fold(f64::INFINITY, f64::min)
     }
+
+    /// The longest vector of the C0 field `path`, in thicknesses of its cell as displaced by `d`.
+    pub fn longest_path(&self, path: &[f64], d: &[f64]) -> f64 {
+        let of_cell = |cell: usize| {
+            let longest = self.vectors(cell, path).iter().map(tensor::norm).fold(0.0, f64::max);
+            longest / self.thickness(cell, d).max(f64::MIN_POSITIVE)
+        };
+        (0..self.cells()).map(of_cell).fold(0.0, f64::max)
+    }
 }
 
 /// a - b

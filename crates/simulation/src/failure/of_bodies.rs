@@ -22,11 +22,8 @@ pub fn measure<const D: usize>(
 fn travel<const D: usize>(grid: &Grid<D>, state: &State, dt: f64) -> f64 {
     let Some(past) = &state.past else { return 0.0 };
     let velocity = &past.v[past.v.len() - state.d.len()..];
-    let of_cell = |cell: usize| {
-        let speed = grid.vectors(cell, velocity).iter().map(tensor::norm).fold(0.0, f64::max);
-        speed * dt / grid.thickness(cell, &state.d).max(f64::MIN_POSITIVE)
-    };
-    (0..grid.cells()).map(of_cell).fold(0.0, f64::max)
+    let path: Vec<f64> = velocity.iter().map(|v| v * dt).collect();
+    grid.longest_path(&path, &state.d)
 }
 
 /// The mass of a cylinder or sphere of fluid as large as a body over that of the body.

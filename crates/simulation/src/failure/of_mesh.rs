@@ -2,7 +2,7 @@
 
 use super::data::{Attempt, FailureData, GaveUp, Mesh, Motion, Undefined};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
-use super::grid::{Grid, difference};
+use super::grid::Grid;
 use crate::time::rounded;
 use case::{Case, Stiffness};
 use coupled::{Interval, MarchError, MeshMover, MeshQuality, MeshReport, State};
@@ -74,12 +74,8 @@ fn travel<const D: usize>(mover: &MeshMover<D>, grid: &Grid<D>, d: &[f64], inter
         g
     };
     let (from, to) = (at(interval.start), at(interval.end));
-    let of_cell = |cell: usize| {
-        let (from, to) = (grid.vectors(cell, &from), grid.vectors(cell, &to));
-        let way = from.iter().zip(&to).map(|(from, to)| tensor::norm(&difference(to, from)));
-        way.fold(0.0, f64::max) / grid.thickness(cell, d).max(f64::MIN_POSITIVE)
-    };
-    (0..grid.cells()).map(of_cell).fold(0.0, f64::max)
+    let path: Vec<f64> = from.iter().zip(&to).map(|(from, to)| to - from).collect();
+    grid.longest_path(&path, d)
 }
 
 /// A run of the mesh alone that stopped with `error` in the slab after `state`.
