@@ -41,7 +41,7 @@ fn residual_and_products_allocate_nothing_after_the_first() {
         let u: Vec<f64> = (0..layout.len()).map(|i| state[i / layout.nodes % 4]).collect();
         let still = vec![0.0; operator.mesh.field_len()];
         let velocities = vec![0.01; 2 * still.len()];
-        operator.begin_slab(0.0, 0.1, &u[..layout.at_one_time().len()], &still);
+        operator.begin_slab(0.0, 0.1, fem::Bottom::new(&u[..layout.at_one_time().len()], &still));
         operator.set_mesh(&velocities);
         let mut out = vec![0.0; u.len()];
         let mut counts = Vec::new();

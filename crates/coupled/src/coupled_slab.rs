@@ -11,7 +11,7 @@ use crate::schedule::{Schedule, StepControl};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
 use crate::system::System;
-use fem::{FluxesAt, Violation};
+use fem::{FluxesAt, SlabEnd, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::inner_product;
 use newton_krylov::newton::{self, Workspace};
@@ -170,6 +170,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let (u, v, bottom) = (z[system.flow_range()].to_vec(), system.mesh.velocities().to_vec(), state.d.clone());
         system.mover().slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
         state.u = balance::at_top(system.flow.operator.layout, &u);
+        state.determinants = system.flow.operator.determinants_at_top().to_vec();
         let bodies: Vec<Vec<f64>> = (0..system.bodies.len()).map(|body| z[system.body_range(body)].to_vec()).collect();
         for ((body, z), stored) in system.bodies.iter_mut().zip(&bodies).zip(&mut state.bodies) {
             body.end_slab(z, stored);
@@ -258,7 +259,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
             }
         }
         let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
-        flow.mass_product(&jump, &flow.tables.bottom_row(), &mut mass_product);
+        flow.mass_product(&jump, SlabEnd::Bottom, &mut mass_product);
         let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
         let squares: Vec<f64> = jump.iter().zip(&mass_product).enumerate().map(square).collect();
         inner_product::sum(&squares).max(0.0).sqrt()

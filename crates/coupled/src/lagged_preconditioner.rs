@@ -8,7 +8,7 @@ use crate::preconditioner::{
 };
 use crate::reuse_policy::{FREEZING, RebuiltInSlab};
 use basis::TemporalModes;
-use fem::SlabOperator;
+use fem::{Bottom, SlabOperator};
 
 /// A slab length, or a damping, that differs by this part needs new factors.
 const CHANGED: f64 = 0.1;
@@ -203,7 +203,8 @@ impl LaggedPreconditioner {
     /// `frozen`.
     pub fn rebuild<const D: usize, const M: usize>(&mut self, flow: &mut SlabOperator<D, M>, frozen: Linearisation) {
         let (start, dt) = frozen.interval;
-        flow.begin_slab(start, dt, &vec![0.0; flow.layout.at_one_time().len()], &frozen.bottom);
+        let nothing = vec![0.0; flow.layout.at_one_time().len()];
+        flow.begin_slab(start, dt, Bottom::new(&nothing, &frozen.bottom));
         flow.set_mesh(&frozen.velocities);
         flow.linearise(&frozen.state);
         // One that is there may have another order of elimination.

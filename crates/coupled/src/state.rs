@@ -44,6 +44,8 @@ pub struct State {
     pub u: Vec<f64>,
     /// The displacement at that time, `[C0 node][component]`.
     pub d: Vec<f64>,
+    /// J at the nodes of the flow where its rule carries it from slab to slab, `[cell][node]`, see [`fem::Bottom`]; else empty.
+    pub determinants: Vec<f64>,
     /// Every body, as it stores itself.
     pub bodies: Vec<Vec<f64>>,
     /// The slab before.
@@ -65,6 +67,7 @@ impl State {
             time,
             u,
             d,
+            determinants: Vec::new(),
             bodies: Vec::new(),
             past: None,
             pending: Vec::new(),

@@ -61,7 +61,15 @@ impl State {
             ..past.clone()
         });
         let u = carried(&self.u, old.time_len());
-        State { u, past, pending: Vec::new(), reuse_policy: JacobianReusePolicy::default(), ..self.clone() }
+        let determinants = if from.flow == to.flow { self.determinants.clone() } else { Vec::new() };
+        State {
+            u,
+            past,
+            determinants,
+            pending: Vec::new(),
+            reuse_policy: JacobianReusePolicy::default(),
+            ..self.clone()
+        }
     }
 }
 

@@ -7,15 +7,14 @@
 
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
-use fem::SlabOperator;
+use fem::{SlabEnd, SlabOperator};
 
 /// Weights of the flow's residual in a slab.
 pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Vec<f64> {
     let (layout, scales) = (operator.layout, operator.problem.kernels.scales());
     let one = layout.at_one_time();
     let mut masses = vec![0.0; one.len()];
-    let row = operator.tables.bottom_row();
-    operator.mass_product(&vec![1.0; one.len()], &row, &mut masses);
+    operator.mass_product(&vec![1.0; one.len()], SlabEnd::Bottom, &mut masses);
     let volume: f64 = newton_krylov::inner_product::sum(&masses) / M as f64;
     let mut weights = vec![0.0; layout.len()];
     for cell in 0..layout.cells {

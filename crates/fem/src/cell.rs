@@ -35,6 +35,9 @@ pub struct CellContext<'a, const D: usize> {
     pub positions: &'a Matrix,
     /// The source s, if there is one.
     pub source: Option<SourceAt<'a>>,
+    /// The geometry at the points, `[instant][number][p]`, where a collocated rule does not differentiate it. Where it does, and for the
+    /// terms of space alone, it is in the scratch.
+    pub geometry: Option<&'a [Pack]>,
 }
 
 /// The input of a batch of cells: a block of packs for the values, and a second block for the derivatives, if there are any.
@@ -71,12 +74,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let inner = M * tables.orders.flow.pow(D as u32);
         scratch.violated = Pack::ZERO;
         kernel.to_instants(context, coefficients, scratch);
-        let count = tables.instants.len() + 1;
+        let count = tables.times();
         for (number, instant) in tables.instants.iter().enumerate() {
             let weights = [context.dt * instant.weight, instant.weight];
             kernel.space_terms(context, CellTime { instant, of: TimePointIndex { number, count }, weights }, scratch);
         }
-        kernel.mass_product(TimePointIndex { number: count - 1, count }, scratch);
+        if count > tables.instants.len() {
+            kernel.mass_product(TimePointIndex { number: count - 1, count }, scratch);
+        }
         let CellScratch { flux_at, mass_product_at, residual, scratch: room, .. } = scratch;
         room.contract(simd, AlongAxis { matrix: &tables.test, outer: 1, inner }, flux_at, residual, false);
         room.contract(simd, AlongAxis { matrix: &tables.test_rate, outer: 1, inner }, mass_product_at, residual, true);

@@ -51,6 +51,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             self.state_to_points(of, side, &mut scratch.scratch);
         }
         self.geometry_to_points(of, used, scratch);
+        self.area_to_points(of, scratch);
     }
 
     /// State and gradients of one side at the points.
@@ -111,8 +112,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let sign = Lanes::read(self.simd, &scratch.normal_sign, at.part);
         let v = self.geometry(&scratch.v, at);
         let mut n = v;
+        if self.tables.collocation.is_some() {
+            n = self.geometry(&scratch.area, at);
+        } else {
+            for d in 0..D {
+                n[d] = metric.cof[d][D - 1];
+            }
+        }
         for d in 0..D {
-            n[d] = metric.cof[d][D - 1].times(sign);
+            n[d] = n[d].times(sign);
         }
         let area = norm(&n);
         let inverse = area.recip();

@@ -9,6 +9,7 @@
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | the choice of derivatives |
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
+//! | `collocation`, `cell_geometry`, `facet_area`, `slab_geometry` | the metric of collocated rules |
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
@@ -24,8 +25,11 @@ mod batches;
 mod boundary;
 mod boundary_flux;
 mod cell;
+mod cell_geometry;
+mod collocation;
 mod conservation_law;
 mod facet;
+mod facet_area;
 mod facet_evaluation;
 mod field;
 mod gather;
@@ -45,6 +49,7 @@ mod point;
 mod prescribed;
 mod sampler;
 mod scratch;
+mod slab_geometry;
 mod slope;
 mod sub_cells;
 mod tables;
@@ -67,10 +72,11 @@ pub use linearisation::{Coupling, SpaceJacobian, TraceSpace};
 pub use low_order::{LowOrder, LowOrderRows, NO_NEIGHBOUR, Neighbours};
 pub use moving_mesh::MovingMesh;
 pub use nodal_batches::NodalBatches;
-pub use operator::{Problem, SlabOperator, Violation};
+pub use operator::{Bottom, Problem, SlabOperator, Violation};
 pub use per_thread::PerThread;
 pub use sampler::{Sampler, functions_at, squared_errors};
-pub use tables::{Orders, Quadrature, Shape1d, Tables};
+pub use slab_geometry::SlabEnd;
+pub use tables::{Orders, PointFamily, Quadrature, Shape1d, Tables};
 pub use two_point::FacePairs;
 
 #[cfg(test)]

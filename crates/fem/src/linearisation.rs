@@ -227,6 +227,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.mesh.gather_sum(cell, row, lane, &mut scratch.position_at[..slot]);
             self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_at[..slot]);
         }
+        self.geometry_of_space(batch, [row, velocity], &mut scratch.geometry);
     }
 
     /// Runs the cell kernel on a gathered batch, along the direction `[m][node]` that `set` writes over zeros.
@@ -241,6 +242,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             clock: self.clock(),
             positions: &frozen.row,
             source: self.problem.source.is_some().then_some(&no_source as SourceAt),
+            geometry: None,
         };
         self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
     }

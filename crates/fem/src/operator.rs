@@ -13,6 +13,7 @@ use crate::moving_mesh::MovingMesh;
 use crate::per_thread::PerThread;
 use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
+use crate::slab_geometry::{SlabEnd, SlabGeometry};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use crate::wall_loads::{WallLoads, scatter_loads};
@@ -31,6 +32,24 @@ pub struct Problem<const D: usize, const M: usize> {
     pub data: Vec<Option<Arc<dyn StateField<D, M>>>>,
     /// The source s.
     pub source: Option<Arc<dyn StateField<D, M>>>,
+}
+
+/// What a slab stands on.
+#[derive(Clone, Copy, Debug)]
+pub struct Bottom<'a> {
+    /// The state, laid out at one time.
+    pub state: &'a [f64],
+    /// The displacement of the C0 nodes, `[C0 node][component]`.
+    pub displacement: &'a [f64],
+    /// J of (carried) at the nodes, `[cell][node]`, see [`SlabOperator::determinants_at_top`]; empty at the start of a run.
+    pub determinants: &'a [f64],
+}
+
+impl<'a> Bottom<'a> {
+    /// At the start of a run.
+    pub fn new(state: &'a [f64], displacement: &'a [f64]) -> Self {
+        Bottom { state, displacement, determinants: &[] }
+    }
 }
 
 /// An inadmissible state, or a cell turned inside out.
@@ -72,7 +91,7 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     held_time: Option<f64>,
     pub(crate) position_rows: Vec<Matrix>,
     /// Positions at the Gauss points in time, `[instant][slot]`, and the same with the top as the last row.
-    positions: Matrix,
+    pub(crate) positions: Matrix,
     pub(crate) positions_and_top: Matrix,
     bottom_values: Vec<f64>,
     bottom_mass_product: Vec<f64>,
@@ -85,6 +104,8 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub(crate) cells: PerThread<CellScratch>,
     pub(crate) facet_scratch: PerThread<FacetScratch>,
     pub(crate) wall_loads: WallLoads,
+    /// The geometry of cells, where the rule is collocated.
+    pub(crate) geometry: Option<SlabGeometry>,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -127,6 +148,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
+            geometry: SlabGeometry::new(&tables, cells),
             cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             wall_loads: WallLoads::unloaded(facets.batches.len()),
@@ -160,19 +182,20 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.tables.top.position_row(self.dt)
     }
 
-    /// Moves to the slab [`start`, `start + dt`], with the state `bottom` (laid out at one time) and the displacement
-    /// `displacement` of the C0 nodes at its bottom.
-    pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: &[f64], displacement: &[f64]) {
+    /// Moves to the slab [`start`, `start + dt`] on top of `bottom`.
+    pub fn begin_slab(&mut self, start: f64, dt: f64, bottom: Bottom) {
+        let Bottom { state, displacement, determinants } = bottom;
         (self.start, self.dt) = (start, dt);
         self.clock = self.held_time.map_or(Clock::running(start, dt), Clock::stopped);
         let instants = self.tables.instants.iter().chain([&self.tables.top]);
         self.position_rows = instants.map(|instant| instant.position_row(dt)).collect();
         let (rows, slots, count) = (&self.position_rows, self.mesh.slots(), self.tables.instants.len());
         self.positions = Matrix::from_fn(count, slots, |q, slot| rows[q][(0, slot)]);
-        self.positions_and_top = Matrix::from_fn(count + 1, slots, |q, slot| rows[q][(0, slot)]);
+        self.positions_and_top = Matrix::from_fn(self.tables.times(), slots, |q, slot| rows[q][(0, slot)]);
         self.mesh.set_bottom(Some(displacement));
+        self.set_bottom_determinants(determinants);
         let mut mass_product = std::mem::take(&mut self.bottom_mass_product);
-        self.mass_product(bottom, &self.tables.bottom_row(), &mut mass_product);
+        self.mass_product(state, SlabEnd::Bottom, &mut mass_product);
         self.bottom_mass_product = mass_product;
     }
 
@@ -180,6 +203,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub fn set_mesh(&mut self, velocities: &[f64]) {
         self.mesh.set_velocities(velocities);
         self.mesh_traces.take(&self.mesh_faces, &self.mesh.data, &self.facets);
+        self.take_geometry();
     }
 
     /// Sets the state at which Jacobian products are taken.
@@ -215,17 +239,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         self.run(Differentiate::StateAndMesh, out);
     }
 
-    /// Moments int w u J of a state at one time, at the mesh position given by `row` (see `TimePoint::position_row`).
-    pub fn mass_product(&self, state: &[f64], row: &Matrix, out: &mut [f64]) {
+    /// Moments int w u J of a state at an end of the slab.
+    pub fn mass_product(&self, state: &[f64], end: SlabEnd, out: &mut [f64]) {
         let layout = self.layout.at_one_time();
-        let slot = self.mesh.slot_len();
+        let row = if end == SlabEnd::Bottom { self.tables.bottom_row() } else { self.top_row() };
         out.par_chunks_mut(WIDTH * layout.cell_len()).enumerate().for_each(|(batch, out)| {
             self.cells.with(|scratch| {
                 let cells = cells_of(batch, layout.cells);
                 gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_at[..layout.cell_len()]);
-                for (lane, cell) in cells.into_iter().enumerate() {
-                    self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_at[..slot]);
-                }
+                self.gather_end(batch, end, &row, scratch);
                 self.problem.kernels.mass_product(&self.tables, scratch);
                 scatter(&scratch.mass_product_at[..layout.cell_len()], layout.cell_len(), out);
             });
@@ -240,7 +262,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             for cell in 0..layout.cells {
                 state[one.cell(cell)].copy_from_slice(&x[layout.cell_at(cell, a)]);
             }
-            self.mass_product(&state, &self.tables.bottom_row(), &mut mass_product);
+            self.mass_product(&state, SlabEnd::Bottom, &mut mass_product);
             for cell in 0..layout.cells {
                 let out = &mut out[layout.cell_at(cell, a)];
                 out.iter_mut().zip(&mass_product[one.cell(cell)]).for_each(|(out, m)| *out += factor * weight * m);
@@ -362,7 +384,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             clock: self.clock,
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
+            geometry: self.geometry.as_ref().filter(|_| mesh.len() == 1).map(|geometry| geometry.batch(batch)),
         };
+        if mesh.len() == 2 {
+            self.differentiate_geometry(batch, scratch);
+        }
         self.problem.kernels.slab_cells(along, &context, CellCoefficients { state, mesh }, scratch);
         self.lift(cells_of(batch, self.layout.cells), terms, scratch);
         scatter(&scratch.residual, cell_len, out);
@@ -379,7 +405,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn state_and_direction(&self) -> [&Traces; 2] {
         [&self.state_traces, &self.direction_traces]
     }
-    fn mesh_and_direction(&self) -> [&MeshTraces; 2] {
+    pub(crate) fn mesh_and_direction(&self) -> [&MeshTraces; 2] {
         [&self.mesh_traces, &self.mesh_direction_traces]
     }
 

@@ -1,5 +1,6 @@
 //! Operations of the cell and facet kernels at one point.
 
+use crate::collocation::geometry_len;
 use crate::conservation_law::ConservationLaw;
 use crate::mode::Mode;
 use crate::tables::Tables;
@@ -65,6 +66,26 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
         let cof = cofactor(&dx);
         Metric { cof, det: determinant(&dx, &cof) }
+    }
+
+    /// Metric and velocity of a collocated rule at a point; `geometry[b][number][p]`, A `[direction][d]`, velocity `[d]`, J.
+    #[inline(always)]
+    pub(crate) fn known_geometry(
+        self,
+        geometry: &[Pack],
+        at: PointIndex,
+    ) -> (Metric<K::Geometry<S>, D>, [K::Geometry<S>; D]) {
+        let (simd, block) = (self.simd, geometry_len(D) * at.points);
+        let load = |number: usize| K::Geometry::<S>::load(simd, geometry, block, at.index(number), at.part);
+        let det = load(D * D + D);
+        let (mut cof, mut v) = ([[det; D]; D], [det; D]);
+        for j in 0..D {
+            for d in 0..D {
+                cof[d][j] = load(j * D + d);
+            }
+            v[j] = load(D * D + j);
+        }
+        (Metric { cof, det }, v)
     }
 
     /// A state; `u[b][m][p]`.

@@ -1,5 +1,6 @@
 //! Packs that a thread keeps from one batch of cells or facets to the next.
 
+use crate::cell_geometry::GeometryScratch;
 use crate::tables::{Orders, Tables};
 use crate::tensor_product::Scratch;
 use tensor::{Pack, WIDTH, zeroed};
@@ -24,6 +25,10 @@ pub struct CellScratch {
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
     pub source: Vec<Pack>,
+    /// The geometry of a collocated rule.
+    pub geometry: GeometryScratch,
+    /// J at the nodes, for moments at one time; collocated rules only.
+    pub determinant_at: Vec<Pack>,
     /// Terms of all faces, each in its own lattice, `[face][kind][a][m][face node]`.
     pub(crate) face_terms: Vec<Pack>,
     /// One where a state or a Jacobian determinant of the lane was inadmissible.
@@ -53,6 +58,8 @@ impl CellScratch {
             mass_product_at: zeroed((instants + 1) * M * nodes),
             x: zeroed(2 * D * points),
             source: zeroed(2 * M * points),
+            geometry: GeometryScratch::new(tables),
+            determinant_at: zeroed(if tables.collocation.is_some() { nodes } else { 0 }),
             face_terms: zeroed(2 * D * 2 * n_t * M * (nodes / tables.orders.flow)),
             violated: Pack::ZERO,
             u: zeroed(2 * M * points),
@@ -117,7 +124,36 @@ pub struct FacetScratch {
     /// Velocity of the facet, `[b][instant][d][i]`.
     pub(crate) velocity_at: Vec<Pack>,
     pub(crate) v: Vec<Pack>,
+    /// Area vectors at the points, `[b][d][p]`; collocated rules only.
+    pub(crate) area: Vec<Pack>,
+    /// What they are made of, at the nodes of a face.
+    pub(crate) on_nodes: FaceNodes,
     pub(crate) scratch: Scratch,
+}
+
+/// Packs at the nodes of the flow on a batch of facets, for collocated rules. All start with the block, `[b]`.
+#[derive(Default)]
+pub(crate) struct FaceNodes {
+    /// Position and velocity, `[d][i]`.
+    pub(crate) x: Vec<Pack>,
+    pub(crate) v: Vec<Pack>,
+    /// Tangents, `[direction][d][i]`, and in 3-D F of (metric) along both directions.
+    pub(crate) tangents: Vec<Pack>,
+    pub(crate) curled: Vec<Pack>,
+    /// Area vector and normal velocity times area, `[d, last the velocity][i]`; the same at the points.
+    pub(crate) area: Vec<Pack>,
+    pub(crate) area_at_points: Vec<Pack>,
+}
+
+impl FaceNodes {
+    fn new<const D: usize>(tables: &Tables<D>) -> Self {
+        if tables.collocation.is_none() {
+            return FaceNodes::default();
+        }
+        let fields = |count: usize| zeroed(2 * count * tables.orders.flow.pow(D as u32 - 1));
+        let [area, area_at_points] = [fields(D + 1), fields(D + 1)];
+        FaceNodes { x: fields(D), v: fields(D), tangents: fields(D * D), curled: fields(D * D), area, area_at_points }
+    }
 }
 
 impl SideScratch {
@@ -163,7 +199,9 @@ impl FacetScratch {
             reordered: vec![0.0; WIDTH * longest],
             velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             v: zeroed(2 * D * points),
-            scratch: Scratch::new(D - 1, 2 * M.max(D), widest),
+            area: zeroed(if tables.collocation.is_some() { 2 * D * points } else { 0 }),
+            on_nodes: FaceNodes::new(tables),
+            scratch: Scratch::new(D - 1, 2 * M.max(D + 1), widest),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! One-dimensional matrices of a slab space, which the kernels contract with.
 
+use crate::collocation::Collocation;
 use crate::instants::TimePoint;
-use basis::{Lagrange, Matrix, RadauTime, Rule, gauss};
+use basis::{Lagrange, Matrix, RadauTime, Rule, gauss, gauss_lobatto};
 use tensor::Pack;
 
 /// The number of quadrature points of the flow.
@@ -15,6 +16,17 @@ pub enum Quadrature {
     Double,
     /// A number of points per direction in space; conserving in time.
     Points(usize),
+    /// As many points as nodes, in space and time. It conserves by its metric, see [`crate::collocation`].
+    Collocated(PointFamily),
+}
+
+/// The points of a collocated rule in one direction of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointFamily {
+    /// Gauss points.
+    Gauss,
+    /// Gauss-Lobatto points, the nodes of the flow.
+    Lobatto,
 }
 
 /// Orders of a slab space.
@@ -45,18 +57,36 @@ impl Quadrature {
             }
             Quadrature::Double => 2 * orders.flow.max(orders.mesh),
             Quadrature::Points(n) => n,
+            Quadrature::Collocated(_) => orders.flow,
         }
     }
 
-    /// Gauss points in time. The cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
+    /// Points in time. The cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
     /// function N_t - 1 each.
     pub fn time_points(self, dimension: usize, orders: Orders) -> usize {
         match self {
             Quadrature::Double => 2 * orders.time,
+            Quadrature::Collocated(_) => orders.time,
             _ => {
                 let degree = (dimension - 1) * orders.time + 2 * (orders.time - 1);
                 (degree + 1).div_ceil(2).max(orders.time)
             }
+        }
+    }
+
+    /// The rule in one direction of space.
+    fn space_rule(self, dimension: usize, orders: Orders) -> Rule {
+        match self {
+            Quadrature::Collocated(PointFamily::Lobatto) => gauss_lobatto(orders.flow),
+            _ => gauss(self.space_points(dimension, orders)),
+        }
+    }
+
+    /// The rule in time, on [0, 1]: the nodes of the slab if it is collocated, else Gauss points.
+    fn time_rule(self, dimension: usize, orders: Orders, time: &RadauTime) -> Rule {
+        match self {
+            Quadrature::Collocated(_) => Rule { points: time.nodes().to_vec(), weights: time.weights().to_vec() },
+            _ => gauss(self.time_points(dimension, orders)).on(0.0, 1.0),
         }
     }
 }
@@ -75,16 +105,31 @@ pub struct Shape1d {
     pub derivatives_transposed: Matrix,
     /// Derivatives of the nodal polynomials at the low and the high end, `[end][node]`.
     pub end_derivatives: [Vec<f64>; 2],
+    /// Whether the points are the nodes, so that `values` is the identity.
+    pub is_nodal: bool,
 }
 
 impl Shape1d {
     /// Gauss-Lobatto nodal polynomials of `order` at `points`.
     pub fn new(order: usize, points: &[f64]) -> Self {
-        let lagrange = Lagrange::gauss_lobatto(order);
-        let (values, derivatives) = (lagrange.value_matrix(points), lagrange.derivative_matrix(points));
-        let ends = lagrange.derivative_matrix(&[-1.0, 1.0]);
+        let is_nodal = points == gauss_lobatto(order).points;
+        Shape1d { is_nodal, ..Self::interpolated(order, order, points) }
+    }
+
+    /// Gauss-Lobatto nodal polynomials of `order`, interpolated at the Gauss-Lobatto nodes of order `to`, at `points`.
+    pub fn interpolated(order: usize, to: usize, points: &[f64]) -> Self {
+        let (lagrange, interpolant) = (Lagrange::gauss_lobatto(order), Lagrange::gauss_lobatto(to));
+        let at_nodes = match order == to {
+            true => Matrix::identity(order),
+            false => lagrange.value_matrix(&gauss_lobatto(to).points),
+        };
+        let of_nodes = |matrix: Matrix| if order == to { matrix } else { matrix.product(&at_nodes) };
+        let values = of_nodes(interpolant.value_matrix(points));
+        let derivatives = of_nodes(interpolant.derivative_matrix(points));
+        let ends = of_nodes(interpolant.derivative_matrix(&[-1.0, 1.0]));
         Shape1d {
             order,
+            is_nodal: order == to && points == gauss_lobatto(to).points,
             values_transposed: values.transpose(),
             derivatives_transposed: derivatives.transpose(),
             values,
@@ -113,10 +158,14 @@ impl Planes {
     /// The blocks of a rule in `dimension` directions, for `packs` packs at every point. Each has at least one plane,
     /// and their sizes are as equal as possible.
     fn blocks(rule: &Rule, dimension: usize, orders: Orders, packs: usize) -> Vec<Planes> {
-        let q = rule.points.len();
-        let in_plane = rule.tensor_weights(dimension - 1);
-        let plane_bytes = in_plane.len() * packs * size_of::<Pack>();
-        let count = q.div_ceil((BLOCK_BYTES / plane_bytes).max(1));
+        let plane_bytes = rule.points.len().pow(dimension as u32 - 1) * packs * size_of::<Pack>();
+        let count = rule.points.len().div_ceil((BLOCK_BYTES / plane_bytes).max(1));
+        Self::divided(rule, dimension, orders, count)
+    }
+
+    /// So many blocks of planes.
+    fn divided(rule: &Rule, dimension: usize, orders: Orders, count: usize) -> Vec<Planes> {
+        let (q, in_plane) = (rule.points.len(), rule.tensor_weights(dimension - 1));
         let block = |number: usize| {
             let planes = number * q / count..(number + 1) * q / count;
             let points = &rule.points[planes.clone()];
@@ -143,55 +192,71 @@ pub struct Tables<const D: usize> {
     pub instants: Vec<TimePoint>,
     /// The top of the slab, s = 1, weight 1.
     pub top: TimePoint,
-    /// phi_a(s) at the Gauss points, `[instant][a]`; the same with the top as the last row.
+    /// phi_a(s) at the instants, `[instant][a]`.
     pub values: Matrix,
-    /// See `values`.
+    /// The same with the top as the last row, unless the last instant is the top.
     pub values_and_top: Matrix,
     /// Velocities at the Gauss points, `[instant][slot]`.
     pub velocities: Matrix,
     /// phi_a(s) at the Gauss points, `[a][instant]`: sends terms there to the test functions.
     pub test: Matrix,
-    /// -phi_a'(s) at the Gauss points, with the sign from integration by parts, and last phi_a(1), `[a][time or top]`: the test of
-    /// the conserved quantity.
+    /// -phi_a'(s) at the instants, with the sign from integration by parts, and last phi_a(1), `[a][time or top]`: the test of the
+    /// conserved quantity. Where the last instant is the top, its column holds both.
     pub test_rate: Matrix,
     /// The volume points, plane by plane.
     pub planes: Vec<Planes>,
     /// Weights of the facet points, lexicographic.
     pub facet_weights: Vec<f64>,
+    /// The tables of the metric of collocated rules.
+    pub collocation: Option<Collocation>,
 }
 
 impl<const D: usize> Tables<D> {
     /// Tables for `orders`, each in 1..=16 (2..=16 in space), and a state of `components`.
     pub fn new(orders: Orders, components: usize, quadrature: Quadrature) -> Self {
-        let rule = gauss(quadrature.space_points(D, orders));
+        let rule = quadrature.space_rule(D, orders);
         let time = RadauTime::new(orders.time);
-        let time_rule = gauss(quadrature.time_points(D, orders));
-        let instants: Vec<_> = (time_rule.points.iter().zip(&time_rule.weights))
-            .map(|(&x, &w)| TimePoint::new(&time, 0.5 * (1.0 + x), 0.5 * w))
-            .collect();
+        let time_rule = quadrature.time_rule(D, orders, &time);
+        let instants: Vec<_> =
+            (time_rule.points.iter().zip(&time_rule.weights)).map(|(&s, &w)| TimePoint::new(&time, s, w)).collect();
         let (n_t, count) = (orders.time, instants.len());
-        let mut rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
-        rates.push(time.values(1.0).iter().map(|phi| -phi).collect());
+        let collocation = match quadrature {
+            Quadrature::Collocated(family) => Some(Collocation::new(orders, family)),
+            _ => None,
+        };
+        let test_rate = test_rate(&time, &instants, collocation.is_some());
         // Of the state: values and gradients, moments and fluxes; of the mesh: velocity and Jacobian matrix.
         let packs = (2 * components + D) * (1 + D);
         Tables {
             orders,
-            planes: Planes::blocks(&rule, D, orders, packs),
+            planes: match collocation {
+                Some(_) => Planes::divided(&rule, D, orders, 1),
+                None => Planes::blocks(&rule, D, orders, packs),
+            },
             flow: Shape1d::new(orders.flow, &rule.points),
-            mesh: Shape1d::new(orders.mesh, &rule.points),
+            mesh: match collocation {
+                Some(_) => Shape1d::interpolated(orders.mesh, orders.flow, &rule.points),
+                None => Shape1d::new(orders.mesh, &rule.points),
+            },
             top: TimePoint::new(&time, 1.0, 1.0),
             values: Matrix::from_fn(count, n_t, |q, a| instants[q].values[(0, a)]),
-            values_and_top: Matrix::from_fn(count + 1, n_t, |q, a| {
+            values_and_top: Matrix::from_fn(test_rate.cols(), n_t, |q, a| {
                 instants.get(q).map_or(time.values(1.0)[a], |instant| instant.values[(0, a)])
             }),
             velocities: Matrix::from_fn(count, n_t + 1, |q, slot| instants[q].velocities[(0, slot)]),
             test: Matrix::from_fn(n_t, count, |a, q| instants[q].values[(0, a)]),
-            test_rate: Matrix::from_fn(n_t, count + 1, |a, q| -rates[q][a]),
+            test_rate,
+            collocation,
             instants,
             time,
             facet_weights: rule.tensor_weights(D - 1),
             rule,
         }
+    }
+
+    /// The times at which cells evaluate the conserved quantity: the instants and the top.
+    pub(crate) fn times(&self) -> usize {
+        self.values_and_top.rows()
     }
 
     /// The row of positions of a slab at its bottom, which also holds for a mesh at rest.
@@ -210,4 +275,16 @@ impl<const D: usize> Tables<D> {
     pub fn facet_points(&self) -> usize {
         self.facet_weights.len()
     }
+}
+
+/// See [`Tables::test_rate`]. Moments at an instant have its weight already.
+fn test_rate(time: &RadauTime, instants: &[TimePoint], last_is_top: bool) -> Matrix {
+    let (n_t, count) = (time.order(), instants.len());
+    let rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
+    let top = time.values(1.0);
+    if !last_is_top {
+        return Matrix::from_fn(n_t, count + 1, |a, q| rates.get(q).map_or(top[a], |rates| -rates[a]));
+    }
+    let at_top = |a: usize, q: usize| if q + 1 == count { top[a] / instants[q].weight } else { 0.0 };
+    Matrix::from_fn(n_t, count, |a, q| at_top(a, q) - rates[q][a])
 }

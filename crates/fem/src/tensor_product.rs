@@ -2,8 +2,8 @@
 
 use crate::tables::Shape1d;
 use basis::{Matrix, contract};
-use tensor::Pack;
 use tensor::pulp::Simd;
+use tensor::{Lanes, Pack};
 
 /// Memory for the intermediate tensors of [`evaluate`] and [`integrate`].
 #[derive(Default)]
@@ -108,6 +108,20 @@ impl<'a> Lattice<'a> {
         self.components * self.line.order.pow(self.dimension as u32)
     }
 
+    /// Whether the points are the nodes.
+    #[inline(always)]
+    fn is_nodal(&self) -> bool {
+        self.line.is_nodal && self.last.is_nodal
+    }
+
+    /// A matrix along `axis` of fields whose points are the nodes.
+    #[inline(always)]
+    pub(crate) fn along<'m>(&self, axis: usize, matrix: &'m Matrix) -> AlongAxis<'m> {
+        let n = self.line.order;
+        let outer = self.components * n.pow((self.dimension - 1 - axis) as u32);
+        AlongAxis { matrix, outer, inner: n.pow(axis as u32) }
+    }
+
     /// The pass along `axis`: its matrices, entries outside and inside of the axis, packs before and after. Axes above are at the points
     /// already, axes below at the nodes still.
     #[inline(always)]
@@ -136,6 +150,17 @@ struct Pass<'a> {
 pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints<&mut [Pack]>, scratch: &mut Scratch) {
     let dimension = lattice.dimension;
     let ([with_values, with_gradients], values, gradients) = to.parts();
+    if lattice.is_nodal() {
+        let len = lattice.len();
+        if with_values {
+            values[..len].copy_from_slice(&nodal[..len]);
+        }
+        for axis in 0..(if with_gradients { dimension } else { 0 }) {
+            let derivatives = lattice.along(axis, &lattice.line.derivatives);
+            scratch.contract(simd, derivatives, nodal, &mut gradients[axis * len..], false);
+        }
+        return;
+    }
     // Number 0 of the present tensors holds values, the others hold derivatives; the derivative along the axis just
     // passed is the last.
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
@@ -177,6 +202,17 @@ pub fn integrate<S: Simd>(
 ) {
     let dimension = lattice.dimension;
     let ([with_values, with_gradients], values, gradients) = from.parts();
+    if lattice.is_nodal() {
+        let len = lattice.len();
+        if with_values {
+            add_or_set(simd, &values[..len], nodal, add);
+        }
+        for axis in 0..(if with_gradients { dimension } else { 0 }) {
+            let derivatives = lattice.along(axis, &lattice.line.derivatives_transposed);
+            scratch.contract(simd, derivatives, &gradients[axis * len..], nodal, add || with_values || axis > 0);
+        }
+        return;
+    }
     let Scratch { even: from, odd: to, multiplications: count } = scratch;
     let (mut from, mut to) = (from, to);
     // From the first axis to the last: derivative tensors of higher axes stay separate; the derivative along `axis` is added
@@ -208,5 +244,18 @@ pub fn integrate<S: Simd>(
             }
         }
         std::mem::swap(&mut from, &mut to);
+    }
+}
+
+/// out += values or out := values
+#[inline(always)]
+fn add_or_set<S: Simd>(simd: S, values: &[Pack], out: &mut [Pack], add: bool) {
+    if !add {
+        return out[..values.len()].copy_from_slice(values);
+    }
+    for (out, value) in out.iter_mut().zip(values) {
+        for part in 0..Lanes::<S>::PARTS {
+            (Lanes::read(simd, out, part) + Lanes::read(simd, value, part)).write(out, part);
+        }
     }
 }

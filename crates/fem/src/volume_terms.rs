@@ -1,6 +1,7 @@
 //! The volume terms of a batch of cells at one time: what the kernels of [`crate::cell`] do with planes of points.
 
 use crate::cell::{CellCoefficients, CellContext};
+use crate::collocation::geometry_len;
 use crate::conservation_law::ConservationLaw;
 use crate::instants::{TimePoint, TimePointIndex};
 use crate::mode::Mode;
@@ -33,11 +34,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     ) {
         let (simd, tables) = (self.simd, self.tables);
         let (len, mesh_len) = (M * tables.orders.flow.pow(D as u32), D * tables.orders.mesh.pow(D as u32));
-        let count = tables.instants.len() + 1;
+        let count = tables.times();
         let CellScratch { state_at, position_at, velocity_at, scratch: room, .. } = scratch;
         for (b, state) in coefficients.state.iter().enumerate() {
             let values = AlongAxis { matrix: &tables.values_and_top, outer: 1, inner: len };
             room.contract(simd, values, state, &mut state_at[b * count * len..], false);
+        }
+        if tables.collocation.is_some() && context.source.is_none() {
+            return; // The geometry is known.
         }
         for (b, mesh) in coefficients.mesh.iter().enumerate() {
             let (start, outer, inner) = (b * count * mesh_len, 1, mesh_len);
@@ -55,7 +59,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         for (block, planes) in self.tables.planes.iter().enumerate() {
             self.to_points(planes, time.of, scratch); // 1. geometry and state at the points
             let with_source = self.source_at_points(context, planes, time, scratch); // 2. the source
-            self.fluxes(planes, time.weights, with_source, scratch); // 3.
+            self.fluxes(context, planes, time, with_source, scratch); // 3.
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
             let tested =
                 if with_source { AtPoints::Both(&source[..], &flux[..]) } else { AtPoints::Gradients(&flux[..]) };
@@ -87,18 +91,27 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     /// Jacobian matrix, mesh velocity, state and its reference gradient at the points.
     #[inline(always)]
     fn to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
-        self.jacobian_to_points(planes, of, scratch);
-        let (flow, mesh) = (self.flow_lattice(planes), self.mesh_lattice(planes));
-        let (points, viscous) = (planes.weights.len(), self.law.is_viscous());
-        let CellScratch { v, u, gradient, state_at, velocity_at, scratch: room, .. } = scratch;
-        for b in 0..K::GEOMETRY_BLOCKS {
-            let v = AtPoints::Values(&mut v[b * D * points..]);
-            evaluate(self.simd, mesh, of.block(velocity_at, b, mesh.len()), v, room);
+        if self.tables.collocation.is_none() {
+            self.jacobian_to_points(planes, of, scratch);
+            self.velocity_to_points(planes, of, scratch);
         }
+        let (flow, points, viscous) = (self.flow_lattice(planes), planes.weights.len(), self.law.is_viscous());
+        let CellScratch { u, gradient, state_at, scratch: room, .. } = scratch;
         for b in 0..K::STATE_BLOCKS {
             let (u, gradient) = (&mut u[b * M * points..], &mut gradient[b * D * M * points..]);
             let state = of.block(state_at, b, flow.len());
             evaluate(self.simd, flow, state, AtPoints::new(u, gradient, viscous), room);
+        }
+    }
+
+    /// Mesh velocities at the points.
+    #[inline(always)]
+    fn velocity_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
+        let mesh = self.mesh_lattice(planes);
+        let CellScratch { v, velocity_at, scratch: room, .. } = scratch;
+        for b in 0..K::GEOMETRY_BLOCKS {
+            let v = AtPoints::Values(&mut v[b * D * planes.weights.len()..]);
+            evaluate(self.simd, mesh, of.block(velocity_at, b, mesh.len()), v, room);
         }
     }
 
@@ -137,18 +150,25 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     fn fluxes(
         self,
+        context: &CellContext<D>,
         planes: &Planes,
-        [flux_weight, moment_weight]: [f64; 2],
+        CellTime { of, weights: [flux_weight, moment_weight], .. }: CellTime,
         with_source: bool,
         scratch: &mut CellScratch,
     ) {
         let (points, law, viscous) = (planes.weights.len(), self.law, self.law.is_viscous());
+        let collocated = self.tables.collocation.is_some();
+        let len = K::GEOMETRY_BLOCKS * geometry_len(D) * points;
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let metric = self.metric(&scratch.jacobian, at);
                 let u = self.state(&scratch.u, at);
-                let v = self.geometry(&scratch.v, at);
+                let (metric, v) = if collocated {
+                    let geometry = context.geometry.unwrap_or(&scratch.geometry.at_points);
+                    self.known_geometry(&geometry[of.number * len..], at)
+                } else {
+                    (self.metric(&scratch.jacobian, at), self.geometry(&scratch.v, at))
+                };
                 let mut gradient = [u; D];
                 if viscous {
                     gradient = self.physical_gradient(&scratch.gradient, at, &metric);
@@ -202,8 +222,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     /// Moments of the state at one instant, int w u J.
     #[inline(always)]
     pub(crate) fn mass_product(self, of: TimePointIndex, scratch: &mut CellScratch) {
+        let collocated = self.tables.collocation.is_some();
         for (block, planes) in self.tables.planes.iter().enumerate() {
-            self.jacobian_to_points(planes, of, scratch);
+            if collocated {
+                self.determinants_to_points(scratch);
+            } else {
+                self.jacobian_to_points(planes, of, scratch);
+            }
             let (flow, points) = (self.flow_lattice(planes), planes.weights.len());
             let CellScratch { state_at, jacobian, u, mass_product, mass_product_at, scratch: room, .. } = &mut *scratch;
             for b in 0..K::STATE_BLOCKS {
@@ -213,12 +238,24 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             for p in 0..points {
                 for part in 0..Lanes::<S>::PARTS {
                     let at = PointIndex { points, p, part };
-                    let det = self.metric(jacobian, at).det;
+                    let det = if collocated {
+                        K::Geometry::<S>::load(self.simd, jacobian, points, p, part)
+                    } else {
+                        self.metric(jacobian, at).det
+                    };
                     self.moments(&self.state(u, at), det, planes.weights[p], at, mass_product);
                 }
             }
             let (moments, start) = (AtPoints::Values(&mass_product[..]), of.number * flow.len());
             integrate(self.simd, flow, moments, &mut mass_product_at[start..], room, block > 0);
         }
+    }
+
+    /// J of (carried) at the points, in place of Jacobian matrices.
+    #[inline(always)]
+    fn determinants_to_points(self, scratch: &mut CellScratch) {
+        let CellScratch { jacobian, determinant_at, scratch: room, .. } = scratch;
+        let nodal = Lattice::whole(&self.tables.flow, D, 1);
+        evaluate(self.simd, nodal, determinant_at, AtPoints::Values(&mut jacobian[..]), room);
     }
 }

@@ -19,7 +19,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Of the first batch of cells, with the state as its own direction.
     fn cell_operations(&self, along: Differentiate) -> u64 {
         let (dt, clock) = (self.interval().1, self.clock());
-        let context = CellContext { tables: &self.tables, dt, clock, positions: &self.positions_and_top, source: None };
+        let geometry = self.geometry.as_ref().map(|geometry| geometry.batch(0));
+        let positions = &self.positions_and_top;
+        let context = CellContext { tables: &self.tables, dt, clock, positions, source: None, geometry };
         let state = [self.state_traces.coefficients(0); 2];
         let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
         self.cells.with(|scratch| {

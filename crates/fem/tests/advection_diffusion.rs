@@ -3,11 +3,15 @@
 
 mod scalar;
 
-use fem::{StateField, left_during_slab, squared_errors};
+use fem::{Bottom, PointFamily, Quadrature, SlabEnd, StateField, left_during_slab, squared_errors};
 use newton_krylov::fgmres;
 use newton_krylov::inner_product::Euclidean;
 use newton_krylov::operator::{Identity, LinearOperator, Preconditioned};
 use scalar::{DecayingWave, Operator, interpolated, operator, set_motion};
+
+/// The rules that conserve.
+const RULES: [Quadrature; 3] =
+    [Quadrature::Conserving, Quadrature::Collocated(PointFamily::Gauss), Quadrature::Collocated(PointFamily::Lobatto)];
 
 /// A in R(u) = R(0) + A u.
 struct Jacobian<'a>(&'a mut Operator);
@@ -37,36 +41,41 @@ fn solve(operator: &mut Operator) -> Vec<f64> {
 }
 
 /// The L2 error after a few slabs on `cells` x `cells` cells.
-fn error(order: usize, cells: usize) -> f64 {
+fn error(order: usize, cells: usize, quadrature: Quadrature) -> f64 {
     const DT: f64 = 0.02;
-    let mut operator = operator(order, cells);
+    let mut operator = operator(order, cells, quadrature);
     let mut bottom = interpolated(&operator, 0.0);
-    let mut displacement = vec![0.0; operator.mesh.field_len()];
+    let (mut displacement, mut determinants) = (vec![0.0; operator.mesh.field_len()], Vec::new());
     for slab in 0..3 {
-        operator.begin_slab(slab as f64 * DT, DT, &bottom, &displacement);
+        operator.begin_slab(
+            slab as f64 * DT,
+            DT,
+            Bottom { state: &bottom, displacement: &displacement, determinants: &determinants },
+        );
         displacement = set_motion(&mut operator, &displacement);
         let u = solve(&mut operator);
         bottom = scalar::at_top(&operator, &u);
+        determinants = operator.determinants_at_top().to_vec();
     }
     squared_errors(&operator, &bottom, operator.top_row().row(0), &DecayingWave, 3.0 * DT)[0].sqrt()
 }
 
 #[test]
 fn the_error_falls_with_the_order_of_the_space() {
-    for order in 2..=4 {
-        let [coarse, fine] = [6, 12].map(|cells| error(order, cells));
+    for (order, quadrature) in (2..=4).flat_map(|order| RULES.map(|rule| (order, rule))) {
+        let [coarse, fine] = [6, 12].map(|cells| error(order, cells, quadrature));
         let measured = (coarse / fine).log2();
-        println!("N_s = {order}: errors {coarse:.2e}, {fine:.2e}, order {measured:.2}");
+        println!("{quadrature:?}, N_s = {order}: errors {coarse:.2e}, {fine:.2e}, order {measured:.2}");
         assert!(measured >= order as f64 - 0.2, "N_s = {order}: errors {coarse:.2e}, {fine:.2e}, order {measured:.2}");
     }
 }
 
 /// A slab with a state that solves nothing.
-fn perturbed_slab(order: usize) -> (Operator, Vec<f64>) {
-    let mut operator = operator(order, 3);
+fn perturbed_slab(order: usize, quadrature: Quadrature) -> (Operator, Vec<f64>) {
+    let mut operator = operator(order, 3, quadrature);
     let bottom = interpolated(&operator, 0.3);
     let at_rest = vec![0.0; operator.mesh.field_len()];
-    operator.begin_slab(0.3, 0.1, &bottom, &at_rest);
+    operator.begin_slab(0.3, 0.1, Bottom::new(&bottom, &at_rest));
     set_motion(&mut operator, &at_rest);
     let n = operator.layout.len();
     (operator, scalar::waves(n, 0.4).iter().map(|w| 2.0 + 0.1 * w).collect())
@@ -75,23 +84,30 @@ fn perturbed_slab(order: usize) -> (Operator, Vec<f64>) {
 /// Test functions sum to one: all residuals together are what there is more at the top than at the bottom, and what has left.
 #[test]
 fn what_the_residuals_sum_to_is_the_balance() {
-    for order in 2..=4 {
-        let (mut operator, u) = perturbed_slab(order);
+    for (order, quadrature) in (2..=4).flat_map(|order| RULES.map(|rule| (order, rule))) {
+        let (mut operator, u) = perturbed_slab(order, quadrature);
         let mut residual = vec![0.0; u.len()];
         operator.residual(&u, &mut residual).unwrap();
-        let bottom = scalar::total(&operator, &interpolated(&operator, 0.3), &operator.tables.bottom_row());
-        let top = scalar::total(&operator, &scalar::at_top(&operator, &u), &operator.top_row());
+        let bottom = scalar::total(&operator, &interpolated(&operator, 0.3), SlabEnd::Bottom);
+        let top = scalar::total(&operator, &scalar::at_top(&operator, &u), SlabEnd::Top);
         let [left] = left_during_slab(&operator.boundary_fluxes(None));
         let error = (residual.iter().sum::<f64>() - (top - bottom + left)).abs() / bottom;
-        assert!(left.abs() > 1e-3 && error < 1e-13, "N_s = {order}: {left:.1e} left, error {error:.1e}");
+        assert!(
+            left.abs() > 1e-3 && error < 1e-13,
+            "{quadrature:?}, N_s = {order}: {left:.1e} left, error {error:.1e}"
+        );
     }
 }
 
 /// Along a direction of the state, and along one of state and mesh, against central differences.
 #[test]
 fn products_with_the_jacobian_are_differences_of_the_residual() {
+    RULES.into_iter().for_each(assert_products);
+}
+
+fn assert_products(quadrature: Quadrature) {
     const STEP: f64 = 1e-5;
-    let (mut operator, u) = perturbed_slab(3);
+    let (mut operator, u) = perturbed_slab(3, quadrature);
     let velocities = scalar::velocities(&operator);
     let (along_u, along_v) = (scalar::waves(u.len(), 0.9), scalar::waves(velocities.len(), 0.2));
     for moving in [0.0, 1.0] {
@@ -112,7 +128,7 @@ fn products_with_the_jacobian_are_differences_of_the_residual() {
         let difference = |i: usize| (ahead[i] - behind[i]) / (2.0 * STEP) - product[i];
         let largest = product.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
         let error = (0..u.len()).fold(0.0, |m: f64, i| m.max(difference(i).abs())) / largest;
-        assert!(error < 1e-7, "mesh direction times {moving}: {error:.1e}");
+        assert!(error < 1e-7, "{quadrature:?}, mesh direction times {moving}: {error:.1e}");
         let mut on_fixed_mesh = product.clone();
         operator.product(&along_u, &mut on_fixed_mesh);
         let same = on_fixed_mesh.iter().zip(&product).all(|(a, b)| (a - b).abs() < 1e-13 * largest);

@@ -27,6 +27,7 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     put("time", vec![state.time]);
     put("flow", state.u.clone());
     put("displacement", state.d.clone());
+    put("determinants", state.determinants.clone());
     put("pending", pending);
     put("step", vec![state.step]);
     state.bodies.iter().enumerate().for_each(|(body, stored)| put(&format!("body.{body}"), stored.clone()));
@@ -60,6 +61,7 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         time: *array("time")?.first()?,
         u: array("flow")?,
         d: array("displacement")?,
+        determinants: array("determinants").unwrap_or_default(),
         bodies: bodies(&stored.arrays, "body"),
         past: past(&stored.arrays),
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),

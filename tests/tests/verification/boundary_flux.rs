@@ -1,16 +1,16 @@
 //! Fluxes through boundaries, and loads of walls.
 
 use crate::slab_operator::{Operator, every_condition, moving_slab, perturbed};
-use fem::{FluxesAt, Orders, StateField, left_during_slab};
+use fem::{Bottom, FluxesAt, Orders, SlabEnd, StateField, left_during_slab};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Primitive, Riemann, SlipWall, Viscosity, WallForce};
 use verification::{curved_box, curved_box_at, free_stream, law, operator};
 
-/// The integrals of the components of a state at one time, on the mesh at the position `row`.
-fn totals<const D: usize, const M: usize>(operator: &Operator<D, M>, u: &[f64], row: &basis::Matrix) -> [f64; M] {
+/// The integrals of the components of a state at an end of the slab.
+fn totals<const D: usize, const M: usize>(operator: &Operator<D, M>, u: &[f64], end: SlabEnd) -> [f64; M] {
     let one = operator.layout.at_one_time();
     let mut mass_product = vec![0.0; one.len()];
-    operator.mass_product(u, row, &mut mass_product);
+    operator.mass_product(u, end, &mut mass_product);
     std::array::from_fn(|m| {
         (0..one.cells).flat_map(|c| &mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes]).sum()
     })
@@ -32,8 +32,8 @@ where
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
 
-    let bottom = totals(&operator, &at_node(&uniform, 0), &operator.tables.bottom_row());
-    let top = totals(&operator, &at_node(&state, orders.time - 1), &operator.top_row());
+    let bottom = totals(&operator, &at_node(&uniform, 0), SlabEnd::Bottom);
+    let top = totals(&operator, &at_node(&state, orders.time - 1), SlabEnd::Top);
     let fluxes = operator.boundary_fluxes(None);
     if condition.is_wall() {
         assert_work_and_heat_are_the_energy(&fluxes, &condition);
@@ -91,7 +91,7 @@ where
             (0..M).for_each(|m| state[layout.index(cell, 0, m, i)] = u[m]);
         }
     }
-    operator.begin_slab(0.0, 1.0, &state, &vec![0.0; operator.mesh.field_len()]);
+    operator.begin_slab(0.0, 1.0, Bottom::new(&state, &vec![0.0; operator.mesh.field_len()]));
     operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
     operator.linearise(&state);
     let fluxes = operator.boundary_fluxes(None);

@@ -30,7 +30,8 @@ where
     let state = data.value(&[0.0; D], 0.0);
     let mut operator = operator(&mesh, law, orders, prescribed(), data);
     let nodes = operator.mesh.field_len();
-    operator.begin_slab(0.0, dt, &uniform_coefficients(&operator, &state, 1), &vec![0.0; nodes]);
+    let bottom = uniform_coefficients(&operator, &state, 1);
+    operator.begin_slab(0.0, dt, fem::Bottom::new(&bottom, &vec![0.0; nodes]));
     operator.set_mesh(&vec![0.0; orders.time * nodes]);
     let state = uniform_coefficients(&operator, &state, orders.time);
     (operator, state)

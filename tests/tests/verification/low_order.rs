@@ -79,7 +79,7 @@ where
     let mut product = vec![0.0; layout.len()];
     operator.product(&slab, &mut product);
     let mut moments = vec![0.0; x.len()];
-    operator.mass_product(&x, &operator.tables.bottom_row(), &mut moments);
+    operator.mass_product(&x, fem::SlabEnd::Bottom, &mut moments);
     for m in 0..M {
         let at = |a: usize, i: usize| product[layout.index(middle, a, m, i)];
         let sum: f64 =

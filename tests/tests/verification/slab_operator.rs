@@ -1,6 +1,6 @@
 //! Identities of the space-time operator of one slab.
 
-use fem::{Differentiate, Orders, SlabOperator, StateField};
+use fem::{Bottom, Differentiate, Orders, SlabEnd, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
@@ -54,7 +54,7 @@ where
             .collect()
     };
     let displacement: Vec<f64> = field(0.02, 0.4).iter().map(|d| way + d).collect();
-    operator.begin_slab(0.3, 0.1, &bottom, &displacement);
+    operator.begin_slab(0.3, 0.1, Bottom::new(&bottom, &displacement));
     let velocities: Vec<f64> = (0..orders.time).flat_map(|b| field(0.3, 1.0 + 2.0 * b as f64)).collect();
     operator.set_mesh(&velocities);
     let state = uniform_coefficients(&operator, &state, orders.time);
@@ -100,9 +100,8 @@ where
     let (mut operator, state) = moving_slab_on::<D, M>(mesh, way, orders, viscosity, Riemann::Hllc, prescribed());
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
-    let row = basis::Matrix::from_fn(1, orders.time + 1, |_, b| if b == 0 { 1.0 } else { 0.0 });
     let mut mass_product = vec![0.0; operator.layout.at_one_time().len()];
-    operator.mass_product(&state[..mass_product.len()], &row, &mut mass_product);
+    operator.mass_product(&state[..mass_product.len()], SlabEnd::Bottom, &mut mass_product);
     let size = |v: &[f64]| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     size(&residual) / size(&mass_product)
 }

@@ -4,7 +4,7 @@ use crate::block::{Block, Couplings, Exchange, Quantity};
 use crate::lagged_preconditioner::{LaggedPreconditioner, Linearisation, Update};
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
-use fem::{SlabOperator, Violation};
+use fem::{Bottom, SlabEnd, SlabOperator, Violation};
 use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
 
@@ -67,10 +67,10 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         }
     }
 
-    /// Moves to the slab `interval` on top of the flow `u` and the displacement `d`.
-    pub(crate) fn begin(&mut self, interval: Interval, u: &[f64], d: &[f64]) {
-        self.operator.begin_slab(interval.start, interval.end - interval.start, u, d);
-        self.bottom.copy_from_slice(d);
+    /// Moves to the slab `interval` on top of `bottom`.
+    pub(crate) fn begin(&mut self, interval: Interval, bottom: Bottom) {
+        self.operator.begin_slab(interval.start, interval.end - interval.start, bottom);
+        self.bottom.copy_from_slice(bottom.displacement);
         self.forget();
         self.inverse_pseudo_time = 0.0;
         self.preconditioner.begin_slab();
@@ -95,8 +95,8 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         let flow = &self.operator;
         let one = flow.layout.at_one_time();
         let mut mass_product = vec![0.0; one.len()];
-        let row = if flow.interval().1 > 0.0 { flow.top_row() } else { flow.tables.bottom_row() };
-        flow.mass_product(u, &row, &mut mass_product);
+        let end = if flow.interval().1 > 0.0 { SlabEnd::Top } else { SlabEnd::Bottom };
+        flow.mass_product(u, end, &mut mass_product);
         let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
         let component = |m: usize| inner_product::sum(&(0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>());
         (0..M).map(component).collect()
@@ -172,7 +172,8 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
     }
 
     fn begin_slab(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
-        self.begin(interval, &state.u, &state.d);
+        let State { u, d, determinants, .. } = state;
+        self.begin(interval, Bottom { state: u, displacement: d, determinants });
         Ok(())
     }
 

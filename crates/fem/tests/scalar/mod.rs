@@ -1,7 +1,6 @@
 //! Advection and diffusion of one scalar, u_t + div (a u - nu grad u) = 0, and a slab on a curved mesh that moves.
 
-use basis::Matrix;
-use fem::{BoundaryPoint, ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabOperator, StateField};
+use fem::{BoundaryPoint, ConservationLaw, LawKernels, Orders, Problem, Quadrature, SlabEnd, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -86,7 +85,7 @@ impl StateField<2, 1> for DecayingWave {
 }
 
 /// The operator on a curved unit square of `cells` x `cells` cells.
-pub fn operator(order: usize, cells: usize) -> Operator {
+pub fn operator(order: usize, cells: usize, quadrature: Quadrature) -> Operator {
     let curving = Curving::Wavy { amplitude: 0.02 };
     let (lower, upper, cells) = ([0.0; 2], [1.0; 2], [cells; 2]);
     let mesh = BoxMesh { lower, upper, cells, order, curving, periodic: [false; 2] }.build().unwrap().scrambled(3);
@@ -95,7 +94,7 @@ pub fn operator(order: usize, cells: usize) -> Operator {
     let kernels = Box::new(LawKernels::new(AdvectionDiffusion, vec![(); boundaries]));
     let orders = Orders { flow: order, mesh: order, time: TIME_ORDER };
     let numbering = NodeNumbering::new(&mesh, order);
-    SlabOperator::new(Problem { kernels, data, source: None }, &mesh, numbering, orders, Quadrature::Conserving)
+    SlabOperator::new(Problem { kernels, data, source: None }, &mesh, numbering, orders, quadrature)
 }
 
 /// Velocities of the mesh, smooth in space: `[time node][C0 node][component]`. The boundary moves, too.
@@ -147,10 +146,10 @@ pub fn at_top(operator: &Operator, u: &[f64]) -> Vec<f64> {
     (0..operator.layout.cells).flat_map(|cell| u[operator.layout.cell_at(cell, TIME_ORDER - 1)].to_vec()).collect()
 }
 
-/// The integral of a state at the position `row` of the mesh.
-pub fn total(operator: &Operator, u: &[f64], row: &Matrix) -> f64 {
+/// The integral of a state at an end of the slab.
+pub fn total(operator: &Operator, u: &[f64], end: SlabEnd) -> f64 {
     let mut mass_product = vec![0.0; u.len()];
-    operator.mass_product(u, row, &mut mass_product);
+    operator.mass_product(u, end, &mut mass_product);
     mass_product.iter().sum()
 }
 

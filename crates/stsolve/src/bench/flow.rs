@@ -1,7 +1,7 @@
 //! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conserving quadrature.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use fem::{Differentiate, Orders, Problem, Quadrature, SlabOperator};
+use fem::{Bottom, Differentiate, Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity};
 
@@ -54,7 +54,7 @@ where
         let state: Vec<f64> = (0..layout.len()).map(|i| mean[i / layout.nodes % M] * (1.0 + 1e-3 * wave(i))).collect();
         let nodes = operator.mesh.field_len();
         let velocities: Vec<f64> = (0..TIME_ORDER * nodes).map(|i| 1e-3 * wave(i)).collect();
-        operator.begin_slab(0.0, DT, &state[..layout.at_one_time().len()], &vec![0.0; nodes]);
+        operator.begin_slab(0.0, DT, Bottom::new(&state[..layout.at_one_time().len()], &vec![0.0; nodes]));
         operator.set_mesh(&velocities);
         operator.linearise(&state);
         let direction = (0..layout.len()).map(|i| wave(i + 5)).collect();
