@@ -8,7 +8,7 @@ pub mod strip;
 pub mod viscous;
 pub mod vortex;
 
-use fem::{Orders, Problem, Quadrature, SlabOperator, StateField};
+use fem::{Orders, PointFamily, Problem, Quadrature, SlabOperator, StateField};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
@@ -80,11 +80,30 @@ pub fn operator<const D: usize, const M: usize>(
 where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
+    operator_by(Quadrature::Conserving, mesh, law, orders, condition, data)
+}
+
+/// The same with any quadrature.
+pub fn operator_by<const D: usize, const M: usize>(
+    quadrature: Quadrature,
+    mesh: &Mesh<D>,
+    law: NavierStokes<D>,
+    orders: Orders,
+    condition: Boundary<D>,
+    data: Arc<dyn StateField<D, M>>,
+) -> SlabOperator<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
     let names = mesh.boundary_names();
     let data = names.iter().map(|_| condition.takes_state().then(|| data.clone())).collect();
     let problem = Problem { kernels: law.kernels(vec![condition; names.len()]), data, source: None };
-    SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, Quadrature::Conserving)
+    SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, quadrature)
 }
+
+/// The rules that conserve on moving meshes.
+pub const RULES: [Quadrature; 3] =
+    [Quadrature::Conserving, Quadrature::Collocated(PointFamily::Gauss), Quadrature::Collocated(PointFamily::Lobatto)];
 
 /// The free stream as a field.
 pub fn free_stream<const D: usize, const M: usize>(law: &NavierStokes<D>) -> Arc<dyn StateField<D, M>>

@@ -40,6 +40,11 @@ pub struct FacetBatches {
 }
 
 impl FacetBatch {
+    /// Sides in use: one on a boundary.
+    pub fn sides(&self) -> usize {
+        if self.boundary.is_none() { 2 } else { 1 }
+    }
+
     /// The sides of all lanes: 0 minus, 1 plus.
     pub fn ends(&self, side: usize) -> [Side; WIDTH] {
         if side == 0 { self.minus } else { self.plus.map(|(end, _)| end) }

@@ -47,12 +47,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn point_flux(
         self,
         condition: L::Boundary,
-        here: &FacetPoint<K::Geometry<S>, D>,
+        (here, geometry): (&FacetPoint<K::Geometry<S>, D>, &[Pack]),
         minus: &[K::State<S>; M],
         scratch: &FacetScratch,
         at: PointIndex,
     ) -> PointFlux<K::State<S>, D, M> {
-        let (law, FacetPoint { metric, n, v, .. }) = (self.law, here);
+        let (law, FacetPoint { n, v, .. }) = (self.law, here);
         let data = self.geometry(&scratch.data, at);
         let point = BoundaryPoint { normal: n, velocity: v, data: &data };
         let inviscid = law.boundary_flux(condition, minus, point);
@@ -60,7 +60,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let mut jump_flux = [viscous; D];
         if law.is_viscous() {
             let state = law.boundary_state(condition, minus, point);
-            let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, metric);
+            let metric = self.map_of_side(geometry, 0, at);
+            let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, &metric);
             let jump = times_normal(minus, &state, n);
             let through = law.boundary_viscous_flux(condition, &state, &gradient, point);
             let penalised = law.boundary_viscous_flux(condition, &state, &jump, point);
@@ -75,18 +76,27 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// Step 3 of the facet terms on a boundary.
     #[inline(always)]
-    pub(crate) fn boundary_points(self, condition: L::Boundary, weight: f64, scratch: &mut FacetScratch) {
+    pub(crate) fn boundary_points(
+        self,
+        condition: L::Boundary,
+        known: Option<&[Pack]>,
+        weight: f64,
+        scratch: &mut FacetScratch,
+    ) {
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let here = self.facet_point(scratch, at, weight);
+                let geometry = known.unwrap_or(&scratch.geometry);
+                let here = self.facet_point(geometry, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
-                let PointFlux { inviscid, viscous, jump_flux } = self.point_flux(condition, &here, &minus, scratch, at);
+                let flux = self.point_flux(condition, (&here, geometry), &minus, scratch, at);
+                let PointFlux { inviscid, viscous, jump_flux } = flux;
                 if law.is_viscous() {
+                    let metric = self.map_of_side(geometry, 0, at);
                     // Minus: uhat - u- = -(u- - u_b).
                     let (scale, tested) = (here.area * -here.weight, &mut scratch.sides[0].tested_gradient);
-                    self.symmetric_term(&jump_flux, &here.metric, scale, at, tested);
+                    self.symmetric_term(&jump_flux, &metric, scale, at, tested);
                 }
                 for m in 0..M {
                     let term = ((inviscid[m] + viscous[m]).scale(here.area) * here.weight).result();
@@ -162,8 +172,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
         let kernel = Kernel { simd, law, tables: context.tables, mode: PhantomData::<Values> };
         let of = TimePointIndex::ALONE;
         let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
-        kernel.traces_to_instants(in_time, 1, scratch);
-        kernel.traces_to_points(of, 1, scratch);
+        kernel.states_to_instants(in_time.values, 1, scratch);
+        kernel.facet_geometry().mesh_at_times(in_time, 1, scratch);
+        kernel.trace_to_points(of, &mut scratch.sides[0], &mut scratch.scratch);
+        kernel.facet_geometry_to_points(of, 1, scratch);
         kernel.velocity_of_work(velocity_is_given, scratch);
         kernel.positions(of, scratch);
         kernel.boundary_data(context.clock.time(instant.s), of, data, scratch);
@@ -180,11 +192,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let here = self.facet_point(scratch, at, 1.0);
+                let here = self.facet_point(&scratch.geometry, at, 1.0);
                 let minus = self.state(&scratch.sides[0].u, at);
-                let flux = self.point_flux(condition, &here, &minus, scratch, at);
+                let flux = self.point_flux(condition, (&here, &scratch.geometry), &minus, scratch, at);
                 let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
-                let at_work = law.boundary_velocity(condition, &here.n, &self.geometry(&scratch.v[D * points..], at));
+                let at_work = law.boundary_velocity(condition, &here.n, &self.geometry(&scratch.work_velocity, at));
                 let moving = law.boundary_velocity(condition, &here.n, &here.v);
                 let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
                 let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
@@ -199,17 +211,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
         }
     }
 
-    /// The velocity at which forces do work, at the points: the second block of `v`, whose derivatives are not needed here.
+    /// The velocity at which forces do work, at the points.
     #[inline(always)]
     fn velocity_of_work(self, velocity_is_given: bool, scratch: &mut FacetScratch) {
         let lattice = Lattice::whole(&self.tables.mesh, D - 1, D);
         let len = D * self.tables.facet_points();
-        let FacetScratch { v, boundary_velocity, scratch: room, .. } = scratch;
-        let (of_mesh, of_work) = v.split_at_mut(len);
+        let FacetScratch { work_velocity, geometry, boundary_velocity, scratch: room, .. } = scratch;
         if velocity_is_given {
-            evaluate(self.simd, lattice, boundary_velocity, AtPoints::Values(of_work), room);
+            evaluate(self.simd, lattice, boundary_velocity, AtPoints::Values(work_velocity), room);
         } else {
-            of_work[..len].copy_from_slice(&of_mesh[..len]);
+            work_velocity[..len].copy_from_slice(&geometry[len..2 * len]);
         }
     }
 

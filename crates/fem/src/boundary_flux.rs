@@ -177,7 +177,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         for (boundary, batch) in all {
             let origins = self.facet_origins(batch).map(in_space);
             self.facet_scratch.with(|scratch| {
-                self.gather_sides(Differentiate::Nothing, &[&self.state_traces], &[&self.mesh_traces], batch, scratch);
+                self.gather_states(Differentiate::Nothing, &[&self.state_traces], batch, scratch);
+                self.gather_mesh(Differentiate::Nothing, batch, scratch);
                 if let Some(velocity) = velocity_at_top {
                     self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
                 }

@@ -6,13 +6,14 @@
 //!
 //! The integral over the slab is a sum over its Gauss points. At each of them the terms form a problem in space.
 
+use crate::cell_geometry::geometry_len;
 use crate::conservation_law::ConservationLaw;
 use crate::instants::{Clock, TimePoint, TimePointIndex};
 use crate::mode::{Mode, Values};
 use crate::point::Kernel;
 use crate::scratch::CellScratch;
 use crate::tables::Tables;
-use crate::tensor_product::AlongAxis;
+use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate};
 use crate::volume_terms::CellTime;
 use basis::Matrix;
 use std::marker::PhantomData;
@@ -35,8 +36,7 @@ pub struct CellContext<'a, const D: usize> {
     pub positions: &'a Matrix,
     /// The source s, if there is one.
     pub source: Option<SourceAt<'a>>,
-    /// The geometry at the points, `[instant][number][p]`, where a collocated rule does not differentiate it. Where it does, and for the
-    /// terms of space alone, it is in the scratch.
+    /// The geometry at the points, where it is kept and not differentiated, see [`crate::slab_geometry`].
     pub geometry: Option<&'a [Pack]>,
 }
 
@@ -74,21 +74,27 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let inner = M * tables.orders.flow.pow(D as u32);
         scratch.violated = Pack::ZERO;
         kernel.to_instants(context, coefficients, scratch);
+        // The geometry of collocated rules with its derivatives is in the scratch.
+        let of_scratch = std::mem::take(&mut scratch.geometry.known);
+        let geometry = context.geometry.or(tables.collocation.is_some().then_some(&of_scratch[..]));
         let count = tables.times();
         for (number, instant) in tables.instants.iter().enumerate() {
             let weights = [context.dt * instant.weight, instant.weight];
-            kernel.space_terms(context, CellTime { instant, of: TimePointIndex { number, count }, weights }, scratch);
+            let time = CellTime { instant, of: TimePointIndex { number, count }, weights };
+            kernel.space_terms(context, geometry, time, scratch);
         }
         if count > tables.instants.len() {
-            kernel.mass_product(TimePointIndex { number: count - 1, count }, scratch);
+            let top = geometry.map(|known| &known[tables.instants.len() * geometry_len(D) * tables.volume_points()..]);
+            kernel.mass_product(top, TimePointIndex { number: count - 1, count }, scratch);
         }
+        scratch.geometry.known = of_scratch;
         let CellScratch { flux_at, mass_product_at, residual, scratch: room, .. } = scratch;
         room.contract(simd, AlongAxis { matrix: &tables.test, outer: 1, inner }, flux_at, residual, false);
         room.contract(simd, AlongAxis { matrix: &tables.test_rate, outer: 1, inner }, mass_product_at, residual, true);
     }
 }
 
-/// The terms of space alone at one time. Reads `state_at`, `position_at` and `velocity_at` of one time, overwrites `flux_at` and
+/// The terms of space alone at one time. Reads `state_at` of one time and the `known` geometry of the scratch, overwrites `flux_at` and
 /// `mass_product_at` of time 0.
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
@@ -111,11 +117,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let SpaceCells { law, context, instant, scratch, mode } = self;
         scratch.violated = Pack::ZERO;
         let time = CellTime { instant, of: TimePointIndex::ALONE, weights: [1.0; 2] };
-        Kernel { simd, law, tables: context.tables, mode }.space_terms(context, time, scratch);
+        let geometry = std::mem::take(&mut scratch.geometry.known);
+        Kernel { simd, law, tables: context.tables, mode }.space_terms(context, Some(&geometry), time, scratch);
+        scratch.geometry.known = geometry;
     }
 }
 
-/// Moments int w u J of a state at one time. Reads `state_at` and `position_at` of one time, overwrites `mass_product_at` of time 0.
+/// Moments int w u J of a state at one time. Reads `state_at` of one time and `position_at`, or where J is carried `determinant_at`;
+/// overwrites `mass_product_at` of time 0.
 pub struct CellMoments<'a, 'c, const D: usize, const M: usize, L> {
     /// The conservation law.
     pub law: &'c L,
@@ -131,6 +140,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Cell
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let CellMoments { law, tables, scratch } = self;
-        Kernel { simd, law, tables, mode: PhantomData::<Values> }.mass_product(TimePointIndex::ALONE, scratch);
+        let kernel = Kernel { simd, law, tables, mode: PhantomData::<Values> };
+        if tables.collocation.is_none() {
+            return kernel.mass_product(None, TimePointIndex::ALONE, scratch);
+        }
+        let mut carried = std::mem::take(&mut scratch.geometry.at_points);
+        let (nodal, CellScratch { determinant_at, scratch: room, .. }) =
+            (Lattice::whole(&tables.flow, D, 1), &mut *scratch);
+        evaluate(simd, nodal, determinant_at, AtPoints::Values(&mut carried[..]), room);
+        kernel.mass_product(Some(&carried), TimePointIndex::ALONE, scratch);
+        scratch.geometry.at_points = carried;
     }
 }

@@ -45,8 +45,3 @@ impl Collocation {
         }
     }
 }
-
-/// Numbers of the geometry of a cell at a point: A, the velocity, J.
-pub(crate) const fn geometry_len(dimension: usize) -> usize {
-    dimension * dimension + dimension + 1
-}

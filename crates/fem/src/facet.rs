@@ -13,6 +13,7 @@
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::FacetPoint;
+use crate::facet_geometry::facet_geometry_len;
 use crate::instants::{Clock, TimePointIndex};
 use crate::kernels::Times;
 use crate::mode::Mode;
@@ -38,6 +39,7 @@ pub enum Across<'a> {
 }
 
 /// Data shared by the facet kernels of a slab.
+#[derive(Clone, Copy)]
 pub struct FacetContext<'a, const D: usize> {
     /// One-dimensional tables.
     pub tables: &'a Tables<D>,
@@ -45,6 +47,8 @@ pub struct FacetContext<'a, const D: usize> {
     pub dt: f64,
     /// The times at which data are evaluated.
     pub clock: Clock,
+    /// The geometry of the batch at its times, `[time][number][p]`, where it is kept and not differentiated.
+    pub geometry: Option<&'a [Pack]>,
 }
 
 /// The facet terms at a list of times: reads traces, overwrites `terms`.
@@ -77,16 +81,26 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
         let kernel = Kernel { simd, law, tables, mode };
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
         scratch.violated = Pack::ZERO;
-        kernel.traces_to_instants(times.in_time, used, scratch); // 1.
+        kernel.states_to_instants(times.in_time.values, used, scratch); // 1.
+        if context.geometry.is_none() || matches!(across, Across::Boundary(_, Some(_))) {
+            kernel.facet_geometry().mesh_at_times(times.in_time, used, scratch);
+        }
+        let len = facet_geometry_len(D, law.is_viscous()) * tables.facet_points();
         for (number, instant) in times.instants.iter().enumerate() {
             let weight = times.weight * instant.weight;
             let of = TimePointIndex { number, count: times.instants.len() };
-            kernel.traces_to_points(of, used, scratch); // 2.
+            for side in &mut scratch.sides[..used] {
+                kernel.trace_to_points(of, side, &mut scratch.scratch); // 2.
+            }
+            let known = context.geometry.map(|geometry| &geometry[number * len..]);
+            if known.is_none() {
+                kernel.facet_geometry_to_points(of, used, scratch);
+            }
             match across {
-                Across::Cells => kernel.interior_points(weight, scratch), // 3.
+                Across::Cells => kernel.interior_points(known, weight, scratch), // 3.
                 Across::Boundary(number, data) => {
                     kernel.boundary_data(context.clock.time(instant.s), of, *data, scratch);
-                    kernel.boundary_points(conditions[*number], weight, scratch);
+                    kernel.boundary_points(conditions[*number], known, weight, scratch);
                     if scratch.with_loads {
                         kernel.test_loads(of, scratch); // 4.
                     }
@@ -107,18 +121,20 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
     /// Step 3 between two cells.
     #[inline(always)]
-    fn interior_points(self, weight: f64, scratch: &mut FacetScratch) {
+    fn interior_points(self, known: Option<&[Pack]>, weight: f64, scratch: &mut FacetScratch) {
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let here = self.facet_point(scratch, at, weight);
+                let geometry = known.unwrap_or(&scratch.geometry);
+                let here = self.facet_point(geometry, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
                 let plus = self.state(&scratch.sides[1].u, at);
                 let normal_speed = tensor::dot(&here.n, &here.v);
                 let mut f = law.numerical_flux(&minus, &plus, &here.n, normal_speed);
                 if law.is_viscous() {
-                    self.interior_viscous([&minus, &plus], &here, at, &mut scratch.sides, &mut f);
+                    let maps = [0, 1].map(|side| self.map_of_side(geometry, side, at));
+                    self.interior_viscous([&minus, &plus], (&here, &maps), at, &mut scratch.sides, &mut f);
                 }
                 for m in 0..M {
                     let term = (f[m].scale(here.area) * here.weight).result();
@@ -138,14 +154,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn interior_viscous(
         self,
         [minus, plus]: [&[K::State<S>; M]; 2],
-        here: &FacetPoint<K::Geometry<S>, D>,
+        (here, [metric_minus, metric_plus]): (&FacetPoint<K::Geometry<S>, D>, &[Metric<K::Geometry<S>, D>; 2]),
         at: PointIndex,
         [side_minus, side_plus]: &mut [SideScratch; 2],
         f: &mut [K::State<S>; M],
     ) {
-        let (law, metric_minus, metric_plus) = (self.law, here.metric, self.metric(&side_plus.jacobian, at));
-        let gradient_minus = self.physical_gradient(&side_minus.gradient, at, &metric_minus);
-        let gradient_plus = self.physical_gradient(&side_plus.gradient, at, &metric_plus);
+        let law = self.law;
+        let gradient_minus = self.physical_gradient(&side_minus.gradient, at, metric_minus);
+        let gradient_plus = self.physical_gradient(&side_plus.gradient, at, metric_plus);
         let (flux_minus, flux_plus) =
             (law.viscous_flux(minus, &gradient_minus), law.viscous_flux(plus, &gradient_plus));
         let jump = times_normal(minus, plus, &here.n);
@@ -165,8 +181,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
         // uhat - u- = -[u]/2 along n, and uhat - u+ = +[u]/2 along -n: the same on both sides.
         let scale = here.area * (-0.5 * here.weight);
-        self.symmetric_term(&jump_flux_minus, &metric_minus, scale, at, &mut side_minus.tested_gradient);
-        self.symmetric_term(&jump_flux_plus, &metric_plus, scale, at, &mut side_plus.tested_gradient);
+        self.symmetric_term(&jump_flux_minus, metric_minus, scale, at, &mut side_minus.tested_gradient);
+        self.symmetric_term(&jump_flux_plus, metric_plus, scale, at, &mut side_plus.tested_gradient);
     }
 
     /// N_s^2 of sigma.

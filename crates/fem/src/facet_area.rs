@@ -4,19 +4,19 @@
 //! volume terms.
 
 use crate::collocation::Collocation;
-use crate::conservation_law::ConservationLaw;
+use crate::facet_geometry::FacetGeometry;
+use crate::fields::Fields;
 use crate::instants::TimePointIndex;
 use crate::mode::Mode;
-use crate::point::Kernel;
 use crate::scratch::{FaceNodes, FacetScratch};
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Pack, Real, cofactor, dot};
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// The area vectors at the points, and the velocity there: its normal component becomes that of the grid flux.
+impl<const D: usize, K: Mode, S: Simd> FacetGeometry<'_, D, K, S> {
+    /// Replaces the area vectors at the points, and the normal component of the velocity there by that of the grid flux.
     #[inline(always)]
-    pub(crate) fn area_to_points(self, of: TimePointIndex, scratch: &mut FacetScratch) {
+    pub(crate) fn area_of_grid_flux(&self, of: TimePointIndex, scratch: &mut FacetScratch, out: &mut [Pack]) {
         let Some(collocation) = &self.tables.collocation else { return };
         self.mesh_on_face(collocation, of, scratch);
         if D == 2 {
@@ -26,22 +26,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
         self.grid_flux_on_face(&mut scratch.on_nodes);
         let (lattice, len) = (Lattice::whole(&self.tables.flow, D - 1, D + 1), self.face_nodes());
-        let FacetScratch { on_nodes: FaceNodes { area, area_at_points, .. }, scratch: room, .. } = scratch;
+        let FacetScratch { on_nodes: FaceNodes { area, area_at_points, .. }, scratch: room, .. } = &mut *scratch;
         for b in 0..K::GEOMETRY_BLOCKS {
             let start = b * (D + 1) * len;
             evaluate(self.simd, lattice, &area[start..], AtPoints::Values(&mut area_at_points[start..]), room);
         }
-        self.normal_velocities(scratch);
+        self.normal_velocities(scratch, out);
     }
 
     #[inline(always)]
-    fn face_nodes(self) -> usize {
+    fn face_nodes(&self) -> usize {
         self.tables.orders.flow.pow(D as u32 - 1)
     }
 
     /// Position, tangents and velocity at the nodes.
     #[inline(always)]
-    fn mesh_on_face(self, collocation: &Collocation, of: TimePointIndex, scratch: &mut FacetScratch) {
+    fn mesh_on_face(&self, collocation: &Collocation, of: TimePointIndex, scratch: &mut FacetScratch) {
         let (lattice, len) = (Lattice::whole(&collocation.mesh, D - 1, D), self.face_nodes());
         let FacetScratch { sides: [minus, _], velocity_at, on_nodes, scratch: room, .. } = scratch;
         for b in 0..K::GEOMETRY_BLOCKS {
@@ -54,18 +54,15 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The area vector in 2-D: the last column of the cofactors, which depends on the tangent alone.
     #[inline(always)]
-    fn turned_tangents(self, on_nodes: &mut FaceNodes) {
+    fn turned_tangents(&self, on_nodes: &mut FaceNodes) {
         let len = self.face_nodes();
         for i in 0..len {
             for part in 0..Lanes::<S>::PARTS {
-                let tangent: [K::Geometry<S>; D] = self.on_node(&on_nodes.tangents, [D * D, 0], i, part);
-                let mut dx = [tangent; D];
+                let tangents = Fields::new(D * D, len);
+                let tangent: [K::Geometry<S>; D] = tangents.vector(self.simd, &on_nodes.tangents, i, part);
+                let area = cofactor(&[tangent; D]);
                 for d in 0..D {
-                    dx[d] = [tangent[d]; D];
-                }
-                let cof = cofactor(&dx);
-                for d in 0..D {
-                    cof[d][D - 1].store(&mut on_nodes.area, (D + 1) * len, d * len + i, part);
+                    Fields::new(D + 1, len).store(d, area[D - 1][d], &mut on_nodes.area, i, part);
                 }
             }
         }
@@ -73,19 +70,19 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The area vector in 3-D: the component of the curl along the axis that leaves the face.
     #[inline(always)]
-    fn curls_on_face(self, collocation: &Collocation, scratch: &mut FacetScratch) {
+    fn curls_on_face(&self, collocation: &Collocation, scratch: &mut FacetScratch) {
         let (len, lattice) = (self.face_nodes(), Lattice::whole(&self.tables.flow, D - 1, D));
         let FacetScratch { on_nodes, scratch: room, .. } = scratch;
         let FaceNodes { x, tangents, curled, area, .. } = on_nodes;
         for i in 0..len {
             for part in 0..Lanes::<S>::PARTS {
-                let x: [K::Geometry<S>; D] = self.on_node(x, [D, 0], i, part);
+                let x: [K::Geometry<S>; D] = Fields::new(D, len).vector(self.simd, x, i, part);
                 for k in 0..D - 1 {
-                    let slope: [K::Geometry<S>; D] = self.on_node(tangents, [D * D, k * D], i, part);
+                    let matrix = Fields::new(D * D, len);
+                    let slope: [K::Geometry<S>; D] = matrix.from(k * D).vector(self.simd, tangents, i, part);
                     for n in 0..D {
                         let (m, l) = ((n + 1) % D, (n + 2) % D);
-                        let f = x[l] * slope[m] - x[m] * slope[l];
-                        f.store(curled, D * D * len, (k * D + n) * len + i, part);
+                        matrix.store(k * D + n, x[l] * slope[m] - x[m] * slope[l], curled, i, part);
                     }
                 }
             }
@@ -101,49 +98,36 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The normal velocity times area at the nodes.
     #[inline(always)]
-    fn grid_flux_on_face(self, on_nodes: &mut FaceNodes) {
+    fn grid_flux_on_face(&self, on_nodes: &mut FaceNodes) {
         let len = self.face_nodes();
         for i in 0..len {
             for part in 0..Lanes::<S>::PARTS {
-                let area: [K::Geometry<S>; D] = self.on_node(&on_nodes.area, [D + 1, 0], i, part);
-                let v = self.on_node(&on_nodes.v, [D, 0], i, part);
-                dot(&area, &v).store(&mut on_nodes.area, (D + 1) * len, D * len + i, part);
+                let fields = Fields::new(D + 1, len);
+                let area: [K::Geometry<S>; D] = fields.vector(self.simd, &on_nodes.area, i, part);
+                let v = Fields::new(D, len).vector(self.simd, &on_nodes.v, i, part);
+                fields.store(D, dot(&area, &v), &mut on_nodes.area, i, part);
             }
         }
     }
 
     /// v + ( g - S . v ) S / |S|^2 at the points, with the area vector S.
     #[inline(always)]
-    fn normal_velocities(self, scratch: &mut FacetScratch) {
-        let (points, FacetScratch { on_nodes, area: out, v, .. }) = (self.tables.facet_points(), scratch);
+    fn normal_velocities(&self, scratch: &FacetScratch, out: &mut [Pack]) {
+        let (points, geometry) = (self.tables.facet_points(), self.fields());
+        let fields = Fields::new(D + 1, points);
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
-                let area: [K::Geometry<S>; D] = self.on_node(&on_nodes.area_at_points, [D + 1, 0], p, part);
-                let [flux] = self.on_node(&on_nodes.area_at_points, [D + 1, D], p, part);
-                let velocity: [K::Geometry<S>; D] = self.on_node(v, [D, 0], p, part);
-                let missing = (flux - dot(&area, &velocity)) * dot(&area, &area).recip();
+                let sign = Lanes::read(self.simd, &scratch.normal_sign, part);
+                let array = &scratch.on_nodes.area_at_points;
+                let area: [K::Geometry<S>; D] = fields.vector(self.simd, array, p, part);
+                let flux: K::Geometry<S> = fields.from(D).one(self.simd, array, p, part);
+                let v: [K::Geometry<S>; D] = geometry.from(D).vector(self.simd, out, p, part);
+                let missing = (flux - dot(&area, &v)) * dot(&area, &area).recip();
                 for d in 0..D {
-                    area[d].store(out, D * points, d * points + p, part);
-                    (velocity[d] + area[d] * missing).store(v, D * points, d * points + p, part);
+                    geometry.store(d, area[d].times(sign), out, p, part);
+                    geometry.store(D + d, v[d] + area[d] * missing, out, p, part);
                 }
             }
         }
-    }
-
-    /// C fields from number `first` on at a node or point, of blocks of `fields`, `[b][field][i]`.
-    #[inline(always)]
-    fn on_node<const C: usize>(
-        self,
-        array: &[Pack],
-        [fields, first]: [usize; 2],
-        i: usize,
-        part: usize,
-    ) -> [K::Geometry<S>; C] {
-        let len = self.face_nodes();
-        let mut values = [K::Geometry::<S>::load(self.simd, array, fields * len, first * len + i, part); C];
-        for c in 1..C {
-            values[c] = K::Geometry::<S>::load(self.simd, array, fields * len, (first + c) * len + i, part);
-        }
-        values
     }
 }

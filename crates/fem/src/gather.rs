@@ -2,7 +2,6 @@
 
 use crate::batches::{FacetBatch, Permutation};
 use crate::kernels::Differentiate;
-use crate::mesh_traces::MeshTraces;
 use crate::operator::SlabOperator;
 use crate::scratch::FacetScratch;
 use crate::traces::Traces;
@@ -52,22 +51,20 @@ pub(crate) fn gather_traces(
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Reads the traces on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`.
-    /// There is one block per entry of `state` and of `mesh`. The position of the facet is read only from the minus side.
-    pub(crate) fn gather_sides(
+    /// Reads the traces of the state on both sides of a batch of facets, in the lattice of minus, for a kernel that differentiates `along`.
+    /// There is one block per entry of `state`.
+    pub(crate) fn gather_states(
         &self,
         along: Differentiate,
         state: &[&Traces],
-        mesh: &[&MeshTraces],
         batch: &FacetBatch,
         scratch: &mut FacetScratch,
     ) {
         let FacetScratch { sides, normal_sign, reordered, .. } = scratch;
         *normal_sign = batch.normal_sign;
-        let kinds = if self.problem.kernels.is_viscous() { 2 } else { 1 };
-        let used = if batch.boundary.is_none() { 2 } else { 1 };
-        for (number, side) in sides.iter_mut().enumerate().take(used) {
-            let (len, ends) = (state[0].layout.kind_len(), batch.ends(number));
+        let (len, kinds) = (state[0].layout.kind_len(), self.kinds());
+        for (number, side) in sides.iter_mut().enumerate().take(batch.sides()) {
+            let ends = batch.ends(number);
             let permutations = from_fn(|lane| self.facets.permutation(batch, lane, number).map(|p| &p.flow[..]));
             let of_kinds = side.state.chunks_exact_mut(along.state_blocks() * len).take(kinds);
             for (kind, packs) in of_kinds.enumerate() {
@@ -76,17 +73,29 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                     gather_traces(sources, permutations, packs, reordered);
                 }
             }
-            let len = mesh[0].kind_len();
+        }
+    }
+
+    /// Reads the traces of the mesh likewise, with a second block for its direction if `along` asks for it. Position and tangents are read
+    /// from the minus side alone.
+    pub(crate) fn gather_mesh(&self, along: Differentiate, batch: &FacetBatch, scratch: &mut FacetScratch) {
+        let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
+        scratch.normal_sign = batch.normal_sign;
+        let (len, kinds) = (mesh[0].kind_len(), self.kinds());
+        for (number, side) in scratch.sides.iter_mut().enumerate().take(batch.sides()) {
             let of_kinds = side.mesh.chunks_exact_mut(along.geometry_blocks() * len).take(kinds);
             for (kind, packs) in of_kinds.enumerate() {
                 for (traces, packs) in mesh.iter().zip(packs.chunks_exact_mut(len)) {
-                    traces
-                        .on_facets(batch.number, number, kind)
-                        .into_iter()
-                        .for_each(|from| packs.copy_from_slice(from));
+                    let from = traces.on_facets(batch.number, number, kind);
+                    from.into_iter().for_each(|from| packs.copy_from_slice(from));
                 }
             }
         }
+    }
+
+    /// Kinds of traces that the law reads.
+    fn kinds(&self) -> usize {
+        if self.problem.kernels.is_viscous() { 2 } else { 1 }
     }
 
     /// The terms of a batch of facets, `[facet][side][kind][a][m][face node]`, every side in its own lattice. They are NaN if a trace
@@ -97,10 +106,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             return terms.fill(f64::NAN);
         }
         let layout = self.state_traces.layout;
-        let sides = if batch.boundary.is_none() { 2 } else { 1 };
         let len = layout.kind_len() * if viscous { 2 } else { 1 };
         for (lane, terms) in terms.chunks_exact_mut(2 * layout.face_len()).take(batch.count).enumerate() {
-            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(sides).enumerate() {
+            for (side, terms) in terms.chunks_exact_mut(layout.face_len()).take(batch.sides()).enumerate() {
                 let packs = &scratch.sides[side].terms[..len];
                 let Some(Permutation { flow, .. }) = self.facets.permutation(batch, lane, side) else {
                     write_lane(packs, lane, terms);

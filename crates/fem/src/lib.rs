@@ -9,7 +9,8 @@
 //! | `tensor_product` | values and gradients at points, and their transposes |
 //! | `mode` | the choice of derivatives |
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
-//! | `collocation`, `cell_geometry`, `facet_area`, `slab_geometry` | the metric of collocated rules |
+//! | `cell_geometry`, `facet_geometry`, `slab_geometry`, `fields` | the geometry at the points, and where it is kept |
+//! | `collocation`, `nodal_geometry`, `facet_area` | the metric of collocated rules |
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
@@ -31,7 +32,9 @@ mod conservation_law;
 mod facet;
 mod facet_area;
 mod facet_evaluation;
+mod facet_geometry;
 mod field;
+mod fields;
 mod gather;
 mod instants;
 mod kernels;
@@ -43,6 +46,7 @@ mod mesh_traces;
 mod mode;
 mod moving_mesh;
 mod nodal_batches;
+mod nodal_geometry;
 mod operator;
 mod per_thread;
 mod point;

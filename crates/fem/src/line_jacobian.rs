@@ -10,7 +10,6 @@
 //! with the derivatives of a face with respect to the cell's own trace alone.
 
 use crate::batches::FacetBatch;
-use crate::kernels::Differentiate;
 use crate::linearisation::{FrozenPoint, TraceSpace};
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch};
@@ -129,9 +128,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn ends_of_lines(&self, batch: &FacetBatch, frozen: &FrozenPoint, line: &TraceSpace) -> Vec<OwnBlocks> {
         let traces = line.len();
         let mut blocks: Vec<OwnBlocks> = vec![[vec![0.0; traces * traces], vec![0.0; traces * traces]]; batch.count];
-        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        let sides = batch.sides();
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(Differentiate::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            self.gather_frozen_facets(batch, frozen, scratch);
             for (side, column) in (0..sides).flat_map(|side| (0..traces).map(move |column| (side, column))) {
                 self.along_mean_trace(batch, frozen, [side, column], scratch);
                 let terms = scratch.sides[side].terms.chunks_exact(frozen.traces.layout.face_nodes);

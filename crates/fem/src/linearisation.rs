@@ -8,6 +8,7 @@
 
 use crate::batches::{FacetBatch, cells_of};
 use crate::cell::{CellContext, SourceAt};
+use crate::facet_geometry::GeometryOfFacets;
 use crate::gather::gather;
 use crate::instants::{InTime, TimePoint};
 use crate::kernels::{Differentiate, Times};
@@ -120,6 +121,12 @@ pub(crate) struct FrozenPoint {
     pub(crate) traces: Traces,
 }
 
+impl FrozenPoint {
+    fn in_time(&self) -> InTime<'_> {
+        InTime { values: &self.instant.values, velocities: &self.instant.velocities, positions: &self.row }
+    }
+}
+
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The blocks at position `s` of the slab, in the state and on the mesh last set.
     pub fn space_jacobian(&self, s: f64) -> SpaceJacobian {
@@ -219,15 +226,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Reads state and mesh of a batch of cells.
     pub(crate) fn gather_frozen(&self, batch: usize, frozen: &FrozenPoint, scratch: &mut CellScratch) {
-        let (block, slot) = (self.layout.time_len(), self.mesh.slot_len());
-        let cells = cells_of(batch, self.layout.cells);
+        let (block, cells) = (self.layout.time_len(), cells_of(batch, self.layout.cells));
         gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_at[..block]);
-        let (row, velocity) = (frozen.row.row(0), frozen.instant.velocities.row(0));
-        for (lane, cell) in cells.into_iter().enumerate() {
-            self.mesh.gather_sum(cell, row, lane, &mut scratch.position_at[..slot]);
-            self.mesh.gather_sum(cell, velocity, lane, &mut scratch.velocity_at[..slot]);
-        }
-        self.geometry_of_space(batch, [row, velocity], &mut scratch.geometry);
+        let rows = [frozen.row.row(0), frozen.instant.velocities.row(0)];
+        self.geometry_of_space(batch, rows, &mut scratch.geometry);
     }
 
     /// Runs the cell kernel on a gathered batch, along the direction `[m][node]` that `set` writes over zeros.
@@ -249,10 +251,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// The blocks of a batch of facets in traces.
     fn facet_blocks(&self, batch: &FacetBatch, frozen: &FrozenPoint, traces: &TraceSpace) -> Vec<FacetBlocks> {
-        let sides = if batch.boundary.is_none() { 2 } else { 1 };
+        let sides = batch.sides();
         let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(Differentiate::State, &[&frozen.traces], &[&self.mesh_traces], batch, scratch);
+            self.gather_frozen_facets(batch, frozen, scratch);
             for side in 0..sides {
                 for column in 0..traces.len() {
                     self.facet_column(batch, frozen, [side, column], traces, scratch);
@@ -287,6 +289,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
+    /// Reads the traces of state and mesh on a batch of facets, and computes its geometry.
+    pub(crate) fn gather_frozen_facets(&self, batch: &FacetBatch, frozen: &FrozenPoint, scratch: &mut FacetScratch) {
+        self.gather_states(Differentiate::State, &[&frozen.traces], batch, scratch);
+        self.gather_mesh(Differentiate::Nothing, batch, scratch);
+        let (viscous, used, in_time) = (self.problem.kernels.is_viscous(), batch.sides(), frozen.in_time());
+        let mut out = std::mem::take(&mut scratch.geometry);
+        Arch::new().dispatch(GeometryOfFacets { tables: &self.tables, viscous, used, in_time, scratch, out: &mut out });
+        scratch.geometry = out;
+    }
+
     /// Runs the facet kernel on a gathered batch, along the direction that `set` writes over zeros: `[kind][b][m][face node]` with b = 1
     /// in the state of each side.
     pub(crate) fn along_facets(
@@ -303,10 +315,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
         set(&mut scratch.sides);
         let instants = std::slice::from_ref(&frozen.instant);
-        let FrozenPoint { instant, row, test, .. } = frozen;
-        let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: row };
-        let times = Times { instants, in_time, test, weight: 1.0 };
-        self.facet_kernel(Differentiate::State, batch, &times, scratch);
+        let times = Times { instants, in_time: frozen.in_time(), test: &frozen.test, weight: 1.0 };
+        let geometry = std::mem::take(&mut scratch.geometry);
+        self.facet_kernel(Differentiate::State, batch, (&times, Some(&geometry)), scratch);
+        scratch.geometry = geometry;
     }
 }
 

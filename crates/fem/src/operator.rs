@@ -22,7 +22,7 @@ use mesh::{Mesh, NodeNumbering};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use tensor::WIDTH;
+use tensor::{Pack, WIDTH};
 
 /// The data of a slab operator.
 pub struct Problem<const D: usize, const M: usize> {
@@ -104,8 +104,8 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub(crate) cells: PerThread<CellScratch>,
     pub(crate) facet_scratch: PerThread<FacetScratch>,
     pub(crate) wall_loads: WallLoads,
-    /// The geometry of cells, where the rule is collocated.
-    pub(crate) geometry: Option<SlabGeometry>,
+    /// The geometry on the mesh last set, where it is kept.
+    pub(crate) geometry: SlabGeometry,
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
@@ -148,7 +148,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
-            geometry: SlabGeometry::new(&tables, cells),
+            geometry: SlabGeometry::new(&tables, problem.kernels.is_viscous(), cells, facets.batches.len()),
             cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             wall_loads: WallLoads::unloaded(facets.batches.len()),
@@ -247,7 +247,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.cells.with(|scratch| {
                 let cells = cells_of(batch, layout.cells);
                 gather(cells.map(|c| &state[layout.cell(c)]), &mut scratch.state_at[..layout.cell_len()]);
-                self.gather_end(batch, end, &row, scratch);
+                self.gather_end(batch, end, row.row(0), scratch);
                 self.problem.kernels.mass_product(&self.tables, scratch);
                 scatter(&scratch.mass_product_at[..layout.cell_len()], layout.cell_len(), out);
             });
@@ -306,12 +306,15 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     ) {
         let viscous = self.problem.kernels.is_viscous();
         let state = &self.state_and_direction()[..along.state_blocks()];
-        let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
-        self.gather_sides(along, state, mesh, batch, scratch);
+        self.gather_states(along, state, batch, scratch);
+        let geometry = self.facet_geometry(along, batch);
+        if geometry.is_none() || batch.boundary.is_some() {
+            self.gather_mesh(along, batch, scratch);
+        }
         let (instants, test) = (&self.tables.instants[..], &self.tables.test);
         let times = Times { instants, in_time: self.in_time(), test, weight: self.dt };
         scratch.with_loads = !loads.is_empty();
-        self.facet_kernel(along, batch, &times, scratch);
+        self.facet_kernel(along, batch, (&times, geometry), scratch);
         scatter_loads(&scratch.loads, loads);
         scratch.with_loads = false;
         self.scatter_terms(batch, scratch, viscous, terms);
@@ -322,16 +325,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         InTime { values: &self.tables.values, velocities: &self.tables.velocities, positions: &self.positions }
     }
 
-    /// Runs the facet kernel on a batch that has been gathered.
+    /// Runs the facet kernel on a batch that has been gathered, with its geometry at these times if that is known.
     pub(crate) fn facet_kernel(
         &self,
         along: Differentiate,
         batch: &FacetBatch,
-        times: &Times,
+        (times, geometry): (&Times, Option<&[Pack]>),
         scratch: &mut FacetScratch,
     ) {
         self.across(along, batch, |context, across| {
-            self.problem.kernels.facets(along, context, times, across, scratch);
+            self.problem.kernels.facets(along, &FacetContext { geometry, ..*context }, times, across, scratch);
         });
     }
 
@@ -343,7 +346,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         kernel: impl FnOnce(&FacetContext<D>, &Across),
     ) {
         let field = batch.boundary.and_then(|boundary| self.problem.data[boundary].as_deref());
-        let fill = |time: f64, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+        let fill = |time: f64, x: &[Pack], data: &mut [Pack]| {
             if let Some(field) = field {
                 let (blocks, origins) = (along.geometry_blocks(), self.facet_origins(batch));
                 Prescribed { field, blocks, origins }.fill(time, self.tables.facet_points(), x, data);
@@ -351,7 +354,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let data = field.is_some().then_some(&fill as DataAt);
         let across = batch.boundary.map_or(Across::Cells, |boundary| Across::Boundary(boundary, data));
-        kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock }, &across);
+        kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock, geometry: None }, &across);
     }
 
     /// The origins of the positions of a batch of facets, those of the minus cells.
@@ -372,7 +375,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let state = self.state_and_direction().map(|traces| traces.coefficients(batch));
         let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
         let (state, mesh) = (&state[..along.state_blocks()], &mesh[..along.geometry_blocks()]);
-        let fill = |time: f64, points: usize, x: &[tensor::Pack], data: &mut [tensor::Pack]| {
+        let fill = |time: f64, points: usize, x: &[Pack], data: &mut [Pack]| {
             if let Some(field) = self.problem.source.as_deref() {
                 let origins = cells_of(batch, self.layout.cells).map(|cell| self.mesh.origin(cell));
                 Prescribed { field, blocks: along.geometry_blocks(), origins }.fill(time, points, x, data);
@@ -384,7 +387,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             clock: self.clock,
             positions: &self.positions_and_top,
             source: self.problem.source.is_some().then_some(&fill),
-            geometry: self.geometry.as_ref().filter(|_| mesh.len() == 1).map(|geometry| geometry.batch(batch)),
+            geometry: self.geometry.of_cells(batch).filter(|_| mesh.len() == 1),
         };
         if mesh.len() == 2 {
             self.differentiate_geometry(batch, scratch);

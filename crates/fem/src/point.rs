@@ -1,12 +1,12 @@
 //! Operations of the cell and facet kernels at one point.
 
-use crate::collocation::geometry_len;
 use crate::conservation_law::ConservationLaw;
+use crate::fields::Fields;
 use crate::mode::Mode;
 use crate::tables::Tables;
 use std::marker::PhantomData;
 use tensor::pulp::Simd;
-use tensor::{LaneNumber, Lanes, Over, Pack, Real, cofactor, determinant};
+use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// A run of the kernels: the law, and the number types of this run. What kernels do are its methods.
 ///
@@ -53,39 +53,23 @@ pub(crate) struct Metric<G, const D: usize> {
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// Cofactors and determinant of dx/dxi; `jacobian[b][direction][d][p]`.
+    /// The map at a point, from `geometry[b][number][p]`: A `[direction][d]` and J begin at the given `numbers`.
     #[inline(always)]
-    pub(crate) fn metric(self, jacobian: &[Pack], at: PointIndex) -> Metric<K::Geometry<S>, D> {
-        let (simd, block) = (self.simd, D * D * at.points);
-        let first = K::Geometry::<S>::load(simd, jacobian, block, at.p, at.part);
-        let mut dx = [[first; D]; D];
-        for j in 0..D {
-            for i in 0..D {
-                dx[i][j] = K::Geometry::<S>::load(simd, jacobian, block, at.index(j * D + i), at.part);
-            }
-        }
-        let cof = cofactor(&dx);
-        Metric { cof, det: determinant(&dx, &cof) }
-    }
-
-    /// Metric and velocity of a collocated rule at a point; `geometry[b][number][p]`, A `[direction][d]`, velocity `[d]`, J.
-    #[inline(always)]
-    pub(crate) fn known_geometry(
+    pub(crate) fn metric(
         self,
         geometry: &[Pack],
+        fields: Fields,
+        [area, det]: [usize; 2],
         at: PointIndex,
-    ) -> (Metric<K::Geometry<S>, D>, [K::Geometry<S>; D]) {
-        let (simd, block) = (self.simd, geometry_len(D) * at.points);
-        let load = |number: usize| K::Geometry::<S>::load(simd, geometry, block, at.index(number), at.part);
-        let det = load(D * D + D);
-        let (mut cof, mut v) = ([[det; D]; D], [det; D]);
+    ) -> Metric<K::Geometry<S>, D> {
+        let rows = fields.from(area).rows::<D, K::Geometry<S>, S>(self.simd, geometry, at.p, at.part);
+        let mut cof = rows;
         for j in 0..D {
             for d in 0..D {
-                cof[d][j] = load(j * D + d);
+                cof[d][j] = rows[j][d];
             }
-            v[j] = load(D * D + j);
         }
-        (Metric { cof, det }, v)
+        Metric { cof, det: fields.from(det).one(self.simd, geometry, at.p, at.part) }
     }
 
     /// A state; `u[b][m][p]`.

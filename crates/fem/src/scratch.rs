@@ -1,6 +1,7 @@
 //! Packs that a thread keeps from one batch of cells or facets to the next.
 
 use crate::cell_geometry::GeometryScratch;
+use crate::facet_geometry::facet_geometry_len;
 use crate::tables::{Orders, Tables};
 use crate::tensor_product::Scratch;
 use tensor::{Pack, WIDTH, zeroed};
@@ -13,10 +14,6 @@ pub struct CellScratch {
     pub residual: Vec<Pack>,
     /// State, `[b][time, last the top][m][i]`; for the operator of space alone and for moments at one time.
     pub state_at: Vec<Pack>,
-    /// Position, `[b][instant, last the top][d][i]`.
-    pub position_at: Vec<Pack>,
-    /// Velocity, `[b][time, last the top][d][i]`; its top is not used.
-    pub velocity_at: Vec<Pack>,
     /// Flux terms, `[instant][m][i]`.
     pub flux_at: Vec<Pack>,
     /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
@@ -25,7 +22,7 @@ pub struct CellScratch {
     pub x: Vec<Pack>,
     /// Source at points, `[b][m][p]`.
     pub source: Vec<Pack>,
-    /// The geometry of a collocated rule.
+    /// The geometry.
     pub geometry: GeometryScratch,
     /// J at the nodes, for moments at one time; collocated rules only.
     pub determinant_at: Vec<Pack>,
@@ -35,8 +32,6 @@ pub struct CellScratch {
     pub violated: Pack,
     pub(crate) u: Vec<Pack>,
     pub(crate) gradient: Vec<Pack>,
-    pub(crate) jacobian: Vec<Pack>,
-    pub(crate) v: Vec<Pack>,
     pub(crate) flux: Vec<Pack>,
     pub(crate) mass_product: Vec<Pack>,
     pub(crate) scratch: Scratch,
@@ -47,13 +42,10 @@ impl CellScratch {
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
         let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
-        let mesh_nodes = tables.orders.mesh.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
         CellScratch {
             residual: zeroed(n_t * M * nodes),
             state_at: zeroed(2 * (instants + 1) * M * nodes),
-            position_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
-            velocity_at: zeroed(2 * (instants + 1) * D * mesh_nodes),
             flux_at: zeroed(instants * M * nodes),
             mass_product_at: zeroed((instants + 1) * M * nodes),
             x: zeroed(2 * D * points),
@@ -64,8 +56,6 @@ impl CellScratch {
             violated: Pack::ZERO,
             u: zeroed(2 * M * points),
             gradient: zeroed(D * 2 * M * points),
-            jacobian: zeroed(D * 2 * D * points),
-            v: zeroed(2 * D * points),
             flux: zeroed(D * M * points),
             mass_product: zeroed(M * points),
             scratch: Scratch::new(D, 2 * M, widest),
@@ -92,6 +82,7 @@ pub struct SideScratch {
     pub(crate) terms_at: Vec<Pack>,
     pub(crate) u: Vec<Pack>,
     pub(crate) gradient: Vec<Pack>,
+    /// dx/dxi at the points, `[b][direction][d][p]`.
     pub(crate) jacobian: Vec<Pack>,
     pub(crate) tested: Vec<Pack>,
     pub(crate) tested_gradient: Vec<Pack>,
@@ -123,10 +114,11 @@ pub struct FacetScratch {
     pub(crate) reordered: Vec<f64>,
     /// Velocity of the facet, `[b][instant][d][i]`.
     pub(crate) velocity_at: Vec<Pack>,
-    pub(crate) v: Vec<Pack>,
-    /// Area vectors at the points, `[b][d][p]`; collocated rules only.
-    pub(crate) area: Vec<Pack>,
-    /// What they are made of, at the nodes of a face.
+    /// The velocity at which forces do work at the points, `[d][p]`.
+    pub(crate) work_velocity: Vec<Pack>,
+    /// The geometry at the points that is not known, `[b][number][p]`, see [`crate::facet_geometry`].
+    pub(crate) geometry: Vec<Pack>,
+    /// What area vectors of collocated rules are made of.
     pub(crate) on_nodes: FaceNodes,
     pub(crate) scratch: Scratch,
 }
@@ -198,8 +190,8 @@ impl FacetScratch {
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
             velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
-            v: zeroed(2 * D * points),
-            area: zeroed(if tables.collocation.is_some() { 2 * D * points } else { 0 }),
+            work_velocity: zeroed(D * points),
+            geometry: zeroed(2 * facet_geometry_len(D, true) * points),
             on_nodes: FaceNodes::new(tables),
             scratch: Scratch::new(D - 1, 2 * M.max(D + 1), widest),
         }

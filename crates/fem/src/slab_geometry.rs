@@ -1,14 +1,17 @@
-//! The geometry of all cells of a slab in collocated rules, computed once for each position of the mesh.
+//! The geometry of all cells and facets of a slab, where it is kept.
+//!
+//! A mesh serves many evaluations. In two dimensions, and for collocated rules, its geometry at the points is computed once for each
+//! position of the mesh. Other rules have too many points in space: they compute it in every evaluation.
 
-use crate::batches::{BATCHES_PER_TASK, cells_of};
-use crate::cell_geometry::{GeometryOfSlab, GeometryOfSpace, GeometryScratch};
-use crate::collocation::geometry_len;
+use crate::batches::{BATCHES_PER_TASK, FacetBatch, cells_of};
+use crate::cell_geometry::{CellMotion, GeometryOfSlab, GeometryOfSpace, GeometryScratch, kept_len};
+use crate::facet_geometry::{GeometryOfFacets, facet_geometry_len};
 use crate::gather::{gather, scatter};
+use crate::kernels::Differentiate;
 use crate::mode::{AlongStateAndMesh, Values};
 use crate::operator::SlabOperator;
 use crate::scratch::CellScratch;
 use crate::tables::Tables;
-use basis::Matrix;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use tensor::{Arch, Pack, WIDTH, zeroed};
@@ -22,63 +25,80 @@ pub enum SlabEnd {
     Top,
 }
 
-/// (metric), (grid flux) and (carried) of all cells.
+/// The geometry at the points, and the determinants that are carried.
+#[derive(Default)]
 pub(crate) struct SlabGeometry {
-    /// `[batch][instant][number][p]`, see [`GeometryScratch::at_points`].
-    at_points: Vec<Pack>,
-    /// Packs of one batch.
-    batch_len: usize,
-    /// J at the nodes at the bottom and at the top, `[cell][node]`.
-    bottom: Vec<f64>,
-    top: Vec<f64>,
+    /// By batches of cells, see [`kept_len`]; empty where it is not kept.
+    cells: Vec<Pack>,
+    /// By batches of facets, `[batch][instant][number][p]`.
+    facets: Vec<Pack>,
+    /// Packs of one batch of cells, and of facets.
+    of_batch: [usize; 2],
+    /// J at the nodes at the bottom and at the top, `[cell][node]`; empty where it is not carried.
+    carried: [Vec<f64>; 2],
 }
 
 impl SlabGeometry {
-    /// Memory for `cells` cells; `None` where the rule is not collocated.
-    pub(crate) fn new<const D: usize>(tables: &Tables<D>, cells: usize) -> Option<Self> {
-        tables.collocation.as_ref()?;
-        let nodes = tables.orders.flow.pow(D as u32);
-        let batch_len = tables.instants.len() * geometry_len(D) * nodes;
-        let ends = vec![1.0; cells * nodes];
-        let at_points = zeroed(cells.div_ceil(WIDTH) * batch_len);
-        Some(SlabGeometry { at_points, batch_len, bottom: ends.clone(), top: ends })
+    /// Memory for `cells` cells and so many `batches` of facets.
+    pub(crate) fn new<const D: usize>(tables: &Tables<D>, viscous: bool, cells: usize, batches: usize) -> Self {
+        let collocated = tables.collocation.is_some();
+        if !collocated && D > 2 {
+            return SlabGeometry::default();
+        }
+        let instants = tables.instants.len();
+        let of_cells = kept_len(D, instants, tables.volume_points(), tables.times() > instants);
+        let of_facets = instants * facet_geometry_len(D, viscous) * tables.facet_points();
+        let ends = vec![1.0; if collocated { cells * tables.orders.flow.pow(D as u32) } else { 0 }];
+        SlabGeometry {
+            cells: zeroed(cells.div_ceil(WIDTH) * of_cells),
+            facets: zeroed(batches * of_facets),
+            of_batch: [of_cells, of_facets],
+            carried: [ends.clone(), ends],
+        }
     }
 
-    /// The geometry of a batch, `[instant][number][p]`.
-    pub(crate) fn batch(&self, number: usize) -> &[Pack] {
-        &self.at_points[number * self.batch_len..][..self.batch_len]
+    /// The geometry of a batch of cells, if it is kept.
+    pub(crate) fn of_cells(&self, batch: usize) -> Option<&[Pack]> {
+        self.cells.get(batch * self.of_batch[0]..(batch + 1) * self.of_batch[0]).filter(|kept| !kept.is_empty())
     }
 
-    /// J at the nodes at an end of the slab, `[cell][node]`.
-    pub(crate) fn determinants(&self, end: SlabEnd) -> &[f64] {
-        if end == SlabEnd::Bottom { &self.bottom } else { &self.top }
+    /// The geometry of a batch of facets at the instants, if it is kept.
+    pub(crate) fn of_facets(&self, batch: usize) -> Option<&[Pack]> {
+        self.facets.get(batch * self.of_batch[1]..(batch + 1) * self.of_batch[1]).filter(|kept| !kept.is_empty())
+    }
+
+    /// J at the nodes at an end of the slab, `[cell][node]`; empty where it is not carried.
+    fn determinants(&self, end: SlabEnd) -> &[f64] {
+        &self.carried[end as usize]
     }
 }
 
-/// J_n of a batch of cells at the nodes.
+/// Nodal `values[cell][node]` of a batch of cells; none if there are none.
 fn gather_nodal(values: &[f64], batch: usize, packs: &mut [Pack]) {
-    let nodes = packs.len();
-    let of_cell = |cell: usize| &values[cell * nodes..(cell + 1) * nodes];
-    gather(cells_of(batch, values.len() / nodes).map(of_cell), packs);
+    if !values.is_empty() {
+        let nodes = packs.len();
+        let of_cell = |cell: usize| &values[cell * nodes..(cell + 1) * nodes];
+        gather(cells_of(batch, values.len() / nodes).map(of_cell), packs);
+    }
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// J at the nodes at the top of the slab, `[cell][node]`, on the mesh last set: the next slab starts with it. Empty where the rule does
     /// not carry it.
     pub fn determinants_at_top(&self) -> &[f64] {
-        self.geometry.as_ref().map_or(&[], |geometry| geometry.determinants(SlabEnd::Top))
+        self.geometry.determinants(SlabEnd::Top)
     }
 
     /// Sets J at the bottom: `carried`, or I(det dx/dxi) where that is empty.
     pub(crate) fn set_bottom_determinants(&mut self, carried: &[f64]) {
-        let Some(mut geometry) = self.geometry.take() else { return };
-        if carried.is_empty() {
-            self.determinants_of_mesh(&mut geometry.bottom);
+        let [mut bottom, mut top] = std::mem::take(&mut self.geometry.carried);
+        if carried.len() == bottom.len() {
+            bottom.copy_from_slice(carried);
         } else {
-            geometry.bottom.copy_from_slice(carried);
+            self.determinants_of_mesh(&mut bottom);
         }
-        geometry.top.copy_from_slice(&geometry.bottom);
-        self.geometry = Some(geometry);
+        top.copy_from_slice(&bottom);
+        self.geometry.carried = [bottom, top];
     }
 
     /// det dx/dxi at the nodes, `[cell][node]`, at the bottom of the slab.
@@ -88,68 +108,93 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         batches.for_each(|(batch, out)| {
             self.cells.with(|CellScratch { geometry, .. }| {
                 self.geometry_of_space(batch, [row.row(0), &vec![0.0; self.mesh.slots()]], geometry);
-                scatter(geometry.determinant_at_nodes(&self.tables), nodes, out);
+                scatter(geometry.nodal.determinants(0, nodes), nodes, out);
             });
         });
     }
 
     /// The geometry of a batch of cells at one time, with the weights of the slots for position and velocity.
     pub(crate) fn geometry_of_space(&self, batch: usize, rows: [&[f64]; 2], scratch: &mut GeometryScratch) {
-        if self.tables.collocation.is_none() {
-            return;
-        }
         let slot = self.mesh.slot_len();
         for (lane, cell) in cells_of(batch, self.layout.cells).into_iter().enumerate() {
             self.mesh.gather_sum(cell, rows[0], lane, &mut scratch.position_at[..slot]);
             self.mesh.gather_sum(cell, rows[1], lane, &mut scratch.velocity_at[..slot]);
         }
-        Arch::new().dispatch(GeometryOfSpace { tables: &self.tables, scratch, mode: PhantomData::<Values> });
+        Arch::new().dispatch(GeometryOfSpace { tables: &self.tables, scratch });
     }
 
-    /// Computes the geometry of the slab on the mesh last set.
+    /// Computes the geometry that is kept, on the mesh last set.
     pub(crate) fn take_geometry(&mut self) {
-        let Some(mut geometry) = self.geometry.take() else { return };
-        let SlabGeometry { at_points, batch_len, bottom, top } = &mut geometry;
-        let nodes = self.layout.nodes;
-        let batches = at_points.par_chunks_mut(*batch_len).zip(top.par_chunks_mut(WIDTH * nodes)).enumerate();
+        let mut geometry = std::mem::take(&mut self.geometry);
+        if !geometry.cells.is_empty() {
+            self.take_cells(&mut geometry);
+            self.take_facets(&mut geometry);
+        }
+        self.geometry = geometry;
+    }
+
+    fn take_cells(&self, geometry: &mut SlabGeometry) {
+        let SlabGeometry { cells, of_batch: [len, _], carried: [bottom, top], .. } = geometry;
+        let (tables, nodes) = (&self.tables, self.layout.nodes);
+        // Nothing is carried by rules that are not collocated: there the chunks are empty.
+        let mut tops: Vec<&mut [f64]> = top.chunks_mut(WIDTH * nodes).collect();
+        tops.resize_with(cells.len() / *len, Default::default);
+        let batches = cells.par_chunks_mut(*len).zip(tops).enumerate();
         batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (out, top))| {
             self.cells.with(|CellScratch { geometry: scratch, determinant_at, .. }| {
                 gather_nodal(bottom, batch, determinant_at);
-                let (mesh, bottom) = (&[self.mesh_traces.coefficients(batch)][..], &determinant_at[..]);
-                let (tables, positions) = (&self.tables, &self.positions);
-                let mode = PhantomData::<Values>;
-                Arch::new().dispatch(GeometryOfSlab { tables, positions, mesh, bottom, scratch, mode });
-                out.copy_from_slice(scratch.of_slab(tables, 1));
-                scatter(scratch.determinant_at_top(tables), nodes, top);
+                let mesh = &[self.mesh_traces.coefficients(batch)][..];
+                let motion = CellMotion { tables, positions: &self.positions_and_top, mesh, bottom: determinant_at };
+                Arch::new().dispatch(GeometryOfSlab { motion, scratch, out, mode: PhantomData::<Values> });
+                if !top.is_empty() {
+                    scatter(scratch.nodal.determinants(tables.instants.len() - 1, nodes), nodes, top);
+                }
             });
         });
-        self.geometry = Some(geometry);
     }
 
-    /// Computes the geometry of a batch with its derivatives along the direction of the mesh last set, in `scratch`.
-    pub(crate) fn differentiate_geometry(&self, batch: usize, scratch: &mut CellScratch) {
-        let Some(geometry) = &self.geometry else { return };
-        gather_nodal(&geometry.bottom, batch, &mut scratch.determinant_at);
-        let mesh = self.mesh_and_direction().map(|traces| traces.coefficients(batch));
-        let CellScratch { geometry: room, determinant_at, .. } = scratch;
-        Arch::new().dispatch(GeometryOfSlab {
-            tables: &self.tables,
-            positions: &self.positions,
-            mesh: &mesh,
-            bottom: determinant_at,
-            scratch: room,
-            mode: PhantomData::<AlongStateAndMesh>,
+    fn take_facets(&self, geometry: &mut SlabGeometry) {
+        let len = geometry.of_batch[1];
+        let batches = geometry.facets.par_chunks_mut(len).zip(&self.facets.batches);
+        batches.with_max_len(BATCHES_PER_TASK).for_each(|(out, batch)| {
+            self.facet_scratch.with(|scratch| {
+                self.gather_mesh(Differentiate::Nothing, batch, scratch);
+                let (viscous, used) = (self.problem.kernels.is_viscous(), batch.sides());
+                let (tables, in_time) = (&self.tables, self.in_time());
+                Arch::new().dispatch(GeometryOfFacets { tables, viscous, used, in_time, scratch, out });
+            });
         });
+    }
+
+    /// Computes the geometry of a batch of cells with its derivatives along the direction of the mesh, for collocated rules. Other rules do
+    /// that in their kernels.
+    pub(crate) fn differentiate_geometry(&self, batch: usize, scratch: &mut CellScratch) {
+        if self.tables.collocation.is_none() {
+            return;
+        }
+        gather_nodal(self.geometry.determinants(SlabEnd::Bottom), batch, &mut scratch.determinant_at);
+        let CellScratch { geometry: scratch, determinant_at: bottom, .. } = scratch;
+        let mesh = &self.mesh_and_direction().map(|traces| traces.coefficients(batch));
+        let motion = CellMotion { tables: &self.tables, positions: &self.positions_and_top, mesh, bottom };
+        let mut out = std::mem::take(&mut scratch.known);
+        let mode = PhantomData::<AlongStateAndMesh>;
+        Arch::new().dispatch(GeometryOfSlab { motion, scratch, out: &mut out, mode });
+        scratch.known = out;
     }
 
     /// Puts what the moments of a batch at an end of the slab need into `scratch`: J where it is carried, else positions.
-    pub(crate) fn gather_end(&self, batch: usize, end: SlabEnd, row: &Matrix, scratch: &mut CellScratch) {
-        if let Some(geometry) = &self.geometry {
-            return gather_nodal(geometry.determinants(end), batch, &mut scratch.determinant_at);
+    pub(crate) fn gather_end(&self, batch: usize, end: SlabEnd, row: &[f64], scratch: &mut CellScratch) {
+        if self.tables.collocation.is_some() {
+            return gather_nodal(self.geometry.determinants(end), batch, &mut scratch.determinant_at);
         }
         let slot = self.mesh.slot_len();
         for (lane, cell) in cells_of(batch, self.layout.cells).into_iter().enumerate() {
-            self.mesh.gather_sum(cell, row.row(0), lane, &mut scratch.position_at[..slot]);
+            self.mesh.gather_sum(cell, row, lane, &mut scratch.geometry.position_at[..slot]);
         }
+    }
+
+    /// The geometry of a batch of facets at the instants, where it is kept and not differentiated.
+    pub(crate) fn facet_geometry(&self, along: Differentiate, batch: &FacetBatch) -> Option<&[Pack]> {
+        self.geometry.of_facets(batch.number).filter(|_| along.geometry_blocks() == 1)
     }
 }

@@ -61,6 +61,12 @@ impl Quadrature {
         }
     }
 
+    /// Whether a free stream is preserved on any motion.
+    pub fn conserves(self, dimension: usize, orders: Orders) -> bool {
+        let needed = Quadrature::Conserving.space_points(dimension, orders);
+        matches!(self, Quadrature::Collocated(_)) || self.space_points(dimension, orders) >= needed
+    }
+
     /// Points in time. The cofactors of the map have degree (D - 1) N_t in time, the mesh velocity and the test
     /// function N_t - 1 each.
     pub fn time_points(self, dimension: usize, orders: Orders) -> usize {

@@ -1,14 +1,16 @@
 //! The volume terms of a batch of cells at one time: what the kernels of [`crate::cell`] do with planes of points.
 
 use crate::cell::{CellCoefficients, CellContext};
-use crate::collocation::geometry_len;
+use crate::cell_geometry::{CellGeometry, GeometryScratch, geometry_len};
 use crate::conservation_law::ConservationLaw;
+use crate::fields::Fields;
 use crate::instants::{TimePoint, TimePointIndex};
 use crate::mode::Mode;
-use crate::point::{Kernel, PointIndex, along_reference};
+use crate::point::{Kernel, Metric, PointIndex, along_reference};
 use crate::scratch::CellScratch;
 use crate::tables::Planes;
 use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate, integrate};
+use std::marker::PhantomData;
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
@@ -24,7 +26,7 @@ pub(crate) struct CellTime<'a> {
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// State and position at all instants and at the top, velocity at all instants.
+    /// The state at all times; position and velocity too, where the geometry is not known or the source needs the position.
     #[inline(always)]
     pub(crate) fn to_instants(
         self,
@@ -32,34 +34,44 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     ) {
-        let (simd, tables) = (self.simd, self.tables);
-        let (len, mesh_len) = (M * tables.orders.flow.pow(D as u32), D * tables.orders.mesh.pow(D as u32));
-        let count = tables.times();
-        let CellScratch { state_at, position_at, velocity_at, scratch: room, .. } = scratch;
+        let (tables, len) = (self.tables, M * self.tables.orders.flow.pow(D as u32));
+        let CellScratch { state_at, geometry, scratch: room, .. } = scratch;
         for (b, state) in coefficients.state.iter().enumerate() {
             let values = AlongAxis { matrix: &tables.values_and_top, outer: 1, inner: len };
-            room.contract(simd, values, state, &mut state_at[b * count * len..], false);
+            room.contract(self.simd, values, state, &mut state_at[b * tables.times() * len..], false);
         }
-        if tables.collocation.is_some() && context.source.is_none() {
-            return; // The geometry is known.
-        }
-        for (b, mesh) in coefficients.mesh.iter().enumerate() {
-            let (start, outer, inner) = (b * count * mesh_len, 1, mesh_len);
-            let positions = AlongAxis { matrix: context.positions, outer, inner };
-            room.contract(simd, positions, mesh, &mut position_at[start..], false);
-            let velocities = AlongAxis { matrix: &tables.velocities, outer, inner };
-            room.contract(simd, velocities, mesh, &mut velocity_at[start..], false);
+        if context.geometry.is_none() || context.source.is_some() {
+            self.cell_geometry().mesh_at_times(context.positions, coefficients.mesh, geometry);
         }
     }
 
-    /// Steps 1 to 4 of the volume terms at one instant, planes by planes: fluxes and moments with their weights.
+    /// The steps of the geometry, for the same numbers.
     #[inline(always)]
-    pub(crate) fn space_terms(self, context: &CellContext<D>, time: CellTime, scratch: &mut CellScratch) {
+    fn cell_geometry(&self) -> CellGeometry<'_, D, K, S> {
+        CellGeometry { simd: self.simd, tables: self.tables, mode: PhantomData }
+    }
+
+    /// Steps 1 to 4 of the volume terms at one instant, planes by planes: fluxes and moments with their weights. Planes of points whose
+    /// `geometry` is not known find it in the scratch.
+    #[inline(always)]
+    pub(crate) fn space_terms(
+        self,
+        context: &CellContext<D>,
+        geometry: Option<&[Pack]>,
+        time: CellTime,
+        scratch: &mut CellScratch,
+    ) {
         let len = M * self.tables.orders.flow.pow(D as u32);
+        let mut first = time.of.number * self.tables.volume_points();
         for (block, planes) in self.tables.planes.iter().enumerate() {
-            self.to_points(planes, time.of, scratch); // 1. geometry and state at the points
+            self.state_to_points(planes, time.of, scratch); // 1. state, then geometry at the points
+            let known = geometry.map(|known| &known[K::GEOMETRY_BLOCKS * geometry_len(D) * first..]);
+            if known.is_none() {
+                self.geometry_to_points(planes, time.of, &mut scratch.geometry);
+            }
+            first += planes.weights.len();
             let with_source = self.source_at_points(context, planes, time, scratch); // 2. the source
-            self.fluxes(context, planes, time, with_source, scratch); // 3.
+            self.fluxes(known, planes, time.weights, with_source, scratch); // 3.
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
             let tested =
                 if with_source { AtPoints::Both(&source[..], &flux[..]) } else { AtPoints::Gradients(&flux[..]) };
@@ -88,13 +100,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         Lattice { line: &self.tables.mesh, last: &planes.mesh, dimension: D, components: D }
     }
 
-    /// Jacobian matrix, mesh velocity, state and its reference gradient at the points.
+    /// State and its reference gradient at the points.
     #[inline(always)]
-    fn to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
-        if self.tables.collocation.is_none() {
-            self.jacobian_to_points(planes, of, scratch);
-            self.velocity_to_points(planes, of, scratch);
-        }
+    fn state_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
         let (flow, points, viscous) = (self.flow_lattice(planes), planes.weights.len(), self.law.is_viscous());
         let CellScratch { u, gradient, state_at, scratch: room, .. } = scratch;
         for b in 0..K::STATE_BLOCKS {
@@ -104,26 +112,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// Mesh velocities at the points.
+    /// The geometry that is not known, `at_points[b][number][p]`.
     #[inline(always)]
-    fn velocity_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
-        let mesh = self.mesh_lattice(planes);
-        let CellScratch { v, velocity_at, scratch: room, .. } = scratch;
-        for b in 0..K::GEOMETRY_BLOCKS {
-            let v = AtPoints::Values(&mut v[b * D * planes.weights.len()..]);
-            evaluate(self.simd, mesh, of.block(velocity_at, b, mesh.len()), v, room);
-        }
-    }
-
-    /// Jacobian matrices at the points.
-    #[inline(always)]
-    fn jacobian_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
-        let mesh = self.mesh_lattice(planes);
-        let CellScratch { jacobian, position_at, scratch: room, .. } = scratch;
-        for b in 0..K::GEOMETRY_BLOCKS {
-            let jacobian = AtPoints::Gradients(&mut jacobian[b * D * D * planes.weights.len()..]);
-            evaluate(self.simd, mesh, of.block(position_at, b, mesh.len()), jacobian, room);
-        }
+    fn geometry_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut GeometryScratch) {
+        let mut at_points = std::mem::take(&mut scratch.at_points);
+        self.cell_geometry().of_map(planes, of, scratch, &mut at_points);
+        scratch.at_points = at_points;
     }
 
     /// Evaluates the source at the points, if there is one.
@@ -136,10 +130,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         scratch: &mut CellScratch,
     ) -> bool {
         let Some(source) = context.source else { return false };
-        let CellScratch { x, position_at, scratch: room, .. } = &mut *scratch;
+        let CellScratch { x, geometry, scratch: room, .. } = &mut *scratch;
         let (mesh, points) = (self.mesh_lattice(planes), planes.weights.len());
         for b in 0..K::GEOMETRY_BLOCKS {
-            let position = time.of.block(position_at, b, mesh.len());
+            let position = time.of.block(&geometry.position_at, b, mesh.len());
             evaluate(self.simd, mesh, position, AtPoints::Values(&mut x[b * D * points..]), room);
         }
         source(context.clock.time(time.instant.s), points, &scratch.x, &mut scratch.source);
@@ -150,25 +144,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     fn fluxes(
         self,
-        context: &CellContext<D>,
+        known: Option<&[Pack]>,
         planes: &Planes,
-        CellTime { of, weights: [flux_weight, moment_weight], .. }: CellTime,
+        [flux_weight, moment_weight]: [f64; 2],
         with_source: bool,
         scratch: &mut CellScratch,
     ) {
         let (points, law, viscous) = (planes.weights.len(), self.law, self.law.is_viscous());
-        let collocated = self.tables.collocation.is_some();
-        let len = K::GEOMETRY_BLOCKS * geometry_len(D) * points;
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
+                let (metric, v) = self.cell_point(known.unwrap_or(&scratch.geometry.at_points), at);
                 let u = self.state(&scratch.u, at);
-                let (metric, v) = if collocated {
-                    let geometry = context.geometry.unwrap_or(&scratch.geometry.at_points);
-                    self.known_geometry(&geometry[of.number * len..], at)
-                } else {
-                    (self.metric(&scratch.jacobian, at), self.geometry(&scratch.v, at))
-                };
                 let mut gradient = [u; D];
                 if viscous {
                     gradient = self.physical_gradient(&scratch.gradient, at, &metric);
@@ -190,6 +177,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 self.flag(admissibility, &mut scratch.violated, part);
             }
         }
+    }
+
+    /// Metric and velocity at a point, of `geometry[b][number][p]`.
+    #[inline(always)]
+    fn cell_point(self, geometry: &[Pack], at: PointIndex) -> (Metric<K::Geometry<S>, D>, [K::Geometry<S>; D]) {
+        let fields = Fields::new(geometry_len(D), at.points);
+        let v = fields.from(D * D).vector(self.simd, geometry, at.p, at.part);
+        (self.metric(geometry, fields, [0, D * D + D], at), v)
     }
 
     /// weight grad_x w . f J as tests against reference derivatives: weight sum_k cof_kj f_k for direction j; `tested[j][m][p]`.
@@ -219,30 +214,27 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// Moments of the state at one instant, int w u J.
+    /// Moments of the state at one time, int w u J. J is `known` at the points, `[p]`, or computed.
     #[inline(always)]
-    pub(crate) fn mass_product(self, of: TimePointIndex, scratch: &mut CellScratch) {
-        let collocated = self.tables.collocation.is_some();
+    pub(crate) fn mass_product(self, known: Option<&[Pack]>, of: TimePointIndex, scratch: &mut CellScratch) {
+        let mut first = 0;
         for (block, planes) in self.tables.planes.iter().enumerate() {
-            if collocated {
-                self.determinants_to_points(scratch);
-            } else {
-                self.jacobian_to_points(planes, of, scratch);
+            let known = known.map(|known| &known[first..]);
+            if known.is_none() {
+                self.determinants_to_points(planes, of, &mut scratch.geometry);
             }
+            first += planes.weights.len();
             let (flow, points) = (self.flow_lattice(planes), planes.weights.len());
-            let CellScratch { state_at, jacobian, u, mass_product, mass_product_at, scratch: room, .. } = &mut *scratch;
+            let CellScratch { state_at, geometry, u, mass_product, mass_product_at, scratch: room, .. } = &mut *scratch;
             for b in 0..K::STATE_BLOCKS {
                 let u = AtPoints::Values(&mut u[b * M * points..]);
                 evaluate(self.simd, flow, of.block(state_at, b, flow.len()), u, room);
             }
+            let determinants = known.unwrap_or(&geometry.at_points);
             for p in 0..points {
                 for part in 0..Lanes::<S>::PARTS {
                     let at = PointIndex { points, p, part };
-                    let det = if collocated {
-                        K::Geometry::<S>::load(self.simd, jacobian, points, p, part)
-                    } else {
-                        self.metric(jacobian, at).det
-                    };
+                    let det = K::Geometry::<S>::load(self.simd, determinants, points, p, part);
                     self.moments(&self.state(u, at), det, planes.weights[p], at, mass_product);
                 }
             }
@@ -251,11 +243,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// J of (carried) at the points, in place of Jacobian matrices.
+    /// J at the points, `at_points[b][p]`.
     #[inline(always)]
-    fn determinants_to_points(self, scratch: &mut CellScratch) {
-        let CellScratch { jacobian, determinant_at, scratch: room, .. } = scratch;
-        let nodal = Lattice::whole(&self.tables.flow, D, 1);
-        evaluate(self.simd, nodal, determinant_at, AtPoints::Values(&mut jacobian[..]), room);
+    fn determinants_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut GeometryScratch) {
+        let mut at_points = std::mem::take(&mut scratch.at_points);
+        self.cell_geometry().determinants(planes, of, scratch, &mut at_points);
+        scratch.at_points = at_points;
     }
 }

@@ -19,8 +19,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Of the first batch of cells, with the state as its own direction.
     fn cell_operations(&self, along: Differentiate) -> u64 {
         let (dt, clock) = (self.interval().1, self.clock());
-        let geometry = self.geometry.as_ref().map(|geometry| geometry.batch(0));
-        let positions = &self.positions_and_top;
+        let (geometry, positions) = (self.geometry.of_cells(0), &self.positions_and_top);
         let context = CellContext { tables: &self.tables, dt, clock, positions, source: None, geometry };
         let state = [self.state_traces.coefficients(0); 2];
         let (state, mesh) = (&state[..along.state_blocks()], &[self.mesh_traces.coefficients(0)][..]);
@@ -36,12 +35,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     fn facet_operations(&self, along: Differentiate) -> u64 {
         let Some(batch) = self.facets.batches.iter().find(|batch| batch.boundary.is_none()) else { return 0 };
         let (dt, clock) = (self.interval().1, self.clock());
-        let context = FacetContext { tables: &self.tables, dt, clock };
+        let geometry = self.facet_geometry(along, batch);
+        let context = FacetContext { tables: &self.tables, dt, clock, geometry };
         let times =
             Times { instants: &self.tables.instants, in_time: self.in_time(), test: &self.tables.test, weight: dt };
         let state = [&self.state_traces, &self.state_traces];
         self.facet_scratch.with(|scratch| {
-            self.gather_sides(along, &state[..along.state_blocks()], &[&self.mesh_traces], batch, scratch);
+            self.gather_states(along, &state[..along.state_blocks()], batch, scratch);
+            self.gather_mesh(Differentiate::Nothing, batch, scratch);
             let before = scratch.scratch.multiplications;
             let at_points = self.problem.kernels.count_facets(along, &context, &times, scratch);
             at_points + in_lanes(scratch.scratch.multiplications - before)

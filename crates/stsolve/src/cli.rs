@@ -161,9 +161,35 @@ pub struct BenchArguments {
     /// Order of the mesh under the flow [default: the order of the flow].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=16))]
     pub mesh_order: Option<u16>,
+    /// The quadrature of the flow.
+    #[arg(long, value_name = "RULE", value_enum, default_value_t = Rule::Conserving)]
+    pub quadrature: Rule,
     /// For how many seconds to repeat each kernel; the shortest time counts.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.2, value_parser = seconds)]
     pub seconds: f64,
+}
+
+/// The quadrature of a measured flow, see `flow.quadrature` of a case.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum Rule {
+    /// As `flow.quadrature = "conserving"`.
+    Conserving,
+    /// As "collocated".
+    Collocated,
+    /// As "collocated_lobatto".
+    CollocatedLobatto,
+}
+
+impl Rule {
+    /// Its points.
+    pub(crate) fn rule(self) -> fem::Quadrature {
+        match self {
+            Rule::Conserving => fem::Quadrature::Conserving,
+            Rule::Collocated => fem::Quadrature::Collocated(fem::PointFamily::Gauss),
+            Rule::CollocatedLobatto => fem::Quadrature::Collocated(fem::PointFamily::Lobatto),
+        }
+    }
 }
 
 /// A finite duration of at most an hour.

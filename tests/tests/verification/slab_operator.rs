@@ -1,13 +1,13 @@
 //! Identities of the space-time operator of one slab.
 
-use fem::{Bottom, Differentiate, Orders, SlabEnd, SlabOperator, StateField};
+use fem::{Bottom, Differentiate, Orders, Quadrature, SlabEnd, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
     SlipWall, SupersonicInflow, VelocityInflow, Viscosity,
 };
 use verification::{
-    Noise, curved_box, curved_box_at, free_stream, law, operator, prescribed, relative_difference, uniform,
+    Noise, RULES, curved_box, curved_box_at, free_stream, law, operator_by, prescribed, relative_difference, uniform,
 };
 
 pub(crate) type Operator<const D: usize, const M: usize> = SlabOperator<D, M>;
@@ -24,11 +24,13 @@ where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    moving_slab_on(&curved_box::<D>(cells, orders.mesh), 0.0, orders, viscosity, riemann, condition)
+    let mesh = curved_box::<D>(cells, orders.mesh);
+    moving_slab_on(Quadrature::Conserving, &mesh, 0.0, orders, viscosity, riemann, condition)
 }
 
-/// The same on `mesh`, which has moved by `way` along every axis before.
+/// The same by any rule on `mesh`, which has moved by `way` along every axis before.
 fn moving_slab_on<const D: usize, const M: usize>(
+    quadrature: Quadrature,
     mesh: &mesh::Mesh<D>,
     way: f64,
     orders: Orders,
@@ -43,7 +45,7 @@ where
     let law = law::<D>(viscosity, riemann);
     let data = free_stream::<D, M>(&law);
     let state = data.value(&[0.0; D], 0.0);
-    let mut operator = operator(mesh, law, orders, condition, data);
+    let mut operator = operator_by(quadrature, mesh, law, orders, condition, data);
     let bottom: Vec<f64> = uniform_coefficients(&operator, &state, 1);
     let positions = node_positions(mesh, orders.mesh);
     let field = |amplitude: f64, phase: f64| -> Vec<f64> {
@@ -78,16 +80,22 @@ fn node_positions<const D: usize>(mesh: &mesh::Mesh<D>, order: usize) -> Vec<[f6
 }
 
 /// The residual of a uniform flow on any motion is round-off, relative to the moments of the state.
-fn free_stream_residual<const D: usize, const M: usize>(orders: Orders, viscosity: Viscosity, cells: usize) -> f64
+fn free_stream_residual<const D: usize, const M: usize>(
+    rule: Quadrature,
+    orders: Orders,
+    viscosity: Viscosity,
+    cells: usize,
+) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    free_stream_residual_on::<D, M>(&curved_box(cells, orders.mesh), 0.0, orders, viscosity)
+    free_stream_residual_on::<D, M>(rule, &curved_box(cells, orders.mesh), 0.0, orders, viscosity)
 }
 
 /// The same on `mesh`, which has moved by `way` along every axis before.
 fn free_stream_residual_on<const D: usize, const M: usize>(
+    rule: Quadrature,
     mesh: &mesh::Mesh<D>,
     way: f64,
     orders: Orders,
@@ -97,7 +105,7 @@ where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let (mut operator, state) = moving_slab_on::<D, M>(mesh, way, orders, viscosity, Riemann::Hllc, prescribed());
+    let (mut operator, state) = moving_slab_on::<D, M>(rule, mesh, way, orders, viscosity, Riemann::Hllc, prescribed());
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
     let mut mass_product = vec![0.0; operator.layout.at_one_time().len()];
@@ -108,24 +116,33 @@ where
 
 #[test]
 fn free_stream_has_no_residual_in_2d() {
-    for flow in [2, 3, 4, 6, 8] {
-        for time in [1, 2, 3] {
-            for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.01)] {
-                let residual = free_stream_residual::<2, 4>(Orders { flow, mesh: flow, time }, viscosity, 3);
-                assert!(residual < 1e-12, "N_s = {flow}, N_t = {time}, {viscosity:?}: {residual:.1e}");
-            }
+    for (rule, flow, time) in RULES.iter().flat_map(|&rule| each_order(rule, &[2, 3, 4, 6, 8], &[1, 2, 3, 4])) {
+        for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.01)] {
+            let orders = Orders { flow, mesh: flow, time };
+            let residual = free_stream_residual::<2, 4>(rule, orders, viscosity, 3);
+            assert!(residual < 1e-12, "{rule:?}, N_s = {flow}, N_t = {time}, {viscosity:?}: {residual:.1e}");
         }
     }
     // Different orders.
-    let residual = free_stream_residual::<2, 4>(Orders { flow: 3, mesh: 5, time: 2 }, Viscosity::Constant(0.01), 3);
-    assert!(residual < 1e-12, "N_s = 3, N_m = 5: {residual:.1e}");
+    for (rule, flow, mesh) in RULES.iter().flat_map(|&rule| each_order(rule, &[3, 5], &[2, 3, 4, 5])) {
+        let orders = Orders { flow, mesh, time: 2 };
+        let residual = free_stream_residual::<2, 4>(rule, orders, Viscosity::Constant(0.01), 3);
+        assert!(residual < 1e-12, "{rule:?}, N_s = {flow}, N_m = {mesh}: {residual:.1e}");
+    }
+}
+
+fn each_order(rule: Quadrature, first: &[usize], second: &[usize]) -> Vec<(Quadrature, usize, usize)> {
+    first.iter().flat_map(|&a| second.iter().map(move |&b| (rule, a, b))).collect()
 }
 
 #[test]
 fn free_stream_has_no_residual_in_3d() {
-    for (flow, time) in [(2, 1), (3, 2), (4, 3), (8, 1)] {
-        let residual = free_stream_residual::<3, 5>(Orders { flow, mesh: flow, time }, Viscosity::Constant(0.01), 2);
-        assert!(residual < 1e-12, "N_s = {flow}, N_t = {time}: {residual:.1e}");
+    for rule in RULES {
+        for (flow, mesh, time) in [(2, 2, 1), (3, 3, 2), (4, 4, 3), (3, 4, 4), (5, 3, 2), (8, 8, 1)] {
+            let orders = Orders { flow, mesh, time };
+            let residual = free_stream_residual::<3, 5>(rule, orders, Viscosity::Constant(0.01), 2);
+            assert!(residual < 1e-12, "{rule:?}, N_s = {flow}, N_m = {mesh}, N_t = {time}: {residual:.1e}");
+        }
     }
 }
 
@@ -133,16 +150,23 @@ fn free_stream_has_no_residual_in_3d() {
 /// 1e6.
 #[test]
 fn free_stream_has_no_residual_far_from_the_origin() {
-    for (lower, way) in [(100.0, 0.0), (1e6, 0.0), (-1e6, 0.0), (0.0, 1e6), (0.0, -1e6)] {
+    for (rule, (lower, way)) in RULES
+        .iter()
+        .flat_map(|rule| [(100.0, 0.0), (1e6, 0.0), (-1e6, 0.0), (0.0, 1e6), (0.0, -1e6)].map(|x| (*rule, x)))
+    {
         for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.01)] {
             for order in [3, 6] {
                 let orders = Orders { flow: order, mesh: order, time: 2 };
-                let residual = free_stream_residual_on::<2, 4>(&curved_box_at(lower, 3, order), way, orders, viscosity);
-                assert!(residual < 1e-12, "2-D, x = {lower} + {way}, N = {order}, {viscosity:?}: {residual:.1e}");
+                let residual =
+                    free_stream_residual_on::<2, 4>(rule, &curved_box_at(lower, 3, order), way, orders, viscosity);
+                assert!(
+                    residual < 1e-12,
+                    "{rule:?}, 2-D, x = {lower} + {way}, N = {order}, {viscosity:?}: {residual:.1e}"
+                );
             }
             let orders = Orders { flow: 4, mesh: 4, time: 2 };
-            let residual = free_stream_residual_on::<3, 5>(&curved_box_at(lower, 2, 4), way, orders, viscosity);
-            assert!(residual < 1e-12, "3-D, x = {lower} + {way}, {viscosity:?}: {residual:.1e}");
+            let residual = free_stream_residual_on::<3, 5>(rule, &curved_box_at(lower, 2, 4), way, orders, viscosity);
+            assert!(residual < 1e-12, "{rule:?}, 3-D, x = {lower} + {way}, {viscosity:?}: {residual:.1e}");
         }
     }
 }
@@ -157,6 +181,7 @@ pub(crate) fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
 
 /// Jacobian products against central differences of the residual, in state and mesh.
 fn product_errors<const D: usize, const M: usize>(
+    rule: Quadrature,
     riemann: Riemann,
     viscosity: Viscosity,
     condition: Boundary<D>,
@@ -166,7 +191,8 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 2 };
-    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, riemann, 2, condition);
+    let mesh = curved_box::<D>(2, orders.mesh);
+    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, viscosity, riemann, condition);
     let (state, direction) = perturbed(&state, 1);
     let n = state.len();
     let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
@@ -219,10 +245,12 @@ where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let (state, both) = product_errors::<D, M>(riemann, viscosity, condition);
-    let case = format!("{D}-D, {riemann:?}, {viscosity:?}, {condition:?}");
-    assert!(state < 1e-7, "{case}: along the state {state:.1e}");
-    assert!(both < 1e-7, "{case}: along state and mesh {both:.1e}");
+    for rule in RULES {
+        let (state, both) = product_errors::<D, M>(rule, riemann, viscosity, condition);
+        let case = format!("{rule:?}, {D}-D, {riemann:?}, {viscosity:?}, {condition:?}");
+        assert!(state < 1e-7, "{case}: along the state {state:.1e}");
+        assert!(both < 1e-7, "{case}: along state and mesh {both:.1e}");
+    }
 }
 
 #[test]
@@ -249,13 +277,14 @@ fn products_are_the_derivative_for_every_boundary_condition() {
 }
 
 /// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks are compared with the product.
-fn block_error<const D: usize, const M: usize>(viscosity: Viscosity) -> f64
+fn block_error<const D: usize, const M: usize>(rule: Quadrature, viscosity: Viscosity) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 1 };
-    let (mut operator, state) = moving_slab::<D, M>(orders, viscosity, Riemann::Roe, 2, prescribed());
+    let mesh = curved_box::<D>(2, orders.mesh);
+    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, viscosity, Riemann::Roe, prescribed());
     operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
     let (state, x) = perturbed(&state, 2);
     operator.linearise(&state);
@@ -297,11 +326,14 @@ where
 
 #[test]
 fn blocks_make_the_jacobian() {
-    for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
-        let error = block_error::<2, 4>(viscosity);
-        assert!(error < 1e-12, "2-D, {viscosity:?}: {error:.1e}");
-        let error = block_error::<3, 5>(viscosity);
-        assert!(error < 1e-12, "3-D, {viscosity:?}: {error:.1e}");
+    for (rule, viscosity) in RULES
+        .iter()
+        .flat_map(|rule| [Viscosity::Inviscid, Viscosity::Constant(0.02)].map(|viscosity| (*rule, viscosity)))
+    {
+        let error = block_error::<2, 4>(rule, viscosity);
+        assert!(error < 1e-12, "{rule:?}, 2-D, {viscosity:?}: {error:.1e}");
+        let error = block_error::<3, 5>(rule, viscosity);
+        assert!(error < 1e-12, "{rule:?}, 3-D, {viscosity:?}: {error:.1e}");
     }
 }
 

@@ -232,6 +232,8 @@ fn quadrature(checker: &Checker<'_>, key: &Key, raw: raw::Quadrature, order: usi
         raw::Quadrature::Conserving => Ok(fem::Quadrature::Conserving),
         raw::Quadrature::ThreeHalves => Ok(fem::Quadrature::ThreeHalves),
         raw::Quadrature::Double => Ok(fem::Quadrature::Double),
+        raw::Quadrature::Collocated => Ok(fem::Quadrature::Collocated(fem::PointFamily::Gauss)),
+        raw::Quadrature::CollocatedLobatto => Ok(fem::Quadrature::Collocated(fem::PointFamily::Lobatto)),
         raw::Quadrature::Points(points) => {
             let accepted = format!("{order}, the order of the flow, to 64");
             checker.require(&key.child("points"), "the number of points", (order..=64).contains(&points), &accepted)?;

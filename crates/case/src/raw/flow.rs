@@ -119,6 +119,10 @@ pub enum Quadrature {
     Double,
     /// This number in space; in time as "conserving".
     Points(usize),
+    /// As many Gauss points as nodes, in space and time. It preserves a free stream exactly on any moving mesh by its metric.
+    Collocated,
+    /// The same with Gauss-Lobatto points, the nodes of the flow: faster, and less accurate.
+    CollocatedLobatto,
 }
 
 /// A uniform state: density, velocity and one of pressure, temperature and Mach number.

@@ -169,12 +169,17 @@ where
             cells.map(|(cell, gas)| value(gas, nodes(cell))).fold(0.0, f64::max)
         };
         let viscous = law.gas.viscosity() != navier_stokes::Viscosity::Inviscid;
+        let points = flow.quadrature.space_points(D, orders);
+        let needed = match flow.quadrature.conserves(D, orders) {
+            true => points,
+            false => fem::Quadrature::Conserving.space_points(D, orders),
+        };
         Gas {
             at_start: gases.start.moment.clone(),
             last: gases.last.moment.clone(),
             waves_per_slab: most(&|gas, distance| gas.fastest * dt / distance),
             cell_reynolds: viscous.then(|| most(&|gas, distance| gas.reynolds * distance)),
-            quadrature: [flow.quadrature.space_points(D, orders), fem::Quadrature::Conserving.space_points(D, orders)],
+            quadrature: [points, needed],
             openings: self.openings.iter().map(|record| self.opening(record)).collect(),
             kick: if self.case.motion.is_some() { gases.start.kick } else { 0.0 },
         }

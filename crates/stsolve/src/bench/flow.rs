@@ -1,7 +1,7 @@
-//! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion, conserving quadrature.
+//! Residual and exact Jacobian products of the flow: viscous, on a curved mesh in motion.
 
 use super::subject::{Build, Size, Subject, Work, bytes};
-use fem::{Bottom, Differentiate, Orders, Problem, Quadrature, SlabOperator};
+use fem::{Bottom, Differentiate, Orders, Problem, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity};
 
@@ -34,7 +34,7 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     /// On `cells` cells per direction, of the orders of `size`.
-    pub(super) fn on(cells: usize, Size { order, mesh_order, .. }: Size) -> anyhow::Result<Self> {
+    pub(super) fn on(cells: usize, Size { order, mesh_order, quadrature, .. }: Size) -> anyhow::Result<Self> {
         let curving = Curving::Wavy { amplitude: 0.02 };
         let (lower, upper, cells, periodic) = ([0.0; D], [1.0; D], [cells; D], [true; D]);
         let mesh = BoxMesh { lower, upper, cells, order: mesh_order, curving, periodic }.build()?;
@@ -48,7 +48,7 @@ where
         };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
         let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };
-        let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, Quadrature::Conserving);
+        let mut operator = SlabOperator::new(problem, &mesh, numbering, orders, quadrature);
         let mean: [f64; M] = Primitive { density: 1.0, velocity: [0.4; D], pressure: 1.0 }.pack(&gas);
         let layout = operator.layout;
         let state: Vec<f64> = (0..layout.len()).map(|i| mean[i / layout.nodes % M] * (1.0 + 1e-3 * wave(i))).collect();

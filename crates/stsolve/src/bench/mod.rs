@@ -49,7 +49,8 @@ pub fn bench(arguments: &BenchArguments) -> Result<(), Failure> {
             let mut growth = Growth::default();
             for order in arguments.orders() {
                 let mesh_order = arguments.mesh_order.map_or(order, usize::from);
-                let size = Size { dimension, order, mesh_order, nodes: arguments.nodes.map(usize::from) };
+                let (quadrature, nodes) = (arguments.quadrature.rule(), arguments.nodes.map(usize::from));
+                let size = Size { dimension, order, mesh_order, quadrature, nodes };
                 let rows = measure(group, size, &pools, arguments)?;
                 for measurement in rows {
                     report.rows.push(growth.of(measurement).against(&report.machine));

@@ -57,6 +57,8 @@ pub(super) struct Size {
     pub(super) order: usize,
     /// The same of the mesh under a flow.
     pub(super) mesh_order: usize,
+    /// The rule of the flow.
+    pub(super) quadrature: fem::Quadrature,
     /// Nodes per direction of the mesh, if the user gives a number.
     pub(super) nodes: Option<usize>,
 }
