@@ -13,6 +13,7 @@ use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     Boundary, Compiled, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Source, Viscosity,
+    VolumeFlux,
 };
 use std::sync::Arc;
 
@@ -51,7 +52,13 @@ pub fn uniform<const D: usize>() -> Primitive<f64, D> {
 /// The law with the scales of [`uniform`].
 pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStokes<D> {
     let gas = gas(viscosity);
-    NavierStokes { gas, riemann, reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap(), source: Source::Given }
+    NavierStokes {
+        gas,
+        riemann,
+        reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap(),
+        source: Source::Given,
+        volume_flux: VolumeFlux::Central,
+    }
 }
 
 /// A unit box of `cells` per axis, randomly curved, cells turned at random.
@@ -101,9 +108,17 @@ where
     SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, quadrature)
 }
 
+/// A quadrature and the flux inside of cells.
+pub type Rule = (Quadrature, VolumeFlux);
+
 /// The rules that conserve on moving meshes.
-pub const RULES: [Quadrature; 3] =
-    [Quadrature::Conserving, Quadrature::Collocated(PointFamily::Gauss), Quadrature::Collocated(PointFamily::Lobatto)];
+pub const RULES: [Rule; 5] = [
+    (Quadrature::Conserving, VolumeFlux::Central),
+    (Quadrature::Collocated(PointFamily::Gauss), VolumeFlux::Central),
+    (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::Central),
+    (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::KineticEnergy),
+    (Quadrature::Collocated(PointFamily::Lobatto), VolumeFlux::Entropy),
+];
 
 /// The free stream as a field.
 pub fn free_stream<const D: usize, const M: usize>(law: &NavierStokes<D>) -> Arc<dyn StateField<D, M>>

@@ -16,7 +16,9 @@ use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, S
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
-use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity};
+use navier_stokes::{
+    Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity, VolumeFlux,
+};
 use newton_krylov::{forcing, newton};
 
 /// The pressure of the gas at rest.
@@ -88,7 +90,13 @@ impl Strip {
         let numbering = NodeNumbering::new(&mesh, self.order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let reference = Reference::new(&gas, 1.0, 1.0, PRESSURE).unwrap();
-        let law = NavierStokes { gas, riemann: Riemann::Roe, reference, source: Source::Given };
+        let law = NavierStokes {
+            gas,
+            riemann: Riemann::Roe,
+            reference,
+            source: Source::Given,
+            volume_flux: VolumeFlux::Central,
+        };
         let walls = vec![Boundary::SlipWall(SlipWall); 4];
         let problem = Problem { kernels: law.kernels(walls), data: vec![None; 4], source: None };
         let orders = Orders { flow: self.order, mesh: self.order, time: self.time_order };

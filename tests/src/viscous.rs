@@ -6,7 +6,7 @@ use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, sq
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
 use navier_stokes::{
-    Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity,
+    Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux,
 };
 use newton_krylov::newton;
 use std::f64::consts::PI;
@@ -81,6 +81,7 @@ impl Setting {
             riemann: Riemann::Roe,
             reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap(),
             source: Source::Given,
+            volume_flux: VolumeFlux::Central,
         };
         let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
         let mesh = self.mesh();

@@ -6,7 +6,7 @@ use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Vortex;
-use navier_stokes::{Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity};
+use navier_stokes::{Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -73,6 +73,7 @@ impl VortexRun {
             riemann: Riemann::Roe,
             reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap(),
             source: Source::Given,
+            volume_flux: VolumeFlux::Central,
         };
         let (lower, upper, cells) = ([0.0; 2], [10.0; 2], [cells; 2]);
         let mesh =

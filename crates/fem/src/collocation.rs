@@ -17,7 +17,7 @@
 //! the velocity is the one with A_i . v = g_i there.
 
 use crate::tables::{Orders, PointFamily, Shape1d};
-use basis::{Lagrange, Matrix, gauss_lobatto};
+use basis::{Lagrange, Matrix, Rule, gauss_lobatto};
 
 /// One-dimensional tables of (metric), (grid flux) and (carried).
 pub struct Collocation {
@@ -29,18 +29,23 @@ pub struct Collocation {
     pub half_derivatives: [Matrix; 2],
     /// Whether the points are the nodes.
     pub at_nodes: bool,
+    /// S of (split), see [`crate::split_form`]; used where the points are the nodes.
+    pub skew: Matrix,
 }
 
 impl Collocation {
     /// The tables for `orders` with points of a `family`.
     pub(crate) fn new(orders: Orders, family: PointFamily) -> Self {
-        let nodes = gauss_lobatto(orders.flow).points;
+        let Rule { points: nodes, weights } = gauss_lobatto(orders.flow);
         let derivative = Lagrange::gauss_lobatto(orders.flow).derivative_matrix(&nodes);
         let times = |factor: f64| Matrix::from_fn(nodes.len(), nodes.len(), |i, j| factor * derivative[(i, j)]);
         Collocation {
             mesh: Shape1d::interpolated(orders.mesh, orders.flow, &nodes),
             half_derivatives: [times(-0.5), times(0.5)],
             at_nodes: family == PointFamily::Lobatto,
+            skew: Matrix::from_fn(nodes.len(), nodes.len(), |i, j| {
+                weights[i] * derivative[(i, j)] - weights[j] * derivative[(j, i)]
+            }),
             derivative,
         }
     }

@@ -32,6 +32,28 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// F_c(u) - u v - F_v(u, grad u). `gradient` is not read if the law is not viscous.
     fn flux<T: Over<G>, G: Real>(&self, u: &[T; M], gradient: &[[T; M]; D], v: &[G; D]) -> [[T; M]; D];
 
+    /// Whether the inviscid volume terms are those of (split), with [`Self::two_point_flux`]. They need points that are the nodes.
+    fn is_split(&self) -> bool {
+        false
+    }
+
+    /// f# of (split): a flux through the area vector `area` between two states, relative to a mesh that moves through it by `grid_flux`,
+    /// volume per time. Consistent with F_c(u) . area - grid_flux u, and symmetric. By default the mean of both.
+    #[inline(always)]
+    fn two_point_flux<T: Over<G>, G: Real>(&self, a: &[T; M], b: &[T; M], area: &[G; D], grid_flux: G) -> [T; M] {
+        let zero = [area[0].zero(); D];
+        let [of_a, of_b] = [a, b].map(|u| self.flux(u, &[[u[0].zero(); M]; D], &zero));
+        let mut mean = *a;
+        for m in 0..M {
+            mean[m] = (a[m] + b[m]).scale(-grid_flux);
+            for k in 0..D {
+                mean[m] = (of_a[k][m] + of_b[k][m]).scale_add(area[k], mean[m]);
+            }
+            mean[m] = mean[m] * 0.5;
+        }
+        mean
+    }
+
     /// F_v(u, gradient), linear in `gradient`.
     fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D];
 

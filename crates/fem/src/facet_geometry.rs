@@ -53,7 +53,7 @@ impl<const D: usize> WithSimd for GeometryOfFacets<'_, D> {
         let kernel = FacetGeometry { simd, tables, viscous, mode: PhantomData::<crate::mode::Values> };
         kernel.mesh_at_times(in_time, used, scratch);
         let (len, count) = (facet_geometry_len(D, viscous) * tables.facet_points(), in_time.positions.rows());
-        for (number, out) in out.chunks_exact_mut(len).enumerate() {
+        for (number, out) in out.chunks_exact_mut(len).take(count).enumerate() {
             kernel.at_points(TimePointIndex { number, count }, used, scratch, out);
         }
     }

@@ -11,6 +11,7 @@
 //! | `cell`, `volume_terms`, `facet`, `facet_evaluation`, `slope`, `boundary`, `point` | the kernels |
 //! | `cell_geometry`, `facet_geometry`, `slab_geometry`, `fields` | the geometry at the points, and where it is kept |
 //! | `collocation`, `nodal_geometry`, `facet_area` | the metric of collocated rules |
+//! | `split_form` | inviscid volume terms of collocated rules with two-point fluxes |
 //! | `scratch`, `gather` | their packs, and the copies from and to vectors |
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
@@ -55,6 +56,7 @@ mod sampler;
 mod scratch;
 mod slab_geometry;
 mod slope;
+mod split_form;
 mod sub_cells;
 mod tables;
 mod tensor_product;
@@ -79,7 +81,7 @@ pub use nodal_batches::NodalBatches;
 pub use operator::{Bottom, Problem, SlabOperator, Violation};
 pub use per_thread::PerThread;
 pub use sampler::{Sampler, functions_at, squared_errors};
-pub use slab_geometry::SlabEnd;
+pub use slab_geometry::{SlabEnd, kept_geometry_bytes};
 pub use tables::{Orders, PointFamily, Quadrature, Shape1d, Tables};
 pub use two_point::FacePairs;
 

@@ -11,7 +11,7 @@ use crate::kernels::Differentiate;
 use crate::mode::{AlongStateAndMesh, Values};
 use crate::operator::SlabOperator;
 use crate::scratch::CellScratch;
-use crate::tables::Tables;
+use crate::tables::{Orders, Quadrature, Tables};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use tensor::{Arch, Pack, WIDTH, zeroed};
@@ -42,17 +42,13 @@ impl SlabGeometry {
     /// Memory for `cells` cells and so many `batches` of facets.
     pub(crate) fn new<const D: usize>(tables: &Tables<D>, viscous: bool, cells: usize, batches: usize) -> Self {
         let collocated = tables.collocation.is_some();
-        if !collocated && D > 2 {
-            return SlabGeometry::default();
-        }
-        let instants = tables.instants.len();
-        let of_cells = kept_len(D, instants, tables.volume_points(), tables.times() > instants);
-        let of_facets = instants * facet_geometry_len(D, viscous) * tables.facet_points();
+        let points = [tables.rule.points.len(), tables.instants.len()];
+        let of_batch @ [of_cells, of_facets] = kept_of_batch(D, points, collocated, viscous);
         let ends = vec![1.0; if collocated { cells * tables.orders.flow.pow(D as u32) } else { 0 }];
         SlabGeometry {
             cells: zeroed(cells.div_ceil(WIDTH) * of_cells),
             facets: zeroed(batches * of_facets),
-            of_batch: [of_cells, of_facets],
+            of_batch,
             carried: [ends.clone(), ends],
         }
     }
@@ -71,6 +67,30 @@ impl SlabGeometry {
     fn determinants(&self, end: SlabEnd) -> &[f64] {
         &self.carried[end as usize]
     }
+}
+
+/// Numbers that are kept for a cell and for a facet, with so many points per direction in space and instants.
+fn kept_of_batch(dimension: usize, points: [usize; 2], collocated: bool, viscous: bool) -> [usize; 2] {
+    let ([line, instants], axes) = (points, dimension as u32);
+    if !collocated && dimension > 2 {
+        return [0; 2];
+    }
+    let of_facet = instants * facet_geometry_len(dimension, viscous) * line.pow(axes - 1);
+    [kept_len(dimension, instants, line.pow(axes), !collocated), of_facet]
+}
+
+/// Bytes of the geometry that an operator keeps on `cells` cells and `facets` facets.
+pub fn kept_geometry_bytes(
+    dimension: usize,
+    orders: Orders,
+    quadrature: Quadrature,
+    viscous: bool,
+    [cells, facets]: [usize; 2],
+) -> usize {
+    let points = [quadrature.space_points(dimension, orders), quadrature.time_points(dimension, orders)];
+    let collocated = matches!(quadrature, Quadrature::Collocated(_));
+    let [of_cell, of_facet] = kept_of_batch(dimension, points, collocated, viscous);
+    size_of::<f64>() * (cells * of_cell + facets * of_facet)
 }
 
 /// Nodal `values[cell][node]` of a batch of cells; none if there are none.

@@ -73,13 +73,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             let with_source = self.source_at_points(context, planes, time, scratch); // 2. the source
             self.fluxes(known, planes, time.weights, with_source, scratch); // 3.
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
-            let tested =
-                if with_source { AtPoints::Both(&source[..], &flux[..]) } else { AtPoints::Gradients(&flux[..]) };
+            let tested = match (with_source || self.law.is_split(), self.has_gradients()) {
+                (false, _) => AtPoints::Gradients(&flux[..]),
+                (true, false) => AtPoints::Values(&source[..]),
+                (true, true) => AtPoints::Both(&source[..], &flux[..]),
+            };
             let (flow, start) = (self.flow_lattice(planes), time.of.number * len);
             integrate(self.simd, flow, tested, &mut flux_at[start..], room, block > 0); // 4. test
             let moments = AtPoints::Values(&mass_product[..]);
             integrate(self.simd, flow, moments, &mut mass_product_at[start..], room, block > 0);
         }
+    }
+
+    /// Whether fluxes are tested with gradients: all, or where the inviscid ones are split the viscous ones.
+    #[inline(always)]
+    fn has_gradients(self) -> bool {
+        !self.law.is_split() || self.law.is_viscous()
     }
 
     /// The flow polynomials at some planes of points.
@@ -160,10 +169,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 if viscous {
                     gradient = self.physical_gradient(&scratch.gradient, at, &metric);
                 }
-                let f = law.flux(&u, &gradient, &v);
+                let f = if law.is_split() { self.viscous_part(&u, &gradient) } else { law.flux(&u, &gradient, &v) };
                 // Minus from integration by parts.
                 let weight = -planes.weights[p] * flux_weight;
-                self.test_gradients(&f, &metric.cof, weight, at, &mut scratch.flux);
+                if self.has_gradients() {
+                    self.test_gradients(&f, &metric.cof, weight, at, &mut scratch.flux);
+                }
                 self.moments(&u, metric.det, planes.weights[p] * moment_weight, at, &mut scratch.mass_product);
                 if with_source {
                     let s = law.source(&u, &self.geometry::<M>(&scratch.source, at));
@@ -172,11 +183,33 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                         let tested = s[m].scale(metric.det) * weight;
                         tested.result().write(&mut scratch.source[at.index(m)], part);
                     }
+                } else if law.is_split() {
+                    (0..M)
+                        .for_each(|m| Lanes::<S>::splat(self.simd, 0.0).write(&mut scratch.source[at.index(m)], part));
                 }
                 let admissibility = law.admissibility(&u).min(K::State::<S>::lift(metric.det));
                 self.flag(admissibility, &mut scratch.violated, part);
             }
         }
+        if law.is_split() {
+            let CellScratch { u, geometry, source, .. } = scratch;
+            self.split_terms([u, known.unwrap_or(&geometry.at_points)], planes, flux_weight, source);
+        }
+    }
+
+    /// -F_v, where the inviscid flux is tested in (split).
+    #[inline(always)]
+    fn viscous_part(self, u: &[K::State<S>; M], gradient: &[[K::State<S>; M]; D]) -> [[K::State<S>; M]; D] {
+        let mut flux = [[u[0].zero(); M]; D];
+        if self.law.is_viscous() {
+            let viscous = self.law.viscous_flux(u, gradient);
+            for k in 0..D {
+                for m in 0..M {
+                    flux[k][m] = -viscous[k][m];
+                }
+            }
+        }
+        flux
     }
 
     /// Metric and velocity at a point, of `geometry[b][number][p]`.

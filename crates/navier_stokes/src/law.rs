@@ -6,6 +6,7 @@ use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
 use crate::riemann::Riemann;
 use crate::state::{Conserved, Primitive};
+use crate::two_point::{self, VolumeFlux};
 use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
 use tensor::{Over, Real};
 
@@ -20,6 +21,8 @@ pub struct NavierStokes<const D: usize> {
     pub reference: Reference,
     /// The meaning of the source's data.
     pub source: Source,
+    /// The inviscid flux inside of cells.
+    pub volume_flux: VolumeFlux,
 }
 
 /// What is given as a source.
@@ -52,6 +55,16 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
             }
         }
         flux
+    }
+
+    #[inline(always)]
+    fn is_split(&self) -> bool {
+        self.volume_flux != VolumeFlux::Central
+    }
+
+    #[inline(always)]
+    fn two_point_flux<T: Over<G>, G: Real>(&self, a: &[T; M], b: &[T; M], area: &[G; D], grid_flux: G) -> [T; M] {
+        two_point::flux((&self.gas, self.volume_flux), [a, b], area, grid_flux)
     }
 
     #[inline(always)]

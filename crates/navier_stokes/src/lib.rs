@@ -27,6 +27,7 @@ mod riemann;
 mod state;
 #[cfg(test)]
 mod tests;
+mod two_point;
 
 pub use boundary::{
     AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall, SupersonicInflow,
@@ -41,3 +42,4 @@ pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;
 pub use state::{Conserved, Primitive};
+pub use two_point::VolumeFlux;

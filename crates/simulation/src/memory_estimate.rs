@@ -7,6 +7,7 @@ use crate::error::Failure;
 use case::memory;
 use case::{Case, Flow, Preconditioner};
 use coupled::preconditioner::{LOW_ORDER_VECTORS, coarse_functions_per_direction, padded};
+use fem::Orders;
 use navier_stokes::Viscosity;
 
 /// Krylov iterations of a Newton step of a run without surprises.
@@ -81,7 +82,7 @@ impl MemoryEstimate {
             vectors,
             steady: case.solver.steady.map(|_| vectors / time_order + steady_preconditioner(case)),
             most_krylov: vector * krylov_vectors(restart),
-            mesh: mesh::bytes(case),
+            mesh: mesh::bytes(case) + geometry(case),
         }
     }
 
@@ -104,6 +105,15 @@ pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
         "the run does not fit into memory: {shortage}; fewer cells or a lower `flow.order` need less, and so does `solver.preconditioner = \
          \"low_order\"`; `stsolve check` tells the parts"
     )))
+}
+
+/// The geometry that the flow keeps at its points.
+fn geometry<const D: usize>(case: &Case<D>) -> usize {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
+    let orders = Orders { flow: flow.order, mesh: mesh.order(), time: case.time.order };
+    let viscous = flow.law.gas.viscosity() != Viscosity::Inviscid;
+    let facets = mesh.interior_facets().len() + mesh.boundary_facets().len();
+    fem::kept_geometry_bytes(D, orders, flow.quadrature, viscous, [mesh.n_cells(), facets])
 }
 
 /// v_0 ... v_k and z_1 ... z_k after k iterations of FGMRES.

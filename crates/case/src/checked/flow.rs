@@ -15,7 +15,7 @@ use crate::state::State;
 use crate::vector::Vector;
 use navier_stokes::{
     AdiabaticWall, Boundary, FarField, Gas, IsothermalWall, NavierStokes, PrescribedState, Reference, Riemann,
-    SlipWall, Source, Viscosity,
+    SlipWall, Source, Viscosity, VolumeFlux,
 };
 
 /// The compressible flow.
@@ -101,7 +101,8 @@ pub(super) fn check<const D: usize>(
     let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
     let acceleration = acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time)?;
     let source = if acceleration.is_some() { Source::Acceleration } else { Source::Given };
-    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference, source };
+    let volume_flux = volume_flux(checker, &key, raw)?;
+    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference, source, volume_flux };
     let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
     let manufactured = raw.source == Some(raw::Source::Manufactured);
     Ok(Flow {
@@ -225,6 +226,20 @@ fn riemann(raw: raw::Riemann) -> Riemann {
         raw::Riemann::Hllc => Riemann::Hllc,
         raw::Riemann::LaxFriedrichs => Riemann::LaxFriedrichs,
     }
+}
+
+/// Split forms need points that are the nodes.
+fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<VolumeFlux> {
+    let flux = match raw.volume_flux {
+        raw::VolumeFlux::Central => VolumeFlux::Central,
+        raw::VolumeFlux::KineticEnergy => VolumeFlux::KineticEnergy,
+        raw::VolumeFlux::Entropy => VolumeFlux::Entropy,
+    };
+    if flux != VolumeFlux::Central && raw.quadrature != raw::Quadrature::CollocatedLobatto {
+        let problem = "two-point fluxes need points of quadrature that are the nodes";
+        return Err(checker.combination(&key.child("volume_flux"), problem, "`quadrature = \"collocated_lobatto\"`"));
+    }
+    Ok(flux)
 }
 
 fn quadrature(checker: &Checker<'_>, key: &Key, raw: raw::Quadrature, order: usize) -> Checked<fem::Quadrature> {

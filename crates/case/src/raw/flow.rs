@@ -21,6 +21,9 @@ pub struct Flow {
     /// The quadrature points.
     #[serde(default)]
     pub quadrature: Quadrature,
+    /// The inviscid flux inside of cells.
+    #[serde(default)]
+    pub volume_flux: VolumeFlux,
     /// An exact solution, if known. Errors are measured against it, boundaries with the condition "exact" take it, and it is
     /// the default initial state.
     pub exact: Option<State>,
@@ -104,6 +107,20 @@ pub enum Riemann {
     Hllc,
     /// The fastest wave damps all components: simple, robust, dissipative.
     LaxFriedrichs,
+}
+
+/// The inviscid flux inside of cells. Other ones than "central" are for flow that the mesh does not resolve, with `quadrature =
+/// "collocated_lobatto"`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum VolumeFlux {
+    /// The flux at every point.
+    #[default]
+    Central,
+    /// Two-point fluxes that keep the balance of kinetic energy (Kennedy and Gruber).
+    KineticEnergy,
+    /// Two-point fluxes that keep the balances of kinetic energy and of entropy (Ranocha).
+    Entropy,
 }
 
 /// The quadrature points per direction.

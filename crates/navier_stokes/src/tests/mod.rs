@@ -119,7 +119,13 @@ pub(super) const SOLVERS: [Riemann; 3] = [Riemann::LaxFriedrichs, Riemann::Hllc,
 
 pub(super) fn law<const D: usize>(riemann: Riemann) -> NavierStokes<D> {
     let gas = gas();
-    NavierStokes { gas, riemann, reference: Reference::new(&gas, 1.0, 1.0, 1.0).unwrap(), source: Source::Given }
+    NavierStokes {
+        gas,
+        riemann,
+        reference: Reference::new(&gas, 1.0, 1.0, 1.0).unwrap(),
+        source: Source::Given,
+        volume_flux: VolumeFlux::Central,
+    }
 }
 
 /// The boundary conditions with their vectors: free stream, sliding velocity, inflow direction.

@@ -3,7 +3,9 @@
 use super::subject::{Build, Size, Subject, Work, bytes};
 use fem::{Bottom, Differentiate, Orders, Problem, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
-use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity};
+use navier_stokes::{
+    Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux,
+};
 
 /// Nodes in time.
 const TIME_ORDER: usize = 2;
@@ -45,6 +47,7 @@ where
             riemann: Riemann::Roe,
             reference: Reference::new(&gas, 1.0, 0.5, 1.0)?,
             source: Source::Given,
+            volume_flux: VolumeFlux::Central,
         };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
         let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };

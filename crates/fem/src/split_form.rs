@@ -1,0 +1,78 @@
+//! The inviscid volume terms in split form, for Gauss-Lobatto points that are the nodes.
+//!
+//! ```text
+//! R_i += w_perp sum_j S_ij f#(u_i, u_j; {A}, {A . v}),   S = Q - Q^T,   Q_ij = w_i D_ij                              (split)
+//! ```
+//!
+//! along every line of nodes in every direction, with the derivative matrix D, the weights w of the line and w_perp of the directions
+//! across it, and the mean { } of both nodes. f# is the law's two-point flux, consistent and symmetric. With its mean value in place of f#
+//! these are the volume terms of (volume) themselves, since Q + Q^T holds the boundary alone. Other choices keep balances that the
+//! product rule gives to the equations and not to collocation: of kinetic energy, or of entropy.
+//!
+//! After Gassner, Winters & Kopriva, J. Comput. Phys. 327 (2016).
+
+use crate::cell_geometry::geometry_len;
+use crate::conservation_law::ConservationLaw;
+use crate::fields::Fields;
+use crate::mode::Mode;
+use crate::point::{Kernel, PointIndex};
+use crate::tables::Planes;
+use tensor::pulp::Simd;
+use tensor::{LaneNumber, Lanes, Pack, dot};
+
+/// A pair of nodes on a line, and their entry of (split).
+#[derive(Clone, Copy)]
+struct Pair {
+    axis: usize,
+    nodes: [usize; 2],
+    /// w_perp S_ij times the weight in time.
+    weight: f64,
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+    /// Adds (split) times `weight` to `tested[m][node]`, with the state `u[b][m][node]` and `geometry[b][number][node]`.
+    #[inline(always)]
+    pub(crate) fn split_terms(self, [u, geometry]: [&[Pack]; 2], planes: &Planes, weight: f64, tested: &mut [Pack]) {
+        let Some(collocation) = &self.tables.collocation else { return };
+        let (n, weights) = (self.tables.orders.flow, &self.tables.rule.weights);
+        for axis in 0..D {
+            let stride = n.pow(axis as u32);
+            for i in 0..planes.weights.len() {
+                let on_line = i / stride % n;
+                let across = weight * planes.weights[i] / weights[on_line];
+                for j in on_line + 1..n {
+                    let nodes = [i, i + (j - on_line) * stride];
+                    let pair = Pair { axis, nodes, weight: across * collocation.skew[(on_line, j)] };
+                    for part in 0..Lanes::<S>::PARTS {
+                        self.add_pair([u, geometry], pair, part, tested);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The flux of a pair: what the first node receives, the second one loses, S being skew.
+    #[inline(always)]
+    fn add_pair(self, [u, geometry]: [&[Pack]; 2], pair: Pair, part: usize, tested: &mut [Pack]) {
+        let points = self.tables.volume_points();
+        let (fields, [i, j]) = (Fields::new(geometry_len(D), points), pair.nodes);
+        let here = |p: usize| {
+            let area: [K::Geometry<S>; D] = fields.from(pair.axis * D).vector(self.simd, geometry, p, part);
+            let v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, p, part);
+            (area, dot(&area, &v))
+        };
+        let ((mut area, mut grid_flux), (other, other_flux)) = (here(i), here(j));
+        for d in 0..D {
+            area[d] = (area[d] + other[d]) * 0.5;
+        }
+        grid_flux = (grid_flux + other_flux) * 0.5;
+        let state = |p: usize| self.state(u, PointIndex { points, p, part });
+        let flux = self.law.two_point_flux(&state(i), &state(j), &area, grid_flux);
+        for m in 0..M {
+            let term = (flux[m] * pair.weight).result();
+            let [first, second] = [m * points + i, m * points + j];
+            (Lanes::read(self.simd, &tested[first], part) + term).write(&mut tested[first], part);
+            (Lanes::read(self.simd, &tested[second], part) - term).write(&mut tested[second], part);
+        }
+    }
+}
