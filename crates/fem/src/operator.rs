@@ -130,7 +130,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
         let mesh_traces = trace_layout::<D>(orders.time + 1, D, orders.mesh);
         let terms = facets.batches.len() * WIDTH * 2 * flow_traces.face_len();
-        SlabOperator {
+        let mut operator = SlabOperator {
             flow_faces: FaceMaps::new(&tables.flow, D),
             mesh_faces: FaceMaps::new(&tables.mesh, D),
             start: 0.0,
@@ -157,7 +157,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             facets,
             layout,
             tables,
-        }
+        };
+        operator.set_bottom_determinants(&[]);
+        operator
     }
 
     /// Time at the bottom of the slab, and its length.

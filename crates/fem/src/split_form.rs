@@ -56,18 +56,19 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn add_pair(self, [u, geometry]: [&[Pack]; 2], pair: Pair, part: usize, tested: &mut [Pack]) {
         let points = self.tables.volume_points();
         let (fields, [i, j]) = (Fields::new(geometry_len(D), points), pair.nodes);
-        let here = |p: usize| {
-            let area: [K::Geometry<S>; D] = fields.from(pair.axis * D).vector(self.simd, geometry, p, part);
-            let v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, p, part);
-            (area, dot(&area, &v))
-        };
-        let ((mut area, mut grid_flux), (other, other_flux)) = (here(i), here(j));
+        let (mut area, other): ([K::Geometry<S>; D], [K::Geometry<S>; D]) = (
+            fields.from(pair.axis * D).vector(self.simd, geometry, i, part),
+            fields.from(pair.axis * D).vector(self.simd, geometry, j, part),
+        );
+        let v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, i, part);
+        let other_v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, j, part);
+        let grid_flux = (dot(&area, &v) + dot(&other, &other_v)) * 0.5;
         for d in 0..D {
             area[d] = (area[d] + other[d]) * 0.5;
         }
-        grid_flux = (grid_flux + other_flux) * 0.5;
-        let state = |p: usize| self.state(u, PointIndex { points, p, part });
-        let flux = self.law.two_point_flux(&state(i), &state(j), &area, grid_flux);
+        let a = self.state(u, PointIndex { points, p: i, part });
+        let b = self.state(u, PointIndex { points, p: j, part });
+        let flux = self.law.two_point_flux(&a, &b, &area, grid_flux);
         for m in 0..M {
             let term = (flux[m] * pair.weight).result();
             let [first, second] = [m * points + i, m * points + j];

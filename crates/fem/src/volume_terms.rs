@@ -71,7 +71,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             }
             first += planes.weights.len();
             let with_source = self.source_at_points(context, planes, time, scratch); // 2. the source
-            self.fluxes(known, planes, time.weights, with_source, scratch); // 3.
+            if self.law.is_split() {
+                self.fluxes::<true>(known, planes, time.weights, with_source, scratch); // 3.
+            } else {
+                self.fluxes::<false>(known, planes, time.weights, with_source, scratch);
+            }
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
             let tested = match (with_source || self.law.is_split(), self.has_gradients()) {
                 (false, _) => AtPoints::Gradients(&flux[..]),
@@ -149,9 +153,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         true
     }
 
-    /// The point functions: fluxes in reference directions, moments, source, admissibility.
+    /// The point functions: fluxes in reference directions, moments, source, admissibility. `SPLIT` as [`ConservationLaw::is_split`]:
+    /// two loops, each with its own registers.
     #[inline(always)]
-    fn fluxes(
+    fn fluxes<const SPLIT: bool>(
         self,
         known: Option<&[Pack]>,
         planes: &Planes,
@@ -169,10 +174,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 if viscous {
                     gradient = self.physical_gradient(&scratch.gradient, at, &metric);
                 }
-                let f = if law.is_split() { self.viscous_part(&u, &gradient) } else { law.flux(&u, &gradient, &v) };
+                let f = if SPLIT { self.viscous_part(&u, &gradient) } else { law.flux(&u, &gradient, &v) };
                 // Minus from integration by parts.
                 let weight = -planes.weights[p] * flux_weight;
-                if self.has_gradients() {
+                if !SPLIT || viscous {
                     self.test_gradients(&f, &metric.cof, weight, at, &mut scratch.flux);
                 }
                 self.moments(&u, metric.det, planes.weights[p] * moment_weight, at, &mut scratch.mass_product);
@@ -191,7 +196,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 self.flag(admissibility, &mut scratch.violated, part);
             }
         }
-        if law.is_split() {
+        if SPLIT {
             let CellScratch { u, geometry, source, .. } = scratch;
             self.split_terms([u, known.unwrap_or(&geometry.at_points)], planes, flux_weight, source);
         }

@@ -36,7 +36,7 @@ pub(crate) fn flux<T: Over<G>, G: Real, const D: usize, const M: usize>(
     area: &[G; D],
     grid_flux: G,
 ) -> [T; M] {
-    let [a, b] = [u_a, u_b].map(|u| Primitive::<T, D>::unpack(gas, u));
+    let (a, b) = (Primitive::<T, D>::unpack(gas, u_a), Primitive::<T, D>::unpack(gas, u_b));
     let mut w = a.velocity;
     for d in 0..D {
         w[d] = (a.velocity[d] + b.velocity[d]) * 0.5;
