@@ -22,6 +22,7 @@
 //! | `vector` | a displacement prescribed by formulas |
 //! | `boundary_motion` | the motion of a boundary |
 //! | `expression` | formulas and tables |
+//! | `fields` | components of fields, formulas in them |
 //! | `any_mesh` | a mesh whose dimension is known only after it is read |
 //! | `memory` | available memory |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
@@ -37,6 +38,7 @@ mod document;
 mod error;
 mod excerpt;
 pub mod expression;
+mod fields;
 pub mod input_file;
 mod key;
 mod magnitude;
@@ -56,6 +58,7 @@ pub use checked::*;
 pub use continuation::{Difference, Differences, differences};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
+pub use fields::FieldFormula;
 pub use raw::schema;
 pub use state::State;
 pub use vector::Vector;

@@ -5,6 +5,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `fields` | fields for display, in the result file and the pictures |
+//! | `simplices` | cells cut into simplices, and these by a surface |
 //! | `run_files` | the files of a run so far |
 //! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
 //! | `groups` | groups of history columns that share a chart |
@@ -22,6 +23,7 @@ pub mod html;
 mod page;
 pub mod pictures;
 mod run_files;
+pub mod simplices;
 
 use output::{HISTORY_FILE, OutputError};
 use run_files::RunFiles;

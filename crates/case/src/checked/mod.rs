@@ -33,7 +33,7 @@ pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
-pub use probes::Probe;
+pub use probes::{Line, Observed, Probe, Slice};
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
 pub use sliding_mesh::{Held, constrained};
 pub use structure::{Largest, Structure, Support};
@@ -84,8 +84,8 @@ pub struct Case<const D: usize> {
     pub solver: Solver,
     /// Directory and contents of the output.
     pub output: Output,
-    /// The points at which the flow is observed.
-    pub probes: Vec<Probe<D>>,
+    /// Where the flow is observed.
+    pub observed: Observed<D>,
 }
 
 /// The description of a case, without its numbers.
@@ -169,7 +169,7 @@ impl<const D: usize> Case<D> {
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
         }
         check_surfaces(checker, &output, flow.as_ref())?;
-        let probes = probes::check(checker, &raw.output, &mesh, flow.is_some())?;
+        let observed = probes::check(checker, &raw.output, &mesh, flow.as_ref().map(|flow| flow.order))?;
         Ok(Case {
             about: About::new(checker, document, raw),
             mesh,
@@ -182,7 +182,7 @@ impl<const D: usize> Case<D> {
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             output,
-            probes,
+            observed,
         })
     }
 }
