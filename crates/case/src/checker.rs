@@ -79,7 +79,10 @@ impl<'a> Checker<'a> {
 
     /// Records a default that follows from other keys, with its value.
     pub(super) fn note_default(&self, key: &Key, taken: &str) {
-        self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
+        let (mut defaults, default) = (self.defaults.borrow_mut(), (key.to_string(), taken.to_owned()));
+        if !defaults.contains(&default) {
+            defaults.push(default);
+        }
     }
 
     /// The recorded defaults.

@@ -17,6 +17,7 @@
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation` | conditions for continuing the run of another case |
 //! | `checked` | the checked case; no other code uses `raw` |
+//! | `reading` | from the document to the raw case: all errors of keys and types; formulas where numbers are needed |
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
@@ -46,6 +47,7 @@ pub mod memory;
 pub mod mesh_file;
 mod nearest;
 mod raw;
+mod reading;
 mod shape;
 mod state;
 #[cfg(test)]
@@ -59,6 +61,6 @@ pub use continuation::{Difference, Differences, differences};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
 pub use fields::FieldFormula;
-pub use raw::schema;
+pub use raw::{editor_schema, schema};
 pub use state::State;
 pub use vector::Vector;

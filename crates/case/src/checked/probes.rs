@@ -2,6 +2,7 @@
 
 use super::mesh_crate::Mesh;
 use crate::checker::{Checked, Checker};
+use crate::error::{Errors, collected};
 use crate::fields::FieldFormula;
 use crate::key::Key;
 use crate::raw::{self, Field};
@@ -87,12 +88,14 @@ pub(super) fn check<const D: usize>(
     if given.is_none() {
         return Ok(Observed::default());
     }
-    Ok(Observed {
-        formulas: each(checker, &key.child("formulas"), &raw.formulas, formula::<D>)?,
-        probes: each(checker, &key.child("probes"), &raw.probes, |checker, at| probe(checker, at, mesh))?,
-        lines: each(checker, &key.child("lines"), &raw.lines, line)?,
-        slices: each(checker, &key.child("slices"), &raw.slices, |checker, at| slice(checker, at, order))?,
-    })
+    let mut errors = Errors::default();
+    let observed = Observed {
+        formulas: errors.list(each(checker, &key.child("formulas"), &raw.formulas, formula::<D>)),
+        probes: errors.list(each(checker, &key.child("probes"), &raw.probes, |checker, at| probe(checker, at, mesh))),
+        lines: errors.list(each(checker, &key.child("lines"), &raw.lines, line)),
+        slices: errors.list(each(checker, &key.child("slices"), &raw.slices, |checker, at| slice(checker, at, order))),
+    };
+    errors.all().map(|()| observed)
 }
 
 /// An entry of a table of named things.
@@ -113,7 +116,7 @@ fn each<'a, T, O>(
         check_name(checker, &key, name)?;
         check(checker, Named { key, name, raw })
     };
-    table.iter().map(entry).collect()
+    collected(table.iter().map(entry))
 }
 
 fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -> Checked<FieldFormula> {

@@ -27,9 +27,12 @@ fn collect(path: &str, value: &toml::Value, leaves: &mut Leaves) {
     }
 }
 
-/// Whether two values are the same text, or the same number written in two ways.
+/// Whether two values are the same text, or the same number written in two ways; a number in quotes is a formula.
 pub fn same(one: &toml::Value, other: &toml::Value) -> bool {
-    let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
+    let in_quotes = |value: &toml::Value| value.as_str().and_then(|text| text.trim().parse().ok());
+    let number = |value: &toml::Value| {
+        value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).or_else(|| in_quotes(value))
+    };
     match (number(one), number(other)) {
         (Some(one), Some(other)) => one.to_bits() == other.to_bits() || one == other,
         _ => one == other,
