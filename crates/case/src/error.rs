@@ -324,7 +324,7 @@ impl Cause {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }
             Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
-            Cause::Row { .. } => Some("the time and the values, numbers separated by commas or blanks".to_owned()),
+            Cause::Row { .. } => Some("the time and the values, numbers separated by semicolons, tabs, commas or blanks".to_owned()),
             Cause::MovedAtStart { .. } => Some(
                 "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"
                     .to_owned(),

@@ -71,6 +71,11 @@ impl Quantity {
         }
     }
 
+    /// The colour behind its picture, if the page's own looks like a colour of the picture.
+    pub fn ground(self) -> Option<&'static str> {
+        (self.colours() == ColourMap::Diverging).then_some("#a9b1b8")
+    }
+
     /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does
     /// not take all the colours. The range is wide enough not to show round-off as a field.
     pub fn range(self, mut values: Vec<f32>) -> Range {

@@ -27,12 +27,18 @@ fn collect(path: &str, value: &toml::Value, leaves: &mut Leaves) {
     }
 }
 
-/// Whether two values are the same text, or the same number written in two ways; a number in quotes is a formula.
-pub fn same(one: &toml::Value, other: &toml::Value) -> bool {
-    let in_quotes = |value: &toml::Value| value.as_str().and_then(|text| text.trim().parse().ok());
-    let number = |value: &toml::Value| {
-        value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).or_else(|| in_quotes(value))
+/// Whether a number in quotes, which is a formula, has the same value as the other.
+pub fn same_in_quotes(one: &toml::Value, other: &toml::Value) -> bool {
+    let plain = |value: &toml::Value| match value.as_str().and_then(|text| text.trim().parse().ok()) {
+        Some(number) => toml::Value::Float(number),
+        None => value.clone(),
     };
+    same(&plain(one), &plain(other))
+}
+
+/// Whether two values are the same text, or the same number written in two ways.
+pub fn same(one: &toml::Value, other: &toml::Value) -> bool {
+    let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
     match (number(one), number(other)) {
         (Some(one), Some(other)) => one.to_bits() == other.to_bits() || one == other,
         _ => one == other,
