@@ -266,8 +266,8 @@ pub struct AirfoilGenerator {
     /// Instead of the thickness: four digits of NACA, such as `"2412"`. The nose of the camber line is at the origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub naca: Option<String>,
-    /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y, from the trailing edge over the
-    /// upper side and the nose to the trailing edge again. Its first line may be a name. A cubic spline goes through the points. The
+    /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y. The points run from the trailing
+    /// edge over the upper side and the nose back to the trailing edge. The first line may be a name. A cubic spline goes through the points. The
     /// chord from nose to trailing edge is scaled to 1 and moved, not turned: the trailing edge lies at (1, 0). A blunt one is closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<PathBuf>,

@@ -47,9 +47,10 @@ pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usiz
         None => generator.build(),
         Some(Shape::Naca(airfoil)) => {
             let position = |sigma: f64| airfoil.position(&generator, sigma);
-            cambered(&generator, &Contour { position: &position, ends: [-1.0, airfoil.foremost(&generator), 1.0] })
+            let ends = [-1.0, airfoil.foremost(&generator), 1.0];
+            cambered(&generator, &Contour { position: Box::new(position), ends })
         }
-        Some(Shape::Points(points)) => points.with_contour(|contour| cambered(&generator, contour)),
+        Some(Shape::Points(points)) => cambered(&generator, &points.contour()),
     };
     mesh.map_err(|error| family.refused(error))
 }
@@ -64,7 +65,7 @@ impl Shape {
     fn thickness(&self) -> f64 {
         match self {
             Shape::Naca(airfoil) => airfoil.thickness,
-            Shape::Points(points) => points.with_contour(Contour::thickness),
+            Shape::Points(points) => points.contour().thickness(),
         }
     }
 }

@@ -74,16 +74,16 @@ impl Points {
         }
         let nose = foremost(&|t| x.evaluate(t), [length[front - 1], length[front + 1]]);
         let airfoil = Points { ends: [0.0, nose, length[last]], x, y };
-        match airfoil.with_contour(Contour::fold) {
+        let fold = airfoil.contour().fold();
+        match fold {
             Some([x, y]) => Err(format!("x does not increase towards the trailing edge at ({x:.4}, {y:.4})")),
             None => Ok(airfoil),
         }
     }
 
-    /// Calls `use_it` with the contour.
-    pub(super) fn with_contour<T>(&self, use_it: impl FnOnce(&Contour<'_>) -> T) -> T {
-        let position = |t: f64| [self.x.evaluate(t), self.y.evaluate(t)];
-        use_it(&Contour { position: &position, ends: self.ends })
+    /// The contour.
+    pub(super) fn contour(&self) -> Contour<'_> {
+        Contour { position: Box::new(|t| [self.x.evaluate(t), self.y.evaluate(t)]), ends: self.ends }
     }
 }
 
@@ -144,11 +144,9 @@ mod tests {
                 // The foremost point lies at x = 0, slightly before the nose of the camber line.
                 assert!(nearest < 1.5e-3, "{sigma}: {nearest:e}");
             }
-            let mesh = found.with_contour(|contour| {
-                let thickness = contour.thickness();
-                assert!((thickness - 0.12).abs() < 2e-3, "{thickness}");
-                cambered(&AirfoilMesh { thickness, ..AirfoilMesh::naca0012(4) }, contour)
-            });
+            let thickness = found.contour().thickness();
+            assert!((thickness - 0.12).abs() < 2e-3, "{thickness}");
+            let mesh = cambered(&AirfoilMesh { thickness, ..AirfoilMesh::naca0012(4) }, &found.contour());
             assert_eq!(mesh.unwrap().n_cells(), 528);
         }
     }

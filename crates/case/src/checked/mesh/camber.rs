@@ -25,7 +25,7 @@ const NEAR_AND_FAR: [f64; 2] = [0.5, 3.0];
 /// A contour from the trailing edge along the lower side to the nose, and along the upper side back.
 pub(super) struct Contour<'a> {
     /// The position at a parameter.
-    pub(super) position: &'a dyn Fn(f64) -> [f64; 2],
+    pub(super) position: Box<dyn Fn(f64) -> [f64; 2] + 'a>,
     /// The parameters of the lower trailing edge, the foremost point and the upper trailing edge.
     pub(super) ends: [f64; 3],
 }
@@ -76,17 +76,17 @@ pub(super) fn cambered(symmetric: &AirfoilMesh, contour: &Contour<'_>) -> Result
 }
 
 /// (camber)
-struct Map<'a> {
+struct Map<'a, 'b> {
     symmetric: &'a AirfoilMesh,
-    contour: &'a Contour<'a>,
+    contour: &'a Contour<'b>,
     /// X_0.
     front: f64,
     /// dc/dx at the nose and at the trailing edge.
     slopes: [f64; 2],
 }
 
-impl<'a> Map<'a> {
-    fn new(symmetric: &'a AirfoilMesh, contour: &'a Contour<'a>) -> Self {
+impl<'a, 'b> Map<'a, 'b> {
+    fn new(symmetric: &'a AirfoilMesh, contour: &'a Contour<'b>) -> Self {
         let front = (contour.position)(contour.ends[1])[0];
         let mut map = Map { symmetric, contour, front, slopes: [0.0; 2] };
         // Differences of third order.
@@ -194,7 +194,7 @@ mod tests {
         let airfoil = FourDigits::of(digits).unwrap();
         let symmetric = AirfoilMesh { thickness: airfoil.thickness, ..AirfoilMesh::naca0012(order) };
         let position = |sigma: f64| airfoil.position(&symmetric, sigma);
-        let contour = Contour { position: &position, ends: [-1.0, airfoil.foremost(&symmetric), 1.0] };
+        let contour = Contour { position: Box::new(position), ends: [-1.0, airfoil.foremost(&symmetric), 1.0] };
         let mesh = cambered(&symmetric, &contour).unwrap();
         (airfoil, symmetric, mesh)
     }
@@ -207,7 +207,12 @@ mod tests {
             let wall = mesh.boundary_names().iter().position(|name| name == "airfoil").unwrap();
             let facets: Vec<_> = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall).collect();
             assert_eq!((facets.len(), mesh.n_cells()), (24, 528));
-            for x in facets.iter().flat_map(|facet| mesh.face_positions(facet.side)) {
+            let nodes = |facet: &&::mesh::BoundaryFacet| -> Vec<[f64; 2]> {
+                let x = mesh.cell_coordinates(facet.side.cell);
+                let nodes = ::mesh::face_nodes(2, 5, facet.side.face);
+                nodes.into_iter().map(|k| [x[2 * k], x[2 * k + 1]]).collect()
+            };
+            for x in facets.iter().flat_map(nodes) {
                 let off = |sigma: f64| {
                     let at = airfoil.position(&symmetric, sigma);
                     (at[0] - x[0]).hypot(at[1] - x[1])
