@@ -9,6 +9,7 @@ DIRECTORY is the directory of a run for which `stsolve report` has made report.h
 * arrow keys move the slider; each position shows another time, and its picture has the announced size;
 * the charts mark that time with the numbers of history.csv; every curve has points inside its chart;
 * each field and window can be clicked; keys zoom;
+* charts, the picture and the film can be saved;
 * every number of summary.json is in the tables.
 
 --picture keeps a picture of the page. Exits with 1 and names every error; without a Chromium it says so and exits with 0.
@@ -31,7 +32,7 @@ FRAME = """(async () => {
   return { picture: field.src, alt: field.alt, size: [field.naturalWidth, field.naturalHeight],
     time: document.getElementById("time").textContent, legend: document.getElementById("legend-label").textContent,
     ticks: all("#legend-ticks span").length, moved: document.getElementById("stack").style.transform,
-    values: all("output[data-column]").map((output) => [output.dataset.column, output.textContent]),
+    values: all("output[data-column]").map((output) => [output.dataset.column, output.textContent, output.title]),
     marks: all(".chart > svg").map((chart) => ({ ...chart.dataset, x: chart.querySelector(".cursor").getAttribute("x1") })) };
 })()"""
 
@@ -55,9 +56,9 @@ def number(text):
     return float(text.replace("\u2212", "-"))
 
 
-def near(text, value):
+def near(text, value, digits=6):
     """Whether a number agrees with its text in all digits that are shown."""
-    return text != "" and math.isclose(number(text), value, rel_tol=1e-5, abs_tol=0.0)
+    return text != "" and math.isclose(number(text), value, rel_tol=10 ** (1 - digits), abs_tol=0.0)
 
 
 def wrong_frame(frame, time, pane, rows):
@@ -67,9 +68,9 @@ def wrong_frame(frame, time, pane, rows):
     if not near(frame["time"].split()[0], time):
         yield f"t = {time}: shown as {frame['time']}"
     row = min(rows, key=lambda row: abs(float(row["t"]) - time), default=None)
-    for column, text in frame["values"] if row else []:
-        if not near(text, float(row[column])):
-            yield f"t = {time}: {column} is {row[column]}, shown is {text!r}"
+    for column, text, title in frame["values"] if row else []:
+        if not near(text, float(row[column]), 3) or float(title) != float(row[column]):
+            yield f"t = {time}: {column} is {row[column]}, shown is {text!r}, {title!r}"
     for mark in frame["marks"]:
         t0, t1, x0, x1, x = (float(mark[name]) for name in ("t0", "t1", "x0", "x1", "x"))
         if abs(x - (x0 + (max(time, t0) - t0) / (t1 - t0) * (x1 - x0))) > 0.5:
@@ -123,6 +124,44 @@ def wrong_zoom(page):
     page.click("#mesh-lines")
 
 
+# Everything that can be saved, caught on its way.
+SAVE = """(async () => {
+  const blobs = [];
+  const make = URL.createObjectURL.bind(URL);
+  URL.createObjectURL = (blob) => (blobs.push(blob), make(blob));
+  HTMLAnchorElement.prototype.click = () => {};
+  const buttons = [...document.querySelectorAll("[data-save], #save-picture, #save-film")].filter((b) => !b.hidden);
+  buttons.forEach((button) => button.click());
+  for (let wait = 0; wait < 300 && blobs.length < buttons.length; wait++) await new Promise((done) => setTimeout(done, 100));
+  const size = async (blob) => {
+    if (blob.type !== "image/png") return [blob.size, 0];
+    const image = await createImageBitmap(blob);
+    return [image.width, image.height];
+  };
+  const all = blobs.map(async (b) => ({ type: b.type, size: await size(b), text: b.type === "text/csv" ? await b.text() : "" }));
+  return { buttons: buttons.length, blobs: await Promise.all(all) };
+})()"""
+
+
+def wrong_saves(page, pictures, rows):
+    """Saves every chart, the picture and the film."""
+    saved = page.evaluate(SAVE)
+    if len(saved["blobs"]) != saved["buttons"]:
+        yield f"{saved['buttons']} buttons save {len(saved['blobs'])} files"
+    for blob in saved["blobs"]:
+        if min(blob["size"][:1]) < 20:
+            yield f"an empty file of type {blob['type']}"
+        lines = blob["text"].splitlines()
+        if blob["type"] == "text/csv" and (len(lines) != min(len(rows), 2001) + 1 or not lines[0].startswith("t,")):
+            yield f"a table of {len(lines)} lines that begins with {lines[:1]}"
+    sizes = [blob["size"] for blob in saved["blobs"] if blob["type"] == "image/png"]
+    if pictures and not any(width == pictures["windows"][0]["width"] for width, _ in sizes):
+        yield f"the picture is not among {sizes}"
+    types = {blob["type"].split(";")[0] for blob in saved["blobs"]}
+    if pictures and len(pictures["times"]) > 1 and "video/webm" not in types:
+        yield f"no film among {types}"
+
+
 def flat(value, path=""):
     """Nested tables as pairs of dotted keys and values."""
     if isinstance(value, dict):
@@ -158,6 +197,8 @@ def check(page, directory):
     wrong = list(wrong_page(seen, rows, directory))
     if pictures:
         wrong += [*wrong_slider(page, pictures, rows), *wrong_choices(page, pictures), *wrong_zoom(page)]
+        page.click("input[name=window][value='0'] + span") if len(pictures["windows"]) > 1 else None
+    wrong += wrong_saves(page, pictures, rows)
     times = len(pictures["times"]) if pictures else 0
     return wrong + page.problems, f"{times} times, {len(seen['curves'])} curves, {len(seen['cells'])} figures"
 

@@ -5,7 +5,7 @@ use super::document::Document;
 use super::error::{CaseError, Cause};
 use super::key::Key;
 use super::magnitude::{self, is_computable};
-use super::raw::{Axis, Formula};
+use super::raw::{Axis, Field, Formula};
 use super::vector::Vector;
 use crate::expression::{Names, Program, Table};
 use navier_stokes::InvalidParameter;
@@ -79,7 +79,10 @@ impl<'a> Checker<'a> {
 
     /// Records a default that follows from other keys, with its value.
     pub(super) fn note_default(&self, key: &Key, taken: &str) {
-        self.defaults.borrow_mut().push((key.to_string(), taken.to_owned()));
+        let (mut defaults, default) = (self.defaults.borrow_mut(), (key.to_string(), taken.to_owned()));
+        if !defaults.contains(&default) {
+            defaults.push(default);
+        }
     }
 
     /// The recorded defaults.
@@ -208,6 +211,12 @@ impl<'a> Checker<'a> {
     pub(super) fn formula_on_boundary<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
         let names = self.names.with_coordinates(D).with_time();
         self.program(key, formula, &if D == 2 { names.with_arc_length() } else { names })
+    }
+
+    /// A formula in position, time and the fields of a flow.
+    pub(super) fn formula_of_fields<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        let names = self.names.with_coordinates(D).with_time().with_fields(Field::components_of_flow(D));
+        self.program(key, formula, &names)
     }
 
     /// A formula in position and time for each axis.

@@ -18,6 +18,7 @@ pub(super) fn lasting(case: &Case) -> Case {
         output: Output {
             fields: case.output.fields.clone(),
             probes: case.output.probes.clone(),
+            formulas: case.output.formulas.clone(),
             integrals: case.output.integrals.clone(),
             ..Output::default()
         },

@@ -4,11 +4,9 @@ use super::brackets;
 use super::choices::{choice_of_number, choices};
 use super::error::{CaseError, Cause, LONGEST_VALUE, ONE_OF_SEVERAL, Place};
 use super::key::{Key, Step};
-use super::magnitude;
-use super::shape;
 use crate::excerpt::shortened;
 use crate::input_file;
-use serde::de::DeserializeOwned;
+use serde::Deserialize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -83,22 +81,10 @@ impl Document {
         &self.path
     }
 
-    /// Deserialises the document.
-    pub(super) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
-        // Integers of TOML have 64 bits with a sign. The parser accepts longer ones, its own tables do not.
-        self.deserialize_as::<toml::Table>()?;
-        if let Some((key, cause)) = shape::first_misfit(self.tree()?.get_ref()) {
-            return Err(self.error(&key, cause));
-        }
-        let case = self.deserialize_as()?;
-        match magnitude::first_extreme(self.tree()?.get_ref()) {
-            Some((key, cause)) => Err(self.error(&key, cause)),
-            None => Ok(case),
-        }
-    }
-
-    fn deserialize_as<T: DeserializeOwned>(&self) -> Result<T, Box<CaseError>> {
-        T::deserialize(toml::de::Deserializer::from(self.tree()?)).map_err(|error| self.toml_error(&error))
+    /// Checks that integers are not too long.
+    pub(super) fn check_integers(&self) -> Result<(), Box<CaseError>> {
+        let table = toml::Table::deserialize(toml::de::Deserializer::from(self.tree()?));
+        table.map(drop).map_err(|error| self.toml_error(&error))
     }
 
     /// An error at `key`, or at the innermost existing table around it.
@@ -117,7 +103,7 @@ impl Document {
     }
 
     /// The file with the options written over it. It is parsed anew for each use, because it borrows from the text.
-    fn tree(&self) -> Result<Spanned<Table<'_>>, Box<CaseError>> {
+    pub(super) fn tree(&self) -> Result<Spanned<Table<'_>>, Box<CaseError>> {
         let mut root = self.parse_text(&self.texts[0])?;
         for text in &self.texts[1..] {
             overwrite(root.get_mut(), self.parse_text(text)?.into_inner(), depth(text)).map_err(|problem| {
@@ -154,8 +140,12 @@ impl Document {
         Found { key: place, value, exists: true, names }
     }
 
-    /// An error of deserialisation, with its key.
     fn toml_error(&self, error: &toml::de::Error) -> Box<CaseError> {
+        self.located(error).1
+    }
+
+    /// An error of deserialisation, with its key.
+    pub(super) fn located(&self, error: &toml::de::Error) -> (Key, Box<CaseError>) {
         let span = error.span().unwrap_or(0..0);
         let mut key = Key::default();
         if let Ok(root) = self.tree() {
@@ -168,7 +158,9 @@ impl Document {
         let value = value.map(|span| self.excerpt(&span));
         let cause =
             Cause::from_serde(error.message(), value.as_deref(), &names, || choices(&key), || choice_of_number(&key));
-        Box::new(CaseError { place: self.place(&span), key: key.to_string(), value, cause, also: Vec::new() })
+        let place = self.place(&span);
+        let error = CaseError { place, key: key.to_string(), value, cause, also: Vec::new() };
+        (key, Box::new(error))
     }
 
     /// The first part of `key` that was written at `offset`, since the header of a table may name several.

@@ -32,23 +32,51 @@ pub struct CaseError {
     pub also: Vec<CaseError>,
 }
 
+/// The largest number of errors that are told.
+const MOST_ERRORS: usize = 20;
+
 /// The errors of parts of a case that do not depend on each other.
 #[derive(Default)]
 pub(super) struct Errors(Vec<CaseError>);
 
 impl Errors {
-    /// Keeps the error of a part.
-    pub(super) fn note<T>(&mut self, part: Result<T, Box<CaseError>>) -> Option<T> {
-        part.map_err(|error| self.0.push(*error)).ok()
+    /// Keeps an error, and those that came with it.
+    pub(super) fn add(&mut self, mut error: Box<CaseError>) {
+        let also = std::mem::take(&mut error.also);
+        self.0.push(*error);
+        self.0.extend(also);
     }
 
-    /// All of them in one, if there are any.
+    /// Keeps the error of a part.
+    pub(super) fn note<T>(&mut self, part: Result<T, Box<CaseError>>) -> Option<T> {
+        part.map_err(|error| self.add(error)).ok()
+    }
+
+    /// Keeps the error of a list, which is then empty.
+    pub(super) fn list<T>(&mut self, part: Result<Vec<T>, Box<CaseError>>) -> Vec<T> {
+        self.note(part).unwrap_or_default()
+    }
+
+    /// All of them in one, in the order of their lines, if there are any.
     pub(super) fn all(self) -> Result<(), Box<CaseError>> {
-        let mut errors = self.0.into_iter();
+        let mut errors = self.0;
+        // Those of options stay behind.
+        errors.sort_by_key(|error| match error.place {
+            Place::File { line, .. } => line,
+            Place::Option(_) | Place::Nowhere { .. } => usize::MAX,
+        });
+        let mut errors = errors.into_iter();
         let Some(mut first) = errors.next() else { return Ok(()) };
         first.also.extend(errors);
         Err(Box::new(first))
     }
+}
+
+/// The values of parts of a case, or all their errors.
+pub(super) fn collected<T>(parts: impl Iterator<Item = Result<T, Box<CaseError>>>) -> Result<Vec<T>, Box<CaseError>> {
+    let mut errors = Errors::default();
+    let values: Vec<T> = parts.filter_map(|part| errors.note(part)).collect();
+    errors.all().map(|()| values)
 }
 
 /// A place in the input.
@@ -296,7 +324,7 @@ impl Cause {
                 Some("cells that are less curved: a smaller amplitude, more cells, or a higher order".to_owned())
             }
             Cause::Coordinates { .. } => Some("two numbers, x and y, in each line; # begins a comment".to_owned()),
-            Cause::Row { .. } => Some("the time and the values, numbers separated by commas or blanks".to_owned()),
+            Cause::Row { .. } => Some("the time and the values, numbers separated by semicolons, tabs, commas or blanks".to_owned()),
             Cause::MovedAtStart { .. } => Some(
                 "a displacement that is zero everywhere at the start: subtract its value there, \"f(t) - f(0)\"; of `[tables]`, the value 0 at the start"
                     .to_owned(),
@@ -363,7 +391,11 @@ impl fmt::Display for CaseError {
         if let Some(nearest) = self.cause.nearest() {
             write!(f, "\n  did you mean `{nearest}`?")?;
         }
-        self.also.iter().try_for_each(|error| write!(f, "\nerror: {error}"))
+        self.also.iter().take(MOST_ERRORS - 1).try_for_each(|error| write!(f, "\nerror: {error}"))?;
+        match self.also.len().saturating_sub(MOST_ERRORS - 1) {
+            0 => Ok(()),
+            more => write!(f, "\nand {more} more errors"),
+        }
     }
 }
 

@@ -17,11 +17,13 @@
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
 //! | `continuation` | conditions for continuing the run of another case |
 //! | `checked` | the checked case; no other code uses `raw` |
+//! | `reading` | from the document to the raw case: all errors of keys and types; formulas where numbers are needed |
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
 //! | `boundary_motion` | the motion of a boundary |
 //! | `expression` | formulas and tables |
+//! | `fields` | components of fields, formulas in them |
 //! | `any_mesh` | a mesh whose dimension is known only after it is read |
 //! | `memory` | available memory |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
@@ -37,6 +39,7 @@ mod document;
 mod error;
 mod excerpt;
 pub mod expression;
+mod fields;
 pub mod input_file;
 mod key;
 mod magnitude;
@@ -44,6 +47,7 @@ pub mod memory;
 pub mod mesh_file;
 mod nearest;
 mod raw;
+mod reading;
 mod shape;
 mod state;
 #[cfg(test)]
@@ -56,6 +60,7 @@ pub use checked::*;
 pub use continuation::{Difference, Differences, differences};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
-pub use raw::schema;
+pub use fields::FieldFormula;
+pub use raw::{editor_schema, schema};
 pub use state::State;
 pub use vector::Vector;

@@ -2,7 +2,8 @@
 //!
 //! The deserialiser misses three errors, or finds them too late. It takes the entries of a list that it needs and ignores the others. It
 //! fills tables from lists by position. And it may report a missing key in one table before it meets the misspelt name of another. So
-//! the whole document is first compared with the schema. All other errors of values are left to the deserialiser.
+//! the whole document is first compared with the schema. All other errors of values are left to the deserialiser. It also finds the texts
+//! where numbers are needed: formulas of constants.
 
 use super::error::Cause;
 use super::key::Key;
@@ -12,13 +13,23 @@ use std::sync::OnceLock;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The first misfitting key in the text, and its error.
-pub(super) fn first_misfit(document: &DeTable<'_>) -> Option<(Key, Cause)> {
+/// The comparison of a document with the schema.
+pub(super) struct Shape {
+    /// The keys that do not fit, and their errors.
+    pub(super) misfits: Vec<(Key, Cause)>,
+    /// The keys of texts where numbers are needed.
+    pub(super) numbers: Vec<(Key, String)>,
+}
+
+/// Compares a document with the schema.
+pub(super) fn compare(document: &DeTable<'_>) -> Shape {
     static SCHEMA: OnceLock<Schema> = OnceLock::new();
     let root = SCHEMA.get_or_init(|| raw::schema().to_value());
-    let mut walk = Walk { root, first: None };
+    let mut walk = Walk { root, misfits: Vec::new(), numbers: Vec::new() };
     walk.table(&walk.alternatives(root), document, &Key::default());
-    walk.first.map(|misfit| (misfit.key, misfit.cause))
+    walk.misfits.sort_by_key(|misfit| misfit.offset);
+    let misfits = walk.misfits.into_iter().map(|misfit| (misfit.key, misfit.cause)).collect();
+    Shape { misfits, numbers: walk.numbers }
 }
 
 /// A part of the document that does not fit.
@@ -32,7 +43,8 @@ struct Misfit {
 /// A traversal of a document along its schema.
 struct Walk<'a> {
     root: &'a Schema,
-    first: Option<Misfit>,
+    misfits: Vec<Misfit>,
+    numbers: Vec<(Key, String)>,
 }
 
 impl<'a> Walk<'a> {
@@ -41,6 +53,7 @@ impl<'a> Walk<'a> {
         match value.get_ref() {
             DeValue::Table(table) => self.table(&alternatives, table, key),
             DeValue::Array(entries) => self.list(&alternatives, value.span().start, entries, key),
+            DeValue::String(text) if needs_number(&alternatives) => self.numbers.push((key.clone(), text.to_string())),
             _ => {}
         }
     }
@@ -87,9 +100,7 @@ impl<'a> Walk<'a> {
     }
 
     fn add(&mut self, offset: usize, key: Key, cause: Cause) {
-        if self.first.as_ref().is_none_or(|first| offset < first.offset) {
-            self.first = Some(Misfit { offset, key, cause });
-        }
+        self.misfits.push(Misfit { offset, key, cause });
     }
 
     /// `schema`, or the schema it refers to, and the alternatives that it lists.
@@ -120,6 +131,12 @@ fn a_list(alternatives: &[&Schema]) -> Cause {
     let names = keys.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let keys = if names.is_empty() { String::new() } else { format!(", with keys among {names}") };
     Cause::Type { found: "a list".to_owned(), accepted: format!("a table, {{ key = value, ... }}{keys}") }
+}
+
+/// Whether a number is accepted, and no text.
+fn needs_number(alternatives: &[&Schema]) -> bool {
+    let is_text = |a: &&Schema| has_type(a, "string") || a["const"].is_string() || a["enum"].is_array();
+    alternatives.iter().any(|a| has_type(a, "number")) && !alternatives.iter().any(is_text)
 }
 
 fn has_type(schema: &Schema, name: &str) -> bool {

@@ -7,6 +7,7 @@
 //! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state for a restart;
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
 //! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] holds its contents for a reader;
+//! * [`LineFile`] is `line_NAME.csv`, [`SliceSeries`] is `slice_NAME.pvd` with a file of [`PolyData`] per time;
 //! * [`Summary`] is `summary.json`, for scripts after the run;
 //! * [`EarlierRun`] describes an earlier run in the same directory;
 //! * [`inspect`] lists the contents of a result file.
@@ -30,10 +31,13 @@ mod history;
 mod inspect;
 mod lagrange;
 mod layout;
+mod line_file;
+mod poly_data;
 mod reader;
 mod rest_mesh;
 mod result_file;
 mod seal;
+mod slice_series;
 mod state;
 mod summary;
 mod vtkhdf;
@@ -49,9 +53,12 @@ pub use history::{HISTORY_FILE, History, HistoryTable};
 pub use inspect::{CheckpointInfo, ResultInfo, inspect};
 pub use lagrange::{vtk_node, vtk_order};
 pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+pub use line_file::LineFile;
+pub use poly_data::PolyData;
 pub use reader::ResultReader;
 pub use rest_mesh::RestMesh;
 pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
+pub use slice_series::SliceSeries;
 pub use state::SolverState;
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,

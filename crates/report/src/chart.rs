@@ -27,28 +27,59 @@ pub fn drawn_rows(history: &HistoryTable) -> Vec<usize> {
     (0..count).filter(|row| row % stride == 0 || row + 1 == count).collect()
 }
 
+/// A curve over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Its label.
+    pub label: String,
+    /// The run, and its column of the history.
+    pub source: (usize, String),
+    /// The times.
+    pub t: Vec<f64>,
+    /// The values.
+    pub values: Vec<f64>,
+}
+
+impl Curve {
+    /// The displayed rows of a column of the history of a run; `None` if there is no such column.
+    pub fn of(history: &HistoryTable, run: usize, column: &str, label: &str) -> Option<Self> {
+        let rows = drawn_rows(history);
+        let pick = |name: &str| history.column(name).map(|column| rows.iter().map(|&row| column[row]).collect());
+        Some(Curve { label: label.to_owned(), source: (run, column.to_owned()), t: pick("t")?, values: pick(column)? })
+    }
+}
+
 /// A figure with the curves of a group, its legend, and space for values that a script inserts. `None` if there is no
 /// number to draw.
 pub fn figure(group: &Group, history: &HistoryTable) -> Option<String> {
-    let rows = drawn_rows(history);
-    let pick = |name: &str| history.column(name).map(|column| rows.iter().map(|&row| column[row]).collect::<Vec<_>>());
-    let t = pick("t")?;
-    let curves: Vec<Vec<f64>> = group.series.iter().filter_map(|(name, _)| pick(name)).collect();
-    let y = match group.scale {
-        Scale::Linear => Axis::linear(curves.iter().flatten().copied(), BOTTOM, TOP)?,
-        Scale::Logarithmic => Axis::logarithmic(curves.iter().flatten().map(|value| value.abs()), BOTTOM, TOP)?,
+    let curves =
+        group.series.iter().filter_map(|(column, label)| Curve::of(history, 0, column, label)).collect::<Vec<_>>();
+    drawn(&group.title, group.scale, &curves)
+}
+
+/// The same of any curves.
+pub fn drawn(title: &str, scale: Scale, curves: &[Curve]) -> Option<String> {
+    let values = || curves.iter().flat_map(|curve| curve.values.iter().copied());
+    let times = || curves.iter().flat_map(|curve| curve.t.iter().copied());
+    let y = match scale {
+        Scale::Linear => Axis::linear(values(), BOTTOM, TOP)?,
+        Scale::Logarithmic => Axis::logarithmic(values().map(f64::abs), BOTTOM, TOP)?,
     };
-    let x = Axis::linear_tight(t.iter().copied(), LEFT, RIGHT)?;
+    let x = Axis::linear_tight(times(), LEFT, RIGHT)?;
     let mut paths = String::new();
     for (number, curve) in curves.iter().enumerate() {
-        let magnitude = |value: f64| if group.scale == Scale::Logarithmic { value.abs() } else { value };
-        let points: Vec<_> = t.iter().zip(curve).map(|(t, value)| (x.place(*t), y.place(magnitude(*value)))).collect();
+        let magnitude = |value: f64| if scale == Scale::Logarithmic { value.abs() } else { value };
+        let points: Vec<_> =
+            curve.t.iter().zip(&curve.values).map(|(t, value)| (x.place(*t), y.place(magnitude(*value)))).collect();
         paths += &path(&points, number);
     }
-    let title = escaped(&group.title);
-    let [first, last] = [t[0], t[t.len() - 1]];
+    let title = escaped(title);
+    let [first, last] = [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)];
     Some(format!(
-        "<figure class=\"chart\"><figcaption>{title}</figcaption>\n<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
+        "<figure class=\"chart\"><figcaption>{title}<span class=\"save\"><button type=\"button\" data-save=\"png\" \
+         aria-label=\"Save {title} as PNG\">PNG</button><button type=\"button\" data-save=\"csv\" \
+         aria-label=\"Save {title} as CSV\">CSV</button></span></figcaption>\n\
+         <svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
          aria-label=\"{title} from t = {} to t = {}\" data-t0=\"{}\" data-t1=\"{}\" data-x0=\"{LEFT}\" data-x1=\"{RIGHT}\">\n\
          {}{}{paths}<line class=\"cursor\" y1=\"{TOP}\" y2=\"{BOTTOM}\" x1=\"-9\" x2=\"-9\"/></svg>\n{}</figure>\n",
         short(first),
@@ -57,7 +88,7 @@ pub fn figure(group: &Group, history: &HistoryTable) -> Option<String> {
         x.upper,
         horizontal(&x),
         vertical(&y),
-        legend(group),
+        legend(curves),
     ))
 }
 
@@ -108,17 +139,19 @@ fn vertical(axis: &Axis) -> String {
     axis.ticks.iter().map(tick).collect()
 }
 
-fn legend(group: &Group) -> String {
-    let item = |(number, (column, label)): (usize, &(String, String))| {
+fn legend(curves: &[Curve]) -> String {
+    let item = |(number, curve): (usize, &Curve)| {
+        let (run, column) = &curve.source;
         format!(
             "<li><svg class=\"key\" viewBox=\"0 0 22 8\" aria-hidden=\"true\"><g class=\"curve c{}\"><path d=\"M0 4H22\"/></g>\
-             </svg>{} <output data-column=\"{}\"></output></li>",
+             </svg>{} <output data-run=\"{run}\" data-column=\"{}\" data-label=\"{}\"></output></li>",
             number % 9,
-            escaped(label),
-            escaped(column)
+            escaped(&curve.label),
+            escaped(column),
+            escaped(&curve.label),
         )
     };
-    format!("<ul class=\"legend\">{}</ul>", group.series.iter().enumerate().map(item).collect::<String>())
+    format!("<ul class=\"legend\">{}</ul>", curves.iter().enumerate().map(item).collect::<String>())
 }
 
 #[cfg(test)]

@@ -1,10 +1,32 @@
 //! Fields for display, at equidistant points of every cell.
 
-use case::Field;
+use case::{Field, FieldFormula, Flow};
 use elasticity::{Stress, principal, von_mises};
 use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
 use output::FieldSpec;
+
+/// A gas, and the state to which pressure coefficients refer.
+#[derive(Clone, Copy, Debug)]
+pub struct Medium {
+    /// The gas.
+    pub gas: Gas,
+    /// Pressure and dynamic pressure of the reference state, if it is known.
+    pub reference: Option<[f64; 2]>,
+}
+
+impl Medium {
+    /// The gas of a flow.
+    pub fn of<const D: usize>(flow: &Flow<D>) -> Self {
+        let reference = Some([flow.reference_pressure(), flow.law.reference.dynamic_pressure()]);
+        Medium { gas: flow.law.gas, reference }
+    }
+
+    /// A gas without a reference state.
+    pub fn gas(gas: Gas) -> Self {
+        Medium { gas, reference: None }
+    }
+}
 
 /// The data at the points of a cell: arrays `[component][point]`.
 pub struct CellSample<'a> {
@@ -47,6 +69,11 @@ pub fn spec(field: Field, dimension: usize) -> FieldSpec {
         Field::Pressure => FieldSpec::scalar("pressure"),
         Field::Temperature => FieldSpec::scalar("temperature"),
         Field::Mach => FieldSpec::scalar("mach"),
+        Field::PressureCoefficient => FieldSpec::scalar("pressure_coefficient"),
+        Field::TotalPressure => FieldSpec::scalar("total_pressure"),
+        Field::TotalTemperature => FieldSpec::scalar("total_temperature"),
+        Field::Entropy => FieldSpec::scalar("entropy"),
+        Field::QCriterion => FieldSpec::scalar("q_criterion"),
         Field::Vorticity if dimension == 2 => FieldSpec::scalar("vorticity"),
         Field::Vorticity => FieldSpec::vector("vorticity"),
         Field::MeshVelocity => FieldSpec::vector("mesh_velocity"),
@@ -67,10 +94,10 @@ pub fn of_structure(field: Field) -> bool {
     matches!(field, Field::VonMises | Field::PrincipalStress)
 }
 
-/// The values of `field` at the points of a cell, `[point][component]`; NaN where it is not defined. `gas` is that of a cell of the flow.
+/// The values of `field` at the points of a cell, `[point][component]`; NaN where it is not defined. `medium` is that of a cell of the flow.
 pub fn values<const D: usize, const M: usize>(
     field: Field,
-    gas: Option<&Gas>,
+    medium: Option<&Medium>,
     sample: &CellSample,
     out: &mut Vec<f64>,
 ) {
@@ -78,7 +105,7 @@ pub fn values<const D: usize, const M: usize>(
     let vector =
         |field: &[f64], p: usize| std::array::from_fn::<f64, 3, _>(|d| if d < D { field[d * n + p] } else { 0.0 });
     for p in 0..n {
-        match (field, gas) {
+        match (field, medium) {
             (Field::MeshVelocity, _) => out.extend(vector(sample.mesh_velocity, p)),
             (Field::Displacement, _) if !sample.displacement.is_empty() => out.extend(vector(sample.displacement, p)),
             (Field::Jacobian, _) => out.push(sample.jacobian[p]),
@@ -87,39 +114,100 @@ pub fn values<const D: usize, const M: usize>(
             // A structure has a velocity, too.
             (Field::Velocity, None) if !sample.stress.is_empty() => out.extend(vector(sample.mesh_velocity, p)),
             (field, _) if of_mesh(field) => out.extend(vec![f64::NAN; spec(field, D).components]),
-            (Field::Vorticity, Some(_)) => vorticity::<D>(sample, p, out),
-            (_, Some(gas)) => of_state::<D, M>(field, gas, &std::array::from_fn(|m| sample.state[m * n + p]), out),
+            (Field::Vorticity, Some(_)) => vorticity(&velocity_gradient::<D>(sample, p), out),
+            (Field::QCriterion, Some(_)) => out.push(q_criterion(&velocity_gradient::<D>(sample, p))),
+            (_, Some(medium)) => {
+                of_state::<D, M>(field, medium, &std::array::from_fn(|m| sample.state[m * n + p]), out);
+            }
             (field, None) => out.extend(vec![f64::NAN; spec(field, D).components]),
         }
     }
 }
 
-fn of_state<const D: usize, const M: usize>(field: Field, gas: &Gas, u: &[f64; M], out: &mut Vec<f64>) {
+fn of_state<const D: usize, const M: usize>(field: Field, medium: &Medium, u: &[f64; M], out: &mut Vec<f64>) {
+    let gas = &medium.gas;
     let state = Primitive::<f64, D>::unpack(gas, u);
-    let speed = state.velocity.iter().map(|w| w * w).sum::<f64>().sqrt();
     match field {
         Field::Density => out.push(state.density),
         Field::Velocity => out.extend((0..3).map(|d| state.velocity.get(d).copied().unwrap_or(0.0))),
         Field::Pressure => out.push(state.pressure),
         Field::Temperature => out.push(gas.temperature(state.density, state.pressure)),
-        Field::Mach => out.push(speed / gas.sound_speed(state.density, state.pressure)),
+        Field::Mach => {
+            out.push(tensor::norm(&state.velocity) / gas.sound_speed(state.density, state.pressure));
+        }
+        Field::PressureCoefficient => {
+            out.push(medium.reference.map_or(f64::NAN, |[pressure, dynamic]| (state.pressure - pressure) / dynamic));
+        }
+        Field::TotalPressure => out.push(total_state(gas, &state)[0]),
+        Field::TotalTemperature => out.push(total_state(gas, &state)[1]),
+        Field::Entropy => out.push(state.pressure.ln() - gas.gamma() * state.density.ln()),
         // Not of the state at a point.
         _ => {}
     }
 }
 
-/// curl v from the gradients of density and momentum: d_i v_j = (d_i m_j - v_j d_i rho) / rho.
-fn vorticity<const D: usize>(sample: &CellSample, p: usize, out: &mut Vec<f64>) {
+/// Total pressure and total temperature for an observer at rest.
+///
+/// ```text
+/// p_0 = p (1 + (gamma - 1)/2 M^2)^(gamma/(gamma - 1)),     T_0 = T (1 + (gamma - 1)/2 M^2)                                  (total)
+/// ```
+pub fn total_state<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; 2] {
+    let (gamma, c) = (gas.gamma(), gas.sound_speed(at.density, at.pressure));
+    let ratio = 1.0 + 0.5 * (gamma - 1.0) * tensor::dot(&at.velocity, &at.velocity) / (c * c);
+    let temperature = gas.temperature(at.density, at.pressure);
+    [at.pressure * ratio.powf(gamma / (gamma - 1.0)), temperature * ratio]
+}
+
+/// d_i v_j from the gradients of density and momentum m: d_i v_j = (d_i m_j - v_j d_i rho) / rho.
+fn velocity_gradient<const D: usize>(sample: &CellSample, p: usize) -> [[f64; D]; D] {
     let n = sample.points;
     let rho = sample.state[p];
     let slope = |i: usize, j: usize| {
         let v_j = sample.state[(1 + j) * n + p] / rho;
         (sample.gradients[i][(1 + j) * n + p] - v_j * sample.gradients[i][p]) / rho
     };
+    std::array::from_fn(|i| std::array::from_fn(|j| slope(i, j)))
+}
+
+/// curl v from `g` = d_i v_j.
+fn vorticity<const D: usize>(g: &[[f64; D]; D], out: &mut Vec<f64>) {
     match D {
-        2 => out.push(slope(0, 1) - slope(1, 0)),
-        _ => out.extend((0..3).map(|k| slope((k + 1) % 3, (k + 2) % 3) - slope((k + 2) % 3, (k + 1) % 3))),
+        2 => out.push(g[0][1] - g[1][0]),
+        _ => out.extend((0..3).map(|k| g[(k + 1) % 3][(k + 2) % 3] - g[(k + 2) % 3][(k + 1) % 3])),
     }
+}
+
+/// Q = (|W|^2 - |S|^2) / 2 = -d_i v_j d_j v_i / 2, with S and W the symmetric and the antisymmetric part of grad v.
+fn q_criterion<const D: usize>(g: &[[f64; D]; D]) -> f64 {
+    -0.5 * (0..D * D).map(|k| g[k / D][k % D] * g[k % D][k / D]).sum::<f64>()
+}
+
+/// The values of `formulas` at the points of a cell at the positions `x`, `[component][point]`, and time `t`: `[formula][point]`. NaN without
+/// a `medium`.
+pub fn of_formulas<const D: usize, const M: usize>(
+    formulas: &[FieldFormula],
+    medium: Option<&Medium>,
+    sample: &CellSample,
+    x: &[f64],
+    t: f64,
+) -> Vec<Vec<f64>> {
+    let n = sample.points;
+    let Some(medium) = medium.filter(|_| !formulas.is_empty()) else { return vec![vec![f64::NAN; n]; formulas.len()] };
+    let fields: Vec<Vec<f64>> =
+        Field::OF_FLOW.iter().flat_map(|field| components::<D, M>(*field, medium, sample)).collect();
+    let variables =
+        |p: usize| -> Vec<f64> { (0..D).map(|i| x[i * n + p]).chain(fields.iter().map(|values| values[p])).collect() };
+    let variables: Vec<Vec<f64>> = (0..n).map(variables).collect();
+    formulas.iter().map(|formula| variables.iter().map(|at| formula.program.evaluate(at, t)).collect()).collect()
+}
+
+/// The values of `field` in a flow, `[component][point]`, with the components of [`Field::components`].
+pub fn components<const D: usize, const M: usize>(field: Field, medium: &Medium, sample: &CellSample) -> Vec<Vec<f64>> {
+    let mut values = Vec::new();
+    self::values::<D, M>(field, Some(medium), sample, &mut values);
+    let stride = values.len() / sample.points;
+    let component = |c: usize| values.iter().skip(c).step_by(stride).copied().collect();
+    (0..field.components(D).len()).map(component).collect()
 }
 
 /// A sampler of equidistant points, as many per direction as the higher order has nodes.

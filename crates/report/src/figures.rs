@@ -69,7 +69,7 @@ fn remove_absent(value: &mut Value) {
 }
 
 /// Nested tables as rows with dotted keys.
-fn flatten(key: &str, value: &Value, rows: &mut Vec<(String, Value)>) {
+pub fn flatten(key: &str, value: &Value, rows: &mut Vec<(String, Value)>) {
     match value {
         Value::Object(entries) => {
             for (name, entry) in entries {
@@ -99,12 +99,12 @@ fn table(section: &str, rows: &[(String, Value)]) -> String {
 }
 
 /// A key in words.
-fn words(key: &str) -> String {
+pub fn words(key: &str) -> String {
     key.replace('_', " ").replace('.', ": ").replace("det j", "det J").replace("l2", "L2")
 }
 
 /// Integers in full, other numbers with six digits; the cell's title has all digits.
-fn shown(value: &Value) -> String {
+pub fn shown(value: &Value) -> String {
     match value {
         Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),
         Value::Array(entries) => entries.iter().map(shown).collect::<Vec<_>>().join(", "),

@@ -62,7 +62,7 @@ const KINDS: [(&str, &str); 6] = [
     ("displacement", "displacement"),
 ];
 
-/// All charts of a history: first forces and columns unknown to this table, then solver and mesh. `boundaries` are possible
+/// All charts of a history: first coefficients, forces and columns unknown to this table, then solver and mesh. `boundaries` are possible
 /// first parts of column names.
 pub fn groups(columns: &[String], boundaries: &[String]) -> Vec<Group> {
     let known = |column: &str| KNOWN.iter().any(|(_, _, series)| series.iter().any(|(name, _)| *name == column));
@@ -75,6 +75,8 @@ pub fn groups(columns: &[String], boundaries: &[String]) -> Vec<Group> {
             None => groups.push(Group { title, series: vec![series], scale: Scale::Linear }),
         }
     }
+    // Stable: otherwise in the order of the columns.
+    groups.sort_by_key(|group| !group.title.ends_with("coefficients"));
     groups.extend(KNOWN.iter().filter_map(|known| known_group(known, columns)));
     groups
 }
@@ -154,15 +156,15 @@ mod tests {
         assert_eq!(
             titles[..7],
             [
+                "foil: coefficients",
                 "foil: forces",
                 "foil: power and heat flow",
                 "foil_tail: forces",
                 "Energies",
                 "Mode",
-                "foil: coefficients",
                 "Something new"
             ]
         );
-        assert_eq!(groups[0].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
+        assert_eq!(groups[1].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
     }
 }

@@ -14,16 +14,29 @@ pub fn script_json(value: &Value) -> String {
 
 /// A number for a scale: six digits, with an exponent if that is shorter.
 pub fn short(value: f64) -> String {
+    with_digits(value, 6)
+}
+
+/// A number with at most so many `digits`, but the whole of its integer part.
+pub fn with_digits(value: f64, digits: usize) -> String {
+    let after = digits.saturating_sub(1);
     if value == 0.0 {
         return "0".into();
     }
     if !(1e-4..1e6).contains(&value.abs()) {
-        let text = format!("{value:.5e}");
+        let text = format!("{value:.after$e}");
         let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         return format!("{}e{exponent}", without_zeros(digits)).replace('-', "\u{2212}");
     }
-    let digits = (5 - value.abs().log10().floor() as i32).max(0) as usize;
+    let digits = (after as i32 - value.abs().log10().floor() as i32).max(0) as usize;
     without_zeros(&format!("{value:.digits$}")).replace('-', "\u{2212}")
+}
+
+/// The texts of values in a legend: three digits, more where values would look alike.
+pub fn legend_texts(values: &[f64]) -> Vec<String> {
+    let texts = |digits| values.iter().map(|value| with_digits(*value, digits)).collect::<Vec<_>>();
+    let differ = |texts: &Vec<String>| texts.windows(2).all(|pair| pair[0] != pair[1]);
+    (3..=12).map(texts).find(differ).unwrap_or_else(|| texts(6))
 }
 
 fn without_zeros(number: &str) -> &str {
@@ -47,6 +60,13 @@ mod tests {
         ] {
             assert_eq!(short(value), text);
         }
+    }
+
+    #[test]
+    fn legends_have_three_digits_or_as_many_as_differ() {
+        assert_eq!(legend_texts(&[0.123_456, 0.2, 1234.6]), ["0.123", "0.2", "1235"]);
+        assert_eq!(legend_texts(&[0.99998, 1.0, 1.00002]), ["0.99998", "1", "1.00002"]);
+        assert_eq!(legend_texts(&[0.5, 0.5]), ["0.5", "0.5"]);
     }
 
     #[test]

@@ -5,16 +5,19 @@
 //! | module | holds |
 //! |---|---|
 //! | `fields` | fields for display, in the result file and the pictures |
+//! | `simplices` | cells cut into simplices, and these by a surface |
 //! | `run_files` | the files of a run so far |
 //! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
 //! | `groups` | groups of history columns that share a chart |
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
 //! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
+//! | `comparison` | several runs on one page: `comparison.html` filled in |
 //! | `html` | texts and numbers in HTML |
 
 mod axis;
 mod chart;
+mod comparison;
 pub mod fields;
 mod figures;
 mod groups;
@@ -22,6 +25,7 @@ pub mod html;
 mod page;
 pub mod pictures;
 mod run_files;
+pub mod simplices;
 
 use output::{HISTORY_FILE, OutputError};
 use run_files::RunFiles;
@@ -29,6 +33,9 @@ use std::path::{Path, PathBuf};
 
 /// Name of the page in the directory of the run.
 pub const REPORT_FILE: &str = "report.html";
+
+/// Name of the page of several runs, in the directory of the first.
+pub const COMPARISON_FILE: &str = "comparison.html";
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
@@ -72,4 +79,25 @@ pub fn write(directory: &Path) -> Result<Page, ReportError> {
     let path = directory.join(REPORT_FILE);
     output::write_atomically(&path, page.as_bytes())?;
     Ok(Page { path, bytes: page.len(), pictures: pictures.map(|pictures| pictures.frames.len()) })
+}
+
+/// Writes one page of the runs in `directories`, with their curves over each other, into the first of them.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_comparison(directories: &[PathBuf]) -> Result<Page, ReportError> {
+    let runs = directories.iter().map(|directory| RunFiles::read(directory)).collect::<Result<Vec<_>, _>>()?;
+    let page = comparison::page(&runs, &names(directories, &runs));
+    let path = directories.first().map_or_else(PathBuf::new, |first| first.join(COMPARISON_FILE));
+    output::write_atomically(&path, page.as_bytes())?;
+    Ok(Page { path, bytes: page.len(), pictures: Err("only the page of one run has pictures".to_owned()) })
+}
+
+/// The names of the directories, or their paths where names are alike.
+fn names(directories: &[PathBuf], runs: &[RunFiles]) -> Vec<String> {
+    let alike = |run: &RunFiles| runs.iter().filter(|other| other.directory == run.directory).count() > 1;
+    let path = |directory: &Path| directory.display().to_string();
+    let name =
+        |(directory, run): (&PathBuf, &RunFiles)| if alike(run) { path(directory) } else { run.directory.clone() };
+    directories.iter().zip(runs).map(name).collect()
 }

@@ -1,15 +1,17 @@
 //! The page: the data of a run, inserted into the template.
 
-use super::html::{escaped, script_json, short};
+use super::html::{escaped, legend_texts, script_json, short, with_digits};
 use super::pictures::{ColourMap, Encoded, Pictures, Quantity, Range};
-use super::run_files::{RunFiles, Status};
+use super::run_files::{FailedRun, RunFiles, Status};
 use super::{axis, chart, figures, groups};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use output::HistoryTable;
 use serde_json::{Map, Value, json};
 
 const TEMPLATE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+pub const STYLE: &str = include_str!("page.css");
+pub const SCRIPT: &str = include_str!("page.js");
 
 /// The page of a run; `pictures`, or the reason why there are none.
 pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
@@ -20,6 +22,7 @@ pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
         "name" => escaped(name),
         "title" => escaped(if title.is_empty() { name } else { &title }),
         "status" => status(run),
+        "failure" => run.failure.as_ref().map_or_else(String::new, failure),
         "pictures" => pictures.as_ref().map_or_else(|reason| missing("No pictures", reason), picture_panel),
         "charts" => charts(run),
         "figures" => figures::tables(run),
@@ -32,7 +35,7 @@ pub fn page(run: &RunFiles, pictures: &Result<Pictures, String>) -> String {
 }
 
 /// Replaces `{{key}}` by its value. Inserted values are not scanned again.
-fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
+pub fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {
@@ -55,10 +58,39 @@ fn status(run: &RunFiles) -> String {
     };
     let reached = run.history.column("t").and_then(|t| t.last().copied());
     let reached = reached.map_or("no slab is done yet".to_owned(), |t| format!("t = {}", short(t)));
-    let slabs = run.history.len();
+    let slabs = match run.slabs() {
+        1 => "1 slab".to_owned(),
+        slabs => format!("{slabs} slabs"),
+    };
     format!(
-        "<p class=\"status\"><span class=\"badge {class}\">{word}</span> {reached}, {slabs} slabs <span class=\"reason\">{text}\
+        "<p class=\"status\"><span class=\"badge {class}\">{word}</span> {reached}, {slabs} <span class=\"reason\">{text}\
          </span></p>"
+    )
+}
+
+/// Why a run failed: likely causes, remedies, the worst cell.
+fn failure(failed: &FailedRun) -> String {
+    let text = |value: &Value| escaped(value.as_str().unwrap_or_default());
+    let cause = |cause: &Value| {
+        format!("<li>{}.<br><strong>Remedy:</strong> {}.</li>\n", text(&cause["what"]), text(&cause["remedy"]))
+    };
+    let causes: String = failed.numbers["causes"].as_array().into_iter().flatten().map(cause).collect();
+    let causes = if causes.is_empty() { "<li>None is known for this kind of failure.</li>".to_owned() } else { causes };
+    let cell = &failed.numbers["worst_cell"];
+    let centre: Vec<String> =
+        cell["centre"].as_array().into_iter().flatten().filter_map(Value::as_f64).map(short).collect();
+    let picture = failed.cell.as_ref().map_or_else(String::new, |svg| {
+        let (uri, caption) = (BASE64_STANDARD.encode(svg), format!(
+            "The worst cell, {}, at ({}): {}", cell["cell"], centre.join(", "), text(&cell["because"])
+        ));
+        format!(
+            "<figure class=\"worst\"><img src=\"data:image/svg+xml;base64,{uri}\" alt=\"{caption}\"><figcaption>{caption}.</figcaption>\
+             </figure>"
+        )
+    });
+    let error = text(&failed.numbers["error"]);
+    format!(
+        "<section id=\"failure\"><h2>Why it failed</h2>\n<p>{error}</p>\n<div class=\"why\"><ol>{causes}</ol>{picture}</div></section>\n"
     )
 }
 
@@ -108,11 +140,11 @@ fn radio(group: &str, index: usize, label: &str) -> String {
 
 /// The data for the script of the page.
 fn data(run: &RunFiles, pictures: Option<&Pictures>) -> Value {
-    json!({ "history": history(&run.history), "pictures": pictures.map(picture_data) })
+    json!({ "name": run.directory, "history": [history(&run.history)], "pictures": pictures.map(picture_data) })
 }
 
 /// The displayed rows, column by column.
-fn history(history: &HistoryTable) -> Value {
+pub fn history(history: &HistoryTable) -> Value {
     let rows = chart::drawn_rows(history);
     let column = |name: &String| {
         let values = history.column(name).unwrap_or_default();
@@ -129,10 +161,12 @@ fn number(value: f64) -> Value {
 fn picture_data(pictures: &Pictures) -> Value {
     let quantity = |(quantity, range): &(Quantity, Range)| {
         let ticks = axis::linear_ticks(range.lower, range.upper);
-        let tick = |value: &f64| json!([(value - range.lower) / (range.upper - range.lower), short(*value)]);
+        let texts = legend_texts(&ticks);
+        let tick = |(value, text): (&f64, &String)| json!([(value - range.lower) / (range.upper - range.lower), text]);
         json!({
             "label": quantity.label(pictures.dimension), "lower": range.lower, "upper": range.upper,
-            "colours": ColourMap::css(quantity.colours()), "ticks": ticks.iter().map(tick).collect::<Vec<_>>(),
+            "colours": ColourMap::css(quantity.colours()), "ticks": ticks.iter().zip(&texts).map(tick).collect::<Vec<_>>(),
+            "ground": quantity.ground(),
         })
     };
     let window = |(w, window): (usize, &super::pictures::Window)| {
@@ -142,6 +176,7 @@ fn picture_data(pictures: &Pictures) -> Value {
             "lower": window.extent.lower, "upper": window.extent.upper,
             "mesh": views.iter().map(|view| &view.mesh).collect::<Vec<_>>(),
             "outline": views.iter().map(|view| &view.outline).collect::<Vec<_>>(),
+            "shifts": window.follows.then(|| views.iter().map(|view| view.shift).collect::<Vec<_>>()),
             "pictures": (0..pictures.quantities.len()).map(|q| of_quantity(&views, q)).collect::<Vec<_>>(),
         })
     };
@@ -156,7 +191,7 @@ fn picture_data(pictures: &Pictures) -> Value {
 /// The pictures of a quantity at all times: the data URI, and the smallest and largest value.
 fn of_quantity(views: &[&Encoded], q: usize) -> Value {
     let picture = |view: &&Encoded| {
-        let extremes = view.pictures[q].extremes.map(|extremes| extremes.map(|value| short(f64::from(value))));
+        let extremes = view.pictures[q].extremes.map(|extremes| extremes.map(|value| with_digits(f64::from(value), 3)));
         json!([view.pictures[q].uri, extremes])
     };
     views.iter().map(picture).collect()

@@ -30,6 +30,26 @@ pub struct RunFiles {
     pub summary: Option<Value>,
     /// result.vtkhdf, or the reason why it is missing.
     pub result: Result<ResultReader, String>,
+    /// The report of a failure.
+    pub failure: Option<FailedRun>,
+}
+
+/// Why a run failed, from the folder `failure`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailedRun {
+    /// failure.json
+    pub numbers: Value,
+    /// The picture of the worst cell, as SVG.
+    pub cell: Option<String>,
+}
+
+impl FailedRun {
+    fn read(directory: &Path) -> Option<Self> {
+        let folder = directory.join("failure");
+        let text = std::fs::read_to_string(folder.join("failure.json")).ok()?;
+        let cell = std::fs::read_to_string(folder.join("cell.svg")).ok();
+        Some(FailedRun { numbers: serde_json::from_str(&text).ok()?, cell })
+    }
 }
 
 impl RunFiles {
@@ -52,7 +72,14 @@ impl RunFiles {
             Some(summary) => Status::Stopped(summary["reason"].as_str().unwrap_or("no reason is given").to_owned()),
         };
         let result = result(directory, &history);
-        Ok(RunFiles { directory: name(directory), status, history, summary, result })
+        let failure = if running { None } else { FailedRun::read(directory) };
+        Ok(RunFiles { directory: name(directory), status, history, summary, result, failure })
+    }
+
+    /// The slabs done: rows of the history, but for that of a steady start, whose slab has no length.
+    pub fn slabs(&self) -> usize {
+        let lengths = self.history.column("dt").unwrap_or_default();
+        lengths.iter().filter(|dt| **dt > 0.0).count()
     }
 
     /// The name of the case.

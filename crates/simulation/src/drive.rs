@@ -2,6 +2,7 @@
 
 use super::checkpoint;
 use super::context::{RunContext, Stop};
+use super::cuts;
 use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
@@ -19,7 +20,7 @@ use case::{AnyCase, Case, State};
 use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{SolverState, Summary};
+use output::{OutputError, SolverState, Summary};
 use std::path::Path;
 use std::time::Instant;
 
@@ -92,6 +93,13 @@ pub(super) trait Run {
     fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Examines the `error` of a failed slab.
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
+    /// Writes the lines and slices that are due into `directory`; all of them at the start and the end.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn cut(&self, _directory: &Path, _at_end: bool) -> Result<(), OutputError> {
+        Ok(())
+    }
     /// Writes files about the state at the end into `directory`.
     ///
     /// # Errors
@@ -133,9 +141,10 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
+    cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| run.state().time))?;
     let mut context = RunContext::new(&case.time, run.state().time, &session, begun, statistics);
     let stop = match resumed {
-        None => begin(&mut run, &mut recorder, &mut context)?,
+        None => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
         Some(_) => None,
     };
     let stop = match stop {
@@ -182,6 +191,7 @@ fn begin<const D: usize, const M: usize>(
     run: &mut impl Run,
     recorder: &mut Recorder<D, M>,
     context: &mut RunContext,
+    directory: &Path,
 ) -> Result<Option<Stop>, Failure> {
     let row = match run.open(context) {
         Ok(row) => row,
@@ -198,6 +208,7 @@ fn begin<const D: usize, const M: usize>(
         recorder.history.push(&row)?;
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
+    run.cut(directory, true)?;
     Ok(None)
 }
 
@@ -226,7 +237,7 @@ fn run_slabs<const D: usize, const M: usize>(
             return Ok(Some(Stop::Asked));
         }
         match run.advance() {
-            Ok(report) => finish_slab(case, run, &report, recorder, context)?,
+            Ok(report) => finish_slab(case, run, &report, recorder, (context, session.directory.path()))?,
             Err(error) => return Ok(Some(Stop::Failed(error))),
         }
     }
@@ -238,7 +249,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     run: &R,
     report: &R::Report,
     recorder: &mut Recorder<D, M>,
-    context: &mut RunContext,
+    (context, directory): (&mut RunContext, &Path),
 ) -> Result<(), Failure> {
     recorder.history.push(&run.enter(report, context))?;
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
@@ -248,6 +259,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         let structure = StructureSnapshot::new(case, run.state());
         recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure })?;
     }
+    run.cut(directory, run.is_done())?;
     if recorder.is_checkpoint_due() {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }

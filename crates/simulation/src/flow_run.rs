@@ -13,7 +13,7 @@ use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
 use super::wall_profiles::WallProfiles;
 use super::walls::felt;
-use super::{build, checkpoint, history, restart, summary};
+use super::{build, checkpoint, cuts, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::memory_estimate::require_memory;
@@ -24,7 +24,7 @@ use coupled::block::BodyState;
 use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{SolverState, Summary};
+use output::{OutputError, SolverState, Summary};
 use std::path::Path;
 use std::time::Instant;
 
@@ -75,11 +75,24 @@ where
         walls.filter(|(_, wall)| is_of_body(self.case, wall.boundary)).map(|(number, _)| number).collect()
     }
 
+    /// The flow at the end of the slab, to be observed at points.
+    fn at_points(&self) -> FlowAtPoints<'_, D> {
+        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
+        FlowAtPoints {
+            flow: self.flow,
+            formulas: &self.case.observed.formulas,
+            mover,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d)),
+            state: &state.u,
+            time: state.time,
+        }
+    }
+
     /// The mean states at openings, the flow at the points of the case, and its integrals.
     fn observed(&self) -> Vec<f64> {
         let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
         let (order, gas) = (self.flow.order, &self.flow.law.gas);
-        let at_points = FlowAtPoints { mover, displacement: &state.d, state: &state.u, order, gas };
         let one = self.march.solver.system.flow.operator.layout.at_one_time();
         let integrals = FlowIntegrals::<D> {
             orders: [order, self.case.mesh.order()],
@@ -91,7 +104,7 @@ where
         let velocity = state.past.as_ref().map_or(&[][..], |past| top(&past.v, &state.d));
         let motion = [&state.d[..], velocity];
         let at_openings = OpeningStates { flow: self.flow, mover, motion, state: &|cell| &state.u[one.cell(cell)] };
-        let (at_openings, at_points) = (at_openings.row::<M>(), at_points.row::<M>(&self.case.probes));
+        let (at_openings, at_points) = (at_openings.row::<M>(), self.at_points().row::<M>(&self.case.observed.probes));
         [at_openings, at_points, integrals.values::<M>(&self.case.output.integrals)].concat()
     }
 
@@ -271,6 +284,11 @@ where
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
         Failed::new(self.case, self.flow, &self.march, error, &statistics.openings).examine()
+    }
+
+    fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
+        let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        cuts::write::<D, M>(self.case, &self.at_points(), directory, (self.march.state.slab, at_end))
     }
 
     fn leave(&self, directory: &Path) -> std::io::Result<()> {

@@ -12,7 +12,7 @@ use fem::Sampler;
 use navier_stokes::{Gas, Primitive};
 use newton_krylov::inner_product;
 use rayon::prelude::*;
-use report::fields::{self, CellSample};
+use report::fields::{self, CellSample, Medium};
 
 /// The flow of a run at one time.
 pub struct FlowIntegrals<'a, const D: usize> {
@@ -83,7 +83,8 @@ impl<const D: usize> FlowIntegrals<'_, D> {
         let gradients = sampler.gradients(coefficients, nodal);
         let sample = CellSample { state, gradients: &gradients, ..CellSample::of_points(sampler.points()) };
         let mut omega = Vec::new();
-        fields::values::<D, M>(Field::Vorticity, Some(self.gas), &sample, &mut omega);
+        let medium = Medium::gas(*self.gas);
+        fields::values::<D, M>(Field::Vorticity, Some(&medium), &sample, &mut omega);
         omega.chunks_exact(omega.len() / sampler.points()).map(|omega| omega.iter().map(|w| w * w).sum()).collect()
     }
 }

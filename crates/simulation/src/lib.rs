@@ -26,6 +26,8 @@
 //! | `restart` | a run that starts from the result of another one |
 //! | `statistics` | sums over the run |
 //! | `time` | times without round-off, for messages |
+//! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
+//! | `cuts` | the files of lines and slices |
 //! | `walls` | loads of walls |
 //!
 //! A case in memory, run slab by slab:
@@ -55,6 +57,7 @@ mod build;
 mod checkpoint;
 pub mod clock;
 mod context;
+mod cuts;
 mod destination;
 mod drive;
 mod elastic_body;
@@ -63,6 +66,7 @@ mod failure;
 mod flow_run;
 mod history;
 mod integrals;
+mod lines;
 mod memory_estimate;
 mod mesh_run;
 mod motion_jump;
@@ -76,6 +80,7 @@ mod record;
 mod restart;
 mod resume;
 mod session;
+mod slices;
 mod statistics;
 mod structure_run;
 mod summary;

@@ -12,6 +12,7 @@ use coupled::MeshMover;
 use fem::functions_at;
 use mesh::{BoundaryFacet, CellMap, axis_and_side, outward_area};
 use navier_stokes::{Gas, Primitive};
+use report::fields::total_state;
 use tensor::dot;
 
 const NAMES: [&str; 3] = ["total_pressure", "total_temperature", "pressure"];
@@ -56,7 +57,7 @@ impl<const D: usize> FacePoints<D> {
 }
 
 /// The derivatives of the nodal functions of order `order` at `xi` along each axis, axis 0 fastest.
-fn slopes_at<const D: usize>(order: usize, xi: &[f64; D]) -> [Vec<f64>; D] {
+pub fn slopes_at<const D: usize>(order: usize, xi: &[f64; D]) -> [Vec<f64>; D] {
     let basis = basis::Lagrange::gauss_lobatto(order);
     let along = |axis: usize, of: usize| if axis == of { basis.derivatives(xi[of]) } else { basis.values(xi[of]) };
     std::array::from_fn(|axis| {
@@ -123,10 +124,8 @@ impl<const D: usize> OpeningStates<'_, D> {
 
 /// Total pressure, total temperature, pressure.
 fn quantities<const D: usize>(gas: &Gas, at: &Primitive<f64, D>) -> [f64; NAMES.len()] {
-    let (gamma, c) = (gas.gamma(), gas.sound_speed(at.density, at.pressure));
-    let ratio = 1.0 + 0.5 * (gamma - 1.0) * dot(&at.velocity, &at.velocity) / (c * c);
-    let temperature = gas.temperature(at.density, at.pressure);
-    [at.pressure * ratio.powf(gamma / (gamma - 1.0)), temperature * ratio, at.pressure]
+    let [pressure, temperature] = total_state(gas, at);
+    [pressure, temperature, at.pressure]
 }
 
 /// `[component][node]` as `[node][component]`.

@@ -1,34 +1,51 @@
-//! The flow at points: columns of history.csv.
+//! The flow at points, from the coefficients of the cell that holds each: columns of history.csv, and the values of lines and slices.
 
-use super::opening_states::{by_node, dot_of};
-use case::{Case, Probe};
+use super::opening_states::{by_node, dot_of, slopes_at};
+use super::wall_profiles::physical;
+use case::{Case, Field, FieldFormula, Flow, Probe};
 use coupled::MeshMover;
 use fem::functions_at;
-use mesh::locate_in_cell;
-use navier_stokes::{Gas, Primitive};
+use mesh::{CellMap, locate_in_cell};
+use report::fields::{self, CellSample, Medium};
+use tensor::{cofactor, determinant};
 
 /// The names of the columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
-    let velocity = ["velocity_x", "velocity_y", "velocity_z"];
-    let names = || ["density"].into_iter().chain(velocity.into_iter().take(D)).chain(["pressure"]);
-    case.probes.iter().flat_map(|probe| names().map(|name| format!("{}_{name}", probe.name))).collect()
+    let formulas = &case.observed.formulas;
+    let of = |probe: &Probe<D>| -> Vec<String> {
+        names::<D>(&probe.fields, formulas).map(|name| format!("{}_{name}", probe.name)).collect()
+    };
+    case.observed.probes.iter().flat_map(of).collect()
+}
+
+/// The names of the components of `fields`, and of the `formulas`.
+pub fn names<'a, const D: usize>(
+    fields: &'a [Field],
+    formulas: &'a [FieldFormula],
+) -> impl Iterator<Item = &'a str> + use<'a, D> {
+    let components = fields.iter().flat_map(|field| field.components(D).iter().copied());
+    components.chain(formulas.iter().map(|formula| formula.name.as_str()))
 }
 
 /// The flow on a moved mesh, and where its coefficients are.
 pub struct FlowAtPoints<'a, const D: usize> {
+    /// The flow of the case.
+    pub flow: &'a Flow<D>,
+    /// Fields by formulas.
+    pub formulas: &'a [FieldFormula],
     /// The mesh.
     pub mover: &'a MeshMover<D>,
     /// Its displacement.
     pub displacement: &'a [f64],
+    /// Its velocity; empty where that is not known.
+    pub velocity: &'a [f64],
     /// The state, `[cell][component][node]`.
     pub state: &'a [f64],
-    /// Nodes per direction of the flow.
-    pub order: usize,
-    /// The gas.
-    pub gas: &'a Gas,
+    /// The time.
+    pub time: f64,
 }
 
-impl<const D: usize> FlowAtPoints<'_, D> {
+impl<'a, const D: usize> FlowAtPoints<'a, D> {
     /// The values of the columns; NaN where a point is outside of the mesh.
     pub fn row<const M: usize>(&self, probes: &[Probe<D>]) -> Vec<f64> {
         probes.iter().flat_map(|probe| self.of::<M>(probe)).collect()
@@ -36,22 +53,90 @@ impl<const D: usize> FlowAtPoints<'_, D> {
 
     fn of<const M: usize>(&self, probe: &Probe<D>) -> Vec<f64> {
         let place = if probe.carried { self.mover.reference.locate(&probe.at) } else { self.locate(&probe.at) };
-        let Some((cell, xi)) = place else { return vec![f64::NAN; D + 2] };
-        let Primitive { density, velocity, pressure } =
-            Primitive::<f64, D>::unpack(self.gas, &self.state::<M>(cell, &xi));
-        [&[density][..], &velocity, &[pressure]].concat()
+        match place {
+            Some((cell, xi)) => self.cell(cell).values::<M>(&xi, &probe.fields),
+            None => vec![f64::NAN; names::<D>(&probe.fields, self.formulas).count()],
+        }
     }
 
     /// The cell that contains `x` now, and the place there.
     fn locate(&self, x: &[f64; D]) -> Option<(usize, [f64; D])> {
-        let nodes = |cell: usize| by_node::<D>(&self.mover.cell_positions(cell, self.displacement));
-        locate(self.mover.reference.order(), self.mover.reference.n_cells(), nodes, x)
+        locate(self.mover.reference.order(), self.mover.reference.n_cells(), |cell| self.nodes(cell), x)
     }
 
-    fn state<const M: usize>(&self, cell: usize, xi: &[f64; D]) -> [f64; M] {
-        let length = M * self.order.pow(D as u32);
-        let values = values_at(self.order, &self.state[cell * length..][..length], xi);
+    /// The positions of the nodes of a cell, `[node][component]`.
+    pub fn nodes(&self, cell: usize) -> Vec<f64> {
+        by_node::<D>(&self.mover.cell_positions(cell, self.displacement))
+    }
+
+    /// A cell, at the points of which the flow is wanted.
+    pub fn cell(&self, cell: usize) -> CellAtPoints<'_, 'a, D> {
+        CellAtPoints { of: self, cell, nodes: self.nodes(cell) }
+    }
+}
+
+/// A cell of the flow.
+pub struct CellAtPoints<'b, 'a, const D: usize> {
+    of: &'b FlowAtPoints<'a, D>,
+    cell: usize,
+    /// Positions, `[node][component]`.
+    pub nodes: Vec<f64>,
+}
+
+impl<const D: usize> CellAtPoints<'_, '_, D> {
+    /// The position at the reference point `xi`.
+    pub fn position(&self, xi: &[f64; D]) -> [f64; D] {
+        CellMap::at(self.of.mover.reference.order(), xi).positions(&self.nodes)[0]
+    }
+
+    /// The components of `fields` at the reference point `xi`, and the formulas.
+    pub fn values<const M: usize>(&self, xi: &[f64; D], fields: &[Field]) -> Vec<f64> {
+        let (of, x) = (self.of, self.position(xi));
+        let (state, of_mesh) = (self.state::<M>(xi), functions_at(of.mover.reference.order(), xi));
+        let (gradients, jacobian) = self.slopes::<M>(xi);
+        let rest = of.mover.reference.position(self.cell, xi);
+        let sample = CellSample {
+            state: &state,
+            mesh_velocity: &self.velocity(&of_mesh),
+            jacobian: &[jacobian],
+            gradients: &gradients,
+            displacement: &std::array::from_fn::<f64, D, _>(|i| x[i] - rest[i]),
+            ..CellSample::of_points(1)
+        };
+        let medium = Medium::of(of.flow);
+        let of_fields = fields.iter().flat_map(|field| fields::components::<D, M>(*field, &medium, &sample));
+        let of_formulas = fields::of_formulas::<D, M>(of.formulas, Some(&medium), &sample, &x, of.time);
+        of_fields.chain(of_formulas).flatten().collect()
+    }
+
+    fn coefficients<const M: usize>(&self) -> &[f64] {
+        let length = M * self.of.flow.order.pow(D as u32);
+        &self.of.state[self.cell * length..][..length]
+    }
+
+    fn state<const M: usize>(&self, xi: &[f64; D]) -> [f64; M] {
+        let values = values_at(self.of.flow.order, self.coefficients::<M>(), xi);
         std::array::from_fn(|m| values[m])
+    }
+
+    /// grad u, `[direction][component]`, and det J / det J_0.
+    fn slopes<const M: usize>(&self, xi: &[f64; D]) -> (Vec<Vec<f64>>, f64) {
+        let (order, u) = (self.of.flow.order, self.coefficients::<M>());
+        let functions = slopes_at(order, xi);
+        let nodes = order.pow(D as u32);
+        let slopes: [[f64; M]; D] =
+            std::array::from_fn(|j| std::array::from_fn(|m| dot_of(&u[m * nodes..], &functions[j])));
+        let jacobian = CellMap::at(self.of.mover.reference.order(), xi).jacobians(&self.nodes)[0];
+        let rest = self.of.mover.reference.jacobian(self.cell, xi);
+        let det = |j: &[[f64; D]; D]| determinant(j, &cofactor(j));
+        (physical(&slopes, &jacobian).iter().map(|slope| slope.to_vec()).collect(), det(&jacobian) / det(&rest))
+    }
+
+    /// The velocity of the mesh.
+    fn velocity(&self, functions: &[f64]) -> [f64; D] {
+        let at = |node: usize, i: usize| self.of.velocity.get(node * D + i).copied().unwrap_or(0.0);
+        let nodes = || self.of.mover.numbering.cell(self.cell).iter().zip(functions);
+        std::array::from_fn(|i| nodes().map(|(&node, phi)| phi * at(node, i)).sum())
     }
 }
 

@@ -12,10 +12,11 @@ use coupled::block::BodyState;
 use elasticity::{Solid, Stress};
 use fem::{Layout as FlowLayout, Sampler};
 use mesh::{Mesh, NodeNumbering};
-use navier_stokes::Gas;
-use output::{ArraySpec, Checksum, Grid, History, Layout, Metadata, RestMesh, ResultFile, SolverState, Step};
+use output::{
+    ArraySpec, Checksum, FieldSpec, Grid, History, Layout, Metadata, RestMesh, ResultFile, SolverState, Step,
+};
 use report::REPORT_FILE;
-use report::fields::{self, CellSample};
+use report::fields::{self, CellSample, Medium};
 
 /// The state of a run at the end of a slab, and within it.
 pub struct Snapshot<'a> {
@@ -163,7 +164,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn step(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
         let (points, drawn) = self.draw(snapshot);
-        let names: Vec<_> = self.fields().map(|field| fields::spec(field, D).name).collect();
+        let names: Vec<_> = drawn_specs(self.case).map(|spec| spec.name).collect();
         let fields: Vec<(&str, &[f64])> =
             names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
         let (positions, velocities) = exact_mesh(self.mesh, snapshot.displacement, snapshot.velocities);
@@ -204,18 +205,19 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// Points `[cell][point][3]`, and for every field `[cell][point][component]`: cells of the flow, then those of a structure beside it.
     fn draw(&self, snapshot: &Snapshot) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let mut drawn = Drawn { points: Vec::new(), fields: vec![Vec::new(); self.fields().count()] };
+        let mut drawn = Drawn { points: Vec::new(), fields: vec![Vec::new(); drawn_specs(self.case).count()] };
         let Snapshot { displacement, velocities, flow, .. } = *snapshot;
         let solid = self.solid.as_ref().filter(|_| self.case.flow.is_none());
         let (determinants, of_structure) = self.reference_determinants.split_at(self.mesh.cells.len());
         let velocity = top(velocities, displacement);
-        let moving = Moving { mesh: self.mesh, determinants, displacement, velocity, solid };
+        let time = snapshot.time;
+        let moving = Moving { mesh: self.mesh, determinants, displacement, velocity, solid, time };
         (0..self.mesh.cells.len())
             .for_each(|cell| self.draw_cell(&moving, cell, self.top_state(cell, flow), &mut drawn));
         if let Some((mesh, structure)) = self.beside.as_ref().zip(snapshot.structure.as_ref()) {
             let (displacement, solid) = (&structure.displacement[..], self.solid.as_ref());
             let velocity = top(&structure.velocities, displacement);
-            let moving = Moving { mesh, determinants: of_structure, displacement, velocity, solid };
+            let moving = Moving { mesh, determinants: of_structure, displacement, velocity, solid, time };
             (0..mesh.cells.len()).for_each(|cell| self.draw_cell(&moving, cell, &[], &mut drawn));
         }
         (drawn.points, drawn.fields)
@@ -223,7 +225,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
 
     /// Adds a cell. A cell without a flow has no `coefficients`.
     fn draw_cell(&self, moving: &Moving<'_, D>, cell: usize, coefficients: &[f64], drawn: &mut Drawn) {
-        let Moving { mesh, determinants, displacement, velocity, solid } = *moving;
+        let Moving { mesh, determinants, displacement, velocity, solid, time } = *moving;
         let (rest, nodal, n) = (&mesh.positions[cell], mesh.displaced(cell, displacement), self.sampler.points());
         let x = self.sampler.positions(&nodal);
         drawn
@@ -245,10 +247,14 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             displacement: &self.sampler.positions(&moved),
             stress: &solid.map_or(Vec::new(), |solid| self.stress(solid, rest, &moved)),
         };
-        let gas: Option<&Gas> = self.case.flow.as_ref().filter(|_| solid.is_none()).map(|flow| &flow.law.gas);
-        for (field, out) in self.fields().zip(&mut drawn.fields) {
-            fields::values::<D, M>(field, gas, &sample, out);
+        let medium = self.case.flow.as_ref().filter(|_| solid.is_none()).map(Medium::of);
+        let mut columns = drawn.fields.iter_mut();
+        for (field, out) in self.fields().zip(&mut columns) {
+            fields::values::<D, M>(field, medium.as_ref(), &sample, out);
         }
+        let formulas = &self.case.observed.formulas;
+        let of_formulas = fields::of_formulas::<D, M>(formulas, medium.as_ref(), &sample, &x, time);
+        of_formulas.into_iter().zip(columns).for_each(|(values, out)| out.extend(values));
     }
 
     /// The stress at the points of a cell at `rest` that is displaced by `moved`, both `[component][node]`.
@@ -283,6 +289,7 @@ struct Moving<'a, const D: usize> {
     velocity: &'a [f64],
     /// What fills it, if that is no gas.
     solid: Option<&'a Solid<D>>,
+    time: f64,
 }
 
 /// What a viewer shows.
@@ -320,6 +327,12 @@ fn drawn_fields<const D: usize>(case: &Case<D>) -> impl Iterator<Item = case::Fi
     listed.chain(of_mesh.chain(of_structure).filter(|field| !case.output.fields.contains(field)))
 }
 
+/// The storage of these fields, and then of those by formulas.
+fn drawn_specs<const D: usize>(case: &Case<D>) -> impl Iterator<Item = FieldSpec> + use<'_, D> {
+    let formulas = case.observed.formulas.iter().map(|formula| FieldSpec::scalar(&formula.name));
+    drawn_fields(case).map(|field| fields::spec(field, D)).chain(formulas)
+}
+
 /// The order of the flow, or of the mesh without a flow.
 fn flow_order<const D: usize>(case: &Case<D>) -> usize {
     case.flow.as_ref().map_or(case.mesh.order(), |flow| flow.order)
@@ -349,7 +362,7 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
         exact.push(ArraySpec::new("structure_position", &position));
         exact.push(ArraySpec::new("structure_velocity", &velocity));
     }
-    let fields = drawn_fields(case).map(|field| fields::spec(field, D)).collect();
+    let fields = drawn_specs(case).collect();
     Layout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
 }
 

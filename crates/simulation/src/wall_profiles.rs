@@ -136,7 +136,7 @@ struct Here<'a, const D: usize, const M: usize> {
 }
 
 /// grad_x u = J^-T grad_xi u.
-fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian: &[[f64; D]; D]) -> [[f64; M]; D] {
+pub fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian: &[[f64; D]; D]) -> [[f64; M]; D] {
     let cof = cofactor(jacobian);
     let det = determinant(jacobian, &cof);
     std::array::from_fn(|k| std::array::from_fn(|m| (0..D).map(|j| cof[k][j] * slopes[j][m]).sum::<f64>() / det))

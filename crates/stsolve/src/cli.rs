@@ -44,10 +44,12 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Write one HTML page of a run, finished or not: pictures, curves, figures. It needs no network.
+    /// Write one HTML page of a run, finished or not: pictures, curves, figures. It needs no network. Of several runs: their curves over each
+    /// other, in comparison.html of the first.
     Report {
-        /// The directory of the run.
-        directory: PathBuf,
+        /// The directory of the run, or those of several.
+        #[arg(required = true)]
+        directories: Vec<PathBuf>,
     },
     /// Print what differs between two runs: keys of their cases, figures, curves.
     Compare {

@@ -57,7 +57,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Compare { first, second, json } => commands::compare(first, second, *json),
-        Command::Report { directory } => commands::report(directory),
+        Command::Report { directories } => commands::report(directories),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),

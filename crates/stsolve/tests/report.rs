@@ -63,7 +63,7 @@ fn every_number_is_that_of_the_summary_and_the_history() {
             assert!((shown - value).abs() <= 1e-5 * value.abs(), "{key}: {text}, {value}");
         }
     }
-    let history = &data(&page)["history"];
+    let history = &data(&page)["history"][0];
     for (name, values) in history.as_object().unwrap() {
         let values: Vec<f64> = values.as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
         assert_eq!(values, column(&run, name), "{name}");
@@ -122,7 +122,7 @@ fn the_page_of_a_run_that_goes_on_shows_what_is_there() {
     let begun: String = history.lines().take(2).flat_map(|line| [line, "\n"]).collect();
     fs::write(folder.join("history.csv"), begun + "0.2,0.1").unwrap();
     let begun = page(directory.path());
-    assert!(begun.contains("t = 0.1, 1 slabs") && begun.contains("is that of an earlier run"));
+    assert!(begun.contains("t = 0.1, 1 slab ") && begun.contains("is that of an earlier run"));
     fs::remove_file(folder.join("result.vtkhdf")).unwrap();
     assert!(page(directory.path()).contains("it appears with the first checkpoint"));
     drop(held);
@@ -153,6 +153,95 @@ fn in_space_a_cut_is_shown_and_named() {
     // The density of a free stream is uniform.
     let density = &pictures["windows"][0]["pictures"][3][1][1];
     assert_eq!(density[0], density[1], "{density}");
+}
+
+/// A run that failed tells causes, remedies and its worst cell.
+#[test]
+fn the_page_of_a_failed_run_tells_why() {
+    let directory = TempDir::new().unwrap();
+    let set = [SMALL[0], "constants.stretch=1.5", "time.step=0.4", "time.end=4", "solver.slab_halvings=0"];
+    run(&directory, "run", "vortex", &set).expect(1, &["likely cause: "]);
+    let page = page(directory.path());
+    let failed: Value =
+        serde_json::from_str(&fs::read_to_string(directory.path().join("run/failure/failure.json")).unwrap()).unwrap();
+    let plain = page.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
+    let causes = failed["causes"].as_array().unwrap();
+    assert!(!causes.is_empty() && page.contains("id=\"failure\""));
+    for text in
+        causes.iter().flat_map(|cause| [&cause["what"], &cause["remedy"]]).chain([&failed["worst_cell"]["because"]])
+    {
+        assert!(plain.contains(text.as_str().unwrap()), "{text}");
+    }
+    assert!(page.contains("src=\"data:image/svg+xml;base64,"));
+    // The same directory, with a run that does not fail.
+    on_case(directory.path(), "run", "vortex", &SMALL, "run", &["--force"]).expect(0, &[]);
+    assert!(!self::page(directory.path()).contains("id=\"failure\""));
+}
+
+/// The row of a steady start is no slab.
+#[test]
+fn a_steady_start_is_no_slab() {
+    let directory = TempDir::new().unwrap();
+    let case = directory.path().join("still.toml");
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [1, 1], cells = [2, 2] } }
+        flow = { order = 2, exact.uniform = { velocity = [0.5, 0], pressure = 1 }, boundary.others = "exact" }
+        time = { order = 1, end = 0.2, slabs = 2 }
+        solver.steady = {}
+    "#;
+    fs::write(&case, text).unwrap();
+    stsolve(directory.path(), &["run", "still.toml", "--output", "run", "--quiet"]).expect(0, &[]);
+    assert_eq!(column(&directory.path().join("run"), "t").len(), 3);
+    assert!(page(directory.path()).contains("t = 0.2, 2 slabs"));
+}
+
+/// A body that moves has a window that moves with it.
+#[test]
+fn a_window_follows_a_body() {
+    let directory = TempDir::new().unwrap();
+    let case = directory.path().join("disc.toml");
+    let text = r#"
+        mesh = { order = 3, generate.annulus = { inner_radius = 0.5, outer_radius = 5, first_cell = 0.1, cells = [12, 6] } }
+        motion.boundary = { wall = { displacement = ["0.3*t^2", "0.1*t^2"] }, far = "fixed" }
+        time = { order = 2, end = 1, slabs = 4 }
+    "#;
+    fs::write(&case, text).unwrap();
+    let outcome = stsolve(directory.path(), &["motion", "disc.toml", "--output", "run", "--quiet"]);
+    outcome.expect(0, &[]);
+    let page = page(directory.path());
+    let windows = &data(&page)["pictures"]["windows"];
+    let labels: Vec<&str> = windows.as_array().unwrap().iter().map(|w| w["label"].as_str().unwrap()).collect();
+    assert_eq!(labels, ["near the walls", "moving with the walls", "whole domain"]);
+    let shifts = windows[1]["shifts"].as_array().unwrap();
+    let last: Vec<f64> = shifts[4].as_array().unwrap().iter().map(|shift| shift.as_f64().unwrap()).collect();
+    assert!((last[0] - 0.3).abs() < 1e-10 && (last[1] - 0.1).abs() < 1e-10, "{last:?}");
+    assert!(windows[0]["shifts"].is_null() && windows[2]["shifts"].is_null());
+}
+
+/// The curves of several runs on one page.
+#[test]
+fn runs_are_laid_over_each_other() {
+    let directory = TempDir::new().unwrap();
+    for (name, order) in [("coarse", "flow.order=3"), ("fine", "flow.order=4")] {
+        on_case(directory.path(), "run", "vortex", &[&SMALL[..], &[order]].concat(), name, &[]).expect(0, &[]);
+    }
+    let outcome = stsolve(directory.path(), &["report", "coarse", "fine"]);
+    outcome.expect(0, &[]);
+    assert!(outcome.stdout.starts_with("coarse/comparison.html: "), "{}", outcome.stdout);
+    let page = fs::read_to_string(directory.path().join("coarse/comparison.html")).unwrap();
+    for (run, name) in ["coarse", "fine"].iter().enumerate() {
+        let history = &data(&page)["history"][run];
+        let mass: Vec<f64> = history["mass"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+        assert_eq!(mass, column(&directory.path().join(name), "mass"));
+    }
+    // A chart of each column but the time, with a curve for each run.
+    let columns = data(&page)["history"][0].as_object().unwrap().len() - 1;
+    assert!(page.matches("<figure class=\"chart\">").count() <= columns);
+    assert_eq!(page.matches("data-column=\"mass\"").count(), 2);
+    assert!(page.contains("<th scope=\"row\">flow.order</th><td>3</td><td>4</td>"));
+    assert!(page.contains("<tr class=\"differs\"><th scope=\"row\">unknowns: flow</th>"));
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page loads something");
+    stsolve(directory.path(), &["report", "coarse", "nowhere"]).expect(2, &["`nowhere` is not the directory of a run"]);
 }
 
 #[test]

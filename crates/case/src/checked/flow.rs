@@ -8,6 +8,7 @@ use super::slide;
 use super::states::{self, Typical};
 use super::time::Time;
 use crate::checker::{Checked, Checker};
+use crate::error::{Errors, collected};
 use crate::key::Key;
 use crate::magnitude::is_bounded;
 use crate::raw;
@@ -71,47 +72,41 @@ pub(super) fn check<const D: usize>(
     time: &Time,
 ) -> Checked<Flow<D>> {
     let key = Key::new("flow");
-    let order = super::order(checker, &key.child("order"), "the order of the flow", raw.order)?;
-    let gas = gas(checker, &key.child("gas"), &raw.gas)?;
-    let state = |name: &str, state: &Option<raw::State>| {
-        state.as_ref().map(|state| states::check::<D>(checker, &key.child(name), state, gas)).transpose()
-    };
-    let (exact, initial) = (state("exact", &raw.exact)?, state("initial", &raw.initial)?);
-    let Some(start_state) = initial.as_ref().or(exact.as_ref()).map(|typical| typical.state.clone()) else {
-        let accepted = "a key `initial`, or `exact` from which it is taken";
-        return Err(checker.combination(&key, "there is no initial state", accepted));
-    };
-    let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
-    let (reference, reference_speed, reference_length) = reference(checker, &key, raw.reference.as_ref(), stream, gas)?;
-    let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
-    let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
-    let exact = exact.map(|typical| typical.state);
-    if initial.is_none() && exact.is_some() {
-        checker.note_default(&key.child("initial"), "flow.exact");
+    let mut errors = Errors::default();
+    let order = errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
+    let quadrature = errors.note(quadrature(checker, &key.child("quadrature"), raw.quadrature, raw.order));
+    let volume_flux = errors.note(volume_flux(checker, &key, raw));
+    let acceleration = errors.note(acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time));
+    let given = errors.note(given(checker, &key, raw));
+    let boundary = given.as_ref().and_then(|given| {
+        let boundary = boundary(checker, &key.child("boundary"), raw, mesh, given, time);
+        errors.note(boundary)
+    });
+    if let (Some(order), Some(Given { initial, .. })) = (order, &given) {
+        let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
+        errors.note(initial::check(checker, &of_start, initial, mesh, order, time.start));
     }
-    let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
-    initial::check(checker, &of_start, &start_state, mesh, order, time.start)?;
-    if raw.source == Some(raw::Source::Manufactured) && exact.is_none() {
-        let problem = "a manufactured source needs a solution to be made for";
-        return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
-    }
-    let given = Given { exact: exact.as_ref(), gas, reference };
-    let boundary = boundary(checker, &key.child("boundary"), raw, mesh, &given, time)?;
-    let given = forces::Given { forces: &raw.forces, reference, length: reference_length, time };
-    let walls = forces::check(checker, &key.child("forces"), &given, mesh, &boundary)?;
-    let acceleration = acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time)?;
+    let walls = boundary.as_ref().zip(given.as_ref()).and_then(|(boundary, given)| {
+        let given = forces::Given { forces: &raw.forces, reference: given.reference, length: given.length, time };
+        errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
+    });
+    errors.all()?;
+    let (Some(order), Some(quadrature), Some(volume_flux), Some(acceleration), Some(given), Some(boundary), Some(walls)) =
+        (order, quadrature, volume_flux, acceleration, given, boundary, walls)
+    else {
+        unreachable!("what is missing has left an error")
+    };
+    let Given { exact, initial, uniform_velocity, gas, reference, speed, length } = given;
     let source = if acceleration.is_some() { Source::Acceleration } else { Source::Given };
-    let volume_flux = volume_flux(checker, &key, raw)?;
     let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference, source, volume_flux };
-    let quadrature = quadrature(checker, &key.child("quadrature"), raw.quadrature, order)?;
     let manufactured = raw.source == Some(raw::Source::Manufactured);
     Ok(Flow {
         order,
         law,
-        reference_speed,
-        reference_length,
+        reference_speed: speed,
+        reference_length: length,
         quadrature,
-        initial: start_state,
+        initial,
         uniform_velocity,
         exact,
         manufactured,
@@ -119,6 +114,55 @@ pub(super) fn check<const D: usize>(
         boundary,
         walls,
     })
+}
+
+/// The gas, the states and the reference of a flow, to which its conditions refer.
+struct Given<const D: usize> {
+    exact: Option<State<D>>,
+    initial: State<D>,
+    /// The velocity at the start, if it is uniform.
+    uniform_velocity: Option<[f64; D]>,
+    gas: Gas,
+    reference: Reference,
+    /// The speed and the length of the reference.
+    speed: f64,
+    length: f64,
+}
+
+fn given<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<Given<D>> {
+    let gas = gas::<D>(checker, key, raw)?;
+    let [exact, initial] = states(checker, key, raw, gas)?;
+    let Some(start) = initial.as_ref().or(exact.as_ref()).map(|typical| typical.state.clone()) else {
+        let accepted = "a key `initial`, or `exact` from which it is taken";
+        return Err(checker.combination(key, "there is no initial state", accepted));
+    };
+    let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
+    let (reference, speed, length) = reference(checker, key, raw.reference.as_ref(), stream, gas)?;
+    let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
+    let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
+    if initial.is_none() && exact.is_some() {
+        checker.note_default(&key.child("initial"), "flow.exact");
+    }
+    if raw.source == Some(raw::Source::Manufactured) && exact.is_none() {
+        let problem = "a manufactured source needs a solution to be made for";
+        return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
+    }
+    let exact = exact.map(|typical| typical.state);
+    Ok(Given { exact, initial: start, uniform_velocity, gas, reference, speed, length })
+}
+
+/// The exact and the initial state of `gas`.
+fn states<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+    gas: Gas,
+) -> Checked<[Option<Typical<D>>; 2]> {
+    let state = |(name, state): (&str, &Option<raw::State>)| {
+        state.as_ref().map(|state| states::check::<D>(checker, &key.child(name), state, gas)).transpose()
+    };
+    let mut states = collected([("exact", &raw.exact), ("initial", &raw.initial)].into_iter().map(state))?.into_iter();
+    Ok([states.next().flatten(), states.next().flatten()])
 }
 
 /// The acceleration of a body force, which has a value everywhere at the start and the end.
@@ -141,38 +185,55 @@ fn acceleration<const D: usize>(
     Ok(Some(acceleration))
 }
 
-fn gas(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<Gas> {
-    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
+/// The gas. A Reynolds number needs the reference, and that the states of a gas of any viscosity.
+fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) -> Checked<Gas> {
+    let (key, raw) = (&flow_key.child("gas"), &flow.gas);
+    let mut errors = Errors::default();
     let gamma = (1.0001..=100.0).contains(&raw.gamma);
-    checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted)?;
-    let prandtl = (1e-6..=1e6).contains(&raw.prandtl);
-    checker.require(
-        &key.child("prandtl"),
-        "the Prandtl number",
-        prandtl,
-        "a positive number, 1e-6 to 1e6 (air: 0.72)",
-    )?;
-    let gas_constant = match (raw.gas_constant, raw.mach) {
-        (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given)?,
+    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
+    errors.note(checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted));
+    let (prandtl, accepted) = ((1e-6..=1e6).contains(&raw.prandtl), "a positive number, 1e-6 to 1e6 (air: 0.72)");
+    errors.note(checker.require(&key.child("prandtl"), "the Prandtl number", prandtl, accepted));
+    let gas_constant = errors.note(gas_constant(checker, key, raw));
+    let viscosity = errors.note(viscosity(checker, &key.child("viscosity"), &raw.viscosity));
+    errors.all()?;
+    let (Some(gas_constant), Some(viscosity)) = (gas_constant, viscosity) else {
+        unreachable!("what is missing has left an error")
+    };
+    let gas = |viscosity| checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity));
+    let raw::Viscosity::Reynolds(reynolds) = raw.viscosity else { return gas(viscosity) };
+    let provisional = gas(viscosity)?;
+    let [exact, initial] = states::<D>(checker, flow_key, flow, provisional)?;
+    let stream = exact.or(initial).and_then(|typical| typical.stream);
+    let (reference, speed, length) = reference(checker, flow_key, flow.reference.as_ref(), stream, provisional)?;
+    gas(Viscosity::Constant(reference.density() * speed * length / reynolds))
+}
+
+fn gas_constant(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<f64> {
+    match (raw.gas_constant, raw.mach) {
+        (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given),
         (None, None) => {
             checker.note_default(&key.child("gas_constant"), "1.0");
-            1.0
+            Ok(1.0)
         }
         (None, Some(mach)) => {
             let mach = checker.positive(&key.child("mach"), "the Mach number", mach)?;
-            1.0 / (raw.gamma * mach * mach)
+            Ok(1.0 / (raw.gamma * mach * mach))
         }
-        _ => return Err(checker.combination(key, "the gas constant is given twice", "`gas_constant` or `mach`")),
-    };
-    let viscosity = viscosity(checker, &key.child("viscosity"), &raw.viscosity)?;
-    checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity))
+        _ => Err(checker.combination(key, "the gas constant is given twice", "`gas_constant` or `mach`")),
+    }
 }
 
+/// The viscosity; that of a Reynolds number is any.
 fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
     match *raw {
         raw::Viscosity::Inviscid => Ok(Viscosity::Inviscid),
         raw::Viscosity::Constant(viscosity) => {
             Ok(Viscosity::Constant(checker.positive(&key.child("constant"), "the viscosity", viscosity)?))
+        }
+        raw::Viscosity::Reynolds(reynolds) => {
+            checker.positive(&key.child("reynolds"), "the Reynolds number", reynolds)?;
+            Ok(Viscosity::Constant(1.0))
         }
         raw::Viscosity::Sutherland { viscosity, temperature, constant } => {
             let key = key.child("sutherland");
@@ -262,7 +323,7 @@ fn boundary<const D: usize>(
     key: &Key,
     raw: &raw::Flow,
     mesh: &Mesh<D>,
-    given: &Given<'_, D>,
+    given: &Given<D>,
     time: &Time,
 ) -> Checked<Vec<BoundaryData<D>>> {
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
@@ -275,23 +336,17 @@ fn boundary<const D: usize>(
         }
         Ok(data)
     };
-    named.iter().enumerate().map(check).collect()
-}
-
-/// The data to which conditions refer.
-struct Given<'a, const D: usize> {
-    exact: Option<&'a State<D>>,
-    gas: Gas,
-    reference: Reference,
+    collected(named.iter().enumerate().map(check))
 }
 
 fn condition<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
-    given: &Given<'_, D>,
+    given: &Given<D>,
 ) -> Checked<BoundaryData<D>> {
-    let Given { exact, gas, ref reference } = *given;
+    let Given { exact, gas, reference, .. } = given;
+    let gas = *gas;
     let prescribed = |state| BoundaryData { condition: Boundary::PrescribedState(PrescribedState), state: Some(state) };
     let condition = match raw {
         raw::Condition::Exact => {
@@ -302,7 +357,7 @@ fn condition<const D: usize>(
                     "this condition together with `flow.exact`, or another one, for instance `{ far_field = { ... } }`",
                 )
             };
-            return exact.cloned().map(prescribed).ok_or_else(missing);
+            return exact.clone().map(prescribed).ok_or_else(missing);
         }
         raw::Condition::PrescribedState(state) => {
             let Typical { state, .. } = states::check(checker, &key.child("prescribed_state"), state, gas)?;

@@ -4,6 +4,7 @@ use super::flow::BoundaryData;
 use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};
+use crate::error::collected;
 use crate::key::Key;
 use crate::magnitude::is_bounded;
 use crate::raw;
@@ -74,7 +75,7 @@ pub(super) fn check<const D: usize>(
         };
         Ok(Wall { boundary, name: names[boundary].clone(), point, scales })
     };
-    walls.map(wall).collect()
+    collected(walls.map(wall))
 }
 
 /// The point of moments, which must be defined over the whole run.

@@ -33,7 +33,7 @@ pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
-pub use probes::Probe;
+pub use probes::{Line, Observed, Probe, Slice};
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
 pub use sliding_mesh::{Held, constrained};
 pub use structure::{Largest, Structure, Support};
@@ -42,9 +42,10 @@ pub use time::{Output, Time};
 use super::checker::{Checked, Checker};
 use super::continuation::lasting;
 use super::document::Document;
-use super::error::{CaseError, Errors};
+use super::error::{CaseError, Errors, collected};
 use super::key::Key;
 use super::raw;
+use super::reading::{self, Read};
 use crate::any_mesh::AnyMesh;
 // The crate, besides a module of the same name.
 use ::mesh as mesh_crate;
@@ -84,8 +85,8 @@ pub struct Case<const D: usize> {
     pub solver: Solver,
     /// Directory and contents of the output.
     pub output: Output,
-    /// The points at which the flow is observed.
-    pub probes: Vec<Probe<D>>,
+    /// Where the flow is observed.
+    pub observed: Observed<D>,
 }
 
 /// The description of a case, without its numbers.
@@ -111,7 +112,7 @@ impl AnyCase {
     /// Reads and checks the case file at `path`, with `options`, each `key.path=value`, written over it.
     ///
     /// # Errors
-    /// The first error of the case.
+    /// The errors of the case: the first one in the text, with the others in `also`.
     pub fn read(path: &Path, options: &[String]) -> Result<Self, Box<CaseError>> {
         Self::check(&Document::read(path, options)?)
     }
@@ -121,11 +122,18 @@ impl AnyCase {
     /// # Errors
     /// As [`AnyCase::read`].
     pub fn check(document: &Document) -> Result<Self, Box<CaseError>> {
-        let raw: raw::Case = document.deserialize()?;
-        let checker = checker_of(document, &raw)?;
-        match mesh::build(&checker, &raw.mesh)? {
-            AnyMesh::Plane(mesh) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, &raw, mesh)?))),
-            AnyMesh::Space(mesh) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, &raw, mesh)?))),
+        let Read { case, mut errors } = reading::read(document)?;
+        let case = case.and_then(|raw| errors.note(Self::check_values(document, &raw)));
+        errors.all()?;
+        Ok(case.expect("a case without errors can be read"))
+    }
+
+    fn check_values(document: &Document, raw: &raw::Case) -> Checked<Self> {
+        let checker = checker_of(document, raw)?;
+        match mesh::build(&checker, &raw.mesh) {
+            Ok(AnyMesh::Plane(mesh)) => Ok(AnyCase::Plane(Box::new(Case::check(&checker, document, raw, mesh)?))),
+            Ok(AnyMesh::Space(mesh)) => Ok(AnyCase::Space(Box::new(Case::check(&checker, document, raw, mesh)?))),
+            Err(error) => Err(check_without_mesh(&checker, raw, error)),
         }
     }
 
@@ -154,13 +162,34 @@ impl AnyCase {
     }
 }
 
+/// The error of the mesh, and those of the sections that need none.
+fn check_without_mesh(checker: &Checker<'_>, raw: &raw::Case, error: Box<CaseError>) -> Box<CaseError> {
+    let mut errors = Errors::default();
+    errors.add(error);
+    errors.note(time::check(checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some()));
+    errors.note(solver::check(checker, &raw.solver));
+    errors.note(time::check_output(checker, &raw.output));
+    errors.all().expect_err("there is one")
+}
+
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let independent = Independent::check(checker, raw, mesh)?;
         let Independent { time, mesh, flow, structure, output } = independent;
-        let bodies = bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time)?;
-        let movers = movers::Movers::new(checker, &bodies, structure.as_ref(), flow.as_ref(), &mesh)?;
-        let motion = motion::check(checker, raw.motion.as_ref(), &mesh, &movers, &time)?;
+        let mut errors = Errors::default();
+        errors.note(check_surfaces(checker, &output, flow.as_ref()));
+        let order = flow.as_ref().map(|flow| flow.order);
+        let observed = errors.note(probes::check(checker, &raw.output, &mesh, order));
+        let bodies = errors.note(bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time));
+        let movers = bodies.as_ref().and_then(|bodies| {
+            errors.note(movers::Movers::new(checker, bodies, structure.as_ref(), flow.as_ref(), &mesh))
+        });
+        let motion =
+            movers.and_then(|movers| errors.note(motion::check(checker, raw.motion.as_ref(), &mesh, &movers, &time)));
+        errors.all()?;
+        let (Some(bodies), Some(motion), Some(observed)) = (bodies, motion, observed) else {
+            unreachable!("what is missing has left an error")
+        };
         held_nodes::check(checker, structure.as_ref(), motion.as_ref(), &mesh, &time)?;
         sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
@@ -168,8 +197,6 @@ impl<const D: usize> Case<D> {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
         }
-        check_surfaces(checker, &output, flow.as_ref())?;
-        let probes = probes::check(checker, &raw.output, &mesh, flow.is_some())?;
         Ok(Case {
             about: About::new(checker, document, raw),
             mesh,
@@ -182,7 +209,7 @@ impl<const D: usize> Case<D> {
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             output,
-            probes,
+            observed,
         })
     }
 }
@@ -292,10 +319,11 @@ impl About {
 /// A checker of `raw`, with its constants and tables.
 fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a>> {
     let mut checker = Checker::new(document, &raw.constants)?;
-    for (name, table) in &raw.tables {
-        let key = Key::new("tables").child(name);
-        let table = tables::check(&checker, &key, table)?;
-        checker.define_table(&key, name, table)?;
+    let key = Key::new("tables");
+    let table = |(name, table): (&String, &raw::Table)| tables::check(&checker, &key.child(name), table);
+    let tables = collected(raw.tables.iter().map(table))?;
+    for (name, table) in raw.tables.keys().zip(tables) {
+        checker.define_table(&key.child(name), name, table)?;
     }
     Ok(checker)
 }

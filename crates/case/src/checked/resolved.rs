@@ -5,6 +5,7 @@ use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion
 use crate::document::Document;
 use crate::error::CaseError;
 use crate::raw;
+use crate::reading::{self, Read};
 use std::path::Path;
 
 /// The title of a case that was resolved, if it has one.
@@ -52,7 +53,9 @@ pub fn motion_of<const D: usize>(
     mesh: &mesh_crate::Mesh<D>,
 ) -> Result<Option<Motion<D>>, Box<CaseError>> {
     let document = Document::parse(Path::new("case"), resolved.to_owned(), &[])?;
-    let raw: raw::Case = document.deserialize()?;
+    let Read { case, errors } = reading::read(&document)?;
+    errors.all()?;
+    let raw = case.expect("a case without errors can be read");
     let checker = checker_of(&document, &raw)?;
     let time = time::check(&checker, &raw.time, raw.flow.is_some() && raw.solver.steady.is_some())?;
     motion::check(&checker, raw.motion.as_ref(), mesh, &Movers::default(), &time)

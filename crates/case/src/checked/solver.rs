@@ -1,6 +1,7 @@
 //! The solver settings of a case.
 
 use crate::checker::{Checked, Checker};
+use crate::error::Errors;
 use crate::key::Key;
 use crate::raw::{PseudoTime, Solver, Steady};
 use newton_krylov::{fgmres, forcing, newton, pseudo_time};
@@ -22,6 +23,7 @@ const LOOSEST_RELATIVE: &str =
 
 /// Checks `[solver]`.
 pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
+    let mut errors = Errors::default();
     let key = Key::new("solver");
     let (relative, absolute) = (raw.newton_tolerance, raw.newton_absolute_tolerance);
     for (name, fine, accepted) in [
@@ -33,26 +35,26 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
         ),
         ("krylov_tolerance", 0.0 < raw.krylov_tolerance && raw.krylov_tolerance < 1.0, "a number above 0 and below 1"),
     ] {
-        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
+        errors.note(checker.require(&key.child(name), "the tolerance", fine, accepted));
     }
     for (name, value) in [
         ("newton_steps", raw.newton_steps),
         ("krylov_iterations", raw.krylov_iterations),
         ("krylov_restart", raw.krylov_restart),
     ] {
-        checker.at_least_one(&key.child(name), "the number", value)?;
+        errors.note(checker.at_least_one(&key.child(name), "the number", value));
     }
-    checker.require(
+    errors.note(checker.require(
         &key.child("krylov_restart"),
         "the number",
         raw.krylov_restart <= MOST_VECTORS,
         "1 or more, at most 10000: each keeps two vectors",
-    )?;
+    ));
     let accepted = format!("0 to {MOST_HALVINGS}: half as long each time");
     let halvings = raw.slab_halvings <= MOST_HALVINGS;
-    checker.require(&key.child("slab_halvings"), "the number of halvings", halvings, &accepted)?;
+    errors.note(checker.require(&key.child("slab_halvings"), "the number of halvings", halvings, &accepted));
     if let Some(steady) = &raw.steady {
-        check_steady(checker, &key.child("steady"), steady)?;
+        errors.note(check_steady(checker, &key.child("steady"), steady));
     }
     let key = key.child("pseudo_time");
     let pseudo_time = &raw.pseudo_time;
@@ -61,29 +63,40 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
         ("restart_inverse", pseudo_time.restart_inverse),
         ("power", pseudo_time.power),
     ] {
-        checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more")?;
+        errors.note(checker.require(&key.child(name), "the number", value >= 0.0 && value.is_finite(), "0 or more"));
     }
-    Ok(())
+    errors.all()
 }
 
 fn check_steady(checker: &Checker<'_>, key: &Key, raw: &Steady) -> Checked<()> {
+    let mut errors = Errors::default();
     let (newton, krylov) = (raw.tolerance, raw.krylov_tolerance);
     for (name, fine, accepted) in [
         ("tolerance", 0.0 < newton && newton <= LOOSEST, LOOSEST_RELATIVE),
         ("krylov_tolerance", 0.0 < krylov && krylov < 1.0, "a number above 0 and below 1"),
     ] {
-        checker.require(&key.child(name), "the tolerance", fine, accepted)?;
+        errors.note(checker.require(&key.child(name), "the tolerance", fine, accepted));
     }
-    checker.positive(&key.child("first_step"), "the first step", raw.first_step)?;
-    checker.require(&key.child("power"), "the power", raw.power >= 0.0 && raw.power.is_finite(), "0 or more")?;
+    errors.note(checker.positive(&key.child("first_step"), "the first step", raw.first_step));
+    errors.note(checker.require(
+        &key.child("power"),
+        "the power",
+        raw.power >= 0.0 && raw.power.is_finite(),
+        "0 or more",
+    ));
     let time = raw.stability_time.is_none_or(|time| (0.0..=LONGEST_MARCH).contains(&time));
-    checker.require(&key.child("stability_time"), "the time", time, "0 to 10000, in time units of six slabs each")?;
+    errors.note(checker.require(
+        &key.child("stability_time"),
+        "the time",
+        time,
+        "0 to 10000, in time units of six slabs each",
+    ));
     let grows = raw.growth > 1.0 && raw.growth.is_finite();
-    checker.require(&key.child("growth"), "the factor", grows, "a number above 1")?;
+    errors.note(checker.require(&key.child("growth"), "the factor", grows, "a number above 1"));
     for (name, value) in [("steps", raw.steps), ("krylov_iterations", raw.krylov_iterations)] {
-        checker.at_least_one(&key.child(name), "the number", value)?;
+        errors.note(checker.at_least_one(&key.child(name), "the number", value));
     }
-    Ok(())
+    errors.all()
 }
 
 impl Steady {

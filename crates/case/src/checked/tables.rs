@@ -5,7 +5,7 @@ use crate::error::Cause;
 use crate::expression::{Ends, Table, TableError};
 use crate::input_file::{self, LARGEST_TABLE};
 use crate::key::Key;
-use crate::raw;
+use crate::raw::{self, Column};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub(crate) fn check(checker: &Checker<'_>, key: &Key, raw: &raw::Table) -> Check
         }
         (Some(t), Some(values), None) => (t.clone(), values.clone(), key.child("values")),
         (None, None, Some(file)) => {
-            let (t, values) = read(checker, key, file, raw.column.as_deref())?;
+            let (t, values) = read(checker, key, file, raw.column.as_ref())?;
             (t, values, key.child("file"))
         }
         (None, None, None) => return Err(checker.combination(key, "the table is empty", ONE_OF_TWO)),
@@ -57,25 +57,22 @@ pub(crate) fn written_out(checker: &Checker<'_>, raw: &BTreeMap<String, raw::Tab
 }
 
 /// The first column of `file` and another one.
-fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> Checked<(Vec<f64>, Vec<f64>)> {
+fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&Column>) -> Checked<(Vec<f64>, Vec<f64>)> {
     let (file_key, path) = (key.child("file"), checker.beside_case(file));
     let refused = |cause| checker.error(&file_key, cause);
     let text = input_file::read_text(&path, LARGEST_TABLE)
         .map_err(|error| refused(Cause::File { path: path.clone(), error }))?;
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, entries(line)));
     let mut lines = lines.filter(|(_, entries)| !entries.is_empty()).peekable();
-    let header = lines.next_if(|(_, entries)| entries.iter().all(|entry| entry.parse::<f64>().is_err()));
+    let mut head = || lines.next_if(|(_, entries)| entries.iter().all(|entry| number(entry).is_none()));
     let names: Vec<String> =
-        header.map(|(_, names)| names.into_iter().map(str::to_owned).collect()).unwrap_or_default();
-    let unknown = |name: &str| {
-        let cause = Cause::Unknown { kind: "column", name: name.to_owned(), accepted: names.clone() };
-        checker.error(&key.child("column"), cause)
-    };
-    let place = |name: &str| names.iter().position(|known| known == name).ok_or_else(|| unknown(name));
-    let column = column.map_or(Ok(1), place)?;
+        head().map(|(_, names)| names.into_iter().map(str::to_owned).collect()).unwrap_or_default();
+    // A line of units may follow.
+    while head().is_some() {}
+    let column = column.map_or(Ok(1), |column| place(checker, &key.child("column"), column, &names))?;
     let (mut t, mut values) = (Vec::new(), Vec::new());
     for (line, entries) in lines {
-        let number = |index: usize| entries.get(index).and_then(|entry| entry.parse::<f64>().ok());
+        let number = |index: usize| entries.get(index).and_then(|entry| number(entry));
         let (Some(time), Some(value)) = (number(0), number(column)) else {
             let found = entries.join(", ");
             return Err(refused(Cause::Row { path, line, found, column: column + 1 }));
@@ -86,11 +83,44 @@ fn read(checker: &Checker<'_>, key: &Key, file: &Path, column: Option<&str>) -> 
     Ok((t, values))
 }
 
-/// The entries of a line without its comment, separated by commas if there are any, otherwise by blanks.
+/// The index of a column, by its number from 1 or by its name, with or without the unit behind it.
+fn place(checker: &Checker<'_>, key: &Key, column: &Column, names: &[String]) -> Checked<usize> {
+    match column {
+        Column::Number(number) => {
+            checker.require(
+                key,
+                "the number of the column",
+                *number >= 1,
+                "1 or more; the first column is the time",
+            )?;
+            Ok(number - 1)
+        }
+        Column::Name(name) => {
+            let found = names.iter().position(|known| known == name);
+            let without = || names.iter().position(|known| without_unit(known) == name);
+            found.or_else(without).ok_or_else(|| {
+                let cause = Cause::Unknown { kind: "column", name: name.clone(), accepted: names.to_vec() };
+                checker.error(key, cause)
+            })
+        }
+    }
+}
+
+/// `heave` of `heave [m]`, `heave (m)` and `heave/m`.
+fn without_unit(name: &str) -> &str {
+    name.split(['[', '(', '/']).next().unwrap_or(name).trim()
+}
+
+/// The entries of a line without its comment. They are separated by semicolons if there are any, otherwise by tabs, commas or blanks.
 fn entries(line: &str) -> Vec<&str> {
     let line = line.split('#').next().unwrap_or_default().trim();
-    match line.contains(',') {
-        true => line.split(',').map(str::trim).collect(),
-        false => line.split_whitespace().collect(),
+    match [';', '\t', ','].into_iter().find(|separator| line.contains(*separator)) {
+        Some(separator) => line.split(separator).map(|entry| entry.trim().trim_matches('"')).collect(),
+        None => line.split_whitespace().collect(),
     }
+}
+
+/// The number of an entry. Where commas do not separate entries, one may stand for the decimal point.
+fn number(entry: &str) -> Option<f64> {
+    entry.parse().or_else(|_| entry.trim_end_matches(',').replacen(',', ".", 1).parse()).ok()
 }

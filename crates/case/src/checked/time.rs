@@ -1,6 +1,7 @@
 //! The time to cover, and the output.
 
 use crate::checker::{Checked, Checker};
+use crate::error::Errors;
 use crate::key::Key;
 use crate::raw::{self, Field, Integral};
 use coupled::{Schedule, StepControl};
@@ -153,16 +154,16 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
         let accepted = "a directory beside the case file, or no key `directory`";
         return Err(checker.combination(&key.child("directory"), "the name of the directory is empty", accepted));
     }
-    Ok(Output {
+    let mut errors = Errors::default();
+    let positive = |name: &str, value| checker.at_least_one(&key.child(name), "the number of slabs", value);
+    let output = Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
-        checkpoint_every: checker.at_least_one(
-            &key.child("checkpoint_every"),
-            "the number of slabs",
-            raw.checkpoint_every,
-        )?,
-        every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
-        fields: checker.distinct(&key.child("fields"), "field", &raw.fields)?.to_vec(),
-        surfaces: checker.distinct(&key.child("surfaces"), "wall", &raw.surfaces)?.to_vec(),
-        integrals: checker.distinct(&key.child("integrals"), "integral", &raw.integrals)?.to_vec(),
-    })
+        checkpoint_every: errors.note(positive("checkpoint_every", raw.checkpoint_every)).unwrap_or(1),
+        every: errors.note(positive("every", raw.every)).unwrap_or(1),
+        fields: errors.list(checker.distinct(&key.child("fields"), "field", &raw.fields).map(<[_]>::to_vec)),
+        surfaces: errors.list(checker.distinct(&key.child("surfaces"), "wall", &raw.surfaces).map(<[_]>::to_vec)),
+        integrals: errors
+            .list(checker.distinct(&key.child("integrals"), "integral", &raw.integrals).map(<[_]>::to_vec)),
+    };
+    errors.all().map(|()| output)
 }

@@ -114,6 +114,12 @@ impl Names {
         Names { position, ..self.clone() }
     }
 
+    /// These names, and those of `fields` as the entries of the position after its present ones. They hide constants.
+    pub fn with_fields(&self, fields: impl Iterator<Item = &'static str>) -> Self {
+        let position = self.position.iter().copied().chain(fields).collect();
+        Names { position, ..self.clone() }
+    }
+
     /// These names and the time t.
     pub fn with_time(&self) -> Self {
         Names { time: true, ..self.clone() }

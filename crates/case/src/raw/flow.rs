@@ -85,6 +85,8 @@ pub enum Viscosity {
     Inviscid,
     /// A constant viscosity.
     Constant(f64),
+    /// The constant viscosity of this Reynolds number rho U L / mu, with density, speed and length of `flow.reference`.
+    Reynolds(f64),
     /// Sutherland's law, viscosity (T / temperature)^1.5 (temperature + constant) / (T + constant).
     Sutherland {
         /// The viscosity at `temperature`.

@@ -25,7 +25,7 @@ pub enum Generate {
     Annulus(AnnulusGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
     Disc(DiscGenerator),
-    /// A C-mesh around a symmetric NACA airfoil of chord 1 with its nose at the origin. Its boundaries are airfoil and far.
+    /// A C-mesh around an airfoil of chord 1 with its nose at the origin. Its boundaries are airfoil and far.
     Airfoil(AirfoilGenerator),
     /// A passage of a row of turbine blades, periodic in the pitch. Its boundaries are blade, inflow and outflow.
     TurbineBlade(TurbineBladeGenerator),
@@ -257,12 +257,20 @@ pub struct DiscGenerator {
     pub radial_cells: usize,
 }
 
-/// An airfoil NACA 00xx with a closed trailing edge. Lengths are in chords.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// An airfoil with a closed trailing edge: NACA 00xx by its thickness, another one by `naca` or `profile`. Lengths are in chords.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AirfoilGenerator {
     /// The largest thickness: 0.12 for the NACA 0012.
     pub thickness: f64,
+    /// Instead of the thickness: four digits of NACA, such as `"2412"`. The nose of the camber line is at the origin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub naca: Option<String>,
+    /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y. The points run from the trailing
+    /// edge over the upper side and the nose back to the trailing edge. The first line may be a name. A cubic spline goes through the points. The
+    /// chord from nose to trailing edge is scaled to 1 and moved, not turned: the trailing edge lies at (1, 0). A blunt one is closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<PathBuf>,
     /// The smallest distance of the far field.
     pub far_field: f64,
     /// The height of the cells at the wall.
@@ -299,6 +307,8 @@ impl Default for AirfoilGenerator {
         let AirfoilMesh { surface_cells, wake_cells, normal_cells, .. } = AirfoilMesh::naca0012(2);
         AirfoilGenerator {
             thickness,
+            naca: None,
+            profile: None,
             far_field,
             first_cell,
             trailing_edge_cell,

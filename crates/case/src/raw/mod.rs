@@ -38,7 +38,8 @@ use std::collections::BTreeMap;
 /// Units are any consistent system. Vectors have one entry per axis, two or three, as many as the mesh has axes.
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
 /// the case. Its operators are + - * / ^, comparisons and if(condition, a, b). Its functions are min, max, abs, sqrt, exp,
-/// log, sin, cos, tan, atan, tanh, sinh and cosh. deg(a) is the angle of a degrees, in radians.
+/// log, sin, cos, tan, atan, tanh, sinh and cosh. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
+/// constants may stand in quotes: `velocity = ["cos(deg(5))", "sin(deg(5))"]`, `end = "10*period"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -83,4 +84,31 @@ pub fn schema() -> schemars::Schema {
     let mut schema = schemars::schema_for!(Case);
     schema.insert("$id".to_owned(), SCHEMA_ID.into());
     schema
+}
+
+/// The schema for editors: every number may be a formula in quotes.
+pub fn editor_schema() -> schemars::Schema {
+    let mut schema = schema().to_value();
+    accept_formulas(&mut schema);
+    schemars::Schema::try_from(schema).expect("an object stays one")
+}
+
+fn accept_formulas(schema: &mut serde_json::Value) {
+    match schema {
+        serde_json::Value::Object(entries) => {
+            let alone = serde_json::json!("number");
+            match entries.get_mut("type") {
+                Some(kind) if *kind == alone => *kind = serde_json::json!(["number", "string"]),
+                Some(serde_json::Value::Array(kinds))
+                    if kinds.contains(&alone) && !kinds.iter().any(|k| k == "string") =>
+                {
+                    kinds.push("string".into());
+                }
+                _ => {}
+            }
+            entries.values_mut().for_each(accept_formulas);
+        }
+        serde_json::Value::Array(entries) => entries.iter_mut().for_each(accept_formulas),
+        _ => {}
+    }
 }

@@ -1,5 +1,6 @@
 //! `[time]`, `[restart]` and `[output]`
 
+use super::formula::Formula;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -84,9 +85,19 @@ pub struct Output {
     /// Integrals over the flow that go to history.csv after every slab.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub integrals: Vec<Integral>,
-    /// Points whose density, velocity and pressure go to history.csv after every slab, by name.
+    /// Points whose fields go to history.csv after every slab, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub probes: BTreeMap<String, Probe>,
+    /// Straight lines whose fields go to files line_NAME.csv, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub lines: BTreeMap<String, Line>,
+    /// Planes through a three-dimensional mesh whose fields go to files for ParaView, slice_NAME.pvd, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub slices: BTreeMap<String, Slice>,
+    /// Fields by formulas, by name: in position, time and the fields of the flow, such as `"pressure / density^1.4"`. They are written with all
+    /// other fields: to the result, for points, lines and slices.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub formulas: BTreeMap<String, Formula>,
 }
 
 /// An integral over the flow.
@@ -110,6 +121,65 @@ pub struct Probe {
     /// Whether it moves with the mesh. Otherwise it is fixed in space, and has no value where the mesh has left it.
     #[serde(default)]
     pub carried: bool,
+    /// Its fields.
+    #[serde(default = "observed", skip_serializing_if = "is_observed")]
+    pub fields: Vec<Field>,
+}
+
+/// A straight line along which the flow is observed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Its start, that at rest if the mesh carries it.
+    pub from: Vec<f64>,
+    /// Its end.
+    pub to: Vec<f64>,
+    /// The number of points, at equal distances, with both ends; 2 to 100000.
+    #[serde(default = "points_of_a_line")]
+    pub points: usize,
+    /// The number of slabs between outputs. The start and the end are also written.
+    #[serde(default = "every_slab")]
+    pub every: usize,
+    /// Whether its points move with the mesh. Otherwise they are fixed in space, and have no value where there is no mesh.
+    #[serde(default)]
+    pub carried: bool,
+    /// Its fields.
+    #[serde(default = "observed")]
+    pub fields: Vec<Field>,
+}
+
+/// A plane through a three-dimensional mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Slice {
+    /// A point of the plane.
+    pub point: Vec<f64>,
+    /// Its normal, of any length.
+    pub normal: Vec<f64>,
+    /// The number of slabs between outputs. The start and the end are also written.
+    #[serde(default = "every_slab")]
+    pub every: usize,
+    /// The number of parts into which each edge of a cell is divided, 1 to 32. Default: one less than the nodes of the flow.
+    pub parts: Option<usize>,
+    /// Its fields.
+    #[serde(default = "observed")]
+    pub fields: Vec<Field>,
+}
+
+fn points_of_a_line() -> usize {
+    101
+}
+
+fn every_slab() -> usize {
+    1
+}
+
+fn observed() -> Vec<Field> {
+    vec![Field::Density, Field::Velocity, Field::Pressure]
+}
+
+fn is_observed(fields: &[Field]) -> bool {
+    fields == observed()
 }
 
 impl Default for Output {
@@ -123,6 +193,9 @@ impl Default for Output {
             surfaces: Vec::new(),
             integrals: Vec::new(),
             probes: BTreeMap::new(),
+            lines: BTreeMap::new(),
+            slices: BTreeMap::new(),
+            formulas: BTreeMap::new(),
         }
     }
 }
@@ -141,8 +214,18 @@ pub enum Field {
     Temperature,
     /// The Mach number.
     Mach,
+    /// The pressure coefficient, (p - p_ref) / (rho_ref U_ref^2 / 2), of `flow.reference`.
+    PressureCoefficient,
+    /// The total pressure for an observer at rest.
+    TotalPressure,
+    /// The total temperature for an observer at rest.
+    TotalTemperature,
+    /// The entropy ln(p / rho^gamma), in units of the specific heat at constant volume.
+    Entropy,
     /// The curl of the velocity.
     Vorticity,
+    /// The Q criterion: half the difference of the squared rates of rotation and of strain, positive in vortices.
+    QCriterion,
     /// The velocity of the mesh.
     MeshVelocity,
     /// det J of the motion of the mesh.

@@ -1,7 +1,10 @@
 //! `[tables]`
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
+use std::fmt;
 use std::path::PathBuf;
 
 /// A function given by a table: `t` and `values`, or a `file`. Between its points it is a cubic spline, with two continuous
@@ -14,13 +17,55 @@ pub struct Table {
     /// The values at these times.
     pub values: Option<Vec<f64>>,
     /// Instead of both: a text file, relative to the case file. Each line holds the numbers of one time, the time first, separated
-    /// by commas or blanks. The first line may name the columns; # begins a comment.
+    /// by semicolons, tabs, commas or blanks. The first line may name the columns, with units behind the names; # begins a comment.
     pub file: Option<PathBuf>,
-    /// The name of the column of the file that holds the values. Default: the second column.
-    pub column: Option<String>,
+    /// The column of the file that holds the values: its name without the unit, or its number, where 1 is the time. Default: the second column.
+    pub column: Option<Column>,
     /// The ends of the table, and the values beyond them.
     #[serde(default)]
     pub ends: Ends,
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Column {
+    /// Its number, from 1.
+    Number(usize),
+    /// Its name.
+    Name(String),
+}
+
+/// By hand, because the errors of untagged enums contain no place.
+impl<'de> Deserialize<'de> for Column {
+    fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
+        deserializer.deserialize_any(ColumnVisitor)
+    }
+}
+
+struct ColumnVisitor;
+
+impl Visitor<'_> for ColumnVisitor {
+    type Value = Column;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a name in quotes, or a whole number from 1")
+    }
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Column, E> {
+        usize::try_from(value).map(Column::Number).map_err(|_| E::invalid_value(Unexpected::Signed(value), &self))
+    }
+    fn visit_str<E: Error>(self, text: &str) -> Result<Column, E> {
+        Ok(Column::Name(text.to_owned()))
+    }
+}
+
+impl JsonSchema for Column {
+    fn schema_name() -> Cow<'static, str> {
+        "Column".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["string", "integer"], "description": "A name, or a whole number from 1." })
+    }
 }
 
 /// The ends of a table, and the values beyond them.

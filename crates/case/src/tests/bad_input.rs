@@ -476,6 +476,83 @@ fn errors_of_several_sections_are_told_at_once() {
     assert!(error.to_string().contains("flow.quadrature.points") && error.also.len() == 1, "{error}");
 }
 
+/// Errors of keys and types are told at once, in the order of their lines, and nothing that only follows from them.
+#[test]
+fn errors_of_keys_and_types_are_told_at_once() {
+    let text = BASE
+        .replace("order = 2", "order = 2\nstepp = 1")
+        .replace("order = 4", "order = \"four\"\nriemann = \"hlc\"\ngas.gama = 1.3\ngas.prandtl = true")
+        + "\n[solver]\nnewton_stepps = 4\n";
+    let error = check_text(&text, &["output.every=0.5"]).unwrap_err();
+    let message = error.to_string();
+    for part in [
+        "`flow.order",
+        "unknown choice `hlc`",
+        "`gama`",
+        "flow.gas.prandtl",
+        "`stepp`",
+        "`newton_stepps`",
+        "output.every",
+    ] {
+        assert!(message.contains(part), "no {part} in:\n{message}");
+    }
+    assert_eq!(error.also.len(), 6, "{message}");
+    let lines: Vec<usize> = std::iter::once(&*error)
+        .chain(&error.also)
+        .filter_map(|error| if let Place::File { line, .. } = &error.place { Some(*line) } else { None })
+        .collect();
+    assert!(lines.is_sorted() && lines.len() == 6, "{lines:?}");
+}
+
+/// A misspelt key of a section on which nothing depends does not hide errors of values.
+#[test]
+fn a_misspelt_key_of_the_output_does_not_hide_wrong_values() {
+    let text = BASE.replace("order = 2", "order = 0");
+    let error = check_text(&text, &["output.evry=2"]).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("time.order = 0") && message.contains("unknown key `evry`"), "{message}");
+    assert_eq!(error.also.len(), 1, "{message}");
+}
+
+/// Boundaries, and parts of the flow that do not depend on each other.
+#[test]
+fn errors_within_the_flow_are_told_at_once() {
+    let text = BASE.replace("order = 4", "order = 17\nquadrature = { points = 99 }").replace(
+        "left = \"slip_wall\"",
+        "left = { outflow = { pressure = -1 } }\nright = { adiabatic_wall = { slide = [1] } }",
+    );
+    let error = check_text(&text, &[]).unwrap_err();
+    let message = error.to_string();
+    for part in ["flow.order = 17", "quadrature.points = 99", "left.outflow.pressure", "right.adiabatic_wall.slide"] {
+        assert!(message.contains(part), "no {part} in:\n{message}");
+    }
+    assert_eq!(error.also.len(), 3, "{message}");
+}
+
+/// A mesh that cannot be made does not hide the errors of sections without a mesh.
+#[test]
+fn a_bad_mesh_does_not_hide_the_time() {
+    let text = BASE.replace("order = 3", "order = 17").replace("order = 2", "order = 0");
+    let error = check_text(&text, &[]).unwrap_err();
+    assert!(error.to_string().contains("mesh.order = 17") && error.to_string().contains("time.order = 0"), "{error}");
+}
+
+/// Formulas of constants where numbers are needed.
+#[test]
+fn wrong_formulas_of_numbers_are_refused() {
+    for (option, part) in [
+        ("time.end=\"2*periode\"", "unknown name `periode`"),
+        ("time.end=\"2*t\"", "unknown name `t`"),
+        ("time.end=\"1/0\"", "inf"),
+        ("flow.gas.gamma=\"1.4 1\"", "flow.gas.gamma"),
+        ("flow.gas.gamma=\"1.4 - 1\"", "out of range"),
+        ("time.order=\"1+1\"", "a whole number"),
+    ] {
+        let message = check_text(BASE, &[option]).unwrap_err().to_string();
+        assert!(message.contains(part), "{option}: {message}");
+    }
+}
+
 /// A number where a choice with a number is needed.
 #[test]
 fn a_number_alone_is_shown_where_it_belongs() {

@@ -339,3 +339,47 @@ fn the_tail_of_a_bump_is_no_extreme_number() {
     let checked = check_text(&BASE.replace(uniform, bump), &[]);
     assert!(checked.is_ok(), "{}", checked.unwrap_err());
 }
+
+/// Angles by `deg`, times by periods: formulas of constants stand for numbers, and the resolved case holds the numbers.
+#[test]
+fn formulas_of_constants_stand_for_numbers() {
+    let options = [
+        "constants.period=0.5",
+        "time.end=\"4*period\"",
+        "flow.initial.uniform.velocity=[\"0.5*cos(deg(60))\", \"0.5*sin(deg(60))\"]",
+        "flow.boundary.others.far_field.pressure=\"a + 0.9\"",
+        "solver.steady={ stability_time = \"b\" }",
+    ];
+    let case = plane(BASE, &options);
+    assert_eq!(case.time.end, 2.0);
+    let velocity = case.flow.as_ref().unwrap().uniform_velocity.unwrap();
+    assert!((velocity[0] - 0.25).abs() < 1e-15 && (velocity[1] - 0.5 * 0.75_f64.sqrt()).abs() < 1e-15);
+    assert_eq!(case.solver.steady.unwrap().stability_time, Some(0.2));
+    let again = plane(&case.about.resolved, &[]);
+    assert_eq!((again.time, again.flow.unwrap().uniform_velocity), (case.time, Some(velocity)));
+}
+
+#[test]
+fn a_reynolds_number_gives_the_viscosity() {
+    let viscosity = |options: &[&str]| {
+        let gas = plane(BASE, options).flow.unwrap().law.gas;
+        gas.dynamic_viscosity(1.0)
+    };
+    let reynolds = "flow.gas.viscosity={ reynolds = 50 }";
+    assert!((viscosity(&[reynolds]) - 0.01).abs() < 1e-17, "of the stream, and the length 1");
+    let reference = "flow.reference={ density = 2, speed = 3, pressure = 1, length = 5 }";
+    assert!((viscosity(&[reynolds, reference]) - 0.6).abs() < 1e-15);
+    let gas = plane(BASE, &[]).flow.unwrap().law.gas;
+    assert_eq!(gas.dynamic_viscosity(1.0), 0.0);
+    let message = check_text(BASE, &["flow.gas.viscosity={ reynolds = 0 }"]).unwrap_err().to_string();
+    assert!(message.contains("the Reynolds number is out of range"), "{message}");
+    let message = check_text(BASE, &[reynolds, "flow.initial.uniform.velocity=[0,0]"]).unwrap_err().to_string();
+    assert!(message.contains("reference = { density, speed, pressure }"), "{message}");
+}
+
+#[test]
+fn the_schema_for_editors_accepts_formulas_for_numbers() {
+    let text = serde_json::to_string(&crate::editor_schema()).unwrap();
+    assert!(!text.contains("\"type\":\"number\"") && text.contains("\"type\":[\"number\",\"string\"]"));
+    assert!(text.contains("\"$id\""));
+}

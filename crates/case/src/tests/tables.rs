@@ -46,13 +46,39 @@ fn a_table_may_be_a_file() {
     for (file, lines, expected) in [
         (header, "column = \"heav\"", ["unknown column `heav`", "did you mean `heave`"]),
         (header, "", ["the displacement at the start", "`[tables]`"]),
-        ("0, 0\n1, x\n", "", ["way.csv:2: no numbers in columns 1 and 2 of `1, x`", "separated by commas"]),
+        ("0, 0\n1, x\n", "", ["way.csv:2: no numbers in columns 1 and 2 of `1, x`", "separated by semicolons"]),
         ("0, 0\n", "", ["1 points", "needs 2"]),
         ("1, 0\n0, 0\n", "", ["times must increase", "0 follows 1"]),
     ] {
         let message = case(file, lines).unwrap_err().to_string();
         expected.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
     }
+}
+
+/// Files of spreadsheets: semicolons, decimal commas, tabs, units, a line of units; a column by its number.
+#[test]
+fn tables_of_spreadsheets_are_read() {
+    let directory = tempfile::tempdir().unwrap();
+    let heave = |file: &str, column: &str| {
+        std::fs::write(directory.path().join("way.csv"), file).unwrap();
+        let text = format!("{TABLE}file = \"way.csv\"\nends = \"at_rest\"\n{column}");
+        let document = Document::parse(&directory.path().join("case.toml"), text, &[]);
+        moved(document.and_then(|document| AnyCase::check(&document)), 4.0)[0]
+    };
+    for (file, column) in [
+        ("t [s]; pitch [deg]; heave [m]\n0;5;0\n1;6;1\n2;7;3\n", "column = \"heave\""),
+        ("t [s]; pitch [deg]; heave [m]\n0;5;0\n1;6;1\n2;7;3\n", "column = 3"),
+        ("\"t\",\"pitch\",\"heave (m)\"\n0,5,0\n1,6,1\n2,7,3\n", "column = \"heave (m)\""),
+        ("t;pitch;heave/m\ns;deg;m\n0,0;5,5;0,0\n1,0;6,5;1,0\n2,0;7,5;3,0\n", "column = \"heave\""),
+        ("t\tthe pitch\theave\n0,0\t5,5\t0\n1,0\t6,5\t1\n2,0\t7,5\t3,0\n", "column = \"heave\""),
+        ("  0   5   0\n  1   6   1\n  2   7   3\n", "column = 3"),
+    ] {
+        assert_eq!(heave(file, column), 6.0, "{file}");
+    }
+    let message = with("file = \"none.csv\"\ncolumn = -1").unwrap_err().to_string();
+    assert!(message.contains("`tables.way.column = -1`") && message.contains("a whole number from 1"), "{message}");
+    let message = with("t = [0, 1]\nvalues = [0, 1]\ncolumn = 0").unwrap_err().to_string();
+    assert!(message.contains("`column` is that of a file"), "{message}");
 }
 
 #[test]

@@ -81,6 +81,8 @@ pub struct Encoded {
     pub mesh: String,
     /// The boundaries.
     pub outline: String,
+    /// How far the window has moved.
+    pub shift: [f64; 2],
 }
 
 /// One picture.
@@ -117,10 +119,14 @@ fn draw_in<const D: usize, const M: usize>(reader: &ResultReader) -> Result<Pict
     let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
     let view = View::<D>::new(reader, &snapshots);
     let quantities = ranges::<D, M>(&scheme.quantities(), &view, &snapshots);
-    let draw = |snapshot: &Snapshot<D>| {
-        view.windows.iter().map(|window| view.encode::<M>(snapshot, window, &quantities)).collect()
+    let draw = |(k, snapshot): (usize, &Snapshot<D>)| {
+        let at = |window: &Window| {
+            let (window, shift) = view.window(window, k);
+            view.encode::<M>(snapshot, (&window, shift), &quantities)
+        };
+        view.windows.iter().map(at).collect()
     };
-    let views = snapshots.par_iter().map(draw).collect::<Result<Vec<Vec<Encoded>>, _>>()?;
+    let views = snapshots.par_iter().enumerate().map(draw).collect::<Result<Vec<Vec<Encoded>>, _>>()?;
     let frame = |(&step, views)| Frame { step, time: reader.times[step], views };
     let frames = thinned(steps.iter().zip(views).map(frame).collect());
     Ok(Pictures { dimension: D, height: view.height, quantities, windows: view.windows, frames })
@@ -174,7 +180,8 @@ mod tests {
 
     #[test]
     fn too_many_pictures_are_thinned_out() {
-        let view = || Encoded { pictures: vec![], mesh: "x".repeat(2_000_000), outline: String::new() };
+        let view =
+            || Encoded { pictures: vec![], mesh: "x".repeat(2_000_000), outline: String::new(), shift: [0.0; 2] };
         let frame = |step: usize| Frame { step, time: step as f64, views: vec![view()] };
         let steps = |count: usize| thinned((0..count).map(frame).collect()).iter().map(|f| f.step).collect::<Vec<_>>();
         assert_eq!(steps(4), [0, 1, 2, 3]);

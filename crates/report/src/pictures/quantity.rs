@@ -47,6 +47,11 @@ impl Quantity {
             Quantity::Flow(Field::Vorticity) => "Vorticity",
             Quantity::Flow(Field::Pressure) => "Pressure",
             Quantity::Flow(Field::Density) => "Density",
+            Quantity::Flow(Field::PressureCoefficient) => "Pressure coefficient",
+            Quantity::Flow(Field::TotalPressure) => "Total pressure",
+            Quantity::Flow(Field::TotalTemperature) => "Total temperature",
+            Quantity::Flow(Field::Entropy) => "Entropy",
+            Quantity::Flow(Field::QCriterion) => "Q criterion",
             Quantity::Flow(Field::Velocity) => "Velocity",
             Quantity::Flow(Field::Temperature) => "Temperature",
             Quantity::Flow(Field::MeshVelocity) => "Mesh velocity",
@@ -64,6 +69,11 @@ impl Quantity {
             Quantity::Flow(Field::Vorticity) | Quantity::Jacobian => ColourMap::Diverging,
             _ => ColourMap::Sequential,
         }
+    }
+
+    /// The colour behind its picture, if the page's own looks like a colour of the picture.
+    pub fn ground(self) -> Option<&'static str> {
+        (self.colours() == ColourMap::Diverging).then_some("#a9b1b8")
     }
 
     /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does

@@ -55,19 +55,29 @@ impl Raster {
         if area == 0.0 || !area.is_finite() {
             return;
         }
-        let rows = centres(x.map(|x| x[1]), self.height);
-        let columns = centres(x.map(|x| x[0]), self.width);
+        let heights = [[1, 2], [2, 0], [0, 1]]
+            .map(|[a, b]: [usize; 2]| area.abs() / (x[b][0] - x[a][0]).hypot(x[b][1] - x[a][1]));
+        let rows = centres(grown(x.map(|x| x[1])), self.height);
+        let columns = centres(grown(x.map(|x| x[0])), self.width);
         for row in rows {
             for column in columns.clone() {
                 let p = [column as f64 + 0.5, row as f64 + 0.5];
                 // Barycentric coordinates: area fractions opposite to the corners.
                 let b = [cross(p, x[1], x[2]) / area, cross(x[0], p, x[2]) / area, cross(x[0], x[1], p) / area];
+                let pixel = row * self.width + column;
                 // An edge belongs to both of its triangles, so rounding leaves no gap.
                 if b.iter().all(|b| *b >= -1e-9) {
-                    self.set(row * self.width + column, b, at, &surface.values);
+                    self.set(pixel, b, at, &surface.values);
+                } else if self.is_empty(pixel) && (0..3).all(|k| b[k] * heights[k] >= -SLIT) {
+                    self.set(pixel, within(b), at, &surface.values);
                 }
             }
         }
+    }
+
+    /// Whether nothing has been drawn at a pixel.
+    fn is_empty(&self, pixel: usize) -> bool {
+        self.values[pixel * self.quantities..][..self.quantities].iter().all(|value| value.is_nan())
     }
 
     fn set(&mut self, pixel: usize, b: [f64; 3], at: [usize; 3], values: &[f64]) {
@@ -75,6 +85,23 @@ impl Raster {
             *value = (0..3).map(|k| b[k] * values[at[k] + q]).sum::<f64>() as f32;
         }
     }
+}
+
+/// Straight pieces of a curved edge leave slits between two cells that are cut into different numbers of them. So a triangle also covers
+/// centres of pixels this far beside it, in pixels, unless another one contains them.
+const SLIT: f64 = 0.25;
+
+/// The smallest, the largest and any coordinate, with slits on both sides.
+fn grown(x: [f64; 3]) -> [f64; 3] {
+    let (lower, upper) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
+    [lower - SLIT, upper + SLIT, lower]
+}
+
+/// The nearest barycentric coordinates in the triangle, for points close to it.
+fn within(b: [f64; 3]) -> [f64; 3] {
+    let b = b.map(|b| b.max(0.0));
+    let sum: f64 = b.iter().sum();
+    b.map(|b| b / sum)
 }
 
 /// Twice the signed area of a triangle.
@@ -114,6 +141,29 @@ mod tests {
             assert!((f64::from(value) - (x + 10.0 * y)).abs() < 1e-5, "pixel {pixel}: {value}");
         }
         assert!(raster.of(1).all(|value| (value - 1.0).abs() < 1e-6));
+    }
+
+    /// Two cells with a curved edge between them, cut into 2 and into 8 pieces.
+    #[test]
+    fn slits_between_cells_are_covered() {
+        let curve = |s: f64| [0.5 + 0.02 * s * (1.0 - s), s];
+        let strip = |pieces: usize, side: f64| {
+            let row = |k: usize| {
+                let s = k as f64 / pieces as f64;
+                [curve(s), [side, s]]
+            };
+            let points: Vec<[f64; 2]> = (0..=pieces).flat_map(row).collect();
+            let pair = |k: usize| [[2 * k, 2 * k + 1, 2 * k + 2], [2 * k + 1, 2 * k + 3, 2 * k + 2]];
+            Triangles { values: vec![side; points.len()], points, triangles: (0..pieces).flat_map(pair).collect() }
+        };
+        let window = Window::new("", Extent { lower: [0.0; 2], upper: [1.0; 2] }, 200.0 * 200.0);
+        let mut raster = Raster::new(&window, 1);
+        raster.draw(&window, &strip(8, 0.0));
+        raster.draw(&window, &strip(2, 1.0));
+        assert_eq!(raster.of(0).filter(|value| value.is_nan()).count(), 0);
+        // No pixel of one cell is taken by the other: the left one is 0.5 + 0.02/6 wide.
+        let left = raster.of(0).filter(|value| *value == 0.0).count() as f64 / 40_000.0;
+        assert!((left - 0.5 - 0.02 / 6.0).abs() < 0.003, "{left}");
     }
 
     #[test]

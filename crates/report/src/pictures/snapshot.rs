@@ -1,7 +1,7 @@
 //! The exact solution at the end of a slab, evaluated as finely as a picture needs.
 
 use super::quantity::Quantity;
-use crate::fields::{self, CellSample};
+use crate::fields::{self, CellSample, Medium};
 use case::Field;
 use fem::Sampler;
 use navier_stokes::Gas;
@@ -144,7 +144,7 @@ fn ratio(j: &[f64], j0: &[f64]) -> Vec<f64> {
 fn of_flow<const D: usize, const M: usize>(quantity: Quantity, gas: &Gas, sample: &CellSample) -> Vec<f64> {
     let Quantity::Flow(field) = quantity else { return of_mesh(quantity, sample.jacobian) };
     let mut values = Vec::new();
-    fields::values::<D, M>(field, Some(gas), sample, &mut values);
+    fields::values::<D, M>(field, Some(&Medium::gas(*gas)), sample, &mut values);
     match (field, D) {
         // The third component of the vector.
         (Field::Vorticity, 3) => values.into_iter().skip(2).step_by(3).collect(),

@@ -6,7 +6,7 @@ use super::quantity::{Quantity, Range};
 use super::raster::Raster;
 use super::snapshot::{PARTS, Snapshot};
 use super::surface::{face_lines, surface};
-use super::window::{Extent, Window, windows};
+use super::window::{Extent, Window, bodies, following, windows};
 use super::{Encoded, Picture};
 use output::ResultReader;
 
@@ -23,12 +23,17 @@ const OUTLINE: f64 = 1.8;
 /// black.
 const WIDE_CELL: f64 = 14.0;
 
+/// Bodies that move by less than this part of their length do not need a window that moves with them.
+const VISIBLE: f64 = 0.02;
+
 /// The view of a run.
 pub struct View<const D: usize> {
     /// The windows.
     pub windows: Vec<Window>,
     /// In three dimensions: the plane z = height that is shown.
     pub height: Option<f64>,
+    /// The translation of the bodies at each snapshot, since the first.
+    shifts: Vec<[f64; 2]>,
     /// The faces of each cell that lie on a boundary.
     boundary_faces: Vec<Vec<usize>>,
 }
@@ -40,8 +45,8 @@ impl<const D: usize> View<D> {
         let cells = reader.layout.grid.cells;
         let mut boundary_faces = vec![Vec::new(); cells];
         let mut boundaries = vec![Extent::EMPTY; mesh.boundary_names.len()];
-        for &[cell, face, boundary] in &mesh.boundary_facets {
-            let [cell, face, boundary] = [cell, face, boundary].map(|i| i as usize);
+        let facets: Vec<[usize; 3]> = mesh.boundary_facets.iter().map(|facet| facet.map(|i| i as usize)).collect();
+        for &[cell, face, boundary] in &facets {
             boundary_faces[cell].push(face);
             for snapshot in snapshots {
                 boundaries[boundary] = boundaries[boundary].union(face_box(snapshot, cell, face));
@@ -50,7 +55,24 @@ impl<const D: usize> View<D> {
         let corners = |snapshot: &Snapshot<D>| (0..cells).flat_map(|cell| snapshot.cell_box(cell)).collect::<Vec<_>>();
         let corners: Vec<[f64; D]> = snapshots.iter().flat_map(corners).collect();
         let domain = Extent::of(corners.iter().map(|x| [x[0], x[1]]));
-        View { windows: windows(domain, &boundaries), height: middle(&corners), boundary_faces }
+        let bodies = bodies(domain, &boundaries);
+        let near = bodies.iter().fold(Extent::EMPTY, |near, &body| near.union(boundaries[body]));
+        let facets: Vec<[usize; 2]> = facets
+            .iter()
+            .filter(|[.., boundary]| bodies.contains(boundary))
+            .map(|&[cell, face, _]| [cell, face])
+            .collect();
+        let (shifts, following) = follow(snapshots, &facets);
+        let mut windows = windows(domain, near);
+        let whole = windows.len() - 1;
+        windows.splice(whole..whole, following);
+        View { windows, shifts, height: middle(&corners), boundary_faces }
+    }
+
+    /// A window at a snapshot, and how far it has moved.
+    pub fn window(&self, window: &Window, snapshot: usize) -> (Window, [f64; 2]) {
+        let by = if window.follows { self.shifts[snapshot] } else { [0.0; 2] };
+        (window.shifted(by), by)
     }
 
     /// All quantities in a window. M = D + 2.
@@ -72,7 +94,7 @@ impl<const D: usize> View<D> {
     pub fn encode<const M: usize>(
         &self,
         snapshot: &Snapshot<D>,
-        window: &Window,
+        (window, shift): (&Window, [f64; 2]),
         quantities: &[(Quantity, Range)],
     ) -> Result<Encoded, png::EncodingError> {
         let raster = self.raster::<M>(snapshot, window);
@@ -86,6 +108,7 @@ impl<const D: usize> View<D> {
             pictures: quantities.iter().enumerate().map(encode).collect::<Result<_, _>>()?,
             mesh: line_layer(&mesh, MESH_COLOUR)?,
             outline: line_layer(&outline, OUTLINE_COLOUR)?,
+            shift,
         })
     }
 
@@ -121,6 +144,26 @@ impl<const D: usize> View<D> {
         };
         (0..self.boundary_faces.len()).filter_map(seen).collect()
     }
+}
+
+/// How far the faces of bodies have moved at each snapshot, and a window that moves with them, if they move visibly.
+fn follow<const D: usize>(snapshots: &[Snapshot<D>], facets: &[[usize; 2]]) -> (Vec<[f64; 2]>, Option<Window>) {
+    let boxes =
+        |snapshot: &Snapshot<D>| facets.iter().map(|&[cell, face]| face_box(snapshot, cell, face)).collect::<Vec<_>>();
+    let centre = |boxes: &[Extent]| {
+        let sum = |i: usize| boxes.iter().map(|face| 0.5 * (face.lower[i] + face.upper[i])).sum::<f64>();
+        [0, 1].map(|i| sum(i) / boxes.len() as f64)
+    };
+    let boxes: Vec<Vec<Extent>> = snapshots.iter().map(boxes).collect();
+    let centres: Vec<[f64; 2]> = boxes.iter().map(|boxes| centre(boxes)).collect();
+    let shifts: Vec<[f64; 2]> = centres.iter().map(|c| [c[0] - centres[0][0], c[1] - centres[0][1]]).collect();
+    let back = |(faces, by): (&Vec<Extent>, &[f64; 2])| {
+        faces.iter().fold(Extent::EMPTY, |all, face| all.union(face.shifted([-by[0], -by[1]])))
+    };
+    let at_first = boxes.iter().zip(&shifts).map(back).fold(Extent::EMPTY, Extent::union);
+    let farthest = shifts.iter().map(|by| by[0].hypot(by[1])).fold(0.0, f64::max);
+    let moves = !facets.is_empty() && farthest > VISIBLE * at_first.length();
+    (shifts, moves.then(|| following(at_first)))
 }
 
 /// In three dimensions the middle of the z of `corners`, slightly shifted. On the faces of cells it would be arbitrary which

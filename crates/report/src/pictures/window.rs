@@ -53,6 +53,12 @@ impl Extent {
         Extent { lower: [lower[0] - x, lower[1] - y], upper: [upper[0] + x, upper[1] + y] }
     }
 
+    /// The same box elsewhere.
+    pub fn shifted(self, by: [f64; 2]) -> Self {
+        let moved = |x: [f64; 2]| [x[0] + by[0], x[1] + by[1]];
+        Extent { lower: moved(self.lower), upper: moved(self.upper) }
+    }
+
     /// The intersection of both.
     pub fn intersection(self, other: Self) -> Self {
         let pick = |f: fn(f64, f64) -> f64, a: [f64; 2], b: [f64; 2]| [f(a[0], b[0]), f(a[1], b[1])];
@@ -71,6 +77,8 @@ pub struct Window {
     pub width: usize,
     /// Rows.
     pub height: usize,
+    /// Whether it moves with the bodies; then `extent` is that of the first picture.
+    pub follows: bool,
 }
 
 /// The largest ratio of width and height of a picture, either way.
@@ -89,7 +97,12 @@ impl Window {
             lower: [centre[0] - half[0], centre[1] - half[1]],
             upper: [centre[0] + half[0], centre[1] + half[1]],
         };
-        Window { label, extent, width: width as usize, height: height as usize }
+        Window { label, extent, width: width as usize, height: height as usize, follows: false }
+    }
+
+    /// The same window elsewhere.
+    pub fn shifted(&self, by: [f64; 2]) -> Self {
+        Window { extent: self.extent.shifted(by), ..self.clone() }
     }
 
     /// The same part of the plane in about `pixels` pixels.
@@ -118,21 +131,40 @@ const BODY: f64 = 0.5;
 /// The margins around the bodies as fractions of their length; larger at the sides, because screens are wide.
 const MARGIN: [f64; 2] = [0.9, 0.45];
 
-/// The windows on a domain with the given boxes of its `boundaries`: close to the bodies, if there are some, and the
-/// whole.
-pub fn windows(domain: Extent, boundaries: &[Extent]) -> Vec<Window> {
-    let is_body = |boundary: &&Extent| !boundary.is_empty() && boundary.length() < BODY * domain.length();
-    let bodies = boundaries.iter().filter(is_body).fold(Extent::EMPTY, |bodies, body| bodies.union(*body));
-    if bodies.is_empty() || bodies.length() > BODY * domain.length() {
+/// The boundaries that are bodies in a domain, given their boxes.
+pub fn bodies(domain: Extent, boundaries: &[Extent]) -> Vec<usize> {
+    let is_body = |boundary: &Extent| !boundary.is_empty() && boundary.length() < BODY * domain.length();
+    let bodies: Vec<usize> = (0..boundaries.len()).filter(|&boundary| is_body(&boundaries[boundary])).collect();
+    let all = bodies.iter().fold(Extent::EMPTY, |all, &body| all.union(boundaries[body]));
+    if all.length() > BODY * domain.length() { Vec::new() } else { bodies }
+}
+
+/// The windows on a domain with bodies in the box `near`: close to them, if there are some, and the whole.
+pub fn windows(domain: Extent, near: Extent) -> Vec<Window> {
+    if near.is_empty() {
         return vec![Window::new("whole domain", domain, PIXELS[2])];
     }
-    let near = bodies.grown(MARGIN.map(|part| part * bodies.length())).intersection(domain);
+    let near = around(near).intersection(domain);
     vec![Window::new("near the walls", near, PIXELS[0]), Window::new("whole domain", domain, PIXELS[1])]
+}
+
+/// The window that moves with bodies in the box `bodies` at the first picture.
+pub fn following(bodies: Extent) -> Window {
+    Window { follows: true, ..Window::new("moving with the walls", around(bodies), PIXELS[0]) }
+}
+
+fn around(bodies: Extent) -> Extent {
+    bodies.grown(MARGIN.map(|part| part * bodies.length()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of(domain: Extent, boundaries: &[Extent]) -> Vec<Window> {
+        let near = bodies(domain, boundaries).into_iter().fold(Extent::EMPTY, |all, body| all.union(boundaries[body]));
+        windows(domain, near)
+    }
 
     fn square(half: f64) -> Extent {
         Extent { lower: [-half; 2], upper: [half; 2] }
@@ -141,7 +173,7 @@ mod tests {
     #[test]
     fn a_body_in_a_wide_domain_is_not_a_dot() {
         let body = Extent { lower: [0.0, -0.06], upper: [1.0, 0.06] };
-        let found = windows(square(100.0), &[square(100.0), body]);
+        let found = of(square(100.0), &[square(100.0), body]);
         assert_eq!(found.iter().map(|window| window.label).collect::<Vec<_>>(), ["near the walls", "whole domain"]);
         let [chord, total] = [1.0 * found[0].scale(), found[0].width as f64];
         assert!(chord > 0.3 * total, "{chord} of {total} pixels");
@@ -150,7 +182,7 @@ mod tests {
     #[test]
     fn walls_around_the_domain_are_no_bodies() {
         let bottom = Extent { lower: [-1.0, -1.0], upper: [1.0, -1.0] };
-        assert_eq!(windows(square(1.0), &[bottom, square(1.0)]).len(), 1);
+        assert_eq!(of(square(1.0), &[bottom, square(1.0)]).len(), 1);
     }
 
     #[test]

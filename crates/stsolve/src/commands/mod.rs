@@ -25,11 +25,10 @@ use std::io::Write;
 /// # Errors
 /// If stdout cannot be written.
 pub fn schema(markdown: bool) -> Result<(), Failure> {
-    let schema = case::schema();
     if markdown {
-        return print(reference::markdown(schema.as_value()).trim_end());
+        return print(reference::markdown(case::schema().as_value()).trim_end());
     }
-    print(&serde_json::to_string_pretty(&schema).map_err(Failure::bad_input)?)
+    print(&serde_json::to_string_pretty(&case::editor_schema()).map_err(Failure::bad_input)?)
 }
 
 /// `stsolve completions`

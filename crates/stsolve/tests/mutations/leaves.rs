@@ -27,6 +27,15 @@ fn collect(path: &str, value: &toml::Value, leaves: &mut Leaves) {
     }
 }
 
+/// Whether a number in quotes, which is a formula, has the same value as the other.
+pub fn same_in_quotes(one: &toml::Value, other: &toml::Value) -> bool {
+    let plain = |value: &toml::Value| match value.as_str().and_then(|text| text.trim().parse().ok()) {
+        Some(number) => toml::Value::Float(number),
+        None => value.clone(),
+    };
+    same(&plain(one), &plain(other))
+}
+
 /// Whether two values are the same text, or the same number written in two ways.
 pub fn same(one: &toml::Value, other: &toml::Value) -> bool {
     let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64));

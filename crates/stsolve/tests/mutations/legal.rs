@@ -4,7 +4,10 @@ use crate::leaves::last_name;
 
 /// Whether `value` makes sense at `path`. All numbers of a case are finite; for the keys below more is known.
 pub fn is_legal_number(path: &str, value: &toml::Value) -> bool {
-    let Some(number) = value.as_float().or_else(|| value.as_integer().map(|n| n as f64)) else { return true };
+    let in_quotes = || value.as_str().and_then(|text| text.trim().parse().ok());
+    let Some(number) = value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).or_else(in_quotes) else {
+        return true;
+    };
     let domain = match last_name(path) {
         _ if path.starts_with("constants.") => Domain::Finite,
         "order" if path == "time.order" => Domain::Whole(1.0, 16.0),

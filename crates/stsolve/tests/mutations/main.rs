@@ -16,7 +16,7 @@ mod legal;
 
 use case::{AnyCase, CaseError, Document, Place};
 use damage::{Damaged, damage};
-use leaves::{Leaves, differing, first_name, last_name, leaves, same};
+use leaves::{Leaves, differing, first_name, last_name, leaves, same_in_quotes};
 use legal::is_legal_number;
 use random::Random;
 use std::collections::BTreeMap;
@@ -172,7 +172,8 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Verdict, 
     if let Some((path, value)) = after.iter().find(lost) {
         return Err(format!("accepted, but the checked case does not hold {path} = {value}"));
     }
-    let differing = differing(before, after);
+    let mut differing = differing(before, after);
+    differing.retain(|path| !matches!((before.get(path), after.get(path)), (Some(a), Some(b)) if same_in_quotes(a, b)));
     if differing.is_empty() {
         return Ok(Verdict::Equal);
     }
@@ -198,5 +199,5 @@ fn is_empty(value: &toml::Value) -> bool {
 }
 
 fn holds(resolved: &Leaves, path: &str, value: &toml::Value) -> bool {
-    resolved.get(path).is_some_and(|found| same(found, value))
+    resolved.get(path).is_some_and(|found| same_in_quotes(found, value))
 }

@@ -1,5 +1,7 @@
 //! `[mesh.generate.airfoil]`
 
+use super::airfoil_points::{POINTS, Points};
+use super::camber::{Contour, FourDigits, cambered};
 use super::family::Family;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
@@ -28,8 +30,9 @@ pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usiz
     let half = surface_cells.saturating_add(wake_cells);
     family.check_size::<2>("normal_cells", &[2, half, normal_cells], order)?;
     let part = |part: raw::NearPart| NearPart { extent: part.extent, cells: part.cells };
+    let contour = contour(&family, given)?;
     let generator = AirfoilMesh {
-        thickness,
+        thickness: contour.as_ref().map_or(thickness, Shape::thickness),
         far_field,
         first_cell,
         trailing_edge_cell,
@@ -40,5 +43,52 @@ pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usiz
         near_wall: given.near_wall.map(part),
         order,
     };
-    generator.build().map_err(|error| family.refused(error))
+    let mesh = match &contour {
+        None => generator.build(),
+        Some(Shape::Naca(airfoil)) => {
+            let position = |sigma: f64| airfoil.position(&generator, sigma);
+            let ends = [-1.0, airfoil.foremost(&generator), 1.0];
+            cambered(&generator, &Contour { position: Box::new(position), ends })
+        }
+        Some(Shape::Points(points)) => cambered(&generator, &points.contour()),
+    };
+    mesh.map_err(|error| family.refused(error))
+}
+
+/// An airfoil that is given by more than its thickness.
+enum Shape {
+    Naca(FourDigits),
+    Points(Points),
+}
+
+impl Shape {
+    fn thickness(&self) -> f64 {
+        match self {
+            Shape::Naca(airfoil) => airfoil.thickness,
+            Shape::Points(points) => points.contour().thickness(),
+        }
+    }
+}
+
+fn contour(family: &Family<'_>, given: &AirfoilGenerator) -> Checked<Option<Shape>> {
+    let (checker, key) = (family.checker, |name: &str| family.key.child(name));
+    match (&given.naca, &given.profile) {
+        (Some(_), Some(_)) => {
+            Err(checker.combination(&family.key, "the airfoil is given twice", "one of `naca` and `profile`"))
+        }
+        (Some(digits), None) => {
+            let accepted =
+                "four digits such as \"2412\": camber, its place, and a thickness from 01 to 50; \"0012\" is symmetric";
+            let airfoil = FourDigits::of(digits);
+            checker.require(&key("naca"), "the airfoil", airfoil.is_some(), accepted)?;
+            Ok(airfoil.map(Shape::Naca))
+        }
+        (None, Some(file)) => {
+            let key = key("profile");
+            let read = Points::read(&checker.beside_case(file)).map_err(|cause| checker.error(&key, *cause))?;
+            let points = read.map_err(|problem| checker.combination(&key, &problem, POINTS))?;
+            Ok(Some(Shape::Points(points)))
+        }
+        (None, None) => Ok(None),
+    }
 }

@@ -1,9 +1,11 @@
 //! The mesh of a case: one file for each generator.
 
 mod airfoil;
+mod airfoil_points;
 mod annulus;
 mod box_mesh;
 mod box_regions;
+mod camber;
 mod channel;
 mod channel_cylinder;
 mod channel_flag;

@@ -1,0 +1,154 @@
+//! From the document to the raw case: all errors of keys and types at once, and formulas where numbers are needed.
+//!
+//! A key with an error is taken out, and the rest is read again. An error that follows from a missing key is not told.
+
+use super::checker::Checker;
+use super::document::Document;
+use super::error::{CaseError, Errors};
+use super::key::{Key, Step};
+use super::raw::{self, Formula};
+use super::{magnitude, shape};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use std::collections::BTreeMap;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+/// Sections on which no other section depends.
+const INDEPENDENT: [&str; 2] = ["output", "solver"];
+
+/// A raw case, as far as it can be read, and the errors on the way.
+pub(super) struct Read {
+    /// The case; None if nothing more can be said about it.
+    pub(super) case: Option<raw::Case>,
+    /// The errors of keys and types.
+    pub(super) errors: Errors,
+}
+
+/// Reads the document.
+pub(super) fn read(document: &Document) -> Result<Read, Box<CaseError>> {
+    // Integers of TOML have 64 bits with a sign. The parser accepts longer ones, its own tables do not.
+    document.check_integers()?;
+    let mut reader = Reader { document, errors: Errors::default(), removed: Vec::new() };
+    let shape = shape::compare(document.tree()?.get_ref());
+    let values = reader.numbers(document.tree()?.get_ref(), &shape.numbers);
+    let mut tree = document.tree()?;
+    for (key, value) in &values {
+        replace(&mut tree, &key.0, value);
+    }
+    for (key, cause) in shape.misfits {
+        reader.errors.add(document.error(&key, cause));
+        reader.remove(&mut tree, &key);
+    }
+    let case = reader.deserialised(&mut tree);
+    if let Some((key, cause)) = magnitude::first_extreme(tree.get_ref()) {
+        reader.errors.add(document.error(&key, cause));
+        reader.removed.push(named(&key));
+    }
+    Ok(Read { case: case.filter(|_| reader.rest_is_whole()), errors: reader.errors })
+}
+
+struct Reader<'a> {
+    document: &'a Document,
+    errors: Errors,
+    /// The keys that were taken out.
+    removed: Vec<Key>,
+}
+
+impl Reader<'_> {
+    /// The values of formulas of constants at `keys` that need numbers, as text.
+    fn numbers(&mut self, tree: &DeTable<'_>, keys: &[(Key, String)]) -> Vec<(Key, String)> {
+        if keys.is_empty() {
+            return Vec::new();
+        }
+        let constants = tree.get("constants").map_or(Ok(BTreeMap::new()), |table| {
+            BTreeMap::<String, Formula>::deserialize(table.clone().into_deserializer())
+        });
+        // Errors of constants are told elsewhere.
+        let Ok(checker) = constants.map_err(|_| ()).and_then(|all| Checker::new(self.document, &all).map_err(|_| ()))
+        else {
+            self.removed.extend(keys.iter().map(|(key, _)| named(key)));
+            return Vec::new();
+        };
+        let mut values = Vec::new();
+        for (key, text) in keys {
+            let value = checker.number(key, &Formula::Text(text.clone()));
+            let value = value.and_then(|value| checker.computable(key, "the number", value).map(|()| value));
+            match self.errors.note(value) {
+                Some(value) => values.push((key.clone(), format!("{value:?}"))),
+                None => self.removed.push(named(key)),
+            }
+        }
+        values
+    }
+
+    /// The case; None if a part of it that must be there has an error.
+    fn deserialised(&mut self, tree: &mut Spanned<DeTable<'_>>) -> Option<raw::Case> {
+        for key in self.removed.clone() {
+            take_out(tree.get_mut(), &key.0);
+        }
+        loop {
+            let (key, error) = match raw::Case::deserialize(Deserializer::from(tree.clone())) {
+                Ok(case) => return Some(case),
+                Err(error) => self.document.located(&error),
+            };
+            let key = named(&key);
+            // What lacks a key that was taken out is taken out, too.
+            let follows = self.removed.iter().any(|removed| removed.0.starts_with(&key.0));
+            if !follows {
+                self.errors.add(error);
+            }
+            if key.0.is_empty() || !self.remove(tree, &key) {
+                return None;
+            }
+        }
+    }
+
+    /// Takes a key out of the tree; false if it is not there.
+    fn remove(&mut self, tree: &mut Spanned<DeTable<'_>>, key: &Key) -> bool {
+        let key = named(key);
+        let found = take_out(tree.get_mut(), &key.0);
+        self.removed.push(key);
+        found
+    }
+
+    /// Whether all sections but those on which no other one depends are as written.
+    fn rest_is_whole(&self) -> bool {
+        let section =
+            |key: &Key| matches!(key.0.first(), Some(Step::Name(name)) if INDEPENDENT.contains(&name.as_str()));
+        self.removed.iter().all(section)
+    }
+}
+
+/// The key without the entry of a list.
+fn named(key: &Key) -> Key {
+    Key(key.0.iter().take_while(|step| matches!(step, Step::Name(_))).cloned().collect())
+}
+
+/// Takes a named key out of a table.
+fn take_out(table: &mut DeTable<'_>, steps: &[Step]) -> bool {
+    match steps {
+        [Step::Name(name)] => table.remove(name.as_str()).is_some(),
+        [Step::Name(name), rest @ ..] => match table.get_mut(name.as_str()).map(Spanned::get_mut) {
+            Some(DeValue::Table(inner)) => take_out(inner, rest),
+            _ => false,
+        },
+        _ => false,
+    }
+}
+
+/// Replaces the value at a key, in its place.
+fn replace<'a>(tree: &mut Spanned<DeTable<'a>>, steps: &[Step], text: &'a str) {
+    let Some((Step::Name(first), rest)) = steps.split_first() else { return };
+    let mut value = tree.get_mut().get_mut(first.as_str());
+    for step in rest {
+        value = match (value.map(Spanned::get_mut), step) {
+            (Some(DeValue::Table(table)), Step::Name(name)) => table.get_mut(name.as_str()),
+            (Some(DeValue::Array(entries)), Step::Entry(index)) => entries.get_mut(*index),
+            _ => None,
+        };
+    }
+    if let (Some(value), Ok(number)) = (value, DeValue::parse(text)) {
+        *value = Spanned::new(value.span(), number.into_inner());
+    }
+}

@@ -1,0 +1,103 @@
+//! Several runs on one page: their curves over each other, their figures and keys side by side.
+
+use super::chart::{self, Curve};
+use super::figures;
+use super::groups::{self, Group};
+use super::html::{escaped, script_json};
+use super::page::{SCRIPT, STYLE, fill, history};
+use super::run_files::RunFiles;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+const TEMPLATE: &str = include_str!("comparison.html");
+
+/// Sections of the summary that differ for the same run.
+const OF_THE_MACHINE: [&str; 2] = ["machine", "cost"];
+
+/// The page of some `runs` with these names.
+pub fn page(runs: &[RunFiles], names: &[String]) -> String {
+    fill(TEMPLATE, |key| match key {
+        "style" => STYLE.to_owned(),
+        "script" => SCRIPT.to_owned(),
+        "names" => escaped(&names.join(", ")),
+        "title" => format!("{} runs compared", runs.len()),
+        "charts" => charts(runs, names),
+        "figures" => figures(runs, names),
+        "keys" => keys(runs, names),
+        "data" => script_json(&json!({
+            "name": names.join("_"), "history": runs.iter().map(|run| history(&run.history)).collect::<Vec<_>>(), "pictures": null,
+        })),
+        _ => String::new(),
+    })
+}
+
+/// A chart for each column that some run has, in the order of the page of a run.
+fn charts(runs: &[RunFiles], names: &[String]) -> String {
+    let mut columns: Vec<String> = Vec::new();
+    for column in runs.iter().flat_map(|run| &run.history.columns) {
+        if !columns.contains(column) {
+            columns.push(column.clone());
+        }
+    }
+    let boundaries: Vec<String> = runs.iter().flat_map(|run| run.boundaries()).cloned().collect();
+    let of_group = |group: Group| -> String {
+        let chart = |(column, label): &(String, String)| {
+            let curve = |(run, files): (usize, &RunFiles)| Curve::of(&files.history, run, column, &names[run]);
+            let curves: Vec<Curve> = runs.iter().enumerate().filter_map(curve).collect();
+            chart::drawn(&format!("{}: {label}", group.title), group.scale, &curves)
+        };
+        group.series.iter().filter_map(chart).collect()
+    };
+    groups::groups(&columns, &boundaries).into_iter().map(of_group).collect()
+}
+
+/// A row for each figure that some run has; rows that differ are marked.
+fn figures(runs: &[RunFiles], names: &[String]) -> String {
+    let mut rows: BTreeMap<String, Vec<Option<Value>>> = BTreeMap::new();
+    for (run, files) in runs.iter().enumerate() {
+        let mut figures = Vec::new();
+        let mut summary = files.summary.clone().unwrap_or_default();
+        if let Value::Object(sections) = &mut summary {
+            sections.retain(|name, _| !OF_THE_MACHINE.contains(&name.as_str()));
+            figures::flatten("", &summary, &mut figures);
+        }
+        for (key, value) in figures {
+            rows.entry(key).or_insert_with(|| vec![None; runs.len()])[run] = Some(value);
+        }
+    }
+    let cell = |value: &Option<Value>| match value {
+        Some(value) => format!("<td title=\"{}\">{}</td>", escaped(&value.to_string()), figures::shown(value)),
+        None => "<td></td>".to_owned(),
+    };
+    let row = |(key, values): (&String, &Vec<Option<Value>>)| {
+        let differs = values.windows(2).any(|pair| pair[0] != pair[1]);
+        let class = if differs { " class=\"differs\"" } else { "" };
+        let cells: String = values.iter().map(cell).collect();
+        format!("<tr{class}><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(&figures::words(key)))
+    };
+    table(names, rows.iter().map(row).collect())
+}
+
+/// The keys of the cases that differ from the first one.
+fn keys(runs: &[RunFiles], names: &[String]) -> String {
+    let mut rows: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let first = runs.first().and_then(RunFiles::case_text);
+    for (run, files) in runs.iter().enumerate().skip(1) {
+        let differences = first.zip(files.case_text()).and_then(|(one, other)| case::differences(one, other).ok());
+        for case::Difference { key, before, now } in differences.map_or_else(Vec::new, |differences| differences.all) {
+            let before = before.unwrap_or_else(|| "not there".to_owned());
+            rows.entry(key).or_insert_with(|| vec![before; runs.len()])[run] =
+                now.unwrap_or_else(|| "not there".to_owned());
+        }
+    }
+    let row = |(key, values): (&String, &Vec<String>)| {
+        let cells: String = values.iter().map(|value| format!("<td>{}</td>", escaped(value))).collect();
+        format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(key))
+    };
+    if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table(names, rows.iter().map(row).collect()) }
+}
+
+fn table(names: &[String], rows: String) -> String {
+    let heads: String = names.iter().map(|name| format!("<th scope=\"col\">{}</th>", escaped(name))).collect();
+    format!("<table class=\"compared\"><thead><tr><td></td>{heads}</tr></thead><tbody>\n{rows}</tbody></table>\n")
+}
