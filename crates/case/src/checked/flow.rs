@@ -91,8 +91,15 @@ pub(super) fn check<const D: usize>(
         errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
     });
     errors.all()?;
-    let (Some(order), Some(quadrature), Some(volume_flux), Some(acceleration), Some(given), Some(boundary), Some(walls)) =
-        (order, quadrature, volume_flux, acceleration, given, boundary, walls)
+    let (
+        Some(order),
+        Some(quadrature),
+        Some(volume_flux),
+        Some(acceleration),
+        Some(given),
+        Some(boundary),
+        Some(walls),
+    ) = (order, quadrature, volume_flux, acceleration, given, boundary, walls)
     else {
         unreachable!("what is missing has left an error")
     };
