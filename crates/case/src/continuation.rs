@@ -19,6 +19,7 @@ pub(super) fn lasting(case: &Case) -> Case {
             fields: case.output.fields.clone(),
             probes: case.output.probes.clone(),
             integrals: case.output.integrals.clone(),
+            averages: case.output.averages.clone(),
             ..Output::default()
         },
         ..case.clone()

@@ -6,6 +6,7 @@
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;
 //! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state for a restart;
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
+//! * [`ViewerFile`] is a VTKHDF file for viewers alone;
 //! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] holds its contents for a reader;
 //! * [`Summary`] is `summary.json`, for scripts after the run;
 //! * [`EarlierRun`] describes an earlier run in the same directory;
@@ -34,8 +35,11 @@ mod reader;
 mod rest_mesh;
 mod result_file;
 mod seal;
+mod series;
 mod state;
+mod step;
 mod summary;
+mod viewer_file;
 mod vtkhdf;
 
 pub use checksum::Checksum;
@@ -51,9 +55,12 @@ pub use lagrange::{vtk_node, vtk_order};
 pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
 pub use reader::ResultReader;
 pub use rest_mesh::RestMesh;
-pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
+pub use result_file::{RESULT_FILE, ResultFile, read_checkpoint};
+pub use series::Series;
 pub use state::SolverState;
+pub use step::Step;
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
     Steady, SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
+pub use viewer_file::{ViewerFile, read_viewer_file};

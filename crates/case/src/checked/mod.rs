@@ -1,5 +1,6 @@
 //! The checked case: plain enums and numbers, compiled formulas, the mesh.
 
+mod averages;
 mod bodies;
 mod boundary_motion;
 mod displacement;
@@ -21,13 +22,15 @@ mod sliding_mesh;
 mod solver;
 mod states;
 mod structure;
+mod surfaces;
 mod tables;
 mod time;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver,
-    Steady, StructureLaw,
+    AllowedChange, Analysis, Average, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime,
+    Solver, Steady, StructureLaw,
 };
+pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
@@ -86,6 +89,8 @@ pub struct Case<const D: usize> {
     pub output: Output,
     /// The points at which the flow is observed.
     pub probes: Vec<Probe<D>>,
+    /// The averages over time.
+    pub averages: Option<Averages>,
 }
 
 /// The description of a case, without its numbers.
@@ -168,7 +173,8 @@ impl<const D: usize> Case<D> {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
         }
-        check_surfaces(checker, &output, flow.as_ref())?;
+        surfaces::check(checker, raw.output.surfaces.as_ref(), flow.as_ref())?;
+        let averages = averages::check(checker, raw.output.averages.as_ref(), &time, flow.is_some())?;
         let probes = probes::check(checker, &raw.output, &mesh, flow.is_some())?;
         Ok(Case {
             about: About::new(checker, document, raw),
@@ -183,6 +189,7 @@ impl<const D: usize> Case<D> {
             solver: raw.solver.clone(),
             output,
             probes,
+            averages,
         })
     }
 }
@@ -249,13 +256,6 @@ impl<const D: usize> Case<D> {
         let per_cell = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
         self.mesh.n_cells() * per_cell * self.time.order
     }
-}
-
-/// Surfaces are walls of the flow.
-fn check_surfaces<const D: usize>(checker: &Checker<'_>, output: &Output, flow: Option<&Flow<D>>) -> Checked<()> {
-    let walls: Vec<String> = flow.iter().flat_map(|flow| &flow.walls).map(|wall| wall.name.clone()).collect();
-    let key = Key::new("output").child("surfaces");
-    checker.boundaries(&key, &output.surfaces, &walls).map(|_| ())
 }
 
 /// Whether the present sections among [motion], [flow] and [structure] fit together.

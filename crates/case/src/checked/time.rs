@@ -53,8 +53,10 @@ pub struct Output {
     pub fields: Vec<Field>,
     /// Integrals over the flow.
     pub integrals: Vec<Integral>,
-    /// Walls whose profiles are written.
+    /// Walls whose distributions are written, by name.
     pub surfaces: Vec<String>,
+    /// Slabs between these distributions; None: only at the end.
+    pub surfaces_every: Option<usize>,
 }
 
 /// Checks `[time]`. A run that `begins_steady` may end at its start, with the steady flow.
@@ -153,6 +155,8 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
         let accepted = "a directory beside the case file, or no key `directory`";
         return Err(checker.combination(&key.child("directory"), "the name of the directory is empty", accepted));
     }
+    let every =
+        |slabs: usize| checker.at_least_one(&key.child("surfaces").child("every"), "the number of slabs", slabs);
     Ok(Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: checker.at_least_one(
@@ -162,7 +166,8 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
         )?,
         every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
         fields: checker.distinct(&key.child("fields"), "field", &raw.fields)?.to_vec(),
-        surfaces: checker.distinct(&key.child("surfaces"), "wall", &raw.surfaces)?.to_vec(),
+        surfaces: raw.surfaces.as_ref().map_or_else(Vec::new, |surfaces| surfaces.walls.clone()),
+        surfaces_every: raw.surfaces.as_ref().and_then(|surfaces| surfaces.every).map(every).transpose()?,
         integrals: checker.distinct(&key.child("integrals"), "integral", &raw.integrals)?.to_vec(),
     })
 }
