@@ -44,6 +44,31 @@ def test_values_at_points(directory):
     assert np.isnan(result.evaluate(np.array([[1e6, 0.0]]))).all()
 
 
+def test_averages_and_surfaces(directory):
+    """Averages are arrays of the result; the distribution on a wall integrates to its force."""
+    settings = {
+        "time.end": 0.2,
+        "time.slabs": 2,
+        "output.averages.from": 0.05,
+        "output.surfaces.walls": ["bottom"],
+        "output.surfaces.every": 1,
+    }
+    stsolve.Case(CASES / "couette.toml", settings).run(output=directory, existing="replace")
+    result = stsolve.Result(directory)
+    assert np.abs(result.array("mean_pressure") - 0.8).max() < 0.01
+    assert result.array("reynolds_stress_xy").shape[1] == 1
+    for step in (0, 1):
+        wall = result.surface("bottom", step)
+        force = (wall["area"] * (wall["pressure"] * wall["normal_x"] + wall["friction_x"])).sum()
+        assert abs(force - result.history["bottom_force_x"][step]) < 1e-13
+    try:
+        result.surface("left")
+    except KeyError as error:
+        assert "bottom" in str(error)
+    else:
+        raise AssertionError("a wall without a distribution")
+
+
 def test_stop_and_resume(directory):
     case = stsolve.Case(CASES / "vortex.toml", COARSE)
     stopped = case.run(output=directory, existing="replace", on_slab=lambda slab: slab["number"] < 2)

@@ -20,6 +20,7 @@ pub(super) fn lasting(case: &Case) -> Case {
             probes: case.output.probes.clone(),
             formulas: case.output.formulas.clone(),
             integrals: case.output.integrals.clone(),
+            averages: case.output.averages.clone(),
             ..Output::default()
         },
         ..case.clone()

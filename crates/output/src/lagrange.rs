@@ -1,4 +1,4 @@
-//! The order in which VTK numbers the nodes of its Lagrange quadrilaterals (type 70) and hexahedra (type 72).
+//! The order in which VTK numbers the nodes of its Lagrange curves (type 68), quadrilaterals (type 70) and hexahedra (type 72).
 //!
 //! Corners come first, then the edges, the faces and the inside; within each the lowest axis is fastest. The numbering
 //! of VTK 9.1 and later is used, in which the edges along axis 2 follow the corners counter-clockwise
@@ -14,10 +14,23 @@ pub fn vtk_order(grid: &Grid) -> Vec<usize> {
     (0..grid.points_per_cell()).map(|q| vtk_node(grid.dimension, n, lattice(q))).collect()
 }
 
-/// VTK's number of the lattice point (i, j, k), each in 0..`points_per_direction`; k is 0 in two dimensions.
+/// Values in VTK's `order` of the points of each cell: from and to `[cell][point][component]`.
+pub(crate) fn in_vtk_order(order: &[usize], lexicographic: &[f64], components: usize) -> Vec<f64> {
+    let mut values = vec![0.0; lexicographic.len()];
+    let cell = order.len() * components;
+    for (from, to) in lexicographic.chunks_exact(cell).zip(values.chunks_exact_mut(cell)) {
+        for (point, &vtk) in from.chunks_exact(components).zip(order) {
+            to[vtk * components..][..components].copy_from_slice(point);
+        }
+    }
+    values
+}
+
+/// VTK's number of the lattice point (i, j, k), each in 0..`points_per_direction`; k is 0 in two dimensions, j on a curve too.
 pub fn vtk_node(dimension: usize, points_per_direction: usize, [i, j, k]: [usize; 3]) -> usize {
     let lattice = Lattice { last: points_per_direction - 1 };
     match dimension {
+        1 => lattice.curve(i),
         2 => lattice.quadrilateral(i, j),
         _ => lattice.hexahedron(i, j, k),
     }
@@ -36,6 +49,14 @@ impl Lattice {
 
     fn is_end(&self, i: usize) -> bool {
         i == 0 || i == self.last
+    }
+
+    fn curve(&self, i: usize) -> usize {
+        match i {
+            0 => 0,
+            _ if i == self.last => 1,
+            _ => i + 1,
+        }
     }
 
     fn quadrilateral(&self, i: usize, j: usize) -> usize {
@@ -94,7 +115,7 @@ mod tests {
 
     #[test]
     fn every_node_is_numbered_once() {
-        for dimension in [2, 3] {
+        for dimension in [1, 2, 3] {
             for points_per_direction in 2..=17 {
                 let grid = Grid { dimension, points_per_direction, cells: 1 };
                 let mut order = vtk_order(&grid);
@@ -102,6 +123,12 @@ mod tests {
                 assert!(order.into_iter().eq(0..grid.points_per_cell()), "{grid:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_curve_begins_with_its_ends() {
+        let grid = Grid { dimension: 1, points_per_direction: 4, cells: 1 };
+        assert_eq!(vtk_order(&grid), [0, 2, 3, 1]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The cells for a viewer: each cell has its own equidistant lattice of points on the reference cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
-    /// 2 (quadrilaterals) or 3 (hexahedra).
+    /// 2 (quadrilaterals) or 3 (hexahedra); 1 (curves) along a wall in the plane.
     pub dimension: usize,
     /// Lattice points per direction and cell, at least 2; one more than the degree that a viewer draws.
     pub points_per_direction: usize,

@@ -6,6 +6,7 @@
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;
 //! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state for a restart;
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
+//! * [`ViewerFile`] is a VTKHDF file for viewers alone;
 //! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] holds its contents for a reader;
 //! * [`LineFile`] is `line_NAME.csv`, [`SliceSeries`] is `slice_NAME.pvd` with a file of [`PolyData`] per time;
 //! * [`Summary`] is `summary.json`, for scripts after the run;
@@ -37,9 +38,12 @@ mod reader;
 mod rest_mesh;
 mod result_file;
 mod seal;
+mod series;
 mod slice_series;
 mod state;
+mod step;
 mod summary;
+mod viewer_file;
 mod vtkhdf;
 
 pub use checksum::Checksum;
@@ -57,10 +61,13 @@ pub use line_file::LineFile;
 pub use poly_data::PolyData;
 pub use reader::ResultReader;
 pub use rest_mesh::RestMesh;
-pub use result_file::{RESULT_FILE, ResultFile, Step, read_checkpoint};
+pub use result_file::{RESULT_FILE, ResultFile, read_checkpoint};
+pub use series::Series;
 pub use slice_series::SliceSeries;
 pub use state::SolverState;
+pub use step::Step;
 pub use summary::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Oscillation, SUMMARY_FILE,
     Steady, SteadyStability, SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
+pub use viewer_file::{ViewerFile, read_viewer_file};

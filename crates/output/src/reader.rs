@@ -8,6 +8,7 @@ use crate::error::OutputError;
 use crate::format::{self, Metadata};
 use crate::layout::Layout;
 use crate::result_file::{damaged, open};
+use crate::series::{self, Series};
 use crate::vtkhdf;
 
 /// A published result file, open for reading. It remains readable when a running program publishes a newer one.
@@ -52,6 +53,27 @@ impl ResultReader {
                 dataset.read_slice::<f64, _, ndarray::IxDyn>(Hyperslab::from(step.chain(whole).collect::<Vec<_>>()))?;
             Ok(values.into_raw_vec_and_offset().0)
         };
+        read().map(Some).map_err(|error: hdf5::Error| damaged(&self.path, &error))
+    }
+
+    /// The names of the series: arrays that are written at times of their own.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if they cannot be read.
+    pub fn series_names(&self) -> Result<Vec<String>, OutputError> {
+        let read = || series::names(&self.file.group(format::GROUP)?);
+        read().map_err(|error: hdf5::Error| damaged(&self.path, &error))
+    }
+
+    /// The series `name`; none if the file has no series of this name.
+    ///
+    /// # Errors
+    /// [`OutputError::Damaged`] if it cannot be read.
+    pub fn series(&self, name: &str) -> Result<Option<Series>, OutputError> {
+        if !self.series_names()?.iter().any(|other| other == name) {
+            return Ok(None);
+        }
+        let read = || series::read(&self.file.group(format::GROUP)?, name);
         read().map(Some).map_err(|error: hdf5::Error| damaged(&self.path, &error))
     }
 }

@@ -11,26 +11,13 @@ use crate::error::OutputError;
 use crate::files::{file_error, partial, publish};
 use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
-use crate::layout::{ArraySpec, FieldSpec, Layout};
+use crate::layout::{ArraySpec, Layout};
 use crate::state::{self, SolverState};
-use crate::{hdf, seal, vtkhdf};
+use crate::step::{Step, checked};
+use crate::{hdf, seal, series, vtkhdf};
 
 /// Name of the result file in the run directory.
 pub const RESULT_FILE: &str = "result.vtkhdf";
-
-/// One step: the grid and the solution at one time.
-#[derive(Debug, Clone, Copy)]
-pub struct Step<'a> {
-    /// Time.
-    pub time: f64,
-    /// Points, `[cell][lattice point, lexicographic][3]`.
-    pub points: &'a [f64],
-    /// Every field of the layout, in any order: its name and
-    /// `[cell][lattice point, lexicographic][component]`.
-    pub fields: &'a [(&'a str, &'a [f64])],
-    /// Every array of coefficients of the layout, in any order: its name and its values, last axis fastest.
-    pub exact: &'a [(&'a str, &'a [f64])],
-}
 
 /// The result file of a run. Appended steps become visible with the next checkpoint.
 #[derive(Debug)]
@@ -114,46 +101,34 @@ impl ResultFile {
     /// [`OutputError::Absent`] or [`OutputError::Length`] if the step does not fit the layout, [`OutputError::Hdf5`] or
     /// [`OutputError::File`] if it cannot be written.
     pub fn append(&mut self, step: &Step) -> Result<(), OutputError> {
-        let (fields, exact) = self.in_layout_order(step)?;
+        let (fields, exact) = step.in_order(&self.layout)?;
         let file = self.take_working_copy()?;
         self.write_step(&file, step, &fields, &exact).map_err(|source| self.write_error(source))?;
         self.copy = WorkingCopy::Open(file);
         Ok(())
     }
 
-    /// Fields and coefficients of a step in the order of the layout, all lengths checked.
-    fn in_layout_order<'a>(&self, step: &Step<'a>) -> Result<(Values<'a>, Values<'a>), OutputError> {
-        let points = self.layout.grid.points();
-        checked("points", step.points, 3 * points)?;
-        let field = |field: &FieldSpec| find(step.fields, &field.name, field.components * points);
-        let array = |array: &ArraySpec| find(step.exact, &array.name, array.len());
-        let fields = self.layout.fields.iter().map(field).collect::<Result<_, _>>()?;
-        let exact = self.layout.exact.iter().map(array).collect::<Result<_, _>>()?;
-        Ok((fields, exact))
-    }
-
     fn write_step(&self, file: &File, step: &Step, fields: &[&[f64]], exact: &[&[f64]]) -> hdf5::Result<()> {
         let (root, group) = (file.group("VTKHDF")?, file.group(format::GROUP)?);
-        vtkhdf::append_points(&root, &self.to_vtk(step.points, 3))?;
-        for (field, values) in self.layout.fields.iter().zip(fields) {
-            vtkhdf::append_field(&root, field, &self.to_vtk(values, field.components))?;
-        }
+        vtkhdf::append_step(&root, &self.layout, &self.order, step, fields)?;
         for (array, values) in self.layout.exact.iter().zip(exact) {
             format::append_array(&group, &array.name, values)?;
         }
         vtkhdf::close_step(&root, step.time, &self.layout)
     }
 
-    /// Values in VTK's order of the points of each cell: from and to `[cell][point][component]`.
-    fn to_vtk(&self, lexicographic: &[f64], components: usize) -> Vec<f64> {
-        let mut values = vec![0.0; lexicographic.len()];
-        let cell = self.order.len() * components;
-        for (from, to) in lexicographic.chunks_exact(cell).zip(values.chunks_exact_mut(cell)) {
-            for (point, &vtk) in from.chunks_exact(components).zip(&self.order) {
-                to[vtk * components..][..components].copy_from_slice(point);
-            }
-        }
-        values
+    /// Appends the `values` at a `time` to the series of `array`, which begins with its first values. A series has times of its own.
+    ///
+    /// # Errors
+    /// [`OutputError::Length`] if the values do not fit the array, [`OutputError::Hdf5`] or [`OutputError::File`] if they cannot be
+    /// written.
+    pub fn append_to_series(&mut self, array: &ArraySpec, time: f64, values: &[f64]) -> Result<(), OutputError> {
+        checked(&array.name, values, array.len())?;
+        let file = self.take_working_copy()?;
+        let write = || series::extend(&file.group(format::GROUP)?, array, time, values);
+        write().map_err(|source| self.write_error(source))?;
+        self.copy = WorkingCopy::Open(file);
+        Ok(())
     }
 
     /// Publishes everything appended so far together with the state to continue from.
@@ -209,23 +184,6 @@ impl Drop for ResultFile {
             let _ = file.close();
         }
         let _ = fs::remove_file(&self.working);
-    }
-}
-
-/// Arrays of values in the order of the layout.
-type Values<'a> = Vec<&'a [f64]>;
-
-fn find<'a>(arrays: &[(&str, &'a [f64])], name: &str, length: usize) -> Result<&'a [f64], OutputError> {
-    match arrays.iter().find(|array| array.0 == name) {
-        Some(&(_, values)) => checked(name, values, length),
-        None => Err(OutputError::Absent { name: name.to_owned() }),
-    }
-}
-
-fn checked<'a>(name: &str, values: &'a [f64], expected: usize) -> Result<&'a [f64], OutputError> {
-    match values.len() {
-        found if found == expected => Ok(values),
-        found => Err(OutputError::Length { name: name.to_owned(), expected, found }),
     }
 }
 

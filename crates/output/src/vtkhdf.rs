@@ -8,8 +8,11 @@ use hdf5::types::FixedAscii;
 use hdf5::{Error, Group, Result};
 
 use crate::hdf::{append, constant, growing, indices, write_integer};
+use crate::lagrange::in_vtk_order;
 use crate::layout::{FieldSpec, Grid, Layout};
+use crate::step::Step;
 
+const LAGRANGE_CURVE: u8 = 68;
 const LAGRANGE_QUADRILATERAL: u8 = 70;
 const LAGRANGE_HEXAHEDRON: u8 = 72;
 
@@ -51,7 +54,11 @@ fn write_type(root: &Group) -> Result<()> {
 fn write_topology(root: &Group, grid: &Grid) -> Result<()> {
     let connectivity: Vec<i64> = (0..grid.points() as i64).collect();
     let offsets: Vec<i64> = (0..=grid.cells).map(|cell| (cell * grid.points_per_cell()) as i64).collect();
-    let kind = if grid.dimension == 2 { LAGRANGE_QUADRILATERAL } else { LAGRANGE_HEXAHEDRON };
+    let kind = match grid.dimension {
+        1 => LAGRANGE_CURVE,
+        2 => LAGRANGE_QUADRILATERAL,
+        _ => LAGRANGE_HEXAHEDRON,
+    };
     constant(root, "NumberOfPoints", &[grid.points() as i64])?;
     constant(root, "NumberOfCells", &[grid.cells as i64])?;
     constant(root, "NumberOfConnectivityIds", &[grid.points() as i64])?;
@@ -76,14 +83,21 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
     root.dataset("Steps/Values")?.read_raw()
 }
 
-/// Appends the points of a step, `[point][3]`, already in VTK's order.
-pub(crate) fn append_points(root: &Group, points: &[f64]) -> Result<()> {
-    append(&root.dataset("Points")?, points.len() / 3, points)
-}
-
-/// Appends a field of a step, `[point][component]`, already in VTK's order.
-pub(crate) fn append_field(root: &Group, field: &FieldSpec, values: &[f64]) -> Result<()> {
-    append(&root.group("PointData")?.dataset(&field.name)?, values.len() / field.components, values)
+/// Appends points and `fields` of a step, in the order of the layout. `order` is that of [`crate::vtk_order`].
+pub(crate) fn append_step(
+    root: &Group,
+    layout: &Layout,
+    order: &[usize],
+    step: &Step,
+    fields: &[&[f64]],
+) -> Result<()> {
+    append(&root.dataset("Points")?, layout.grid.points(), &in_vtk_order(order, step.points, 3))?;
+    let point_data = root.group("PointData")?;
+    for (field, values) in layout.fields.iter().zip(fields) {
+        let values = in_vtk_order(order, values, field.components);
+        append(&point_data.dataset(&field.name)?, layout.grid.points(), &values)?;
+    }
+    Ok(())
 }
 
 /// Makes the appended points and fields a step: they become valid when its number is raised here.

@@ -2,11 +2,11 @@
 
 use crate::{CaseError, SolveError, message};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray2, ToPyArray};
-use output::{ArraySpec, HistoryTable, OutputError, RESULT_FILE, ResultReader};
+use output::{ArraySpec, HistoryTable, OutputError, RESULT_FILE, ResultReader, Series};
 use pyo3::exceptions::{PyIndexError, PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use simulation::{by_node, locate, values_at};
+use simulation::{SurfaceColumn, by_node, locate, surface_columns, surface_name, values_at};
 use std::path::PathBuf;
 
 /// The result of a run: `Result("runs/vortex")`, or the file result.vtkhdf in it.
@@ -20,6 +20,15 @@ pub struct Result {
 
 fn unreadable(error: OutputError) -> PyErr {
     CaseError::new_err(message(&error))
+}
+
+/// The number of one of `count` steps, which may be counted from the end.
+fn chosen(step: isize, count: usize) -> PyResult<usize> {
+    let number = if step < 0 { step + count as isize } else { step };
+    usize::try_from(number)
+        .ok()
+        .filter(|number| *number < count)
+        .ok_or_else(|| PyIndexError::new_err(format!("there is no step {step}: the result has {count}")))
 }
 
 #[pymethods]
@@ -72,6 +81,25 @@ impl Result {
         Ok(columns)
     }
 
+    /// The distribution on a wall of `output.surfaces` as a dictionary of columns, those of surface_NAME.csv; step -1 is its last time.
+    #[pyo3(signature = (wall, step=-1))]
+    fn surface<'py>(&self, py: Python<'py>, wall: &str, step: isize) -> PyResult<Bound<'py, PyDict>> {
+        let series = self.series_of(wall)?;
+        let number = chosen(step, series.times.len())?;
+        let values = &series.values[number * series.array.len()..][..series.array.len()];
+        let names = surface_columns(self.reader.layout.grid.dimension)
+            .iter()
+            .flat_map(SurfaceColumn::names)
+            .collect::<Vec<_>>();
+        let columns = PyDict::new(py);
+        columns.set_item("t", series.times[number])?;
+        for (position, name) in names.iter().enumerate() {
+            let column: Vec<f64> = values.iter().skip(position).step_by(names.len()).copied().collect();
+            columns.set_item(name, column.to_pyarray(py))?;
+        }
+        Ok(columns)
+    }
+
     /// The conserved state at points, an array [point][axis], as an array [point][component]: density, momentum per axis, total energy per
     /// volume. NaN outside of the mesh. It is the exact polynomial at the time of the step.
     #[pyo3(signature = (points, step=-1))]
@@ -110,12 +138,20 @@ impl Result {
 
     /// The number of a step that may be counted from the end.
     fn number(&self, step: isize) -> PyResult<usize> {
-        let count = self.reader.times.len();
-        let number = if step < 0 { step + count as isize } else { step };
-        usize::try_from(number)
-            .ok()
-            .filter(|number| *number < count)
-            .ok_or_else(|| PyIndexError::new_err(format!("there is no step {step}: the result has {count}")))
+        chosen(step, self.reader.times.len())
+    }
+
+    /// The distributions on a wall.
+    fn series_of(&self, wall: &str) -> PyResult<Series> {
+        let failed = |error: OutputError| SolveError::new_err(message(&error));
+        let found = self.reader.series(&surface_name(wall)).map_err(failed)?;
+        let known = self.reader.series_names().map_err(failed)?.join(", ").replace("surface_", "");
+        let there = if known.is_empty() {
+            "on no wall; `output.surfaces` asks for them".to_owned()
+        } else {
+            format!("on {known}")
+        };
+        found.ok_or_else(|| PyKeyError::new_err(format!("there is no distribution on {wall:?}, but {there}")))
     }
 
     fn values(&self, name: &str, step: isize) -> PyResult<Vec<f64>> {

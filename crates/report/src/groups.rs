@@ -53,13 +53,19 @@ const KNOWN: [Known; 10] = [
 ];
 
 /// Words for the kind of a quantity, singular and plural: quantities of one kind and wall share a chart.
-const KINDS: [(&str, &str); 6] = [
+const KINDS: [(&str, &str); 12] = [
     ("force", "forces"),
     ("coefficient", "coefficients"),
     ("power", "power and heat flow"),
     ("heat_flow", "power and heat flow"),
     ("energy", "energies"),
     ("displacement", "displacement"),
+    ("impulse_in_slab", "impulses of a slab"),
+    ("work_in_slab", "work and heat of a slab"),
+    ("heat_in_slab", "work and heat of a slab"),
+    ("impulse", "impulses since the start"),
+    ("total_work", "work and heat since the start"),
+    ("total_heat", "work and heat since the start"),
 ];
 
 /// All charts of a history: first coefficients, forces and columns unknown to this table, then solver and mesh. `boundaries` are possible

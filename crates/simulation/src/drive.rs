@@ -20,7 +20,7 @@ use case::{AnyCase, Case, State};
 use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{OutputError, SolverState, Summary};
+use output::{ArraySpec, OutputError, SolverState, Summary};
 use std::path::Path;
 use std::time::Instant;
 
@@ -100,11 +100,15 @@ pub(super) trait Run {
     fn cut(&self, _directory: &Path, _at_end: bool) -> Result<(), OutputError> {
         Ok(())
     }
+    /// Distributions along walls at the end of the last slab, with their descriptions.
+    fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
+        Vec::new()
+    }
     /// Writes files about the state at the end into `directory`.
     ///
     /// # Errors
     /// A file that cannot be written.
-    fn leave(&self, _directory: &Path) -> std::io::Result<()> {
+    fn leave(&self, _directory: &Path, _statistics: &RunStatistics) -> anyhow::Result<()> {
         Ok(())
     }
     /// The final verdict on a run that has reached its end.
@@ -155,7 +159,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     observer.finish();
     let summary = run.summary(&context, stop.as_ref());
     summary.write(&session.directory)?;
-    run.leave(session.directory.path()).map_err(Failure::solve)?;
+    run.leave(session.directory.path(), &context.statistics).map_err(Failure::solve)?;
     let again = observer.advice(NextStep::Resume, session.directory.path());
     context.say_cost();
     match stop {
@@ -203,7 +207,8 @@ fn begin<const D: usize, const M: usize>(
     };
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     let structure = StructureSnapshot::new(recorder.case(), run.state());
-    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure })?;
+    let averages = &context.statistics.averages;
+    recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
     if let Some(row) = row {
         recorder.history.push(&row)?;
         recorder.checkpoint(run.store(), &context.statistics)?;
@@ -257,7 +262,11 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         && (slab.is_multiple_of(case.output.every) || run.is_done())
     {
         let structure = StructureSnapshot::new(case, run.state());
-        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure })?;
+        let averages = &context.statistics.averages;
+        recorder.step(&Snapshot { time: *time, displacement, velocities, flow, structure, averages })?;
+    }
+    if case.output.surfaces_every.is_some_and(|every| slab.is_multiple_of(every)) || run.is_done() {
+        run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, *time, values))?;
     }
     run.cut(directory, run.is_done())?;
     if recorder.is_checkpoint_due() {

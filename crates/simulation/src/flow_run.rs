@@ -1,5 +1,6 @@
 //! Mesh and flow.
 
+use super::averages::{AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
@@ -11,7 +12,7 @@ use super::openings;
 use super::probes::FlowAtPoints;
 use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
-use super::wall_profiles::WallProfiles;
+use super::surfaces::{self, SurfaceFlow};
 use super::walls::felt;
 use super::{build, checkpoint, cuts, history, restart, summary};
 use crate::destination::Destination;
@@ -19,12 +20,12 @@ use crate::error::Failure;
 use crate::memory_estimate::require_memory;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
-use case::{Case, Flow, State, Steady};
+use case::{Averages, Case, Flow, State, Steady};
 use coupled::block::BodyState;
 use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
-use output::{OutputError, SolverState, Summary};
+use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
 use std::path::Path;
 use std::time::Instant;
 
@@ -133,6 +134,55 @@ where
         }
     }
 
+    /// Drops the averages of a run that this one continues, if they are others or in other orders.
+    fn begin_averages(&self, sums: &mut AverageSums) {
+        let layout = self.march.solver.system.flow.operator.layout;
+        let fits = |wanted: &Averages| sums.fits::<D>(wanted, layout.cells, layout.nodes);
+        if self.case.averages.as_ref().is_some_and(fits) {
+            return;
+        }
+        if self.case.averages.is_some() {
+            tracing::warn!("the averages of the earlier run are others or in other orders; they begin anew");
+        }
+        *sums = AverageSums::default();
+    }
+
+    /// Adds the last slab to the averages.
+    fn average(&self, sums: &mut AverageSums) {
+        if let (Some(wanted), Some(past)) = (&self.case.averages, &self.march.state.past) {
+            let (layout, gas) = (self.march.solver.system.flow.operator.layout, &self.flow.law.gas);
+            FlowAverages { wanted, layout, gas }.add::<D, M>(past, sums);
+        }
+    }
+
+    /// Writes the averages over phases, if the case asks for them.
+    fn write_phases(&self, directory: &Path, sums: &AverageSums) -> anyhow::Result<()> {
+        let Some(wanted) = &self.case.averages else { return Ok(()) };
+        let Some(phases) = wanted.phases else { return Ok(()) };
+        let (mover, order) = (&self.march.solver.system.mesh.mover, self.flow.order);
+        Ok(PhaseFile { wanted, sums, mover, order }.write(directory, phases)?)
+    }
+
+    /// Writes the distributions along walls: those of the series in the result, and last that of the present state.
+    fn write_surfaces(&self, directory: &Path) -> anyhow::Result<()> {
+        let (present, time) = (self.surfaces(), self.march.state.time);
+        if present.is_empty() {
+            return Ok(());
+        }
+        let reader = ResultReader::open(&directory.join(RESULT_FILE))?;
+        let (order, rule) = (self.flow.order, &self.march.solver.system.flow.operator.tables.rule);
+        for (array, values) in present {
+            let stored = reader.series(&array.name)?.filter(|series| series.array == array);
+            let mut series = stored.unwrap_or_else(|| Series { array, times: Vec::new(), values: Vec::new() });
+            if series.times.last() != Some(&time) {
+                series.times.push(time);
+                series.values.extend(values);
+            }
+            surfaces::write(directory, D, &series, rule, order.max(self.case.mesh.order()))?;
+        }
+        Ok(())
+    }
+
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
         let (case, flow, state) = (self.case, self.flow, &mut self.march.state);
@@ -233,6 +283,7 @@ where
         if row.is_none() {
             self.observe(context);
         }
+        self.begin_averages(&mut context.statistics.averages);
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
             context.statistics.totals_at_start = self.march.totals();
             let start = |state: &BodyState| BodyRecord::start(state, self.march.state.time);
@@ -253,6 +304,7 @@ where
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
         });
         let bodies = self.march.bodies();
+        self.average(&mut context.statistics.averages);
         context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
         let row = history::row(self.flow, report, &felt, &bodies, &context.statistics);
         [row, self.observed()].concat()
@@ -291,18 +343,25 @@ where
         cuts::write::<D, M>(self.case, &self.at_points(), directory, (self.march.state.slab, at_end))
     }
 
-    fn leave(&self, directory: &Path) -> std::io::Result<()> {
-        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
-        let one = self.march.solver.system.flow.operator.layout.at_one_time();
-        let cell = |cell| &state.u[one.cell(cell)];
-        let profiles = WallProfiles { flow: self.flow, mover, displacement: &state.d, state: &cell };
+    fn leave(&self, directory: &Path, statistics: &RunStatistics) -> anyhow::Result<()> {
+        self.write_phases(directory, &statistics.averages)?;
+        self.write_surfaces(directory)
+    }
+
+    fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
+        let operator = &self.march.solver.system.flow.operator;
+        let (state, one) = (&self.march.state, operator.layout.at_one_time());
+        let still = vec![0.0; state.d.len()];
+        let surfaces = SurfaceFlow {
+            flow: self.flow,
+            mover: &self.march.solver.system.mesh.mover,
+            displacement: &state.d,
+            velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),
+            state: &|cell| &state.u[one.cell(cell)],
+            rule: &operator.tables.rule,
+        };
         let wanted = |wall: &&case::Wall<D>| self.case.output.surfaces.contains(&wall.name);
-        self.flow.walls.iter().filter(wanted).try_for_each(|wall| {
-            let row = |row: Vec<f64>| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-            let lines = [WallProfiles::<D>::columns()].into_iter().chain(profiles.rows::<M>(wall).into_iter().map(row));
-            let text = lines.map(|line| line + "\n").collect::<String>();
-            std::fs::write(directory.join(format!("wall_{}.csv", wall.name)), text)
-        })
+        self.flow.walls.iter().filter(wanted).map(|wall| surfaces.of_wall::<M>(wall)).collect()
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {

@@ -3,12 +3,12 @@
 use super::bodies;
 use super::openings::is_opening;
 use super::statistics::{EnergyBalance, RunStatistics};
-use super::walls::WallLoads;
+use super::walls::{WallLoads, from_numbers};
 use super::{opening_states, probes};
 use case::{Case, Flow, Integral, Structure, Wall};
 use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
-use navier_stokes::Coefficients;
+use navier_stokes::{Coefficients, WallForce};
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -43,8 +43,8 @@ const OF_STRUCTURE: [&str; 10] = [
     "energy_error",
 ];
 
-/// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab and over the slab. For each
-/// inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
+/// Columns of history.csv: the columns of every run, and for each wall its loads at the top of the slab, over the slab and since the
+/// start. For each inflow and outflow there is the mass that leaves per time at the top. A structure has its own columns.
 pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     if let (None, Some(structure)) = (&case.flow, &case.structure) {
         return columns_of_structure(structure);
@@ -88,21 +88,29 @@ fn of_wall<const D: usize>() -> Vec<String> {
     columns.extend(moment("moment"));
     columns
         .extend(["power", "heat_flow", "drag_coefficient", "lift_coefficient", "moment_coefficient"].map(String::from));
-    columns.extend(vector("impulse"));
-    columns.extend(moment("moment_impulse"));
-    columns.extend(["work", "heat"].map(String::from));
+    for [impulse, moment_impulse, work, heat] in [
+        ["impulse_in_slab", "moment_impulse_in_slab", "work_in_slab", "heat_in_slab"],
+        ["total_impulse", "total_moment_impulse", "total_work", "total_heat"],
+    ] {
+        columns.extend(vector(impulse));
+        columns.extend(moment(moment_impulse));
+        columns.extend([work, heat].map(String::from));
+    }
     columns
 }
 
-fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>) -> Vec<f64> {
-    let (now, during) = (&felt.at_top, &felt.during);
+/// The row of a wall; `total` are its impulses, work and heat since the start.
+fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>, total: &WallForce<D>) -> Vec<f64> {
+    let now = &felt.at_top;
     let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
     let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
     row.extend(wall.moments(now));
     row.extend([now.power, now.heat, drag, lift, turning]);
-    row.extend(during.force());
-    row.extend(wall.moments(during));
-    row.extend([during.power, during.heat]);
+    for sum in [&felt.during, total] {
+        row.extend(sum.force());
+        row.extend(wall.moments(sum));
+        row.extend([sum.power, sum.heat]);
+    }
     row
 }
 
@@ -142,7 +150,9 @@ pub fn row<const D: usize, const M: usize>(
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
     row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
-    row.extend(flow.walls.iter().zip(felt).flat_map(|(wall, felt)| row_of_wall(wall, felt)));
+    let totals = |wall: usize| from_numbers(statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice));
+    let walls = flow.walls.iter().zip(felt).enumerate();
+    row.extend(walls.flat_map(|(number, (wall, felt))| row_of_wall(wall, felt, &totals(number))));
     row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
     row.extend(bodies.iter().flat_map(bodies::row));
     row

@@ -4,6 +4,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `averages` | averages over time and over phases |
 //! | `build` | from a case to the problem of the numerics |
 //! | `drive` | a run, slab by slab, for any equations |
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
@@ -25,6 +26,7 @@
 //! | `resume` | the decision whether a run may continue from a checkpoint |
 //! | `restart` | a run that starts from the result of another one |
 //! | `statistics` | sums over the run |
+//! | `surfaces` | distributions along walls |
 //! | `time` | times without round-off, for messages |
 //! | `probes`, `lines`, `slices` | the flow at points, along lines and in planes |
 //! | `cuts` | the files of lines and slices |
@@ -51,6 +53,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod averages;
 mod bodies;
 mod body_record;
 mod build;
@@ -84,10 +87,10 @@ mod slices;
 mod statistics;
 mod structure_run;
 mod summary;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod time;
-mod wall_profiles;
 mod walls;
 
 pub use build::{PrescribedNode, elasticity_plan, march, mover, prescribed_nodes, structure_march};
@@ -101,4 +104,5 @@ pub use openings::{Misuse, Record as OpeningRecord, Seen as OpeningSeen, at_star
 pub use probe::{MeshOverRun, ProbeError, Timing, move_over_run, time_flow};
 pub use probes::{locate, values_at};
 pub use restart::check as check_restart;
+pub use surfaces::{Column as SurfaceColumn, columns as surface_columns, surface_name};
 pub use time::rounded;

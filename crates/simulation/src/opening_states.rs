@@ -39,7 +39,11 @@ pub struct FacePoints<const D: usize> {
 impl<const D: usize> FacePoints<D> {
     /// The Gauss points of `face`, one more per direction than the higher order has nodes.
     pub fn new(face: usize, flow_order: usize, mesh_order: usize) -> Self {
-        let rule = basis::gauss(flow_order.max(mesh_order) + 1);
+        Self::with_rule(face, [flow_order, mesh_order], &basis::gauss(flow_order.max(mesh_order) + 1))
+    }
+
+    /// The points of `rule` on `face`, for a flow and a mesh of the given orders.
+    pub fn with_rule(face: usize, [flow_order, mesh_order]: [usize; 2], rule: &basis::Rule) -> Self {
         let ((axis, side), n) = (axis_and_side(face), rule.points.len());
         let end = [if side == 0 { -1.0 } else { 1.0 }];
         let point = |index: usize| -> [f64; D] {

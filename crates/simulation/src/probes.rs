@@ -1,7 +1,7 @@
 //! The flow at points, from the coefficients of the cell that holds each: columns of history.csv, and the values of lines and slices.
 
 use super::opening_states::{by_node, dot_of, slopes_at};
-use super::wall_profiles::physical;
+use super::surfaces::physical;
 use case::{Case, Field, FieldFormula, Flow, Probe};
 use coupled::MeshMover;
 use fem::functions_at;

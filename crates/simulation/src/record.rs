@@ -1,5 +1,7 @@
 //! The output of every slab.
 
+use super::averages::fields::{self as averages, AverageFields};
+use super::averages::{AverageSums, Averaged};
 use super::bodies::beside_flow;
 use super::build::solid;
 use super::history::columns;
@@ -30,6 +32,8 @@ pub struct Snapshot<'a> {
     pub flow: &'a [f64],
     /// The structure beside it.
     pub structure: Option<StructureSnapshot>,
+    /// Sums of the averages over time.
+    pub averages: &'a AverageSums,
 }
 
 /// A structure beside a flow at the end of a slab, and within it.
@@ -165,8 +169,10 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
         let (points, drawn) = self.draw(snapshot);
         let names: Vec<_> = drawn_specs(self.case).map(|spec| spec.name).collect();
-        let fields: Vec<(&str, &[f64])> =
+        let averages = self.averages(snapshot.averages);
+        let mut fields: Vec<(&str, &[f64])> =
             names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
+        fields.extend(averages.iter().map(|average| (&average.name[..], &average.drawn[..])));
         let (positions, velocities) = exact_mesh(self.mesh, snapshot.displacement, snapshot.velocities);
         let beside = self.beside.as_ref().zip(snapshot.structure.as_ref());
         let of_structure =
@@ -178,7 +184,31 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         if let Some((positions, velocities)) = &of_structure {
             exact.extend([("structure_position", &positions[..]), ("structure_velocity", velocities)]);
         }
+        exact.extend(averages.iter().map(|average| (&average.name[..], &average.coefficients[..])));
         Ok(self.result.append(&Step { time: snapshot.time, points: &points, fields: &fields, exact: &exact })?)
+    }
+
+    /// Appends the `values` at a `time` to a series of the result.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn append_to_series(&mut self, array: &ArraySpec, time: f64, values: &[f64]) -> Result<(), Failure> {
+        let _timed = tracing::trace_span!(target: "cost", "output").entered();
+        Ok(self.result.append_to_series(array, time, values)?)
+    }
+
+    /// The averages up to now; a structure beside the flow has none.
+    fn averages(&self, sums: &AverageSums) -> Vec<AverageAtStep> {
+        let Some(fields) = average_fields(self.case, sums) else { return Vec::new() };
+        let nodes = flow_order(self.case).pow(D as u32);
+        let beside = self.beside.as_ref().map_or(0, |mesh| mesh.cells.len()) * self.sampler.points();
+        let at_step = |average: &Averaged| {
+            let coefficients = fields.coefficients(average, None);
+            let mut drawn = averages::drawn::<D>(average, &coefficients, nodes, &self.sampler);
+            drawn.extend(std::iter::repeat_n(f64::NAN, beside * averages::spec(average).components));
+            AverageAtStep { name: average.name.clone(), coefficients, drawn }
+        };
+        fields.averages().iter().map(at_step).collect()
     }
 
     /// Counts a slab; returns whether a checkpoint is due.
@@ -279,6 +309,21 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     }
 }
 
+/// An average up to a step.
+struct AverageAtStep {
+    name: String,
+    /// `[cell][component][node]`
+    coefficients: Vec<f64>,
+    /// `[cell][point][component]`, those of a structure included.
+    drawn: Vec<f64>,
+}
+
+/// The averages that the case asks for, if any.
+fn average_fields<'b, const D: usize>(case: &Case<D>, sums: &'b AverageSums) -> Option<AverageFields<'b>> {
+    let nodes = flow_order(case).pow(D as u32);
+    case.averages.as_ref().map(|wanted| AverageFields::new::<D>(wanted, sums, case.mesh.n_cells(), nodes))
+}
+
 /// A mesh that moves.
 #[derive(Clone, Copy)]
 struct Moving<'a, const D: usize> {
@@ -362,7 +407,11 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
         exact.push(ArraySpec::new("structure_position", &position));
         exact.push(ArraySpec::new("structure_velocity", &velocity));
     }
-    let fields = drawn_specs(case).collect();
+    let mut fields: Vec<_> = drawn_specs(case).collect();
+    if let Some(of_mesh) = average_fields(case, &AverageSums::default()) {
+        exact.extend(of_mesh.averages().iter().map(|average| of_mesh.array(average)));
+        fields.extend(of_mesh.averages().iter().map(averages::spec));
+    }
     Layout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
 }
 

@@ -1,5 +1,6 @@
 //! Sums over a run, for summary.json; they go into checkpoints.
 
+use super::averages::AverageSums;
 use super::body_record::BodyRecord;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
@@ -56,6 +57,8 @@ pub struct RunStatistics {
     pub bodies: Vec<BodyRecord>,
     /// The largest error of the energy of gas and bodies together, relative to that of the gas at the start.
     pub coupled_energy_error: f64,
+    /// Sums of the averages over time.
+    pub averages: AverageSums,
 }
 
 /// The energy balance of a structure since the start of the run.
@@ -219,7 +222,7 @@ impl RunStatistics {
         let quality = self
             .quality
             .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
-        BTreeMap::from([
+        let sums = BTreeMap::from([
             ("tally.counts".into(), counts.map(|n| n as f64).to_vec()),
             ("tally.quality".into(), quality),
             (
@@ -241,7 +244,8 @@ impl RunStatistics {
             }),
             ("tally.mass_flows".into(), self.mass_flows.clone()),
             ("tally.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
-        ])
+        ]);
+        sums.into_iter().chain(self.averages.to_arrays()).collect()
     }
 
     /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
@@ -298,6 +302,7 @@ impl RunStatistics {
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
             mass_flows: get("mass_flows")?.clone(),
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
+            averages: AverageSums::from_arrays(arrays)?,
         })
     }
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{column, finished, on_case, shipped, stsolve};
+use common::{Surface, column, finished, on_case, shipped, stsolve};
 use std::fs;
 use tempfile::TempDir;
 
@@ -62,23 +62,20 @@ fn a_body_force_accelerates_a_uniform_gas() {
 #[test]
 fn walls_and_openings_are_told() {
     let directory = TempDir::new().unwrap();
-    let summary =
-        finished(directory.path(), "couette", &["output.surfaces=[\"bottom\"]", "time.slabs=4", "time.end=0.2"]);
+    let set = ["output.surfaces={walls=[\"bottom\"]}", "time.slabs=4", "time.end=0.2"];
+    let summary = finished(directory.path(), "couette", &set);
     let run = directory.path().join("couette");
-    let text = fs::read_to_string(run.join("wall_bottom.csv")).unwrap();
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
-    let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
-    let integral = |name: &str| rows.iter().map(|row| row[at("area")] * row[at(name)]).sum::<f64>();
+    let surface = Surface::read(&run, "bottom");
+    let integral = |name: &str| surface.integral(name);
     // mu du/dy = 0.02 * 0.5 on a length of 2.
     assert!((integral("friction_x") - 0.02).abs() < 1e-5, "{}", integral("friction_x"));
     assert!((integral("pressure") - 1.6).abs() < 1e-6);
     let force = column(&run, "bottom_friction_force_x");
-    assert!((force.last().unwrap() - integral("friction_x")).abs() < 1e-5);
+    assert!((force.last().unwrap() - integral("friction_x")).abs() < 1e-14);
     let heat = *column(&run, "bottom_heat_flow").last().unwrap();
-    assert!((heat - integral("heat_flux")).abs() < 1e-3 * heat.abs(), "{heat}, {}", integral("heat_flux"));
-    assert!(rows.iter().all(|row| row[at("y_plus")] > 0.0 && row[at("normal_y")] < -0.9));
+    assert!((heat - integral("heat_flux")).abs() < 1e-13, "{heat}, {}", integral("heat_flux"));
+    assert!(surface.column("y_plus").iter().all(|y| *y > 0.0));
+    assert!(surface.column("normal_y").iter().all(|n| *n < -0.9));
     assert!(summary["walls"]["bottom"].is_object());
 }
 
@@ -118,7 +115,11 @@ fn what_cannot_be_observed_is_refused() {
     let refused = [
         ("free_stream", "output.probes={far={at=[7,7]}}", "inside the mesh"),
         ("free_stream", "output.probes={far={at=[0.5]}}", "output.probes.far.at"),
-        ("free_stream", "output.surfaces=[\"left\"]", "unknown boundary"),
+        ("free_stream", "output.surfaces={walls=[\"left\"]}", "the case has no wall in a flow"),
+        ("couette", "output.surfaces={walls=[\"left\"]}", "accepted: `bottom`, `top`"),
+        ("couette", "output.surfaces={walls=[\"top\",\"top\"]}", "is listed twice"),
+        ("couette", "output.surfaces={walls=[\"top\"],every=0}", "1 or more"),
+        ("couette", "output.surfaces=[\"top\"]", "with keys among `every`, `walls`"),
         ("free_stream", "output.integrals=[\"mass\"]", "kinetic_energy"),
         ("cantilever", "output.probes={tip={at=[0.5,0.5]}}", "without a flow there is nothing to observe"),
         ("free_stream", "flow.source={acceleration=[\"1/x\",0]}", "the acceleration at"),

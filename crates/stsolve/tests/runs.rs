@@ -191,7 +191,7 @@ fn an_oscillating_plate_pays_for_its_friction_and_the_box_keeps_its_energy() {
     assert!((work / expected - 1.0).abs() < 2e-3, "{work} instead of {expected}");
     assert_eq!(number(&summary["walls"]["top"], "work"), 0.0);
     let energy = column(&run, "energy");
-    let walls = ["bottom_work", "bottom_heat", "top_work", "top_heat"];
+    let walls = ["bottom_work_in_slab", "bottom_heat_in_slab", "top_work_in_slab", "top_heat_in_slab"];
     let given: f64 = walls.iter().flat_map(|name| column(&run, name).into_iter().skip(1)).sum();
     let open = energy[energy.len() - 1] - energy[0] + given;
     assert!(open.abs() < 1e-12 * energy[0], "{open:e} of {}", energy[0]);
@@ -235,7 +235,7 @@ fn moments_are_positive_nose_up_where_that_is_asked_for() {
         directory.path().join(output)
     };
     let (left, up) = (run("left", &[]), run("up", &["flow.forces.others.moment_positive=nose_up"]));
-    for name in ["top_moment", "top_moment_coefficient", "top_moment_impulse", "bottom_moment"] {
+    for name in ["top_moment", "top_moment_coefficient", "top_moment_impulse_in_slab", "bottom_moment"] {
         let (left, up) = (column(&left, name), column(&up, name));
         assert!(left.iter().zip(&up).all(|(left, up)| *left == -up && *left != 0.0), "{name}: {left:?} {up:?}");
     }

@@ -1,5 +1,6 @@
 //! The checked case: plain enums and numbers, compiled formulas, the mesh.
 
+mod averages;
 mod bodies;
 mod boundary_motion;
 mod displacement;
@@ -21,13 +22,15 @@ mod sliding_mesh;
 mod solver;
 mod states;
 mod structure;
+mod surfaces;
 mod tables;
 mod time;
 
 pub use super::raw::{
-    AllowedChange, Analysis, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime, Solver,
-    Steady, StructureLaw,
+    AllowedChange, Analysis, Average, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime,
+    Solver, Steady, StructureLaw,
 };
+pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use flow::{BoundaryData, Flow};
 pub use forces::Wall;
@@ -87,6 +90,8 @@ pub struct Case<const D: usize> {
     pub output: Output,
     /// Where the flow is observed.
     pub observed: Observed<D>,
+    /// The averages over time.
+    pub averages: Option<Averages>,
 }
 
 /// The description of a case, without its numbers.
@@ -177,7 +182,8 @@ impl<const D: usize> Case<D> {
         let independent = Independent::check(checker, raw, mesh)?;
         let Independent { time, mesh, flow, structure, output } = independent;
         let mut errors = Errors::default();
-        errors.note(check_surfaces(checker, &output, flow.as_ref()));
+        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow.as_ref()));
+        let averages = errors.note(averages::check(checker, raw.output.averages.as_ref(), &time, flow.is_some()));
         let order = flow.as_ref().map(|flow| flow.order);
         let observed = errors.note(probes::check(checker, &raw.output, &mesh, order));
         let bodies = errors.note(bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time));
@@ -187,7 +193,7 @@ impl<const D: usize> Case<D> {
         let motion =
             movers.and_then(|movers| errors.note(motion::check(checker, raw.motion.as_ref(), &mesh, &movers, &time)));
         errors.all()?;
-        let (Some(bodies), Some(motion), Some(observed)) = (bodies, motion, observed) else {
+        let (Some(bodies), Some(motion), Some(observed), Some(averages)) = (bodies, motion, observed, averages) else {
             unreachable!("what is missing has left an error")
         };
         held_nodes::check(checker, structure.as_ref(), motion.as_ref(), &mesh, &time)?;
@@ -210,6 +216,7 @@ impl<const D: usize> Case<D> {
             solver: raw.solver.clone(),
             output,
             observed,
+            averages,
         })
     }
 }
@@ -276,13 +283,6 @@ impl<const D: usize> Case<D> {
         let per_cell = self.flow.as_ref().map_or(0, |flow| flow.order.pow(D as u32) * (D + 2));
         self.mesh.n_cells() * per_cell * self.time.order
     }
-}
-
-/// Surfaces are walls of the flow.
-fn check_surfaces<const D: usize>(checker: &Checker<'_>, output: &Output, flow: Option<&Flow<D>>) -> Checked<()> {
-    let walls: Vec<String> = flow.iter().flat_map(|flow| &flow.walls).map(|wall| wall.name.clone()).collect();
-    let key = Key::new("output").child("surfaces");
-    checker.boundaries(&key, &output.surfaces, &walls).map(|_| ())
 }
 
 /// Whether the present sections among [motion], [flow] and [structure] fit together.

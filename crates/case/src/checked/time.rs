@@ -54,8 +54,10 @@ pub struct Output {
     pub fields: Vec<Field>,
     /// Integrals over the flow.
     pub integrals: Vec<Integral>,
-    /// Walls whose profiles are written.
+    /// Walls whose distributions are written, by name.
     pub surfaces: Vec<String>,
+    /// Slabs between these distributions; None: only at the end.
+    pub surfaces_every: Option<usize>,
 }
 
 /// Checks `[time]`. A run that `begins_steady` may end at its start, with the steady flow.
@@ -156,12 +158,16 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
     }
     let mut errors = Errors::default();
     let positive = |name: &str, value| checker.at_least_one(&key.child(name), "the number of slabs", value);
+    let of_surfaces = key.child("surfaces").child("every");
+    let every = |slabs: usize| checker.at_least_one(&of_surfaces, "the number of slabs", slabs);
+    let surfaces = raw.surfaces.as_ref();
     let output = Output {
         directory: raw.directory.as_deref().map(|directory| checker.beside_case(directory)),
         checkpoint_every: errors.note(positive("checkpoint_every", raw.checkpoint_every)).unwrap_or(1),
         every: errors.note(positive("every", raw.every)).unwrap_or(1),
         fields: errors.list(checker.distinct(&key.child("fields"), "field", &raw.fields).map(<[_]>::to_vec)),
-        surfaces: errors.list(checker.distinct(&key.child("surfaces"), "wall", &raw.surfaces).map(<[_]>::to_vec)),
+        surfaces: surfaces.map_or_else(Vec::new, |surfaces| surfaces.walls.clone()),
+        surfaces_every: surfaces.and_then(|surfaces| surfaces.every).and_then(|slabs| errors.note(every(slabs))),
         integrals: errors
             .list(checker.distinct(&key.child("integrals"), "integral", &raw.integrals).map(<[_]>::to_vec)),
     };

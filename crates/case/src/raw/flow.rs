@@ -341,7 +341,7 @@ pub struct Forces {
     pub moment_positive: MomentPositive,
 }
 
-/// The sign of moments. In two dimensions it applies to `<wall>_moment`, `<wall>_moment_impulse` and the moment coefficient. In three the
+/// The sign of moments. In two dimensions it applies to `<wall>_moment`, its impulses and the moment coefficient. In three the
 /// moments about x, y and z always follow the right-hand rule, and this chooses the axis of the coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]

@@ -79,9 +79,10 @@ pub struct Output {
     pub every: usize,
     /// The fields for display. The exact coefficients are always written.
     pub fields: Vec<Field>,
-    /// Walls whose distribution of pressure, friction and heat at the end of the run goes to files wall_NAME.csv, by name.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub surfaces: Vec<String>,
+    /// Distributions of pressure, friction and heat along walls, in files surface_NAME.csv and surface_NAME.vtkhdf.
+    pub surfaces: Option<Surfaces>,
+    /// Averages over time at the points of the mesh, which go to the result with the other fields.
+    pub averages: Option<Averages>,
     /// Integrals over the flow that go to history.csv after every slab.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub integrals: Vec<Integral>,
@@ -98,6 +99,61 @@ pub struct Output {
     /// other fields: to the result, for points, lines and slices.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub formulas: BTreeMap<String, Formula>,
+}
+
+/// Distributions along walls: pressure, friction, heat, and their coefficients.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surfaces {
+    /// The walls, by name.
+    pub walls: Vec<String>,
+    /// The number of slabs between two distributions. Default: only the one at the end of the run.
+    pub every: Option<usize>,
+}
+
+/// Averages over time of the flow at the points of the mesh: with a mesh that moves, they follow these points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Averages {
+    /// The time at which they begin. It may be inside a slab.
+    pub from: Formula,
+    /// The time at which they end. Default: the end of the run.
+    pub to: Option<Formula>,
+    /// The length of a period, counted from `from`, for averages over phases of it.
+    pub period: Option<Formula>,
+    /// The number of equal phases in a period. Their averages go to phases.vtkhdf.
+    pub phases: Option<usize>,
+    /// The averages.
+    #[serde(default = "usual_averages")]
+    pub fields: Vec<Average>,
+}
+
+/// An average over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Average {
+    /// The mean density, field `mean_density`.
+    Density,
+    /// The mean velocity of the gas, `mean_velocity`.
+    Velocity,
+    /// The mean pressure, `mean_pressure`.
+    Pressure,
+    /// The mean temperature, `mean_temperature`.
+    Temperature,
+    /// The mean momentum per volume, `mean_momentum`. Over the mean density it is the velocity averaged by mass.
+    Momentum,
+    /// The means of the products of velocity fluctuations, `reynolds_stress_xx`, `_xy`, ...
+    ReynoldsStress,
+    /// The root mean square of the fluctuation of the density, `rms_density`.
+    RmsDensity,
+    /// That of the pressure, `rms_pressure`.
+    RmsPressure,
+    /// That of the temperature, `rms_temperature`.
+    RmsTemperature,
+}
+
+fn usual_averages() -> Vec<Average> {
+    vec![Average::Density, Average::Velocity, Average::Pressure, Average::ReynoldsStress, Average::RmsPressure]
 }
 
 /// An integral over the flow.
@@ -190,7 +246,8 @@ impl Default for Output {
             checkpoint_every: 10,
             every: 1,
             fields,
-            surfaces: Vec::new(),
+            surfaces: None,
+            averages: None,
             integrals: Vec::new(),
             probes: BTreeMap::new(),
             lines: BTreeMap::new(),

@@ -43,7 +43,9 @@ class Result:
     @property
     def history(self) -> dict[str, NDArray[np.float64]]: ...
     def array(self, name: str, step: int = -1) -> NDArray[np.float64]:
-        """Exact coefficients of a step."""
+        """Exact coefficients of a step; averages over time too."""
+    def surface(self, wall: str, step: int = -1) -> dict[str, Any]:
+        """The distribution on a wall of output.surfaces: the columns of surface_NAME.csv."""
     def evaluate(self, points: NDArray[np.float64], step: int = -1) -> NDArray[np.float64]:
         """The conserved state at points, [point][axis] to [point][component]; NaN outside of the mesh."""
 

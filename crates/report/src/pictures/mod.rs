@@ -1,5 +1,6 @@
 //! Pictures of the fields at some of the steps of a result file, drawn from the exact coefficients.
 
+mod average;
 mod colour;
 mod encode;
 mod lines;
@@ -118,7 +119,7 @@ fn draw_in<const D: usize, const M: usize>(reader: &ResultReader) -> Result<Pict
     let steps = chosen(reader.times.len(), MOST_STEPS);
     let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
     let view = View::<D>::new(reader, &snapshots);
-    let quantities = ranges::<D, M>(&scheme.quantities(), &view, &snapshots);
+    let quantities = ranges::<D, M>(scheme.quantities(), &view, &snapshots);
     let draw = |(k, snapshot): (usize, &Snapshot<D>)| {
         let at = |window: &Window| {
             let (window, shift) = view.window(window, k);

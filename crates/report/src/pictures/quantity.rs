@@ -1,5 +1,6 @@
 //! The quantities of the pictures, and their colours.
 
+use super::average::{self, Average};
 use super::colour::ColourMap;
 use case::Field;
 
@@ -12,6 +13,8 @@ pub enum Quantity {
     Jacobian,
     /// min / max of det J / det J_0 over each cell.
     ScaledJacobian,
+    /// An average over time.
+    Average(Average),
 }
 
 /// The quantities displayed with a flow; without a flow only those of the mesh.
@@ -34,9 +37,10 @@ pub struct Range {
 }
 
 impl Quantity {
-    /// The quantities displayed for a run.
-    pub fn of(has_flow: bool) -> Vec<Quantity> {
-        ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, Quantity::Flow(_))).collect()
+    /// The quantities displayed for a run with the arrays of coefficients `arrays`.
+    pub fn of(has_flow: bool, arrays: &[&str]) -> Vec<Quantity> {
+        let present = ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, Quantity::Flow(_)));
+        present.chain(average::present(arrays).map(Quantity::Average)).collect()
     }
 
     /// Its name in the page.
@@ -60,6 +64,7 @@ impl Quantity {
             Quantity::Flow(Field::PrincipalStress) => "Principal stress",
             Quantity::Flow(Field::Jacobian) | Quantity::Jacobian => "Mesh: det J / det J\u{2080}",
             Quantity::ScaledJacobian => "Mesh: scaled Jacobian",
+            Quantity::Average(average) => average.label,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The exact solution at the end of a slab, evaluated as finely as a picture needs.
 
+use super::average::Average;
 use super::quantity::Quantity;
 use crate::fields::{self, CellSample, Medium};
 use case::Field;
@@ -23,6 +24,8 @@ pub struct Scheme<const D: usize> {
     rest: Vec<f64>,
     /// One for each of [`PARTS`].
     samplers: Vec<Sampler<D>>,
+    /// The displayed quantities.
+    quantities: Vec<Quantity>,
 }
 
 /// The coefficients at one time. Cells of a structure beside the flow come after those of the flow.
@@ -32,6 +35,8 @@ pub struct Snapshot<'a, const D: usize> {
     position: Vec<f64>,
     /// `[cell][time node][component][node]`; empty without a flow.
     flow: Vec<f64>,
+    /// The arrays of every displayed average, `[cell][component][node]`.
+    averages: Vec<(Average, Vec<Vec<f64>>)>,
 }
 
 /// A cell on a lattice of points with `parts` parts along each axis, axis 0 fastest.
@@ -58,7 +63,9 @@ impl<const D: usize> Scheme<D> {
         let (mesh_order, flow_order) = (order(mesh_nodes), flow.map_or(order(mesh_nodes), |(nodes, _)| order(nodes)));
         let sampler = |parts: usize| Sampler::new(flow_order, mesh_order, &basis::equidistant_points(parts + 1));
         let complete = rest.len() == cells * mesh_nodes * D;
-        complete.then(|| Scheme { mesh_nodes, flow, gas, rest, samplers: PARTS.map(sampler).into() })
+        let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
+        let quantities = Quantity::of(flow.is_some(), &arrays);
+        complete.then(|| Scheme { mesh_nodes, flow, gas, rest, samplers: PARTS.map(sampler).into(), quantities })
     }
 
     /// The solution at a step.
@@ -68,12 +75,21 @@ impl<const D: usize> Scheme<D> {
     pub fn at(&self, reader: &ResultReader, step: usize) -> Result<Snapshot<'_, D>, OutputError> {
         let mut position = reader.exact("position", step)?.unwrap_or_default();
         position.extend(reader.exact("structure_position", step)?.unwrap_or_default());
-        Ok(Snapshot { scheme: self, position, flow: reader.exact("flow", step)?.unwrap_or_default() })
+        let flow = reader.exact("flow", step)?.unwrap_or_default();
+        let averages = self.quantities.iter().filter_map(|quantity| match quantity {
+            Quantity::Average(average) => Some(*average),
+            _ => None,
+        });
+        let arrays = |average: Average| -> Result<_, OutputError> {
+            let found = average.arrays.iter().filter_map(|name| reader.exact(name, step).transpose());
+            Ok((average, found.collect::<Result<_, _>>()?))
+        };
+        Ok(Snapshot { scheme: self, position, flow, averages: averages.map(arrays).collect::<Result<_, _>>()? })
     }
 
     /// The displayed quantities.
-    pub fn quantities(&self) -> Vec<Quantity> {
-        Quantity::of(self.flow.is_some())
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
     }
 
     fn nodes<'b>(&self, positions: &'b [f64], cell: usize) -> &'b [f64] {
@@ -122,11 +138,25 @@ impl<const D: usize> Snapshot<'_, D> {
                 let (state, gradients) = (&sampler.state(u)[..], &sampler.gradients(u, nodal)[..]);
                 let sample =
                     CellSample { state, jacobian: &jacobian, gradients, ..CellSample::of_points(sampler.points()) };
-                quantities.iter().map(|quantity| of_flow::<D, M>(*quantity, &scheme.gas, &sample)).collect()
+                let column = |quantity: &Quantity| match quantity {
+                    Quantity::Average(average) => self.average(*average, cell, sampler),
+                    _ => of_flow::<D, M>(*quantity, &scheme.gas, &sample),
+                };
+                quantities.iter().map(column).collect()
             }
         };
         let values = (0..sampler.points()).flat_map(|p| columns.iter().map(move |column| column[p])).collect();
         Patch { parts: PARTS[fineness], points: self.points(cell, fineness), values }
+    }
+
+    /// An average at the points of a cell.
+    fn average(&self, average: Average, cell: usize, sampler: &Sampler<D>) -> Vec<f64> {
+        let nodes = self.scheme.flow.map_or(0, |(nodes, _)| nodes);
+        let arrays = self.averages.iter().find(|(other, _)| *other == average).map_or(&[][..], |(_, arrays)| arrays);
+        let cells = self.scheme.rest.len() / (D * self.scheme.mesh_nodes);
+        let of_cell = |array: &Vec<f64>| array.len() / cells * cell..array.len() / cells * (cell + 1);
+        let coefficients: Vec<&[f64]> = arrays.iter().map(|array| &array[of_cell(array)]).collect();
+        sampler.state(&average.at_nodes(&coefficients, nodes))
     }
 
     /// The flow of a cell at the end of the slab, which is the last time node.

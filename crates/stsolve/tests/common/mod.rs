@@ -76,6 +76,46 @@ pub fn column(run: &Path, name: &str) -> Vec<f64> {
     text.lines().skip(1).map(|row| row.split(',').nth(position).unwrap().parse().unwrap()).collect()
 }
 
+/// The file `surface_WALL.csv` of a run.
+pub struct Surface {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Surface {
+    /// Reads it.
+    pub fn read(run: &Path, wall: &str) -> Self {
+        let text = std::fs::read_to_string(run.join(format!("surface_{wall}.csv"))).unwrap();
+        let mut lines = text.lines();
+        let names = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        Surface { names, rows: lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect() }
+    }
+
+    /// The rows at the time `t` alone.
+    pub fn at(self, t: f64) -> Self {
+        let rows = self.rows.into_iter().filter(|row| row[0] == t).collect();
+        Surface { names: self.names, rows }
+    }
+
+    /// A column.
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let position = self.names.iter().position(|other| other == name).unwrap_or_else(|| panic!("no column {name}"));
+        self.rows.iter().map(|row| row[position]).collect()
+    }
+
+    /// The integral of a column over the wall.
+    pub fn integral(&self, name: &str) -> f64 {
+        self.column("area").iter().zip(self.column(name)).map(|(area, value)| area * value).sum()
+    }
+
+    /// The force on the wall along an axis: that of pressure and of friction.
+    pub fn force(&self, axis: &str) -> f64 {
+        let [area, pressure, normal] = ["area", "pressure", &format!("normal_{axis}")].map(|name| self.column(name));
+        let pushed: f64 = (0..area.len()).map(|i| area[i] * pressure[i] * normal[i]).sum();
+        pushed + self.integral(&format!("friction_{axis}"))
+    }
+}
+
 /// Case C2, `naca0012_heave_pitch`, at a Mach number of 0.01: the pressure at rest is 7,143 times the dynamic one.
 pub const SLOW: [&str; 3] =
     ["flow.gas.mach=0.01", "flow.initial.uniform.mach=0.01", "flow.boundary.far.far_field.mach=0.01"];

@@ -1,0 +1,86 @@
+//! Averages over time.
+
+use super::time::Time;
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use crate::raw::{self, Average};
+
+/// The largest number of phases of a period.
+const MOST_PHASES: usize = 1000;
+
+/// Averages over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Averages {
+    /// The time at which they begin.
+    pub from: f64,
+    /// The time at which they end, if it is not the end of the run.
+    pub to: Option<f64>,
+    /// The phases of a period that begins at `from`, if they are averaged one by one.
+    pub phases: Option<Phases>,
+    /// The averages, each listed once.
+    pub fields: Vec<Average>,
+}
+
+/// Equal phases of a period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phases {
+    /// The length of the period.
+    pub period: f64,
+    /// The number of phases.
+    pub count: usize,
+}
+
+/// Checks `[output.averages]` of a run that covers `time`.
+pub(super) fn check(
+    checker: &Checker<'_>,
+    raw: Option<&raw::Averages>,
+    time: &Time,
+    has_flow: bool,
+) -> Checked<Option<Averages>> {
+    let Some(raw) = raw else { return Ok(None) };
+    let key = Key::new("output").child("averages");
+    if !has_flow {
+        let problem = "without a flow there is nothing to average";
+        return Err(checker.combination(&key, problem, "this section together with [flow]"));
+    }
+    let from = checker.number(&key.child("from"), &raw.from)?;
+    let accepted = format!("a time before the end of the run, {}", time.end);
+    checker.require(&key.child("from"), "the start of the averages", from < time.end, &accepted)?;
+    let to = raw.to.as_ref().map(|to| checker.number(&key.child("to"), to)).transpose()?;
+    let accepted = format!("a time after their start, {from}");
+    let later = to.is_none_or(|to| to > from && to.is_finite());
+    checker.require(&key.child("to"), "the end of the averages", later, &accepted)?;
+    let fields = checker.distinct(&key.child("fields"), "average", &raw.fields)?.to_vec();
+    if fields.is_empty() {
+        let accepted = "some of `fields`, or no section [output.averages]";
+        return Err(checker.combination(&key.child("fields"), "the list of averages is empty", accepted));
+    }
+    Ok(Some(Averages { from, to, phases: phases(checker, &key, raw, time)?, fields }))
+}
+
+fn phases(checker: &Checker<'_>, key: &Key, raw: &raw::Averages, time: &Time) -> Checked<Option<Phases>> {
+    match (&raw.period, raw.phases) {
+        (None, None) => Ok(None),
+        (Some(period), Some(count)) => {
+            let key_of = |name: &str| key.child(name);
+            let period = checker.number(&key_of("period"), period)?;
+            let period = checker.positive(&key_of("period"), "the period", period)?;
+            let accepted = format!("1 to {MOST_PHASES} phases");
+            let allowed = (1..=MOST_PHASES).contains(&count);
+            checker.require(&key_of("phases"), "the number of phases", allowed, &accepted)?;
+            let shortest = time.step / MOST_PHASES as f64;
+            let accepted = format!("phases of {shortest:e} or more, a thousandth of a slab");
+            let resolved = period / count as f64 >= shortest;
+            checker.require(&key_of("period"), "the length of a phase", resolved, &accepted)?;
+            Ok(Some(Phases { period, count }))
+        }
+        (Some(_), None) => {
+            let accepted = "`phases` beside it, the number of parts of the period";
+            Err(checker.combination(&key.child("period"), "the number of phases is missing", accepted))
+        }
+        (None, Some(_)) => {
+            let accepted = "`period` beside it, the length of the period";
+            Err(checker.combination(&key.child("phases"), "phases of which period?", accepted))
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! The sums of averages over a run; they go into checkpoints.
+
+use super::moments::{Averaged, Moments};
+use case::Averages;
+use std::collections::BTreeMap;
+
+type Arrays = BTreeMap<String, Vec<f64>>;
+
+/// The beginning of the names of the arrays.
+const NAME: &str = "tally.averages";
+
+/// The sums of a run; empty before the first slab that is averaged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AverageSums {
+    /// What is averaged, as numbers, see `plan`.
+    plan: Vec<f64>,
+    /// The averaged time of every phase; of the whole time without phases.
+    pub durations: Vec<f64>,
+    /// What is subtracted from each quantity, `[cell][quantity][node]`.
+    pub offsets: Vec<f64>,
+    /// `[cell][phase][sum][node]`, see [`Moments`].
+    pub moments: Vec<f64>,
+    /// Integrals of the displacement, `[phase][C0 node][component]`.
+    pub displacements: Vec<f64>,
+}
+
+/// The start, the period, the number of phases and the fields of averages: sums of the same plan can be continued.
+fn plan(wanted: &Averages) -> Vec<f64> {
+    let (period, count) = wanted.phases.map_or((0.0, 1), |phases| (phases.period, phases.count));
+    let fields = wanted.fields.iter().map(|field| f64::from(*field as u8));
+    [wanted.from, wanted.to.unwrap_or(f64::INFINITY), period, count as f64].into_iter().chain(fields).collect()
+}
+
+impl AverageSums {
+    /// Nothing yet, for numbers of cells, sums and nodes, and a `displacement` of so many numbers, 0 if its mean is not needed.
+    pub fn new(wanted: &Averages, [cells, moments, nodes]: [usize; 3], displacement: usize) -> Self {
+        let phases = wanted.phases.map_or(1, |phases| phases.count);
+        AverageSums {
+            plan: plan(wanted),
+            durations: vec![0.0; phases],
+            offsets: Vec::new(),
+            moments: vec![0.0; phases * cells * moments * nodes],
+            displacements: vec![0.0; phases * displacement],
+        }
+    }
+
+    /// Whether nothing has been averaged.
+    pub fn is_empty(&self) -> bool {
+        self.durations.is_empty()
+    }
+
+    /// Whether a case that asks for averages can continue these: they are the same, and it has as many `cells` and `nodes`.
+    pub fn fits<const D: usize>(&self, wanted: &Averages, cells: usize, nodes: usize) -> bool {
+        let length = Moments::new::<D>(&wanted.fields).quantities.len() * cells * nodes;
+        self.is_empty() || self.plan == plan(wanted) && self.offsets.len() == length
+    }
+
+    /// An average at the nodes of `cell`, `[component][node]`: over a phase, or over the whole time. NaN before the first time.
+    pub fn of_cell(
+        &self,
+        moments: &Moments,
+        average: &Averaged,
+        cell: usize,
+        nodes: usize,
+        phase: Option<usize>,
+    ) -> Vec<f64> {
+        if self.is_empty() {
+            return vec![f64::NAN; average.components() * nodes];
+        }
+        let (count, length) = (self.durations.len(), moments.len() * nodes);
+        let of_cell = &self.moments[cell * count * length..][..count * length];
+        let chosen = |k: &usize| phase.is_none_or(|phase| phase == *k);
+        let duration = (0..count).filter(chosen).map(|k| self.durations[k]).sum();
+        let mut sums = vec![0.0; length];
+        for k in (0..count).filter(chosen) {
+            sums.iter_mut().zip(&of_cell[k * length..]).for_each(|(sum, of_phase)| *sum += of_phase);
+        }
+        let first = moments.quantities.len() * nodes;
+        moments.average(average, duration, &self.offsets[cell * first..][..first], &sums)
+    }
+
+    /// The mean displacement of the mesh in a phase, `[C0 node][component]`.
+    pub fn mean_displacement(&self, phase: usize) -> Vec<f64> {
+        let length = self.displacements.len() / self.durations.len();
+        self.displacements[phase * length..][..length].iter().map(|sum| sum / self.durations[phase]).collect()
+    }
+
+    /// As named numbers; none before the first slab that is averaged.
+    pub fn to_arrays(&self) -> Arrays {
+        if self.is_empty() {
+            return Arrays::new();
+        }
+        let AverageSums { plan, durations, offsets, moments, displacements } = self;
+        let arrays = [
+            ("plan", plan),
+            ("durations", durations),
+            ("offsets", offsets),
+            ("moments", moments),
+            ("displacements", displacements),
+        ];
+        arrays.map(|(name, values)| (format!("{NAME}.{name}"), values.clone())).into()
+    }
+
+    /// Back from named numbers; empty if there are none, `None` if they are incomplete.
+    pub fn from_arrays(arrays: &Arrays) -> Option<Self> {
+        let get = |name: &str| arrays.get(&format!("{NAME}.{name}")).cloned();
+        let Some(plan) = get("plan") else { return Some(AverageSums::default()) };
+        let durations = get("durations").filter(|durations| !durations.is_empty())?;
+        Some(AverageSums {
+            plan,
+            durations,
+            offsets: get("offsets")?,
+            moments: get("moments")?,
+            displacements: get("displacements")?,
+        })
+    }
+}

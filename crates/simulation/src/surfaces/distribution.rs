@@ -1,0 +1,217 @@
+//! Pressure, friction and heat at the points of a wall.
+//!
+//! ```text
+//! f = Fhat_m . n = p n + tau,   c_p = (p - p_ref) / q,   c_f = tau_t / q,   q = rho_ref U_ref^2 / 2
+//! y+ = rho u_tau y / mu,        u_tau = (|tau_t| / rho)^1/2                                                        (distribution)
+//! ```
+//!
+//! Fhat is the numerical flux of the scheme, its penalty included, and the points are its quadrature points. So the sums of f times `area`
+//! over the rows are the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall, y the
+//! distance of the first nodes from the wall.
+
+use super::columns::{columns, surface_name};
+use super::curve;
+use crate::opening_states::{FacePoints, by_node, dot_of};
+use basis::Rule;
+use case::{Flow, Wall};
+use coupled::MeshMover;
+use fem::{BoundaryPoint, ConservationLaw};
+use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
+use navier_stokes::{Boundary, NavierStokes, Primitive};
+use output::ArraySpec;
+use std::collections::BTreeMap;
+use tensor::{cofactor, determinant, dot, norm};
+
+/// The flow at one time.
+pub struct SurfaceFlow<'a, const D: usize> {
+    /// The flow of the case.
+    pub flow: &'a Flow<D>,
+    /// The mesh.
+    pub mover: &'a MeshMover<D>,
+    /// Its displacement, `[C0 node][component]`.
+    pub displacement: &'a [f64],
+    /// Its velocity, `[C0 node][component]`.
+    pub velocity: &'a [f64],
+    /// The state of a cell, `[component][node]`.
+    pub state: &'a dyn Fn(usize) -> &'a [f64],
+    /// The quadrature of the scheme in one direction.
+    pub rule: &'a Rule,
+}
+
+/// The parts of the flux out of the domain at a point, per area.
+struct WallFlux<const D: usize> {
+    pressure: f64,
+    /// The force on the wall by friction.
+    friction: [f64; D],
+    /// The heat that the wall takes up.
+    heat: f64,
+}
+
+/// A point of a wall.
+struct Here<'a, const D: usize, const M: usize> {
+    wall: &'a Wall<D>,
+    face: usize,
+    u: [f64; M],
+    /// grad u, `[direction][component]`.
+    gradient: [[f64; M]; D],
+    /// dx/dxi
+    jacobian: [[f64; D]; D],
+    /// The velocity of the mesh.
+    velocity: [f64; D],
+}
+
+impl<const D: usize> SurfaceFlow<'_, D> {
+    /// The distribution on `wall`, with its description: `[facet][point][column]`, in the plane along its curves.
+    pub fn of_wall<const M: usize>(&self, wall: &Wall<D>) -> (ArraySpec, Vec<f64>)
+    where
+        NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
+    {
+        let mesh = &self.mover.reference;
+        let fractions = mesh.arc_fractions(&self.mover.numbering, wall.boundary).unwrap_or_default();
+        let orders = [self.flow.order, mesh.order()];
+        let faces: Vec<FacePoints<D>> = (0..2 * D).map(|face| FacePoints::with_rule(face, orders, self.rule)).collect();
+        let of_wall = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall.boundary);
+        let facets: Vec<BoundaryFacet> = of_wall.copied().collect();
+        let up_to_points = curve::integrals(self.rule);
+        let (mut values, mut length) = (Vec::new(), 0.0);
+        for facet in curve::in_order(mesh, &self.mover.numbering, &facets) {
+            let mut rows = self.of_facet::<M>(wall, &facets[facet], &faces[facets[facet].side.face], &fractions);
+            if D == 2 {
+                if curve::is_reversed(facets[facet].side.face) {
+                    rows.reverse();
+                }
+                length = self.add_arc_length(&mut rows, &up_to_points, length);
+            }
+            values.extend(rows.concat());
+        }
+        let numbers = columns(D).iter().map(|column| column.components).sum();
+        let points = self.rule.points.len().pow(D as u32 - 1);
+        let axes = [("facet", facets.len()), ("point", points), ("column", numbers)];
+        (ArraySpec::new(&surface_name(&wall.name), &axes), values)
+    }
+
+    /// Puts the arc length into the rows of a facet that begins at `start`; returns that at its end.
+    fn add_arc_length(&self, rows: &mut [Vec<f64>], up_to_points: &[Vec<f64>], start: f64) -> f64 {
+        // s, arc length, position, normal, area.
+        let (arc, area) = (1, 2 + 2 * D);
+        let speeds: Vec<f64> = rows.iter().zip(&self.rule.weights).map(|(row, weight)| row[area] / weight).collect();
+        for (row, integrals) in rows.iter_mut().zip(up_to_points) {
+            row[arc] = start + dot_of(&speeds, integrals);
+        }
+        start + rows.iter().map(|row| row[area]).sum::<f64>()
+    }
+
+    fn of_facet<const M: usize>(
+        &self,
+        wall: &Wall<D>,
+        facet: &BoundaryFacet,
+        points: &FacePoints<D>,
+        fractions: &BTreeMap<usize, f64>,
+    ) -> Vec<Vec<f64>>
+    where
+        NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
+    {
+        let (cell, face) = (facet.side.cell, facet.side.face);
+        let nodal = by_node::<D>(&self.mover.cell_positions(cell, self.displacement));
+        let (x, jacobians) = (points.map.positions(&nodal), points.map.jacobians(&nodal));
+        let (nodes, coefficients) = (self.mover.numbering.cell(cell), (self.state)(cell));
+        let at = |p: usize| {
+            let [of_flow, of_mesh] = &points.functions[p];
+            let value = |m: usize, functions: &[f64]| dot_of(&coefficients[m * functions.len()..], functions);
+            let slopes: [[f64; M]; D] =
+                std::array::from_fn(|j| std::array::from_fn(|m| value(m, &points.slopes[p][j])));
+            let moved = |i: usize| nodes.iter().zip(of_mesh).map(|(node, phi)| phi * self.velocity[node * D + i]).sum();
+            let here = Here {
+                wall,
+                face,
+                u: std::array::from_fn(|m| value(m, of_flow)),
+                gradient: physical(&slopes, &jacobians[p]),
+                jacobian: jacobians[p],
+                velocity: std::array::from_fn(moved),
+            };
+            let s = along_arc(nodes.iter().map(|node| fractions.get(node).copied()), of_mesh);
+            let along: &[f64] = if D == 2 { &[s, 0.0] } else { &[] };
+            [along, &x[p], &self.values(&here, points.weights[p])].concat()
+        };
+        (0..points.weights.len()).map(at).collect()
+    }
+
+    /// The columns from the normal on.
+    fn values<const M: usize>(&self, here: &Here<'_, D, M>, weight: f64) -> Vec<f64>
+    where
+        NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
+    {
+        let q = here.wall.scales.dynamic_pressure;
+        let (normal, size) = unit_normal(here);
+        let WallFlux { pressure, friction, heat } = self.flux(here);
+        let across = dot(&friction, &normal);
+        let tangential: [f64; D] = std::array::from_fn(|i| friction[i] - across * normal[i]);
+        let pressure_coefficient = (pressure - self.flow.reference_pressure()) / q;
+        let plus = self.y_plus(here, norm(&tangential), &normal);
+        let scalars = [norm(&tangential) / q, heat, plus];
+        let areas = [weight * size, pressure, pressure_coefficient];
+        [&normal[..], &areas, &friction, &tangential.map(|tau| tau / q), &scalars].concat()
+    }
+
+    /// The numerical flux of the wall: see `fem::boundary`, whose kernels integrate the same.
+    fn flux<const M: usize>(&self, here: &Here<'_, D, M>) -> WallFlux<D>
+    where
+        NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
+    {
+        let (law, condition) = (&self.flow.law, self.flow.boundary[here.wall.boundary].condition);
+        let (normal, size) = unit_normal(here);
+        let data = [0.0; M];
+        let at = BoundaryPoint { normal: &normal, velocity: &here.velocity, data: &data };
+        let inviscid = law.boundary_flux(condition, &here.u, at);
+        let mut viscous = [0.0; M];
+        if law.is_viscous() {
+            let state = law.boundary_state(condition, &here.u, at);
+            let jump: [[f64; M]; D] = normal.map(|n| std::array::from_fn(|m| (here.u[m] - state[m]) * n));
+            let through = law.boundary_viscous_flux(condition, &state, &here.gradient, at);
+            let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);
+            let sigma = size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64;
+            viscous = std::array::from_fn(|m| sigma * penalised[m] - through[m]);
+        }
+        let friction = law.momentum(&viscous);
+        let moving = law.boundary_velocity(condition, &normal, &here.velocity);
+        let heat = law.energy(&viscous) - dot(&friction, &moving);
+        WallFlux { pressure: dot(&law.momentum(&inviscid), &normal), friction, heat }
+    }
+
+    /// y+ of the first nodes.
+    fn y_plus<const M: usize>(&self, here: &Here<'_, D, M>, friction: f64, n: &[f64; D]) -> f64 {
+        let gas = Primitive::<f64, D>::unpack(&self.flow.law.gas, &here.u);
+        let (axis, _) = axis_and_side(here.face);
+        let nodes = basis::gauss_lobatto(self.flow.order).points;
+        let step = outward_sign(here.face) * (nodes[1] - nodes[0]);
+        let inwards: [f64; D] = std::array::from_fn(|i| here.jacobian[i][axis] * step);
+        let viscosity = self.flow.law.gas.dynamic_viscosity(self.flow.law.gas.temperature(gas.density, gas.pressure));
+        gas.density * (friction / gas.density).sqrt() * dot(&inwards, n).abs() / viscosity
+    }
+}
+
+/// The normal out of the domain, and the area of the facet per area of the reference face.
+fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; D], f64) {
+    let area = outward_area(&here.jacobian, here.face);
+    let size = norm(&area);
+    (area.map(|a| a / size), size)
+}
+
+fn det<const D: usize>(jacobian: &[[f64; D]; D]) -> f64 {
+    determinant(jacobian, &cofactor(jacobian))
+}
+
+/// grad_x u = J^-T grad_xi u.
+pub fn physical<const D: usize, const M: usize>(slopes: &[[f64; M]; D], jacobian: &[[f64; D]; D]) -> [[f64; M]; D] {
+    let (cof, det) = (cofactor(jacobian), det(jacobian));
+    std::array::from_fn(|k| std::array::from_fn(|m| (0..D).map(|j| cof[k][j] * slopes[j][m]).sum::<f64>() / det))
+}
+
+/// The fraction of the arc at a point of a facet, from those of its nodes; NaN where the wall is no closed curve.
+fn along_arc(nodes: impl Iterator<Item = Option<f64>>, functions: &[f64]) -> f64 {
+    let known: Vec<(f64, f64)> = nodes.zip(functions).filter_map(|(s, phi)| Some((s?, *phi))).collect();
+    let largest = known.iter().fold(f64::NEG_INFINITY, |most: f64, (s, _)| most.max(*s));
+    // Zero and one are the same place.
+    let sum: f64 = known.iter().map(|(s, phi)| phi * if largest - s > 0.5 { s + 1.0 } else { *s }).sum();
+    if known.is_empty() { f64::NAN } else { sum.rem_euclid(1.0) }
+}

@@ -1,0 +1,18 @@
+//! Distributions along walls: series in the result file, and files `surface_NAME.csv` and `surface_NAME.vtkhdf` for each wall that the case
+//! names.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `distribution` | pressure, friction and heat at the points of a wall |
+//! | `curve` | the facets of a wall in the plane, one after the other |
+//! | `columns` | the numbers of a point, and their names |
+//! | `files` | the files of a wall |
+
+mod columns;
+mod curve;
+mod distribution;
+mod files;
+
+pub use columns::{Column, columns, surface_name};
+pub use distribution::{SurfaceFlow, physical};
+pub use files::write;
