@@ -5,6 +5,7 @@ mod boundary_motion;
 mod displacement;
 mod flow;
 mod forces;
+mod given;
 mod held_nodes;
 mod inertia;
 mod initial;
