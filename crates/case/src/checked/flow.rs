@@ -1,6 +1,7 @@
 //! The flow.
 
 use super::forces::{self, Wall};
+use super::given::{self, Given};
 use super::initial;
 use super::mesh_crate::Mesh;
 use super::openings;
@@ -15,8 +16,8 @@ use crate::raw;
 use crate::state::State;
 use crate::vector::Vector;
 use navier_stokes::{
-    AdiabaticWall, Boundary, FarField, Gas, IsothermalWall, NavierStokes, PrescribedState, Reference, Riemann,
-    SlipWall, Source, Viscosity, VolumeFlux,
+    AdiabaticWall, Boundary, FarField, IsothermalWall, NavierStokes, PrescribedState, Riemann, SlipWall, Source,
+    VolumeFlux,
 };
 
 /// The compressible flow.
@@ -77,7 +78,7 @@ pub(super) fn check<const D: usize>(
     let quadrature = errors.note(quadrature(checker, &key.child("quadrature"), raw.quadrature, raw.order));
     let volume_flux = errors.note(volume_flux(checker, &key, raw));
     let acceleration = errors.note(acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time));
-    let given = errors.note(given(checker, &key, raw));
+    let given = errors.note(given::check(checker, &key, raw));
     let boundary = given.as_ref().and_then(|given| {
         let boundary = boundary(checker, &key.child("boundary"), raw, mesh, given, time);
         errors.note(boundary)
@@ -123,55 +124,6 @@ pub(super) fn check<const D: usize>(
     })
 }
 
-/// The gas, the states and the reference of a flow, to which its conditions refer.
-struct Given<const D: usize> {
-    exact: Option<State<D>>,
-    initial: State<D>,
-    /// The velocity at the start, if it is uniform.
-    uniform_velocity: Option<[f64; D]>,
-    gas: Gas,
-    reference: Reference,
-    /// The speed and the length of the reference.
-    speed: f64,
-    length: f64,
-}
-
-fn given<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<Given<D>> {
-    let gas = gas::<D>(checker, key, raw)?;
-    let [exact, initial] = states(checker, key, raw, gas)?;
-    let Some(start) = initial.as_ref().or(exact.as_ref()).map(|typical| typical.state.clone()) else {
-        let accepted = "a key `initial`, or `exact` from which it is taken";
-        return Err(checker.combination(key, "there is no initial state", accepted));
-    };
-    let stream = exact.as_ref().or(initial.as_ref()).and_then(|typical| typical.stream);
-    let (reference, speed, length) = reference(checker, key, raw.reference.as_ref(), stream, gas)?;
-    let uniform = initial.as_ref().filter(|typical| matches!(typical.state, State::Uniform(_)));
-    let uniform_velocity = uniform.and_then(|typical| typical.stream).map(|stream| stream.velocity);
-    if initial.is_none() && exact.is_some() {
-        checker.note_default(&key.child("initial"), "flow.exact");
-    }
-    if raw.source == Some(raw::Source::Manufactured) && exact.is_none() {
-        let problem = "a manufactured source needs a solution to be made for";
-        return Err(checker.combination(&key.child("source"), problem, "this key together with `exact`"));
-    }
-    let exact = exact.map(|typical| typical.state);
-    Ok(Given { exact, initial: start, uniform_velocity, gas, reference, speed, length })
-}
-
-/// The exact and the initial state of `gas`.
-fn states<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: &raw::Flow,
-    gas: Gas,
-) -> Checked<[Option<Typical<D>>; 2]> {
-    let state = |(name, state): (&str, &Option<raw::State>)| {
-        state.as_ref().map(|state| states::check::<D>(checker, &key.child(name), state, gas)).transpose()
-    };
-    let mut states = collected([("exact", &raw.exact), ("initial", &raw.initial)].into_iter().map(state))?.into_iter();
-    Ok([states.next().flatten(), states.next().flatten()])
-}
-
 /// The acceleration of a body force, which has a value everywhere at the start and the end.
 fn acceleration<const D: usize>(
     checker: &Checker<'_>,
@@ -190,102 +142,6 @@ fn acceleration<const D: usize>(
         checker.require(&key, &quantity, bounded, "formulas that are finite everywhere, and at most 1e60")?;
     }
     Ok(Some(acceleration))
-}
-
-/// The gas. A Reynolds number needs the reference, and that the states of a gas of any viscosity.
-fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) -> Checked<Gas> {
-    let (key, raw) = (&flow_key.child("gas"), &flow.gas);
-    let mut errors = Errors::default();
-    let gamma = (1.0001..=100.0).contains(&raw.gamma);
-    let accepted = "a number above 1 (air: 1.4), from 1.0001 to 100";
-    errors.note(checker.require(&key.child("gamma"), "the ratio of specific heats", gamma, accepted));
-    let (prandtl, accepted) = ((1e-6..=1e6).contains(&raw.prandtl), "a positive number, 1e-6 to 1e6 (air: 0.72)");
-    errors.note(checker.require(&key.child("prandtl"), "the Prandtl number", prandtl, accepted));
-    let gas_constant = errors.note(gas_constant(checker, key, raw));
-    let viscosity = errors.note(viscosity(checker, &key.child("viscosity"), &raw.viscosity));
-    errors.all()?;
-    let (Some(gas_constant), Some(viscosity)) = (gas_constant, viscosity) else {
-        unreachable!("what is missing has left an error")
-    };
-    let gas = |viscosity| checker.physics(key, Gas::new(raw.gamma, gas_constant, raw.prandtl, viscosity));
-    let raw::Viscosity::Reynolds(reynolds) = raw.viscosity else { return gas(viscosity) };
-    let provisional = gas(viscosity)?;
-    let [exact, initial] = states::<D>(checker, flow_key, flow, provisional)?;
-    let stream = exact.or(initial).and_then(|typical| typical.stream);
-    let (reference, speed, length) = reference(checker, flow_key, flow.reference.as_ref(), stream, provisional)?;
-    gas(Viscosity::Constant(reference.density() * speed * length / reynolds))
-}
-
-fn gas_constant(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<f64> {
-    match (raw.gas_constant, raw.mach) {
-        (Some(given), None) => checker.positive(&key.child("gas_constant"), "the gas constant", given),
-        (None, None) => {
-            checker.note_default(&key.child("gas_constant"), "1.0");
-            Ok(1.0)
-        }
-        (None, Some(mach)) => {
-            let mach = checker.positive(&key.child("mach"), "the Mach number", mach)?;
-            Ok(1.0 / (raw.gamma * mach * mach))
-        }
-        _ => Err(checker.combination(key, "the gas constant is given twice", "`gas_constant` or `mach`")),
-    }
-}
-
-/// The viscosity; that of a Reynolds number is any.
-fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
-    match *raw {
-        raw::Viscosity::Inviscid => Ok(Viscosity::Inviscid),
-        raw::Viscosity::Constant(viscosity) => {
-            Ok(Viscosity::Constant(checker.positive(&key.child("constant"), "the viscosity", viscosity)?))
-        }
-        raw::Viscosity::Reynolds(reynolds) => {
-            checker.positive(&key.child("reynolds"), "the Reynolds number", reynolds)?;
-            Ok(Viscosity::Constant(1.0))
-        }
-        raw::Viscosity::Sutherland { viscosity, temperature, constant } => {
-            let key = key.child("sutherland");
-            for (name, value) in [("viscosity", viscosity), ("temperature", temperature), ("constant", constant)] {
-                checker.positive(&key.child(name), "the number", value)?;
-            }
-            Ok(Viscosity::Sutherland { viscosity, temperature, constant })
-        }
-    }
-}
-
-/// The given reference state, or the `stream`; with its speed and a length.
-fn reference<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: Option<&raw::Reference>,
-    stream: Option<navier_stokes::Primitive<f64, D>>,
-    gas: Gas,
-) -> Checked<(Reference, f64, f64)> {
-    let key_reference = key.child("reference");
-    if let Some(raw) = raw {
-        let numbers =
-            [("density", raw.density), ("speed", raw.speed), ("pressure", raw.pressure), ("length", raw.length)];
-        for (name, value) in numbers {
-            checker.positive(&key_reference.child(name), &format!("the {name}"), value)?;
-        }
-        let reference = Reference::new(&gas, raw.density, raw.speed, raw.pressure);
-        let reference = checker.physics(&key_reference, reference)?;
-        let (mach, accepted) = (reference.mach(), "sizes of one flow: a Mach number from 1e-6 to 100");
-        let quantity = format!("the Mach number, speed over sqrt(gamma p / rho), {mach:.3e},");
-        checker.require(&key_reference.child("speed"), &quantity, (1e-6..=100.0).contains(&mach), accepted)?;
-        return Ok((reference, raw.speed, raw.length));
-    }
-    let accepted = "a table `reference = { density, speed, pressure }` with sizes that are typical of the flow";
-    let speed = stream.map_or(0.0, |stream| tensor::norm(&stream.velocity));
-    let Some(stream) = stream.filter(|_| speed > 0.0) else {
-        let problem = "the size of the velocity cannot be told from the exact or the initial state";
-        return Err(checker.combination(&key_reference, problem, accepted));
-    };
-    let (density, pressure) = (stream.density, stream.pressure);
-    let taken =
-        format!("{{ density = {density}, speed = {speed}, pressure = {pressure}, length = 1 }}, of the free stream");
-    checker.note_default(&key_reference, &taken);
-    let reference = Reference::new(&gas, density, speed, pressure);
-    Ok((checker.physics(&key_reference, reference)?, speed, 1.0))
 }
 
 fn riemann(raw: raw::Riemann) -> Riemann {

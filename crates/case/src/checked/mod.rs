@@ -6,6 +6,7 @@ mod boundary_motion;
 mod displacement;
 mod flow;
 mod forces;
+mod given;
 mod held_nodes;
 mod inertia;
 mod initial;

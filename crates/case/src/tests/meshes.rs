@@ -311,3 +311,58 @@ fn what_is_wrong_with_a_mesh_is_named_by_its_key() {
     let message = with_mesh("generate.airfoil = {}").unwrap_err().to_string();
     assert!(message.contains("the order of the mesh is missing"), "{message}");
 }
+
+/// Airfoils by their four digits and by points of a file, end to end.
+#[test]
+fn airfoils_with_camber_are_meshes() {
+    let directory = tempfile::tempdir().unwrap();
+    let case = |key: &str| {
+        let text = format!(
+            "mesh = {{ order = 3, generate.airfoil = {{ {key}, far_field = 10 }} }}\nflow = {{ order = 2, initial.uniform = {{ \
+             velocity = [1, 0], mach = 0.2 }}, boundary = {{ airfoil = \"slip_wall\", far = {{ far_field = {{ velocity = [1, 0], mach = \
+             0.2 }} }} }} }}\ntime = {{ order = 1, end = 1, slabs = 1 }}\n"
+        );
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    let wall = |case: Result<AnyCase, Box<CaseError>>| -> Vec<[f64; 2]> {
+        let Ok(AnyCase::Plane(case)) = case else { panic!("{case:?}") };
+        let wall = case.mesh.boundary_names().iter().position(|name| name == "airfoil").unwrap();
+        let facets = case.mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall);
+        let nodes = facets.flat_map(|facet| {
+            let x = case.mesh.cell_coordinates(facet.side.cell);
+            ::mesh::face_nodes(2, 3, facet.side.face).into_iter().map(|k| [x[2 * k], x[2 * k + 1]]).collect::<Vec<_>>()
+        });
+        nodes.collect()
+    };
+    // The largest ordinate of the NACA 4412 is 0.098, the smallest -0.0288 (Abbott & von Doenhoff).
+    let naca = wall(case("naca = \"4412\""));
+    let [lowest, highest] = [f64::min, f64::max].map(|pick| naca.iter().map(|x| x[1]).reduce(pick).unwrap());
+    assert!((highest - 0.098).abs() < 1e-3 && (lowest + 0.0288).abs() < 5e-4, "{lowest} {highest}");
+    // Its own points, as a file.
+    let mut above: Vec<[f64; 2]> = naca.clone();
+    above.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let nose = above[0];
+    let middle = |x: f64| if x < 0.4 { 0.25 * x * (0.8 - x) } else { (0.2 + 0.8 * x - x * x) / 9.0 };
+    let (mut upper, mut lower): (Vec<_>, Vec<_>) = above[1..].iter().copied().partition(|x| x[1] > middle(x[0]));
+    upper.push([1.0, 0.0]);
+    upper.reverse();
+    upper.push(nose);
+    upper.append(&mut lower);
+    let text: String = upper.iter().map(|[x, y]| format!("  {x:.9}  {y:.9}\n")).collect();
+    std::fs::write(directory.path().join("airfoil.dat"), format!("NACA 4412\n{text}")).unwrap();
+    let points = wall(case("profile = \"airfoil.dat\""));
+    let apart =
+        |x: &[f64; 2]| naca.iter().map(|other| (other[0] - x[0]).hypot(other[1] - x[1])).fold(f64::INFINITY, f64::min);
+    assert!(points.iter().map(apart).fold(0.0, f64::max) < 0.01);
+    for (key, part) in [
+        ("naca = \"2012\"", "four digits such as \"2412\""),
+        ("naca = \"2412\", profile = \"airfoil.dat\"", "given twice"),
+        ("profile = \"none.dat\"", "cannot read"),
+    ] {
+        let message = case(key).unwrap_err().to_string();
+        assert!(message.contains(part), "{message}");
+    }
+    std::fs::write(directory.path().join("airfoil.dat"), "1 0\n0 0\n1 0.001\n").unwrap();
+    let message = case("profile = \"airfoil.dat\"").unwrap_err().to_string();
+    assert!(message.contains("3 points define no airfoil") && message.contains("accepted: points from"), "{message}");
+}

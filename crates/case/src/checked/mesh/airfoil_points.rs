@@ -12,6 +12,9 @@ pub(super) const POINTS: &str = "points from the trailing edge over the upper si
 /// The fewest points that define an airfoil.
 const FEWEST: usize = 7;
 
+/// Points closer than this part of the chord are one.
+const SAME: f64 = 1e-9;
+
 /// Cubic splines through points, in the length of the polygon from the lower trailing edge over the nose to the upper one.
 pub(super) struct Points {
     x: Table,
@@ -49,7 +52,8 @@ impl Points {
 
     /// The airfoil through points, or what is wrong with them.
     pub(super) fn through(mut points: Vec<[f64; 2]>) -> Result<Self, String> {
-        points.dedup();
+        let extent = points.iter().fold(0.0, |extent: f64, x| extent.max((x[0] - points[0][0]).abs()));
+        points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME * extent);
         if points.len() < FEWEST {
             return Err(format!("{} points define no airfoil", points.len()));
         }

@@ -4,11 +4,11 @@
 //! Y is a smooth function of s, and so is the ordinate y_b(s) of the symmetric airfoil. A point (x, y) of the mesh around that one moves to
 //!
 //! ```text
-//! (x + w X_0 (1 - x),  y + w (c(x) + (r(x) - 1) y)),     c = (Y(s) + Y(-s)) / 2,     r = (Y(s) - Y(-s)) / (2 y_b(s))                  (camber)
+//! (x + w X_0 (1 - x),  y + w (c(x) + (r(x) - 1) b(y))),     c = (Y(s) + Y(-s)) / 2,     r = (Y(s) - Y(-s)) / (2 y_b(s))                  (camber)
 //! ```
 //!
-//! with a weight w of 1 near the airfoil and 0 far from it. On the wall, where y = +-y_b, this is the contour itself. Before and behind the
-//! airfoil c goes on along its tangents.
+//! with a weight w of 1 near the airfoil and 0 far from it, and b(y) = y up to the thickness of the airfoil, constant beyond, so that cells keep
+//! their order. On the wall, where y = +-y_b, this is the contour itself. Before and behind the airfoil c goes on along its tangents.
 
 use ::mesh::generate::AirfoilMesh;
 use ::mesh::{Mesh, MeshError, Side};
@@ -115,7 +115,7 @@ impl<'a, 'b> Map<'a, 'b> {
         if weight == 0.0 {
             return [x, y];
         }
-        let up = self.camber(x) + (self.ratio(x) - 1.0) * y;
+        let up = self.camber(x) + (self.ratio(x) - 1.0) * bounded(y, 0.5 * self.symmetric.thickness);
         [x + weight * self.front * (1.0 - x.clamp(0.0, 1.0)), y + weight * up]
     }
 }
@@ -125,6 +125,19 @@ fn weight(distance: f64) -> f64 {
     let [near, far] = NEAR_AND_FAR;
     let t = ((distance - near) / (far - near)).clamp(0.0, 1.0);
     1.0 - t.powi(4) * (35.0 - t * (84.0 - t * (70.0 - 20.0 * t)))
+}
+
+/// The distance over which b(y) becomes constant.
+const BENDING: f64 = 0.5;
+
+/// b(y): y up to |y| = `linear`, constant beyond that and [`BENDING`]. Its slope falls as [`weight`] does.
+fn bounded(y: f64, linear: f64) -> f64 {
+    if y.abs() <= linear {
+        return y;
+    }
+    let t = ((y.abs() - linear) / BENDING).min(1.0);
+    let bent = t - t.powi(5) * (7.0 - t * (14.0 - t * (10.0 - 2.5 * t)));
+    (linear + BENDING * bent).copysign(y)
 }
 
 /// An airfoil NACA of four digits: camber m at the position p of the chord, and thickness.
@@ -217,9 +230,13 @@ mod tests {
                     let at = airfoil.position(&symmetric, sigma);
                     (at[0] - x[0]).hypot(at[1] - x[1])
                 };
-                let nearest =
-                    (-200..=200).map(|k| f64::from(k) / 200.0).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
-                let sigma = foremost(&off, [(nearest - 0.006).max(-1.0), (nearest + 0.006).min(1.0)]);
+                // At the trailing edge the other side is close.
+                let on_side = |side: f64| {
+                    let samples = (0..=200).map(|k| side * f64::from(k) / 200.0);
+                    let nearest = samples.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
+                    foremost(&off, [(nearest - 0.006).max(-1.0), (nearest + 0.006).min(1.0)])
+                };
+                let sigma = [-1.0, 1.0].map(on_side).into_iter().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
                 assert!(off(sigma) < 1e-7, "{digits}: {:e} at {x:?}", off(sigma));
             }
         }
@@ -234,6 +251,14 @@ mod tests {
         let symmetric = AirfoilMesh::naca0012(3);
         let [upper, lower] = [1.0, -1.0].map(|side| airfoil.position(&symmetric, side * 0.4_f64.sqrt())[1]);
         assert!((0.5 * (upper + lower) - 0.02).abs() < 1e-15 && (0.5 * (upper - lower) - 0.058).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_bound_is_smooth_and_increases() {
+        let slope = |y: f64| (bounded(y + 1e-6, 0.1) - bounded(y - 1e-6, 0.1)) / 2e-6;
+        assert!((slope(0.05) - 1.0).abs() < 1e-9 && (slope(0.1) - 1.0).abs() < 1e-9 && slope(0.601).abs() < 1e-9);
+        assert!((0..200).all(|k| slope(0.01 * f64::from(k)) >= -1e-9));
+        assert!((bounded(-3.0, 0.1) + 0.35).abs() < 1e-15);
     }
 
     #[test]
