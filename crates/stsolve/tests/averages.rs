@@ -215,6 +215,16 @@ fn a_restart_continues_averages_of_the_same_kind() {
 }
 
 #[test]
+fn check_tells_what_is_averaged() {
+    let directory = TempDir::new().unwrap();
+    let set = ["--set", "output.averages={from=0.25,period=0.3,phases=5}"];
+    let out = stsolve(directory.path(), &[&["check", &shipped("free_stream.toml")], &set[..]].concat());
+    for part in ["averages from", "0.25", "of 2.500 periods"] {
+        assert!(out.stdout.contains(part), "no `{part}` in: {}", out.stdout);
+    }
+}
+
+#[test]
 fn averages_that_make_no_sense_are_refused() {
     let directory = TempDir::new().unwrap();
     let refused = [

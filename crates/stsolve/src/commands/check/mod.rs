@@ -3,12 +3,14 @@
 //! | module | holds |
 //! |---|---|
 //! | `tables` | figures of a case without trial computations |
+//! | `outputs` | averages and distributions |
 //! | `scales` | speed and amplitude of the motion of the mesh |
 //! | `walls` | resolution of the first cell at a wall |
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
 
 mod measured;
+mod outputs;
 mod scales;
 mod tables;
 mod walls;
@@ -84,7 +86,9 @@ impl<'a, const D: usize> Facts<'a, D> {
     /// The size of coefficients and fields of the slabs that are written, in MB.
     fn result_megabytes(&self) -> f64 {
         let coordinates = self.case.mesh.coordinates().len() / D;
-        let (points, slabs) = (coordinates * (3 + 2 * self.case.output.fields.len()), self.case.time.slabs);
+        let averages = self.case.averages.as_ref().map_or(0, |averages| averages.fields.len());
+        let fields = self.case.output.fields.len() + 2 * averages;
+        let (points, slabs) = (coordinates * (3 + 2 * fields), self.case.time.slabs);
         let coefficients = self.case.flow_unknowns() + D * coordinates * self.case.time.order;
         8e-6 * (points + coefficients) as f64 * (slabs / self.case.output.every + 2) as f64
     }

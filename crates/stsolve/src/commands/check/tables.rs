@@ -1,7 +1,7 @@
 //! Figures of a case without trial computations.
 
 use super::super::table::Table;
-use super::Facts;
+use super::{Facts, outputs};
 use case::{About, Analysis, Case, Flow, Motion, Plane, Preconditioner, Structure, StructureLaw, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
@@ -18,6 +18,7 @@ pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
         tables.push(flow_table(facts, flow));
         tables.extend(wall_table(facts, flow));
     }
+    tables.extend(outputs::table(case));
     tables.push(cost_table(facts));
     tables
 }
