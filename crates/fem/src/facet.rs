@@ -135,7 +135,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 if law.is_viscous() {
                     let (map_minus, map_plus) = (self.map_of_side(geometry, 0, at), self.map_of_side(geometry, 1, at));
                     let maps = [&map_minus, &map_plus];
-                    self.interior_viscous([&minus, &plus], (&here, maps), at, &mut scratch.sides, &mut f);
+                    self.interior_viscous([&minus, &plus], &here, maps, at, &mut scratch.sides, &mut f);
                 }
                 for m in 0..M {
                     let term = (f[m].scale(here.area) * here.weight).result();
@@ -155,7 +155,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn interior_viscous(
         self,
         [minus, plus]: [&[K::State<S>; M]; 2],
-        (here, [metric_minus, metric_plus]): (&FacetPoint<K::Geometry<S>, D>, [&Metric<K::Geometry<S>, D>; 2]),
+        here: &FacetPoint<K::Geometry<S>, D>,
+        [metric_minus, metric_plus]: [&Metric<K::Geometry<S>, D>; 2],
         at: PointIndex,
         [side_minus, side_plus]: &mut [SideScratch; 2],
         f: &mut [K::State<S>; M],

@@ -56,13 +56,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn add_pair(self, [u, geometry]: [&[Pack]; 2], pair: Pair, part: usize, tested: &mut [Pack]) {
         let points = self.tables.volume_points();
         let (fields, [i, j]) = (Fields::new(geometry_len(D), points), pair.nodes);
-        let (mut area, other): ([K::Geometry<S>; D], [K::Geometry<S>; D]) = (
-            fields.from(pair.axis * D).vector(self.simd, geometry, i, part),
-            fields.from(pair.axis * D).vector(self.simd, geometry, j, part),
-        );
-        let v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, i, part);
-        let other_v: [K::Geometry<S>; D] = fields.from(D * D).vector(self.simd, geometry, j, part);
-        let grid_flux = (dot(&area, &v) + dot(&other, &other_v)) * 0.5;
+        let (areas, velocities) = (fields.from(pair.axis * D), fields.from(D * D));
+        let mut area: [K::Geometry<S>; D] = areas.vector(self.simd, geometry, i, part);
+        let other: [K::Geometry<S>; D] = areas.vector(self.simd, geometry, j, part);
+        let of_i = dot(&area, &velocities.vector(self.simd, geometry, i, part));
+        let of_j = dot(&other, &velocities.vector(self.simd, geometry, j, part));
+        let grid_flux = (of_i + of_j) * 0.5;
         for d in 0..D {
             area[d] = (area[d] + other[d]) * 0.5;
         }

@@ -168,7 +168,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         for p in 0..points {
             for part in 0..Lanes::<S>::PARTS {
                 let at = PointIndex { points, p, part };
-                let (metric, v) = self.cell_point(known.unwrap_or(&scratch.geometry.at_points), at);
+                let geometry = known.unwrap_or(&scratch.geometry.at_points);
+                let (metric, v) = (self.cell_metric(geometry, at), self.cell_velocity(geometry, at));
                 let u = self.state(&scratch.u, at);
                 let mut gradient = [u; D];
                 if viscous {
@@ -217,12 +218,16 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         flux
     }
 
-    /// Metric and velocity at a point, of `geometry[b][number][p]`.
+    /// The metric at a point, of `geometry[b][number][p]`.
     #[inline(always)]
-    fn cell_point(self, geometry: &[Pack], at: PointIndex) -> (Metric<K::Geometry<S>, D>, [K::Geometry<S>; D]) {
-        let fields = Fields::new(geometry_len(D), at.points);
-        let v = fields.from(D * D).vector(self.simd, geometry, at.p, at.part);
-        (self.metric(geometry, fields, [0, D * D + D], at), v)
+    fn cell_metric(self, geometry: &[Pack], at: PointIndex) -> Metric<K::Geometry<S>, D> {
+        self.metric(geometry, Fields::new(geometry_len(D), at.points), [0, D * D + D], at)
+    }
+
+    /// The velocity of the mesh at a point, of `geometry[b][number][p]`.
+    #[inline(always)]
+    fn cell_velocity(self, geometry: &[Pack], at: PointIndex) -> [K::Geometry<S>; D] {
+        Fields::new(geometry_len(D), at.points).from(D * D).vector(self.simd, geometry, at.p, at.part)
     }
 
     /// weight grad_x w . f J as tests against reference derivatives: weight sum_k cof_kj f_k for direction j; `tested[j][m][p]`.
