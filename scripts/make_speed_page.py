@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Writes docs/src/speed.md, the only page with seconds, from a measurement of the kernels and from finished runs.
 
-    make_speed_page.py [--bench FILE] [--bench-mesh-order-3 FILE] [--runs DIRECTORY] [--study DIRECTORY] [--date DATE] [--machine NAME]
+    make_speed_page.py [--bench FILE] [--bench-mesh-order-3 FILE] [--bench-collocated FILE] [--bench-lobatto FILE] [--runs DIRECTORY] [--study DIRECTORY] [--date DATE] [--machine NAME]
 
 --bench: output of `stsolve bench --orders 4,8 --kernel flow,elasticity --seconds 2 --json` on an idle machine; the other file, of the same
-command with `--kernel flow --mesh-order 3`. --runs: the directory of runs of the shipped cases (runs/NAME). --study: the runs of
+command with `--kernel flow --mesh-order 3`, with `--kernel flow --quadrature collocated` and with `collocated_lobatto`. --runs: the directory of runs of the shipped cases (runs/NAME). --study: the runs of
 `airfoil_study.py` (runs/airfoil_study). --date and --machine: when and where they were measured (default: today, this processor). A section
 without input stays as it is.
 """
@@ -59,12 +59,26 @@ def processor():
     return names[0] if names else platform.processor() or platform.machine()
 
 
-def kernels(file, coarse, date, name):
+def collocated(file, text):
+    """The rows of a collocated rule: its residual, and what a product costs."""
+    if not file:
+        return []
+    rows = bench_rows(file)
+    return [
+        (f"flow residual, {text}", *(rate(rows["residual", *size]) for size in SIZES)),
+        ("Jacobian product, time over that residual's", *(time_over("product", "residual", rows, size) for size in SIZES)),
+    ]
+
+
+def kernels(file, others, date, name):
     machine, rows = json.loads(file.read_text())["machine"], bench_rows(file)
     lines = [(text, *(rate(rows[kernel, *size]) for size in SIZES)) for kernel, text in KERNELS.items()]
     lines.append(("Jacobian product, time over the residual's", *(time_over("product", "residual", rows, size) for size in SIZES)))
-    if coarse:
-        lines.append(("flow residual on a mesh of order 3", *(rate(bench_rows(coarse)["residual", *size]) for size in SIZES)))
+    if others.bench_mesh_order_3:
+        coarse = bench_rows(others.bench_mesh_order_3)
+        lines.append(("flow residual on a mesh of order 3", *(rate(coarse["residual", *size]) for size in SIZES)))
+    lines += collocated(others.bench_collocated, "collocated quadrature (Gauss)")
+    lines += collocated(others.bench_lobatto, "collocated quadrature (Gauss-Lobatto)")
     head = ("kernel", *(f"{dimension}-D, N = {order}" for dimension, order in SIZES))
     solve, set_up = ([rows[f"elasticity {part}", 2, order]["seconds_one"] for order in (4, 8)] for part in ("solve", "set-up"))
     return f"""Measured on {date} on {machine['threads']} cores of {name}. Peak of one core: {machine['gflops_one']:.0f} GFLOP/s and
@@ -106,14 +120,14 @@ def sections():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name in ("--bench", "--bench-mesh-order-3", "--runs", "--study"):
+    for name in ("--bench", "--bench-mesh-order-3", "--bench-collocated", "--bench-lobatto", "--runs", "--study"):
         parser.add_argument(name, type=pathlib.Path)
     parser.add_argument("--date", default=datetime.date.today().isoformat())
     parser.add_argument("--machine", default=processor())
     arguments = parser.parse_args()
     page = sections()
     if arguments.bench:
-        page["Kernels"] = kernels(arguments.bench, arguments.bench_mesh_order_3, arguments.date, arguments.machine)
+        page["Kernels"] = kernels(arguments.bench, arguments, arguments.date, arguments.machine)
     if arguments.runs:
         page["Runs of the shipped cases"] = measured_runs(arguments.runs, arguments.date, lambda name: f"[`{name}`](cases/{name}.md)")
     if arguments.study:

@@ -182,6 +182,8 @@ pub struct Gas {
     pub cell_reynolds: Option<f64>,
     /// Quadrature points per direction, and the number that conserves on any moving mesh.
     pub quadrature: [usize; 2],
+    /// Whether the inviscid volume terms are in split form.
+    pub is_split: bool,
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
     /// Flow at inflows and outflows that their conditions are not made for.

@@ -111,11 +111,9 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         ),
         false => "perhaps steeper within the slab than the mesh resolves".to_owned(),
     };
-    let [points, needed] = gas.quadrature;
-    // Where it helps: products of under-resolved fields are integrated exactly.
-    let more = match points > needed {
+    let more = match gas.is_split {
         true => "",
-        false => ", or more quadrature points: `flow.quadrature = \"three_halves\"`, on curved meshes \"double\"",
+        false => ", or a split form: `flow.quadrature = \"collocated_lobatto\"` with `flow.volume_flux = \"entropy\"`",
     };
     Some(Cause {
         name: "not_resolved",

@@ -32,6 +32,7 @@ fn nothing_suspicious() -> FailureData {
             waves_per_slab: 5.0,
             cell_reynolds: None,
             quadrature: [6, 6],
+            is_split: false,
             kick: 0.0,
             openings: Vec::new(),
         }),
