@@ -4,9 +4,9 @@
 //! <q> = 1/T int q dt,   <q' r'> = <q r> - <q> <r>,   T the length of the averaged time                              (average)
 //! ```
 //!
-//! The nodes follow the mesh: an average belongs to a point of the mesh at rest. In a slab the solution is a polynomial in time, and
-//! the integrals are taken by N_t + 1 Gauss points in each part of the slab that lies between two limits: the start and the end of the
-//! averages, and the limits of phases. The first state is subtracted before products are summed, because a small fluctuation of a large
+//! The nodes follow the mesh: an average belongs to a point of the mesh at rest. In a slab the solution is a polynomial in time. A
+//! slab is cut at the start and the end of the averages and at the limits of phases, and each part is integrated by N_t + 1 Gauss points. The
+//! first state is subtracted before products are summed, because a small fluctuation of a large
 //! mean would lose digits.
 //!
 //! | module | holds |

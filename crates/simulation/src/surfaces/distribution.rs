@@ -5,9 +5,9 @@
 //! y+ = rho u_tau y / mu,        u_tau = (|tau_t| / rho)^1/2                                                        (distribution)
 //! ```
 //!
-//! Fhat is the numerical flux of the scheme, its penalty included, and the points are its quadrature points. So the sums of f times `area`
-//! over the rows are the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall, y the
-//! distance of the first nodes from the wall.
+//! Fhat is the numerical flux of the scheme with its penalty, at the quadrature points of the scheme. Sums of f times `area` over the rows are
+//! the force on the wall in history.csv, to round-off. tau_t is the part of the friction tau along the wall. The distance y is the distance of
+//! the first nodes from the wall.
 
 use super::columns::{columns, surface_name};
 use super::curve;
