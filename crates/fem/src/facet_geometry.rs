@@ -13,8 +13,8 @@ use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Pack, cofactor, determinant};
 
-/// Numbers of the geometry of a facet at a point: area vector from minus to plus `[d]`, velocity `[d]`; with viscous terms then for
-/// minus and plus A `[direction][d]`, tangential directions first, and the determinant of the map.
+/// Numbers of the geometry of a facet at a point: area vector from minus to plus `[d]`, velocity `[d]`. With viscous terms the maps of minus
+/// and plus follow: A `[direction][d]`, tangential directions first, and the determinant.
 pub(crate) const fn facet_geometry_len(dimension: usize, viscous: bool) -> usize {
     2 * dimension + if viscous { 2 * map_len(dimension) } else { 0 }
 }

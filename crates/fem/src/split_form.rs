@@ -4,8 +4,8 @@
 //! R_i += w_perp sum_j S_ij f#(u_i, u_j; {A}, {A . v}),   S = Q - Q^T,   Q_ij = w_i D_ij                              (split)
 //! ```
 //!
-//! along every line of nodes in every direction, with the derivative matrix D, the weights w of the line and w_perp of the directions
-//! across it, and the mean { } of both nodes. f# is the law's two-point flux, consistent and symmetric. With its mean value in place of f#
+//! along every line of nodes in every direction. D is the derivative matrix, w the weights of the line, w_perp those across it, { } the
+//! mean of both nodes. f# is the law's two-point flux, consistent and symmetric. With its mean value in place of f#
 //! these are the volume terms of (volume) themselves, since Q + Q^T holds the boundary alone. Other choices keep balances that the
 //! product rule gives to the equations and not to collocation: of kinetic energy, or of entropy.
 //!

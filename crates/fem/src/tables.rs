@@ -16,7 +16,7 @@ pub enum Quadrature {
     Double,
     /// A number of points per direction in space; conserving in time.
     Points(usize),
-    /// As many points as nodes, in space and time. It conserves by its metric, see [`crate::collocation`].
+    /// As many points as nodes, in space and time. It conserves by its metric, see `collocation`.
     Collocated(PointFamily),
 }
 

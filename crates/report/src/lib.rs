@@ -84,7 +84,7 @@ pub fn write(directory: &Path) -> Result<Page, ReportError> {
 /// Writes one page of the runs in `directories`, with their curves over each other, into the first of them.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_comparison(directories: &[PathBuf]) -> Result<Page, ReportError> {
     let runs = directories.iter().map(|directory| RunFiles::read(directory)).collect::<Result<Vec<_>, _>>()?;
     let page = comparison::page(&runs, &names(directories, &runs));

@@ -66,7 +66,8 @@ impl<const D: usize> BoxMesh<D> {
         let cells: usize = segments.iter().map(|segment| segment.cells).sum();
         if start != self.upper[axis] || cells != self.cells[axis] {
             let (upper, expected) = (self.upper[axis], self.cells[axis]);
-            let problem = format!("ends at {start} after {cells} cells, expected upper = {upper} after cells = {expected}");
+            let problem =
+                format!("ends at {start} after {cells} cells, expected upper = {upper} after cells = {expected}");
             return wrong(segments.len().saturating_sub(1), problem);
         }
         Ok(())
