@@ -357,7 +357,7 @@ fn operations_of_residual_and_product() {
     for (rule, golden) in [
         (RULES[0], [[469.507_812_5, 888.312_5], [2_309.237_5, 4_276.137_5]]),
         (RULES[1], [[200.562_5, 386.562_5], [414.1, 779.65]]),
-        (RULES[2], [[0.0, 0.0], [0.0, 0.0]]),
+        (RULES[2], [[128.562_5, 282.562_5], [242.1, 529.65]]),
     ] {
         let counted = [operations_per_unknown::<2, 4>(rule), operations_per_unknown::<3, 5>(rule)];
         println!("{rule:?}, operations per unknown, residual and product, N = 4: 2-D, 3-D {counted:?}");

@@ -56,7 +56,10 @@ impl<const D: usize> BoxMesh<D> {
         for (index, Segment { end, cells, ratio }) in segments.iter().enumerate() {
             if !(*end > start && *end <= self.upper[axis]) {
                 let upper = self.upper[axis];
-                return wrong(index, format!("ends at {end}, expected more than {start} and at most upper = {upper}"));
+                return wrong(
+                    index,
+                    format!("ends at {end}, expected more than {start} and at most {upper}, `upper` of the box"),
+                );
             }
             if *cells == 0 || !(*ratio > 0.0 && ratio.is_finite()) {
                 return wrong(index, format!("has {cells} cells and the ratio {ratio}, expected positive numbers"));
@@ -66,8 +69,9 @@ impl<const D: usize> BoxMesh<D> {
         let cells: usize = segments.iter().map(|segment| segment.cells).sum();
         if start != self.upper[axis] || cells != self.cells[axis] {
             let (upper, expected) = (self.upper[axis], self.cells[axis]);
-            let problem =
-                format!("ends at {start} after {cells} cells, expected upper = {upper} after cells = {expected}");
+            let problem = format!(
+                "ends at {start} after {cells} cells, expected {upper} after {expected} cells, `upper` and `cells`"
+            );
             return wrong(segments.len().saturating_sub(1), problem);
         }
         Ok(())
