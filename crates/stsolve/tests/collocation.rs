@@ -90,3 +90,12 @@ fn two_point_fluxes_ask_for_points_that_are_nodes() {
     let refused = on_case(directory.path(), "run", "vortex", &["flow.volume_flux=entropy"], "run", &[]);
     refused.expect(2, &["flow.volume_flux", "collocated_lobatto"]);
 }
+
+/// A mesh of order 5 whose thin cells the order 3 of the flow cannot follow: the run once failed with a residual that is no number.
+#[test]
+fn a_mesh_that_the_order_of_the_flow_turns_inside_out_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let set = ["flow.quadrature=collocated", "flow.order=3"];
+    let refused = on_case(directory.path(), "run", "flapping_free", &set, "run", &[]);
+    refused.expect(2, &["flow.quadrature", "inside out", "flow.order"]);
+}

@@ -5,6 +5,7 @@ use super::given::{self, Given};
 use super::initial;
 use super::mesh_crate::Mesh;
 use super::openings;
+use super::quadrature;
 use super::slide;
 use super::states::{self, Typical};
 use super::time::Time;
@@ -17,7 +18,6 @@ use crate::state::State;
 use crate::vector::Vector;
 use navier_stokes::{
     AdiabaticWall, Boundary, FarField, IsothermalWall, NavierStokes, PrescribedState, Riemann, SlipWall, Source,
-    VolumeFlux,
 };
 
 /// The compressible flow.
@@ -75,8 +75,8 @@ pub(super) fn check<const D: usize>(
     let key = Key::new("flow");
     let mut errors = Errors::default();
     let order = errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
-    let quadrature = errors.note(quadrature(checker, &key.child("quadrature"), raw.quadrature, raw.order));
-    let volume_flux = errors.note(volume_flux(checker, &key, raw));
+    let quadrature = errors.note(quadrature::check(checker, &key.child("quadrature"), raw.quadrature, mesh, raw.order));
+    let volume_flux = errors.note(quadrature::volume_flux(checker, &key, raw));
     let acceleration = errors.note(acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time));
     let given = errors.note(given::check(checker, &key, raw));
     let boundary = given.as_ref().and_then(|given| {
@@ -149,35 +149,6 @@ fn riemann(raw: raw::Riemann) -> Riemann {
         raw::Riemann::Roe => Riemann::Roe,
         raw::Riemann::Hllc => Riemann::Hllc,
         raw::Riemann::LaxFriedrichs => Riemann::LaxFriedrichs,
-    }
-}
-
-/// Split forms need points that are the nodes.
-fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<VolumeFlux> {
-    let flux = match raw.volume_flux {
-        raw::VolumeFlux::Central => VolumeFlux::Central,
-        raw::VolumeFlux::KineticEnergy => VolumeFlux::KineticEnergy,
-        raw::VolumeFlux::Entropy => VolumeFlux::Entropy,
-    };
-    if flux != VolumeFlux::Central && raw.quadrature != raw::Quadrature::CollocatedLobatto {
-        let problem = "two-point fluxes need points of quadrature that are the nodes";
-        return Err(checker.combination(&key.child("volume_flux"), problem, "`quadrature = \"collocated_lobatto\"`"));
-    }
-    Ok(flux)
-}
-
-fn quadrature(checker: &Checker<'_>, key: &Key, raw: raw::Quadrature, order: usize) -> Checked<fem::Quadrature> {
-    match raw {
-        raw::Quadrature::Conserving => Ok(fem::Quadrature::Conserving),
-        raw::Quadrature::ThreeHalves => Ok(fem::Quadrature::ThreeHalves),
-        raw::Quadrature::Double => Ok(fem::Quadrature::Double),
-        raw::Quadrature::Collocated => Ok(fem::Quadrature::Collocated(fem::PointFamily::Gauss)),
-        raw::Quadrature::CollocatedLobatto => Ok(fem::Quadrature::Collocated(fem::PointFamily::Lobatto)),
-        raw::Quadrature::Points(points) => {
-            let accepted = format!("{order}, the order of the flow, to 64");
-            checker.require(&key.child("points"), "the number of points", (order..=64).contains(&points), &accepted)?;
-            Ok(fem::Quadrature::Points(points))
-        }
     }
 }
 

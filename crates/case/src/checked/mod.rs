@@ -16,6 +16,7 @@ mod movers;
 mod openings;
 mod parts;
 mod probes;
+mod quadrature;
 mod resolved;
 mod shared_nodes;
 mod slide;

@@ -1,0 +1,65 @@
+//! The points of quadrature of a flow, and the flux between them.
+
+use super::mesh_crate::{CellMap, Mesh};
+use crate::checker::{Checked, Checker};
+use crate::key::Key;
+use crate::raw;
+use basis::gauss_lobatto;
+use fem::{PointFamily, Quadrature};
+use navier_stokes::VolumeFlux;
+
+/// Checks `flow.quadrature` for a flow of `order` on `mesh`.
+pub(super) fn check<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: raw::Quadrature,
+    mesh: &Mesh<D>,
+    order: usize,
+) -> Checked<Quadrature> {
+    let quadrature = match raw {
+        raw::Quadrature::Conserving => Quadrature::Conserving,
+        raw::Quadrature::ThreeHalves => Quadrature::ThreeHalves,
+        raw::Quadrature::Double => Quadrature::Double,
+        raw::Quadrature::Collocated => Quadrature::Collocated(PointFamily::Gauss),
+        raw::Quadrature::CollocatedLobatto => Quadrature::Collocated(PointFamily::Lobatto),
+        raw::Quadrature::Points(points) => {
+            let accepted = format!("{order}, the order of the flow, to 64");
+            checker.require(&key.child("points"), "the number of points", (order..=64).contains(&points), &accepted)?;
+            Quadrature::Points(points)
+        }
+    };
+    if matches!(quadrature, Quadrature::Collocated(_)) && (2..mesh.order()).contains(&order) {
+        check_interpolated(checker, key, mesh, order)?;
+    }
+    Ok(quadrature)
+}
+
+/// Collocated rules interpolate the mesh at the nodes of the flow. A lower order may turn curved cells inside out.
+fn check_interpolated<const D: usize>(checker: &Checker<'_>, key: &Key, mesh: &Mesh<D>, order: usize) -> Checked<()> {
+    let nodes = gauss_lobatto(order).points;
+    let (of_mesh, of_flow) = (CellMap::<D>::on_grid(mesh.order(), &nodes), CellMap::<D>::on_grid(order, &nodes));
+    let is_inverted = |cell: &usize| {
+        let interpolated = of_mesh.positions(mesh.cell_coordinates(*cell)).concat();
+        of_flow.determinants(&interpolated).iter().any(|det| det.is_nan() || *det <= 0.0)
+    };
+    let Some(cell) = (0..mesh.n_cells()).find(is_inverted) else { return Ok(()) };
+    let problem = format!(
+        "collocated points interpolate the mesh, of order {}, with the order {order} of the flow, which turns cell {cell} inside out",
+        mesh.order()
+    );
+    Err(checker.combination(key, &problem, "`flow.order` up to the order of the mesh or more, or \"conserving\""))
+}
+
+/// Checks `flow.volume_flux`: split forms need points that are the nodes.
+pub(super) fn volume_flux(checker: &Checker<'_>, key: &Key, raw: &raw::Flow) -> Checked<VolumeFlux> {
+    let flux = match raw.volume_flux {
+        raw::VolumeFlux::Central => VolumeFlux::Central,
+        raw::VolumeFlux::KineticEnergy => VolumeFlux::KineticEnergy,
+        raw::VolumeFlux::Entropy => VolumeFlux::Entropy,
+    };
+    if flux != VolumeFlux::Central && raw.quadrature != raw::Quadrature::CollocatedLobatto {
+        let problem = "two-point fluxes need points of quadrature that are the nodes";
+        return Err(checker.combination(&key.child("volume_flux"), problem, "`quadrature = \"collocated_lobatto\"`"));
+    }
+    Ok(flux)
+}
