@@ -76,7 +76,7 @@ impl RunFiles {
         Ok(RunFiles { directory: name(directory), status, history, summary, result, failure })
     }
 
-    /// The slabs done: rows of the history, but for that of a steady start, whose slab has no length.
+    /// The slabs done. The history has a row for each, and one without length for a steady start.
     pub fn slabs(&self) -> usize {
         let lengths = self.history.column("dt").unwrap_or_default();
         lengths.iter().filter(|dt| **dt > 0.0).count()
