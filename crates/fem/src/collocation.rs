@@ -18,6 +18,7 @@
 
 use crate::tables::{Orders, PointFamily, Shape1d};
 use basis::{Lagrange, Matrix, Rule, gauss_lobatto};
+use tensor::Real;
 
 /// One-dimensional tables of (metric), (grid flux) and (carried).
 pub struct Collocation {
@@ -31,6 +32,17 @@ pub struct Collocation {
     pub at_nodes: bool,
     /// S of (split), see [`crate::split_form`]; used where the points are the nodes.
     pub skew: Matrix,
+}
+
+/// F_k of (metric) at a node, from its position and d_k x; three dimensions only.
+#[inline(always)]
+pub(crate) fn curled<G: Real, const D: usize>(x: &[G; D], slope: &[G; D]) -> [G; D] {
+    let mut f = *x;
+    for n in 0..D {
+        let (m, l) = ((n + 1) % D, (n + 2) % D);
+        f[n] = x[l] * slope[m] - x[m] * slope[l];
+    }
+    f
 }
 
 impl Collocation {

@@ -3,7 +3,7 @@
 //! The normal component of A on a face follows from the positions on that face. So both sides have the same one, and it is that of the
 //! volume terms.
 
-use crate::collocation::Collocation;
+use crate::collocation::{self, Collocation};
 use crate::facet_geometry::FacetGeometry;
 use crate::fields::Fields;
 use crate::instants::TimePointIndex;
@@ -80,9 +80,9 @@ impl<const D: usize, K: Mode, S: Simd> FacetGeometry<'_, D, K, S> {
                 for k in 0..D - 1 {
                     let matrix = Fields::new(D * D, len);
                     let slope: [K::Geometry<S>; D] = matrix.from(k * D).vector(self.simd, tangents, i, part);
+                    let f = collocation::curled(&x, &slope);
                     for n in 0..D {
-                        let (m, l) = ((n + 1) % D, (n + 2) % D);
-                        matrix.store(k * D + n, x[l] * slope[m] - x[m] * slope[l], curled, i, part);
+                        matrix.store(k * D + n, f[n], curled, i, part);
                     }
                 }
             }

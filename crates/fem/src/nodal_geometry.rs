@@ -1,7 +1,7 @@
 //! The geometry of cells in collocated rules: (metric), (grid flux) and (carried) of [`crate::collocation`].
 
 use crate::cell_geometry::{CellGeometry, CellMotion, GeometryScratch, geometry_len};
-use crate::collocation::Collocation;
+use crate::collocation::{self, Collocation};
 use crate::fields::Fields;
 use crate::instants::TimePointIndex;
 use crate::mode::Mode;
@@ -142,9 +142,9 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
                 let x = self.fields(D).vector::<D, K::Geometry<S>, S>(self.simd, x, p, part);
                 let slopes = matrix.rows::<D, K::Geometry<S>, S>(self.simd, jacobian, p, part);
                 for k in 0..D {
+                    let f = collocation::curled(&x, &slopes[k]);
                     for n in 0..D {
-                        let (m, l) = ((n + 1) % D, (n + 2) % D);
-                        matrix.store(k * D + n, x[l] * slopes[k][m] - x[m] * slopes[k][l], curled, p, part);
+                        matrix.store(k * D + n, f[n], curled, p, part);
                     }
                 }
             }
