@@ -59,7 +59,8 @@ fn a_library_of_files_or_of_the_terminal_has_one_user() {
 
 #[test]
 fn only_the_command_prints_and_exits() {
-    for words in [&["print!(", "println!(", "stdout()", "stderr()"][..], &["process::exit", "ExitCode"]] {
-        assert_eq!(crates(|folder| contains(folder, words)), ["stsolve"], "{words:?}");
-    }
+    let printing = ["print!(", "println!(", "stdout()", "stderr()"];
+    assert_eq!(crates(|folder| contains(folder, &printing)), ["stsolve"]);
+    // `Communicator::abort` ends the process.
+    assert_eq!(crates(|folder| contains(folder, &["process::exit", "ExitCode"])), ["ranks", "stsolve"]);
 }
