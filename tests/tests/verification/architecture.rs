@@ -44,10 +44,11 @@ fn contains(folder: &Path, words: &[&str]) -> bool {
 }
 
 #[test]
-fn a_library_of_files_or_of_the_terminal_has_one_user() {
+fn a_library_of_files_ranks_or_the_terminal_has_one_user() {
     for (library, user) in [
         ("toml", "case"),
         ("hdf5", "output"),
+        ("mpi", "ranks"),
         ("clap", "stsolve"),
         ("clap_complete", "stsolve"),
         ("indicatif", "stsolve"),

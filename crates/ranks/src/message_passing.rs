@@ -1,0 +1,112 @@
+//! Ranks that are processes, by MPI.
+
+use crate::{Communicator, Error};
+use mpi::Threading;
+use mpi::collective::CommunicatorCollectives;
+use mpi::datatype::PartitionMut;
+use mpi::environment::Universe;
+use mpi::request::scope;
+use mpi::topology::{Communicator as _, SimpleCommunicator};
+use mpi::traits::{Destination, Equivalence, Root, Source};
+
+/// At most as many bytes go into one call of MPI, which counts in 32 bits.
+const CHUNK: usize = 1 << 30;
+
+/// The code with which all ranks end when one of them panics: that of any Rust program that panics.
+const PANIC: i32 = 101;
+
+/// One of the processes that a launcher of MPI has started.
+///
+/// When it is dropped, MPI ends in this process. When it is dropped by a panic, all ranks end: the others may wait for this one. No call
+/// waits for a rank that returns early without a panic, so that each rank has to make the same calls until its end.
+pub struct Mpi {
+    universe: Universe,
+}
+
+impl Mpi {
+    /// Starts MPI in this process.
+    ///
+    /// # Errors
+    ///
+    /// If it was started before, or allows calls from the main thread only.
+    pub fn start() -> Result<Self, Error> {
+        let (universe, threading) = mpi::initialize_with_threading(Threading::Multiple).ok_or(Error::StartedBefore)?;
+        // All ranks make their calls one after the other.
+        if threading < Threading::Serialized { Err(Error::MainThreadOnly) } else { Ok(Self { universe }) }
+    }
+
+    fn world(&self) -> SimpleCommunicator {
+        self.universe.world()
+    }
+}
+
+impl Drop for Mpi {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.abort(PANIC)
+        }
+    }
+}
+
+/// A number of entries, as MPI counts.
+fn count(entries: usize) -> i32 {
+    entries.try_into().expect("more than 2^31 numbers in one message")
+}
+
+impl Communicator for Mpi {
+    fn rank(&self) -> usize {
+        self.world().rank() as usize
+    }
+
+    fn size(&self) -> usize {
+        self.world().size() as usize
+    }
+
+    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+        let world = self.world();
+        let expected: Vec<_> = receives.iter().map(|(_, buffer)| count(buffer.len())).collect();
+        let process = |rank: usize| world.process_at_rank(count(rank));
+        let arrived: Vec<_> = scope(|scope| {
+            let receiving =
+                receives.iter_mut().map(|(from, buffer)| process(*from).immediate_receive_into(scope, &mut **buffer));
+            let receiving: Vec<_> = receiving.collect();
+            let sending: Vec<_> =
+                sends.iter().map(|(to, numbers)| process(*to).immediate_send(scope, *numbers)).collect();
+            let arrived =
+                receiving.into_iter().map(|request| request.wait().count(f64::equivalent_datatype())).collect();
+            sending.into_iter().for_each(|request| request.wait_without_status());
+            arrived
+        });
+        assert_eq!(arrived, expected, "the lengths of the messages that have arrived");
+    }
+
+    fn all_gather(&self, part: &[f64]) -> Vec<Vec<f64>> {
+        let world = self.world();
+        let mut counts = vec![0; self.size()];
+        world.all_gather_into(&count(part.len()), &mut counts[..]);
+        let mut total = 0;
+        let start = |count: &i32| {
+            total += *count as usize;
+            total - *count as usize
+        };
+        let starts: Vec<_> = counts.iter().map(start).map(count).collect();
+        let mut all = vec![0.0; total];
+        if total > 0 {
+            world.all_gather_varcount_into(part, &mut PartitionMut::new(&mut all[..], &counts[..], &starts[..]));
+        }
+        starts.iter().zip(&counts).map(|(start, count)| all[*start as usize..][..*count as usize].to_vec()).collect()
+    }
+
+    fn broadcast(&self, bytes: &mut Vec<u8>) {
+        let world = self.world();
+        let root = world.process_at_rank(0);
+        let mut length = bytes.len() as u64;
+        root.broadcast_into(&mut length);
+        bytes.resize(length as usize, 0);
+        bytes.chunks_mut(CHUNK).for_each(|chunk| root.broadcast_into(chunk));
+    }
+
+    fn abort(&self, code: i32) -> ! {
+        self.world().abort(code)
+    }
+}
