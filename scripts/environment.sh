@@ -37,6 +37,23 @@ has_hdf5() {
         { has_brew && [[ -d $(brew --prefix)/opt/hdf5 ]]; }
 }
 
+# Whether the feature mpi can be built and run: a compiler and a launcher of MPI, and libclang with its headers, which reads those of MPI.
+# On macOS libclang comes with Apple's compiler.
+has_mpi() {
+    has mpicc && has mpirun && has_libclang
+}
+
+has_libclang() {
+    [[ $OSTYPE == darwin* || -n ${LIBCLANG_PATH:-} ]] ||
+        compgen -G "/usr/lib*/llvm*/lib*/libclang.so" >/dev/null || compgen -G "/usr/lib*/libclang.so" >/dev/null
+}
+
+# Lets Open MPI, version 4 or 5, start more ranks than there are cores, as root too. Ranks that wait leave their core to others.
+allow_many_ranks() {
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_mpi_yield_when_idle=1
+    export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
+}
+
 # Without the system's library, HDF5 is built in; the tools for that may be those of `venv`. `hdf5_feature` is for cargo.
 # shellcheck disable=SC2034
 hdf5_feature=
