@@ -19,7 +19,7 @@
 
 use crate::system::System;
 use basis::Matrix;
-use fem::{FluxesAt, Layout, left_during_slab};
+use fem::{FluxesAt, Layout, SlabOperator, left_during_slab};
 use newton_krylov::inner_product;
 use std::array::from_fn;
 
@@ -101,7 +101,7 @@ pub fn correct<const D: usize, const M: usize>(
     residual: &[f64],
     velocity_at_top: &[f64],
 ) -> Balance<M> {
-    let error = sums(system.flow.operator.layout, &residual[system.flow_range()]);
+    let error = sums(&system.flow.operator, &residual[system.flow_range()]);
     let balance = Balance::of(system, z, velocity_at_top);
     let sizes = balance.sizes();
     let mut solution = Unbalanced { system, z, balance, error, sizes, velocity_at_top };
@@ -186,7 +186,8 @@ pub fn at_top(layout: Layout, u: &[f64]) -> Vec<f64> {
 }
 
 /// S: the sums of the flow's residual by component, in the order of its entries.
-fn sums<const M: usize>(layout: Layout, residual: &[f64]) -> [f64; M] {
-    let rows = |m: usize| residual.chunks_exact(layout.nodes).skip(m).step_by(M);
-    std::array::from_fn(|m| inner_product::sum(&rows(m).map(|r| r.iter().sum()).collect::<Vec<f64>>()))
+fn sums<const D: usize, const M: usize>(flow: &SlabOperator<D, M>, residual: &[f64]) -> [f64; M] {
+    let rows = |m: usize| residual.chunks_exact(flow.layout.nodes).skip(m).step_by(M);
+    let of_rows = |m: usize| rows(m).map(|r| r.iter().sum()).collect::<Vec<f64>>();
+    std::array::from_fn(|m| inner_product::sum_over_blocks(&of_rows(m), &flow.share.ends, &flow.share.sums))
 }

@@ -232,10 +232,11 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let at = |cell: usize, i: usize| from_fn(|m| u[layout.index(cell, layout.time_order - 1, m, i)]);
         let nodes = (0..layout.cells).flat_map(|cell| (0..layout.nodes).map(move |i| (cell, i)));
         let found = nodes.map(|(cell, i)| (cell, operator.problem.kernels.inadmissible(&at(cell, i))));
-        let Some((cell, (quantity, value))) = found.filter_map(|(cell, what)| Some((cell, what?))).next() else {
-            return Ok(());
-        };
-        Err(SlabError::Top(inadmissible(Violation { quantity, value, cell, time: interval.end })))
+        let own = found.filter_map(|(cell, what)| Some((operator.share.own[cell], what?)));
+        let own = own.min_by_key(|(cell, _)| *cell).map(|(cell, (quantity, value))| {
+            Violation { quantity: quantity.to_string(), value, cell, time: interval.end }
+        });
+        operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
     }
 
     /// The velocity of the mesh at the top of the slab, the time `t`: as prescribed where it is.
@@ -262,6 +263,6 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         flow.mass_product(&jump, SlabEnd::Bottom, &mut mass_product);
         let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
         let squares: Vec<f64> = jump.iter().zip(&mass_product).enumerate().map(square).collect();
-        inner_product::sum(&squares).max(0.0).sqrt()
+        inner_product::sum_over_blocks(&squares, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
     }
 }

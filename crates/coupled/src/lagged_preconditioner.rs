@@ -251,9 +251,9 @@ impl LaggedPreconditioner {
             }
             _ => {
                 let modes = TemporalModes::new(&flow.tables.time);
-                let ordering = ordering.filter(|ordering| ordering.cells.len() == flow.layout.cells);
+                let ordering = ordering.filter(|ordering| ordering.own().count() == flow.layout.cells);
                 let jacobian = flow.space_jacobian(0.5);
-                (Box::new(FlowPreconditioner::unfactored(flow.layout, modes, jacobian, dt, ordering)), None)
+                (Box::new(FlowPreconditioner::unfactored(flow.layout, modes, jacobian, dt, (ordering, flow.share.clone()))), None)
             }
         };
         // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to
@@ -282,7 +282,7 @@ fn lines<const D: usize, const M: usize>(
         }
         _ => {
             let modes = TemporalModes::new(&flow.tables.time);
-            Box::new(LinePreconditioner::new(flow.layout, modes, jacobian, dt, damping))
+            Box::new(LinePreconditioner::new((flow.layout, flow.share.clone()), modes, jacobian, dt, damping))
         }
     }
 }

@@ -23,7 +23,7 @@ mod system;
 mod transfer;
 pub mod weights;
 
-pub use blocks::Counts;
+pub use blocks::{Counts, totals};
 pub use coupled_slab::{CoupledSlab, FlowMarch, Jacobian, Predictor, ROUND_OFF, Settings, SlabReport};
 pub use initial::interpolate;
 pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Update};

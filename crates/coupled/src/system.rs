@@ -18,8 +18,8 @@ use crate::lagged_preconditioner::Linearisation;
 use crate::mesh_mover::MeshMover;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
-use fem::SlabOperator;
-use newton_krylov::inner_product::{InnerProduct, Weighted};
+use fem::{Share, SlabOperator};
+use newton_krylov::inner_product::{InnerProduct, Parts, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use std::ops::Range;
 
@@ -62,7 +62,7 @@ impl<const D: usize, const M: usize> System<D, M> {
             tangent: Exchange::default(),
             fields: Vec::new(),
             ranges: Vec::new(),
-            weights: Weighted { weights: Vec::new() },
+            weights: Weighted::new(Vec::new()),
             inverse_pseudo_time: Vec::new(),
         };
         system.lay_out();
@@ -82,6 +82,8 @@ impl<const D: usize, const M: usize> System<D, M> {
             }
             self.ranges.push(range);
         }
+        let (flow, layout) = (self.flow_range(), self.flow.operator.layout);
+        self.weights.parts = parts(&self.flow.operator.share, flow.start, layout.cell_len());
         self.inverse_pseudo_time = vec![0.0; self.fields.len()];
         let len = self.flow.operator.mesh.field_len() * self.flow.operator.tables.orders.time;
         self.tangent.wall_displacement = vec![0.0; len];
@@ -200,6 +202,12 @@ impl<const D: usize, const M: usize> System<D, M> {
         norms[..flow].fill(1.0);
         Ok((norms, self.weights.norm(&r)))
     }
+}
+
+/// The parts of z: all ranks have the unknowns of bodies and mesh, which are `common` entries, and the flow of their own cells.
+fn parts(share: &Share, common: usize, cell_len: usize) -> Option<Parts> {
+    let ends: Vec<usize> = share.ends.iter().map(|cells| cells * cell_len).collect();
+    (!share.is_whole()).then(|| Parts::new(common, &ends, share.sums.clone()))
 }
 
 impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {

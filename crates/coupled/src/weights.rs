@@ -8,6 +8,7 @@
 use crate::mesh_mover::MeshMover;
 use crate::motion::MeshMotion;
 use fem::{SlabEnd, SlabOperator};
+use newton_krylov::inner_product;
 
 /// Weights of the flow's residual in a slab.
 pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Vec<f64> {
@@ -15,7 +16,8 @@ pub fn flow<const D: usize, const M: usize>(operator: &SlabOperator<D, M>) -> Ve
     let one = layout.at_one_time();
     let mut masses = vec![0.0; one.len()];
     operator.mass_product(&vec![1.0; one.len()], SlabEnd::Bottom, &mut masses);
-    let volume: f64 = newton_krylov::inner_product::sum(&masses) / M as f64;
+    let share = &operator.share;
+    let volume: f64 = inner_product::sum_over_blocks(&masses, &share.ends, &share.sums) / M as f64;
     let mut weights = vec![0.0; layout.len()];
     for cell in 0..layout.cells {
         let mean = masses[one.cell(cell)].iter().sum::<f64>() / one.cell_len() as f64;

@@ -131,7 +131,7 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
             guard,
             tolerance: accuracy.solve,
             fields: [Field { name: "mesh", range: 0..prescribed.len() }],
-            weights: Weighted { weights },
+            weights: Weighted::new(weights),
             point: vec![0.0; prescribed.len()],
             work: Work::default(),
         }

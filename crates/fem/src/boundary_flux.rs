@@ -122,6 +122,36 @@ impl<const M: usize> BoundaryFlux<M> {
         BoundaryFlux { centre, inviscid, viscous, work, heat }
     }
 
+    /// Length of [`Self::numbers`].
+    const LEN: usize = 3 + 2 * (M + 6) + 2;
+
+    /// All numbers in a row.
+    fn numbers(&self) -> impl Iterator<Item = f64> {
+        let parts = [self.inviscid, self.viscous];
+        let parts = parts.into_iter().flat_map(|part| part.components.into_iter().chain(part.force).chain(part.moment));
+        self.centre.into_iter().chain(parts).chain([self.work, self.heat])
+    }
+
+    /// From [`Self::numbers`].
+    fn from_numbers(numbers: &[f64]) -> Self {
+        let part = |start: usize| FluxPart {
+            components: std::array::from_fn(|i| numbers[start + i]),
+            force: std::array::from_fn(|i| numbers[start + M + i]),
+            moment: std::array::from_fn(|i| numbers[start + M + 3 + i]),
+        };
+        let centre = std::array::from_fn(|i| numbers[i]);
+        let [work, heat] = [numbers[Self::LEN - 2], numbers[Self::LEN - 1]];
+        BoundaryFlux { centre, inviscid: part(3), viscous: part(9 + M), work, heat }
+    }
+
+    /// Adds the flux of a facet. Moments are about the centre of the first one.
+    fn add_facet(&mut self, facet: Self) {
+        if *self == Self::default() {
+            self.centre = facet.centre;
+        }
+        *self += facet;
+    }
+
     /// The fluxes times `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         let (inviscid, viscous) = (self.inviscid.scaled(factor), self.viscous.scaled(factor));
@@ -161,39 +191,63 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
     pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
-        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
-        let nothing = self.no_boundary_flux();
+        let instants = self.tables.instants.iter().chain([&self.tables.top]);
         let mut fluxes: Vec<FluxesAt<M>> = instants
-            .clone()
-            .map(|(instant, _)| FluxesAt {
+            .map(|instant| FluxesAt {
                 time: clock.time(instant.s),
                 weight: dt * instant.weight,
-                boundaries: nothing.clone(),
+                boundaries: vec![BoundaryFlux::default(); self.problem.kernels.boundaries()],
             })
             .collect();
         let top = fluxes.len() - 1;
         fluxes[top].weight = 0.0;
-        let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
-        for (boundary, batch) in all {
-            let origins = self.facet_origins(batch).map(in_space);
-            self.facet_scratch.with(|scratch| {
-                self.gather_states(Differentiate::Nothing, &[&self.state_traces], batch, scratch);
-                self.gather_mesh(Differentiate::Nothing, batch, scratch);
-                if let Some(velocity) = velocity_at_top {
-                    self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
-                }
-                for (number, ((instant, row), at)) in instants.clone().zip(&mut fluxes).enumerate() {
-                    let velocity_is_given = number == top && velocity_at_top.is_some();
-                    let time = FluxTime { instant, position_row: row, velocity_is_given };
-                    self.across(Differentiate::Nothing, batch, |context, across| {
-                        self.problem.kernels.boundary_flux(context, time, across, scratch);
-                    });
-                    let lanes = (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane]));
-                    lanes.for_each(|flux| at.boundaries[boundary] += flux);
-                }
-            });
+        let (facets, numbers) = self.fluxes_of_facets(velocity_at_top);
+        let len = 1 + fluxes.len() * BoundaryFlux::<M>::LEN;
+        for facet in self.share.all_in_order(&facets, numbers, len).chunks_exact(len) {
+            let boundary = facet[0] as usize;
+            for (at, numbers) in fluxes.iter_mut().zip(facet[1..].chunks_exact(BoundaryFlux::<M>::LEN)) {
+                at.boundaries[boundary].add_facet(BoundaryFlux::from_numbers(numbers));
+            }
         }
         fluxes
+    }
+
+    /// For every boundary facet its number in the whole mesh; and its boundary with the fluxes at the instants and at the top.
+    fn fluxes_of_facets(&self, velocity_at_top: Option<&[f64]>) -> (Vec<usize>, Vec<f64>) {
+        let (mut facets, mut numbers) = (self.boundary_facets.iter(), Vec::new());
+        let mut keys = Vec::with_capacity(facets.len());
+        let all = self.facets.batches.iter().filter_map(|batch| batch.boundary.map(|boundary| (boundary, batch)));
+        for (boundary, batch) in all {
+            let of_batch = self.fluxes_of_batch(batch, velocity_at_top);
+            for lane in 0..batch.count {
+                keys.extend(facets.next());
+                numbers.push(boundary as f64);
+                of_batch.iter().for_each(|at| numbers.extend(at[lane].numbers()));
+            }
+        }
+        (keys, numbers)
+    }
+
+    /// The fluxes of a batch on a boundary at the instants, and last at the top, `[time][lane]`.
+    fn fluxes_of_batch(&self, batch: &FacetBatch, velocity_at_top: Option<&[f64]>) -> Vec<Vec<BoundaryFlux<M>>> {
+        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        let (origins, top) = (self.facet_origins(batch).map(in_space), self.tables.instants.len());
+        self.facet_scratch.with(|scratch| {
+            self.gather_states(Differentiate::Nothing, &[&self.state_traces], batch, scratch);
+            self.gather_mesh(Differentiate::Nothing, batch, scratch);
+            if let Some(velocity) = velocity_at_top {
+                self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
+            }
+            let at = |(number, (instant, row))| {
+                let velocity_is_given = number == top && velocity_at_top.is_some();
+                let time = FluxTime { instant, position_row: row, velocity_is_given };
+                self.across(Differentiate::Nothing, batch, |context, across| {
+                    self.problem.kernels.boundary_flux(context, time, across, scratch);
+                });
+                (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane])).collect()
+            };
+            instants.enumerate().map(at).collect()
+        })
     }
 
     /// Reads the `velocity` of the nodes of a batch on a boundary, `[C0 node][component]`, into `packs`, `[d][face node]`.
@@ -204,17 +258,6 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
                 packs.iter_mut().zip(&face).for_each(|(pack, node)| pack.0[lane] = velocity[node * D + d]);
             }
         }
-    }
-
-    /// Zero flux for every boundary, with moments about the origin of one of its cells.
-    fn no_boundary_flux(&self) -> Vec<BoundaryFlux<M>> {
-        let mut nothing = vec![BoundaryFlux::default(); self.problem.kernels.boundaries()];
-        for batch in self.facets.batches.iter().rev() {
-            if let Some(boundary) = batch.boundary {
-                nothing[boundary].centre = in_space(self.mesh.origin(batch.minus[0].cell));
-            }
-        }
-        nothing
     }
 }
 

@@ -16,6 +16,7 @@
 //! | `kernels` | the kernels of a law behind one object |
 //! | `traces`, `batches`, `moving_mesh` | cells, facets and the mesh in packs |
 //! | `nodal_batches` | C0 fields in packs of cells, and their sum in a fixed order |
+//! | `share` | the cells of a rank, and what ranks exchange |
 //! | `operator` | the residual of a slab and its derivatives |
 //! | `boundary_flux` | fluxes through boundaries: forces, power |
 //! | `wall_loads` | nodal forces on walls that respond to the flow |
@@ -54,6 +55,7 @@ mod point;
 mod prescribed;
 mod sampler;
 mod scratch;
+mod share;
 mod slab_geometry;
 mod slope;
 mod split_form;
@@ -81,6 +83,7 @@ pub use nodal_batches::NodalBatches;
 pub use operator::{Bottom, Problem, SlabOperator, Violation};
 pub use per_thread::PerThread;
 pub use sampler::{Sampler, functions_at, squared_errors};
+pub use share::{Blocks, Share};
 pub use slab_geometry::{SlabEnd, kept_geometry_bytes};
 pub use tables::{Orders, PointFamily, Quadrature, Shape1d, Tables};
 pub use two_point::FacePairs;

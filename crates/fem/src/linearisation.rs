@@ -178,17 +178,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             nodes: one.nodes,
             face_nodes: self.tables.orders.flow.pow(D as u32 - 1),
         };
-        let mut traces = Traces::new(layout, one.cells);
+        let mut traces = Traces::new(layout, self.all_cells());
         traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
         FrozenPoint { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
     }
 
-    /// The state last set at position `s`.
+    /// Own cells and ghosts.
+    pub(crate) fn all_cells(&self) -> usize {
+        self.share.own.len() + self.share.ghosts.len()
+    }
+
+    /// The state of own cells and ghosts last set, at position `s`.
     pub(crate) fn state_at(&self, s: f64) -> Vec<f64> {
         let one = self.layout.at_one_time();
-        let (linearisation, mut state) = (self.linearisation(), vec![0.0; one.len()]);
+        let (cells, mut linearisation) = (self.all_cells(), self.linearisation());
+        let of_ghosts = (one.cells..cells).flat_map(|cell| self.state_traces.coefficients_of(cell));
+        linearisation.extend(of_ghosts);
+        let mut state = vec![0.0; cells * one.cell_len()];
         for (a, phi) in self.tables.time.values(s).into_iter().enumerate() {
-            for cell in 0..one.cells {
+            for cell in 0..cells {
                 let nodal = &linearisation[self.layout.cell_at(cell, a)];
                 state[one.cell(cell)].iter_mut().zip(nodal).for_each(|(u, value)| *u += phi * value);
             }

@@ -114,7 +114,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             state: self.state_at(s),
             slots,
             time: self.clock().time(s),
-            penalties: vec![0.0; self.layout.cells * 2 * D * face_nodes],
+            penalties: vec![0.0; self.all_cells() * 2 * D * face_nodes],
             scratch: PerThread::new(room),
         };
         let mut penalties = std::mem::take(&mut low_order.penalties);

@@ -13,6 +13,7 @@ use crate::moving_mesh::MovingMesh;
 use crate::per_thread::PerThread;
 use crate::prescribed::Prescribed;
 use crate::scratch::{CellScratch, FacetScratch};
+use crate::share::Share;
 use crate::slab_geometry::{SlabEnd, SlabGeometry};
 use crate::tables::{Orders, Quadrature, Tables};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
@@ -56,10 +57,10 @@ impl<'a> Bottom<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
     /// The quantity: "det J", or one that the law names.
-    pub quantity: &'static str,
+    pub quantity: String,
     /// Its value.
     pub value: f64,
-    /// The cell.
+    /// The cell, by its number in the whole mesh.
     pub cell: usize,
     /// The time.
     pub time: f64,
@@ -71,14 +72,17 @@ pub struct Violation {
 /// R_a(U; V) = (volume) + (facet) - phi_a(0) int_K w u_n J |_{t_n}                                                   (slab)
 /// ```
 ///
-/// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh.
+/// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh. A rank has those of its own cells; then
+/// evaluations are collective.
 pub struct SlabOperator<const D: usize, const M: usize> {
     /// The law, its boundary conditions and source.
     pub problem: Problem<D, M>,
     /// One-dimensional tables.
     pub tables: Tables<D>,
-    /// The layout of `u`.
+    /// The layout of `u`, own cells only.
     pub layout: Layout,
+    /// The cells.
+    pub share: Arc<Share>,
     /// The mesh in this slab.
     pub mesh: MovingMesh,
     pub(crate) facets: FacetBatches,
@@ -104,6 +108,10 @@ pub struct SlabOperator<const D: usize, const M: usize> {
     pub(crate) cells: PerThread<CellScratch>,
     pub(crate) facet_scratch: PerThread<FacetScratch>,
     pub(crate) wall_loads: WallLoads,
+    /// For every boundary facet its number in the whole mesh.
+    pub(crate) boundary_facets: Vec<usize>,
+    /// Coefficients of own cells and ghosts.
+    with_ghosts: Vec<f64>,
     /// The geometry on the mesh last set, where it is kept.
     pub(crate) geometry: SlabGeometry,
 }
@@ -120,11 +128,45 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         orders: Orders,
         quadrature: Quadrature,
     ) -> Self {
+        let boundary_facets = (0..mesh.boundary_facets().len()).collect();
+        Self::of_cells(problem, mesh, (numbering, boundary_facets), orders, quadrature, Share::whole(mesh))
+    }
+
+    /// The operator on a share of `mesh`.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn of_share(
+        problem: Problem<D, M>,
+        mesh: &Mesh<D>,
+        numbering: &NodeNumbering,
+        orders: Orders,
+        quadrature: Quadrature,
+        share: Share,
+    ) -> Self {
+        if share.is_whole() {
+            return Self::new(problem, mesh, numbering.clone(), orders, quadrature);
+        }
+        let cells: Vec<usize> = share.cells().collect();
+        let subset = mesh.subset(&cells, share.own.len());
+        let numbering = (numbering.subset(&cells), subset.boundary_facets);
+        Self::of_cells(problem, &subset.mesh, numbering, orders, quadrature, share)
+    }
+
+    /// The operator on the cells of `share`, which `mesh` consists of.
+    fn of_cells(
+        problem: Problem<D, M>,
+        mesh: &Mesh<D>,
+        (numbering, boundary_facets): (NodeNumbering, Vec<usize>),
+        orders: Orders,
+        quadrature: Quadrature,
+        share: Share,
+    ) -> Self {
         assert_eq!(mesh.order(), orders.mesh, "the mesh must have the order of the space");
         assert_eq!(mesh.boundary_names().len(), problem.kernels.boundaries(), "every boundary needs a condition");
         let tables = Tables::<D>::new(orders, M, quadrature);
-        let cells = mesh.n_cells();
-        let layout = Layout { cells, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
+        let (own, cells) = (share.own.len(), mesh.n_cells());
+        let layout = Layout { cells: own, time_order: orders.time, components: M, nodes: orders.flow.pow(D as u32) };
         let facets = FacetBatches::new(mesh, orders.flow, orders.mesh);
         let moving = MovingMesh::new(mesh, numbering, orders.time);
         let flow_traces = trace_layout::<D>(orders.time, M, orders.flow);
@@ -148,10 +190,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             mesh_direction: moving.clone(),
             mesh_direction_traces: MeshTraces::new(mesh_traces, cells, facets.batches.len()),
             terms: vec![0.0; terms],
-            geometry: SlabGeometry::new(&tables, problem.kernels.is_viscous(), cells, facets.batches.len()),
+            geometry: SlabGeometry::new(&tables, problem.kernels.is_viscous(), own, facets.batches.len()),
             cells: PerThread::new(|| CellScratch::new::<D, M>(&tables)),
             facet_scratch: PerThread::new(|| FacetScratch::new::<D, M>(&tables)),
             wall_loads: WallLoads::unloaded(facets.batches.len()),
+            share: Arc::new(share),
+            boundary_facets,
+            with_ghosts: Vec::new(),
             problem,
             mesh: moving,
             facets,
@@ -210,7 +255,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Sets the state at which Jacobian products are taken.
     pub fn linearise(&mut self, state: &[f64]) {
-        self.state_traces.take(&self.flow_faces, state, self.problem.kernels.is_viscous());
+        let SlabOperator { share, layout, with_ghosts, state_traces, flow_faces, problem, .. } = self;
+        let all = share.with_ghosts(state, layout.cell_len(), with_ghosts);
+        state_traces.take(flow_faces, all, problem.kernels.is_viscous());
+    }
+
+    /// Takes the traces of a direction of the state.
+    fn take_direction(&mut self, direction: &[f64]) {
+        let SlabOperator { share, layout, with_ghosts, direction_traces, flow_faces, problem, .. } = self;
+        let all = share.with_ghosts(direction, layout.cell_len(), with_ghosts);
+        direction_traces.take(flow_faces, all, problem.kernels.is_viscous());
     }
 
     /// The state at which Jacobian products are taken.
@@ -221,21 +275,19 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The residual R(U; V) at the mesh last set. An error is the first violation in the order of cells; `out` is then undefined.
     pub fn residual(&mut self, state: &[f64], out: &mut [f64]) -> Result<(), Violation> {
         self.linearise(state);
-        match self.run(Differentiate::Nothing, out) {
-            None => Ok(()),
-            Some(cell) => Err(self.describe_violation(cell)),
-        }
+        let own = self.run(Differentiate::Nothing, out).map(|cell| self.describe_violation(cell));
+        self.share.first_violation(own).map_or(Ok(()), Err)
     }
 
     /// The derivative of the residual along a direction of the state.
     pub fn product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
+        self.take_direction(direction);
         self.run(Differentiate::State, out);
     }
 
     /// The derivative of the residual along directions of the state and of the mesh velocities.
     pub fn product_with_mesh(&mut self, direction: &[f64], velocities: &[f64], out: &mut [f64]) {
-        self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
+        self.take_direction(direction);
         self.mesh_direction.set_direction(velocities);
         self.mesh_direction_traces.take(&self.mesh_faces, &self.mesh_direction.data, &self.facets);
         self.run(Differentiate::StateAndMesh, out);
@@ -272,7 +324,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell with a NaN in
+    /// Facets, then cells: the terms of every facet are computed once and read by both its cells. Returns the first cell, in the order of the whole mesh, with a NaN in
     /// its result: violations are passed on as NaN, and arithmetic may produce it.
     fn run(&mut self, along: Differentiate, out: &mut [f64]) -> Option<usize> {
         let (mut terms, mut loads) = (std::mem::take(&mut self.terms), std::mem::take(&mut self.wall_loads.terms));
@@ -289,12 +341,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             self.cells.with(|scratch| self.cell_batch(along, batch, scratch, &terms, out));
             for (lane, out) in out.chunks_exact(cell_len).enumerate() {
                 if !sums_to_a_number(out) {
-                    first.fetch_min(batch * WIDTH + lane, Ordering::Relaxed);
+                    first.fetch_min(self.share.own[batch * WIDTH + lane], Ordering::Relaxed);
                 }
             }
         });
         self.terms = terms;
-        Some(first.into_inner()).filter(|&cell| cell != usize::MAX)
+        let first = first.into_inner();
+        self.share.own.iter().position(|&cell| cell == first)
     }
 
     /// The facet terms of one batch, `[facet][side][kind][a][m][face node]`, every side in its own lattice.

@@ -1,6 +1,7 @@
 //! Location and quantity of an inadmissible state.
 
 use crate::operator::{SlabOperator, Violation};
+use crate::share::Share;
 use crate::tables::Shape1d;
 use tensor::{WIDTH, cofactor, determinant};
 
@@ -18,9 +19,14 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub(crate) fn describe_violation(&self, cell: usize) -> Violation {
         let points = self.points();
         let around = std::iter::once(cell).chain((0..2 * D).map(|face| self.across_face(cell, face)));
-        let nothing =
-            || Violation { quantity: "residual (not a number)", value: f64::NAN, cell, time: self.clock().time(0.0) };
+        let (quantity, time) = ("residual (not a number)".to_string(), self.clock().time(0.0));
+        let nothing = || Violation { quantity, value: f64::NAN, cell: self.in_whole(cell), time };
         around.into_iter().find_map(|cell| self.violation_in(&points, cell)).unwrap_or_else(nothing)
+    }
+
+    /// The number of a cell in the whole mesh.
+    fn in_whole(&self, cell: usize) -> usize {
+        self.share.cells().nth(cell).unwrap_or(cell)
     }
 
     fn points(&self) -> Points {
@@ -41,7 +47,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
         instants.into_iter().find_map(|(instant, row)| {
             let found = self.violation_at(points, cell, instant.values.row(0), row.row(0));
-            found.map(|(quantity, value)| Violation { quantity, value, cell, time: self.clock().time(instant.s) })
+            let (cell, time) = (self.in_whole(cell), self.clock().time(instant.s));
+            found.map(|(quantity, value)| Violation { quantity: quantity.to_string(), value, cell, time })
         })
     }
 
@@ -87,5 +94,21 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let nodes = self.layout.nodes;
         let u: [f64; M] = std::array::from_fn(|m| tensor(&state[m * nodes..(m + 1) * nodes], &points.flow, None));
         self.problem.kernels.inadmissible(&u)
+    }
+}
+
+impl Share {
+    /// Of the violations that ranks have found, that in the first cell. A collective call.
+    pub fn first_violation(&self, own: Option<Violation>) -> Option<Violation> {
+        if !self.is_distributed() {
+            return own;
+        }
+        let numbers = own.map_or(Vec::new(), |Violation { quantity, value, cell, time }| {
+            [cell as f64, value, time].into_iter().chain(quantity.bytes().map(f64::from)).collect()
+        });
+        let found = self.sums.communicator().all_gather(&numbers).into_iter().filter(|numbers| numbers.len() > 3);
+        let first = found.min_by(|a, b| a[0].total_cmp(&b[0]))?;
+        let quantity = first[3..].iter().map(|&byte| byte as u8 as char).collect();
+        Some(Violation { quantity, value: first[1], cell: first[0] as usize, time: first[2] })
     }
 }

@@ -8,9 +8,9 @@
 //! takes sum_q phi_a(s_q) L_q,i. The velocity of the wall is sum_i N_i v_i(s_q). Therefore the sum of L_q,i . v_i(s_q) is the work of the
 //! wall to round-off: the structure gains the energy that the flow loses.
 
-use crate::batches::{FacetBatch, FacetBatches};
+use crate::batches::FacetBatch;
 use crate::operator::SlabOperator;
-use mesh::NodeNumbering;
+use crate::share::Share;
 use tensor::{Pack, WIDTH};
 
 /// The loads of the last evaluation, and the tables that sum them.
@@ -18,8 +18,10 @@ use tensor::{Pack, WIDTH};
 pub(crate) struct WallLoads {
     /// C0 nodes of the loaded boundaries, in increasing order.
     nodes: Vec<usize>,
-    /// For every batch of facets on a loaded boundary the positions of its nodes in `nodes`, `[facet][face node]`; else empty.
-    of_batch: Vec<Vec<usize>>,
+    /// For every loaded facet of the whole mesh the positions of its nodes in `nodes`, `[facet][face node]`.
+    positions: Vec<usize>,
+    /// For every loaded facet of this rank its number in the whole mesh.
+    facets: Vec<usize>,
     /// Terms of the facets of every batch, `[facet][time point][component][face node]`.
     pub(crate) terms: Vec<Vec<f64>>,
     /// `[time point][position in nodes][component]`
@@ -27,44 +29,25 @@ pub(crate) struct WallLoads {
 }
 
 impl WallLoads {
-    /// The loads on the boundaries for which `loaded` holds, at so many time `points`, in `D` dimensions.
-    fn new<const D: usize>(facets: &FacetBatches, numbering: &NodeNumbering, loaded: &[bool], points: usize) -> Self {
-        let is_loaded = |batch: &&FacetBatch| batch.boundary.is_some_and(|boundary| loaded[boundary]);
-        let faces = |batch: &FacetBatch| -> Vec<usize> {
-            batch.minus[..batch.count].iter().flat_map(|side| numbering.face::<D>(*side)).collect()
-        };
-        let mut nodes: Vec<usize> = facets.batches.iter().filter(is_loaded).flat_map(faces).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let position = |node: usize| nodes.partition_point(|&other| other < node);
-        let of_batch: Vec<Vec<usize>> = facets
-            .batches
-            .iter()
-            .map(|batch| if is_loaded(&batch) { faces(batch).into_iter().map(position).collect() } else { Vec::new() })
-            .collect();
-        let terms = of_batch.iter().map(|nodes| vec![0.0; nodes.len() * D * points]).collect();
-        let values = vec![0.0; nodes.len() * D * points];
-        WallLoads { nodes, of_batch, terms, values }
-    }
-
     /// No loads, on a mesh with so many batches of facets.
     pub(crate) fn unloaded(batches: usize) -> Self {
-        WallLoads { of_batch: vec![Vec::new(); batches], terms: vec![Vec::new(); batches], ..WallLoads::default() }
+        WallLoads { terms: vec![Vec::new(); batches], ..WallLoads::default() }
     }
 
-    /// Sums the terms of all facets, in their order.
-    fn sum(&mut self, dimension: usize, points: usize, face_nodes: usize) {
-        let WallLoads { nodes, of_batch, terms, values } = self;
+    /// Sums the terms of all facets of the whole mesh, in their order; on all ranks.
+    fn sum(&mut self, share: &Share, dimension: usize, points: usize, face_nodes: usize) {
+        let WallLoads { nodes, positions, facets, terms, values } = self;
         values.fill(0.0);
-        let of_facet = |nodes: usize| nodes * dimension * points;
-        for (positions, terms) in of_batch.iter().zip(terms) {
-            let facets = positions.chunks_exact(face_nodes).zip(terms.chunks_exact(of_facet(face_nodes)));
-            for (positions, terms) in facets {
-                for (row, terms) in terms.chunks_exact(face_nodes).enumerate() {
-                    let (q, d) = (row / dimension, row % dimension);
-                    for (position, term) in positions.iter().zip(terms) {
-                        values[(q * nodes.len() + position) * dimension + d] += term;
-                    }
+        if nodes.is_empty() {
+            return;
+        }
+        let of_facet = face_nodes * dimension * points;
+        let all = share.all_in_order(facets, terms.concat(), of_facet);
+        for (positions, terms) in positions.chunks_exact(face_nodes).zip(all.chunks_exact(of_facet)) {
+            for (row, terms) in terms.chunks_exact(face_nodes).enumerate() {
+                let (q, d) = (row / dimension, row % dimension);
+                for (position, term) in positions.iter().zip(terms) {
+                    values[(q * nodes.len() + position) * dimension + d] += term;
                 }
             }
         }
@@ -79,10 +62,36 @@ pub(crate) fn scatter_loads(packs: &[Pack], terms: &mut [f64]) {
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Has every evaluation leave the loads on the boundaries for which `loaded` holds, see [`Self::loads`].
+    /// Has every evaluation leave the loads on the boundaries for which `loaded` holds, see [`Self::loads`]. A collective call.
     pub fn load_boundaries(&mut self, loaded: &[bool]) {
-        let points = self.tables.instants.len();
-        self.wall_loads = WallLoads::new::<D>(&self.facets, self.mesh.numbering(), loaded, points);
+        let is_loaded = |batch: &&FacetBatch| batch.boundary.is_some_and(|boundary| loaded[boundary]);
+        let (points, face_nodes) = (self.tables.instants.len(), self.face_nodes_of_mesh());
+        let (mut facets, mut own, mut numbers) = (Vec::new(), Vec::new(), self.boundary_facets.iter());
+        let mut terms = vec![Vec::new(); self.facets.batches.len()];
+        for batch in self.facets.batches.iter().filter(|batch| batch.boundary.is_some()) {
+            let of_batch = numbers.by_ref().take(batch.count);
+            if is_loaded(&batch) {
+                facets.extend(of_batch);
+                let faces = batch.minus[..batch.count].iter().flat_map(|side| self.mesh.numbering().face::<D>(*side));
+                own.extend(faces.map(|node| node as f64));
+                terms[batch.number] = vec![0.0; batch.count * face_nodes * D * points];
+            } else {
+                of_batch.for_each(drop);
+            }
+        }
+        let all: Vec<usize> =
+            self.share.all_in_order(&facets, own, face_nodes).into_iter().map(|node| node as usize).collect();
+        let mut nodes = all.clone();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let positions = all.iter().map(|&node| nodes.partition_point(|&other| other < node)).collect();
+        let values = vec![0.0; nodes.len() * D * points];
+        self.wall_loads = WallLoads { nodes, positions, facets, terms, values };
+    }
+
+    /// C0 nodes of a face.
+    fn face_nodes_of_mesh(&self) -> usize {
+        self.tables.orders.mesh.pow(D as u32 - 1)
     }
 
     /// The C0 nodes of the loaded boundaries, in increasing order.
@@ -98,7 +107,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Sums the loads that the facets have left.
     pub(crate) fn sum_loads(&mut self) {
-        let (points, face_nodes) = (self.tables.instants.len(), self.tables.orders.mesh.pow(D as u32 - 1));
-        self.wall_loads.sum(D, points, face_nodes);
+        let (points, face_nodes) = (self.tables.instants.len(), self.face_nodes_of_mesh());
+        self.wall_loads.sum(&self.share, D, points, face_nodes);
     }
 }

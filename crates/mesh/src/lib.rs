@@ -10,6 +10,7 @@
 //! | `facet` | faces of a cell, their lattices and signs; orientation of two lattices |
 //! | `mesh` | the mesh |
 //! | `region`, `part` | named sets of cells; the mesh that some of them make, and the nodes that two such meshes share |
+//! | `subset` | some cells of a mesh, for a rank that works on these alone |
 //! | `topology` | facets from vertex numbers and names |
 //! | `periodic` | boundaries that are translates of each other |
 //! | `scramble` | the same mesh with turned reference cells, for tests of orientation |
@@ -17,11 +18,13 @@
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `distance` | distances to curved boundaries |
 //! | `boundary` | normals and arc lengths at the nodes of a boundary |
+//! | `blocks` | the partition into blocks, and colours of the cells at its cuts |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
 
+mod blocks;
 mod boundary;
 mod distance;
 mod errors;
@@ -38,9 +41,11 @@ mod periodic;
 mod random;
 mod region;
 mod scramble;
+mod subset;
 mod topology;
 mod validity;
 
+pub use blocks::{blocks, colours};
 pub use boundary::outward_area;
 pub use distance::BoundaryDistance;
 pub use errors::MeshError;
@@ -56,4 +61,5 @@ pub use numbering::NodeNumbering;
 pub use part::Part;
 pub use periodic::PeriodicPair;
 pub use region::{REST, Region};
+pub use subset::Subset;
 pub use validity::{Bound, MotionCheck, SlabPoint, Validity, ValidityCheck};

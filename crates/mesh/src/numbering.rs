@@ -25,6 +25,11 @@ impl NodeNumbering {
         NodeNumbering { count, order, nodes_per_cell, cells }
     }
 
+    /// The same nodes for other cells.
+    pub(crate) fn with_cells(&self, cells: Vec<usize>) -> Self {
+        NodeNumbering { cells, ..*self }
+    }
+
     /// N, the number of nodes per direction in a cell.
     pub fn order(&self) -> usize {
         self.order

@@ -1,10 +1,13 @@
 //! Inner products and the few vector operations of the solvers.
 //!
 //! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends only on the length,
-//! so the result has the same bits for any number of threads. Nothing is allocated.
+//! so the result has the same bits for any number of threads. Where a vector is distributed over ranks, each [`Parts`] of it has a tree of its
+//! own, and the bits do not depend on the number of ranks either.
 
+use ranks::Sums;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 use tensor::Arch;
 
 /// The number of entries that one thread sums or updates at a time.
@@ -22,22 +25,36 @@ pub trait InnerProduct: Sync {
     /// chunk.
     fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]);
 
+    /// How vectors are distributed over ranks; None where this rank has all of them.
+    fn parts(&self) -> Option<&Parts> {
+        None
+    }
+
     /// (x, y) restricted to the entries of `range`. Both vectors are given in full.
     fn dot_on(&self, range: Range<usize>, x: &[f64], y: &[f64]) -> f64 {
-        tree_sum(range, &|chunk| {
-            let mut sum = [0.0];
-            self.dots_in_chunk(chunk.start, &[&x[chunk.clone()]], &y[chunk], &mut sum);
-            sum[0]
-        })
+        let of_part = |part: Range<usize>| {
+            tree_sum(part, &|chunk| {
+                let mut sum = [0.0];
+                self.dots_in_chunk(chunk.start, &[&x[chunk.clone()]], &y[chunk], &mut sum);
+                sum[0]
+            })
+        };
+        let Some(parts) = self.parts() else { return of_part(range) };
+        let common = |part: &Range<usize>| {
+            let start = part.start.max(range.start);
+            start..part.end.min(range.end).max(start)
+        };
+        let sums: Vec<f64> = parts.ranges.iter().map(|part| of_part(common(part))).collect();
+        parts.total(&sums, 1)[0]
     }
 
     /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]; returns |y|. y is read once
     /// for all of them. `partial` holds the sums of the chunks.
     fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) -> f64 {
-        let (count, chunks) = (products.len(), y.len().div_ceil(CHUNK));
-        partial.resize((count + 1) * chunks, 0.0);
+        let (count, chunks) = (products.len(), Chunks { parts: self.parts(), len: y.len() });
+        partial.resize((count + 1) * chunks.count(), 0.0);
         partial.par_chunks_mut(count + 1).enumerate().for_each(|(chunk, partial)| {
-            let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(y.len());
+            let range = chunks.range(chunk);
             let (groups, y) = (columns[..count].chunks(AT_ONCE), &y[range.clone()]);
             for (columns, partial) in groups.zip(partial.chunks_mut(AT_ONCE)) {
                 let mut x: [&[f64]; AT_ONCE] = [y; AT_ONCE];
@@ -46,20 +63,21 @@ pub trait InnerProduct: Sync {
             }
             self.dots_in_chunk(range.start, &[y], y, &mut partial[count..]);
         });
-        let sum = |j: usize| tree_sum_of_chunks(0..chunks, &|chunk| partial[chunk * (count + 1) + j]);
-        products.iter_mut().enumerate().for_each(|(j, product)| *product = sum(j));
-        sum(count).sqrt()
+        let totals = chunks.totals(partial, count + 1);
+        products.copy_from_slice(&totals[..count]);
+        totals[count].sqrt()
     }
 
     /// y := y + sum_j c_j x_j for as many columns x_j as there are coefficients; returns |y|. y is read once for both.
     fn add_combination_and_norm(&self, c: &[f64], columns: &[Vec<f64>], y: &mut [f64], partial: &mut Vec<f64>) -> f64 {
-        partial.resize(y.len().div_ceil(CHUNK), 0.0);
-        y.par_chunks_mut(CHUNK).zip(&mut *partial).enumerate().for_each(|(chunk, (y, square))| {
-            let start = chunk * CHUNK;
+        let chunks = Chunks { parts: self.parts(), len: y.len() };
+        partial.resize(chunks.count(), 0.0);
+        chunks.split(y).into_par_iter().zip(&mut *partial).enumerate().for_each(|(chunk, (y, square))| {
+            let start = chunks.range(chunk).start;
             add_combination_from(start, c, columns, y);
             self.dots_in_chunk(start, &[y], y, std::slice::from_mut(square));
         });
-        tree_sum_of_chunks(0..partial.len(), &|chunk| partial[chunk]).sqrt()
+        chunks.totals(partial, 1)[0].sqrt()
     }
 
     /// (x, y)
@@ -89,14 +107,100 @@ impl InnerProduct for Euclidean {
 }
 
 /// (x, y) = sum_i w_i x_i y_i
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Weighted {
     /// w_i >= 0, one per entry of the vectors. It is zero for padding of the layout; those entries must be finite
     /// nevertheless.
     pub weights: Vec<f64>,
+    /// How vectors are distributed, see [`InnerProduct::parts`].
+    pub parts: Option<Parts>,
+}
+
+impl Weighted {
+    /// With `weights`, on a rank that has all entries.
+    pub fn new(weights: Vec<f64>) -> Self {
+        Weighted { weights, parts: None }
+    }
+}
+
+/// The vectors of a rank: a part that all ranks have alike, and one for every block that the rank owns.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// First the entries that all ranks have, then those of the own blocks.
+    ranges: Vec<Range<usize>>,
+    /// The chunks of all parts, and for every part its chunks.
+    chunks: Vec<Range<usize>>,
+    chunks_of_part: Vec<Range<usize>>,
+    sums: Arc<Sums>,
+}
+
+impl Parts {
+    /// `common` entries that all ranks have, and blocks that end at the entries `ends`, the first of which is the start of the first block.
+    pub fn new(common: usize, ends: &[usize], sums: Arc<Sums>) -> Self {
+        let blocks = ends.windows(2).map(|ends| common + ends[0]..common + ends[1]);
+        let ranges: Vec<Range<usize>> = std::iter::once(0..common).chain(blocks).collect();
+        let (mut chunks, mut chunks_of_part) = (Vec::new(), Vec::new());
+        for part in &ranges {
+            let first = chunks.len();
+            chunks.extend(part.clone().step_by(CHUNK).map(|start| start..(start + CHUNK).min(part.end)));
+            chunks_of_part.push(first..chunks.len());
+        }
+        Parts { ranges, chunks, chunks_of_part, sums }
+    }
+
+    /// The sums over all parts on all ranks of `count` numbers each; `of_parts[part][number]`.
+    fn total(&self, of_parts: &[f64], count: usize) -> Vec<f64> {
+        let (common, blocks) = of_parts.split_at(count);
+        let mut totals = self.sums.total(blocks, count);
+        totals.iter_mut().zip(common).for_each(|(total, common)| *total += common);
+        totals
+    }
+}
+
+/// The chunks of a vector.
+struct Chunks<'a> {
+    parts: Option<&'a Parts>,
+    len: usize,
+}
+
+impl Chunks<'_> {
+    fn count(&self) -> usize {
+        self.parts.map_or(self.len.div_ceil(CHUNK), |parts| parts.chunks.len())
+    }
+
+    fn range(&self, chunk: usize) -> Range<usize> {
+        self.parts.map_or(chunk * CHUNK..((chunk + 1) * CHUNK).min(self.len), |parts| parts.chunks[chunk].clone())
+    }
+
+    /// The vector `y` in chunks.
+    fn split<'y>(&self, mut y: &'y mut [f64]) -> Vec<&'y mut [f64]> {
+        let mut next = |chunk: usize| {
+            let (here, rest) = std::mem::take(&mut y).split_at_mut(self.range(chunk).len());
+            y = rest;
+            here
+        };
+        (0..self.count()).map(&mut next).collect()
+    }
+
+    /// The sums of `count` numbers over all chunks, `partial[chunk][number]`.
+    fn totals(&self, partial: &[f64], count: usize) -> Vec<f64> {
+        let over = |chunks: Range<usize>| {
+            (0..count).map(move |j| tree_sum_of_chunks(chunks.clone(), &|chunk| partial[chunk * count + j]))
+        };
+        match self.parts {
+            None => over(0..self.count()).collect(),
+            Some(parts) => {
+                parts.total(&parts.chunks_of_part.iter().cloned().flat_map(over).collect::<Vec<f64>>(), count)
+            }
+        }
+    }
 }
 
 impl InnerProduct for Weighted {
+    fn parts(&self) -> Option<&Parts> {
+        self.parts.as_ref()
+    }
+
     fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
         let weights = &self.weights[start..start + y.len()];
         Arch::new().dispatch(|| chunk_dots(Some(weights), x, y, sums));
@@ -106,6 +210,13 @@ impl InnerProduct for Weighted {
 /// sum_i x_i, by the tree of the inner products: the door of every other sum over the whole mesh.
 pub fn sum(x: &[f64]) -> f64 {
     tree_sum(0..x.len(), &|chunk| x[chunk].iter().sum())
+}
+
+/// The same for `x` with as many entries for every cell, which belong to blocks that end at the cells `ends`; over the blocks of all ranks.
+pub fn sum_over_blocks(x: &[f64], ends: &[usize], sums: &Sums) -> f64 {
+    let per_cell = x.len() / ends.last().copied().unwrap_or(0).max(1);
+    let of_blocks: Vec<f64> = ends.windows(2).map(|ends| sum(&x[ends[0] * per_cell..ends[1] * per_cell])).collect();
+    sums.total(&of_blocks, 1)[0]
 }
 
 /// The position where a vector of more than one chunk is split in two: the chunk in its middle.
@@ -303,16 +414,16 @@ mod tests {
         let within: u64 = (5_000..70_001_u64).map(|i| (i % 7).pow(2)).sum();
         assert_eq!(Euclidean.dot(&x, &x), squares as f64);
         assert_eq!(Euclidean.dot_on(5_000..70_001, &x, &x), within as f64);
-        assert_eq!(Weighted { weights: w.clone() }.dot(&x, &x), weighted as f64);
+        assert_eq!(Weighted::new(w.clone()).dot(&x, &x), weighted as f64);
         let (columns, mut products) = (vec![x.clone(), w.clone(), x.clone()], vec![0.0; 3]);
-        let norm = Weighted { weights: w }.dots(&columns, &x, &mut Vec::new(), &mut products);
+        let norm = Weighted::new(w).dots(&columns, &x, &mut Vec::new(), &mut products);
         let cubes: u64 = (0..LENGTH as u64).map(|i| (i % 3).pow(2) * (i % 7)).sum();
         assert_eq!((products, norm), (vec![weighted as f64, cubes as f64, weighted as f64], (weighted as f64).sqrt()));
     }
 
     #[test]
     fn padding_of_weight_zero_does_not_count() {
-        let inner_product = Weighted { weights: vec![1.0, 0.0, 2.0] };
+        let inner_product = Weighted::new(vec![1.0, 0.0, 2.0]);
         assert_eq!(inner_product.dot(&[1.0, 5.0, 3.0], &[2.0, 7.0, 1.0]), 8.0);
         assert_eq!(inner_product.norm(&[0.0, 5.0, 0.0]), 0.0);
     }
@@ -339,7 +450,7 @@ mod tests {
             Euclidean.dots(&columns, &x, &mut Vec::new(), &mut products);
             let single: Vec<f64> = columns.iter().map(|column| Euclidean.dot(column, &x)).collect();
             assert_eq!(bits(&products), bits(&single), "{length}");
-            let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
+            let weighted = Weighted::new(x.iter().map(|x_i| x_i.abs()).collect());
             let norm = weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
             let single: Vec<f64> = columns.iter().map(|column| weighted.dot(column, &x)).collect();
             assert_eq!(bits(&products), bits(&single), "{length}");
@@ -362,7 +473,7 @@ mod tests {
             xpay(&x, -0.7, &mut y);
             scale(1.1, &mut y);
             add_combination(&[0.2, 1.0 / 3.0], &columns, &mut y);
-            let weighted = Weighted { weights: x.iter().map(|x_i| x_i.abs()).collect() };
+            let weighted = Weighted::new(x.iter().map(|x_i| x_i.abs()).collect());
             let mut numbers = vec![0.0; 2];
             let norm = weighted.dots(&columns, &y, &mut Vec::new(), &mut numbers);
             numbers.push(norm);

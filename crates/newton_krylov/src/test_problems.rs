@@ -119,7 +119,7 @@ impl Small {
             residual,
             jacobian,
             fields,
-            inner_product: Weighted { weights: vec![1.0; n] },
+            inner_product: Weighted::new(vec![1.0; n]),
             matrix: Dense(Vec::new()),
             inverse_pseudo_time: Vec::new(),
             largest_step: 1.0,

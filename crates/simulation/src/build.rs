@@ -14,7 +14,7 @@ use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
     Structure as Body, Traction, WallDistance,
 };
-use fem::{Orders, Problem, SlabOperator, StateField, VectorField};
+use fem::{Orders, Problem, Share, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, Mesh, NodeNumbering};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
@@ -140,10 +140,45 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let mover = mover(case)?;
+    march_of(case, flow, mover(case)?, Share::whole(&case.mesh))
+}
+
+/// The flow of a case on the cells of `share`, on the mesh at rest at the start.
+pub fn operator<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: &MeshMover<D>,
+    share: Share,
+) -> SlabOperator<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
     let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
-    let mut operator = SlabOperator::new(problem(flow), &case.mesh, mover.numbering.clone(), orders, flow.quadrature);
+    let mut operator =
+        SlabOperator::of_share(problem(flow), &case.mesh, &mover.numbering, orders, flow.quadrature, share);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    operator
+}
+
+/// The march on the cells of `share`.
+///
+/// # Errors
+/// As [`ElasticMesh::new`].
+pub fn march_of<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: MeshMover<D>,
+    share: Share,
+) -> Result<FlowMarch<D, M>, ElasticityError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let mut operator = operator(case, flow, &mover, share);
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
     let bodies = bodies(case, flow, &mut operator)?;
     let mut problem = System::with_bodies(operator, mover, bodies);

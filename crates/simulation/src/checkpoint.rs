@@ -146,12 +146,12 @@ fn frozen(arrays: &Arrays) -> Option<Linearisation> {
 
 /// `None` unless every cell has one position, and the levels end in increasing order, the last one with the cells.
 fn ordering(cells: Vec<usize>, level_ends: Vec<usize>) -> Option<Ordering> {
-    let mut positions = vec![usize::MAX; cells.len()];
-    for (position, &cell) in cells.iter().enumerate() {
-        *positions.get_mut(cell)? = position;
+    let mut found = vec![false; cells.len()];
+    for &cell in &cells {
+        *found.get_mut(cell)? = true;
     }
-    let whole = !positions.contains(&usize::MAX) && level_ends.is_sorted() && level_ends.last() == Some(&cells.len());
-    whole.then_some(Ordering { cells, positions, level_ends })
+    let whole = !found.contains(&false) && level_ends.is_sorted() && level_ends.last() == Some(&cells.len());
+    whole.then(|| Ordering::whole(cells, level_ends))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
 use super::checkpoint;
+use super::crew::Orders;
 use super::context::{RunContext, Stop};
 use super::cuts;
 use super::failure::{self, FailureReport, Finding};
@@ -21,7 +22,9 @@ use coupled::Past;
 use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, SolverState, Summary};
+use ranks::{Alone, Communicator};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs a case: mesh and flow, or the mesh or a structure alone where there is no flow. Returns what summary.json says.
@@ -29,11 +32,26 @@ use std::time::Instant;
 /// # Errors
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
 pub fn run(case: &AnyCase, destination: &Destination, observer: &dyn Observer) -> Result<Summary, Failure> {
+    run_on(Arc::new(Alone), case, destination, observer)
+}
+
+/// The same on all ranks of `communicator`, of which this is rank 0. The others call [`crate::serve`].
+///
+/// # Errors
+/// As [`run`]; more ranks than blocks.
+pub fn run_on(
+    communicator: Arc<dyn Communicator>,
+    case: &AnyCase,
+    destination: &Destination,
+    observer: &dyn Observer,
+) -> Result<Summary, Failure> {
+    let orders = Arc::new(Orders::new(communicator));
+    check_ranks(case, orders.communicator().size())?;
     occupied::check_unless_held(destination, observer, case.restart())?;
     // Inside the pool, so that every parallel loop starts without waking the pool.
     rayon::scope(|_| match case {
-        AnyCase::Plane(case) => run_in::<2, 4>(case, destination, observer),
-        AnyCase::Space(case) => run_in::<3, 5>(case, destination, observer),
+        AnyCase::Plane(case) => run_in::<2, 4>(case, destination, observer, &orders),
+        AnyCase::Space(case) => run_in::<3, 5>(case, destination, observer, &orders),
     })
 }
 
@@ -49,10 +67,28 @@ pub fn motion(case: &AnyCase, destination: &Destination, observer: &dyn Observer
     })
 }
 
+/// Whether every rank has a block.
+fn check_ranks(case: &AnyCase, ranks: usize) -> Result<(), Failure> {
+    let (blocks, has_flow) = match case {
+        AnyCase::Plane(case) => (case.blocks, case.flow.is_some()),
+        AnyCase::Space(case) => (case.blocks, case.flow.is_some()),
+    };
+    if ranks > 1 && !has_flow {
+        return Err(Failure::bad_input(anyhow::anyhow!("a case without a flow runs in one process, not in {ranks}")));
+    }
+    if ranks > blocks {
+        let problem = format!("{ranks} processes for {blocks} blocks: each process needs a block");
+        let remedy = format!("`parallel.blocks` = {ranks} or more, or fewer processes");
+        return Err(Failure::bad_input(anyhow::anyhow!("{problem}; {remedy}")));
+    }
+    Ok(())
+}
+
 fn run_in<const D: usize, const M: usize>(
     case: &Case<D>,
     destination: &Destination,
     observer: &dyn Observer,
+    orders: &Arc<Orders>,
 ) -> Result<Summary, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -61,7 +97,7 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     match (&case.flow, &case.structure) {
-        (Some(flow), _) => run_flow::<D, M>(case, flow, destination, observer),
+        (Some(flow), _) => run_flow::<D, M>(case, flow, destination, observer, orders),
         (None, Some(structure)) => run_structure::<D, M>(case, structure, destination, observer),
         (None, None) => move_mesh::<D, M>(case, destination, observer),
     }
@@ -90,7 +126,7 @@ pub(super) trait Run {
     /// Restores the march from a checkpoint; `None` if something is missing there.
     fn restore(&mut self, stored: &SolverState) -> Option<()>;
     /// summary.json
-    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary;
+    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary;
     /// Examines the `error` of a failed slab.
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding;
     /// Writes the lines and slices that are due into `directory`; all of them at the start and the end.

@@ -3,6 +3,7 @@
 use super::averages::{AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
+use super::crew::{Crew, Orders};
 use super::context::{RunContext, Stop};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
@@ -23,10 +24,11 @@ use crate::session::Session;
 use case::{Averages, Case, Flow, State, Steady};
 use coupled::block::BodyState;
 use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
-use fem::StateField;
+use fem::{SlabOperator, StateField};
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs mesh and flow.
@@ -38,6 +40,7 @@ pub fn run_flow<const D: usize, const M: usize>(
     flow: &Flow<D>,
     destination: &Destination,
     observer: &dyn Observer,
+    orders: &Arc<Orders>,
 ) -> Result<Summary, Failure>
 where
     NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
@@ -47,20 +50,23 @@ where
 {
     let begun = Instant::now();
     require_memory(case)?;
-    let march: FlowMarch<D, M> = build::march(case, flow).map_err(Failure::bad_input)?;
+    let (march, crew) = Crew::<D, M>::build(case, flow, orders).map_err(Failure::bad_input)?;
     let origin = match destination.is_resumed() {
         true => None,
         false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
     };
     let call = Call { destination, observer, begun, origin: origin.as_ref() };
     let mesh = MeshView::new(&march.solver.system.mesh.mover.reference, &march.solver.system.mesh.mover.numbering);
-    drive::<D, M, _>(case, FlowRun { case, flow, march }, &mesh, call)
+    drive::<D, M, _>(case, FlowRun { case, flow, march, crew }, &mesh, call)
 }
 
 struct FlowRun<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
+    /// Of all cells, or of the share of this rank.
     march: FlowMarch<D, M>,
+    /// The whole flow, where the mesh is cut into blocks.
+    crew: Option<Crew<D, M>>,
 }
 
 impl<const D: usize, const M: usize> FlowRun<'_, D, M>
@@ -70,6 +76,11 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
+    /// The operator on all cells.
+    fn operator(&self) -> &SlabOperator<D, M> {
+        self.crew.as_ref().map_or(&self.march.solver.system.flow.operator, |crew| &crew.operator)
+    }
+
     /// The walls of all bodies, by their number in the list of walls.
     fn walls_of_bodies(&self) -> Vec<usize> {
         let walls = self.flow.walls.iter().enumerate();
@@ -78,7 +89,7 @@ where
 
     /// The flow at the end of the slab, to be observed at points.
     fn at_points(&self) -> FlowAtPoints<'_, D> {
-        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
+        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
         FlowAtPoints {
             flow: self.flow,
             formulas: &self.case.observed.formulas,
@@ -92,9 +103,9 @@ where
 
     /// The mean states at openings, the flow at the points of the case, and its integrals.
     fn observed(&self) -> Vec<f64> {
-        let (state, mover) = (&self.march.state, &self.march.solver.system.mesh.mover);
+        let (state, mover) = (self.state(), &self.march.solver.system.mesh.mover);
         let (order, gas) = (self.flow.order, &self.flow.law.gas);
-        let one = self.march.solver.system.flow.operator.layout.at_one_time();
+        let one = self.operator().layout.at_one_time();
         let integrals = FlowIntegrals::<D> {
             orders: [order, self.case.mesh.order()],
             cells: one.cells,
@@ -115,9 +126,9 @@ where
             return;
         }
         let (state, mover, one) = (
-            &self.march.state,
+            self.state(),
             &self.march.solver.system.mesh.mover,
-            self.march.solver.system.flow.operator.layout.at_one_time(),
+            self.operator().layout.at_one_time(),
         );
         let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
         let still = vec![0.0; state.d.len()];
@@ -136,7 +147,7 @@ where
 
     /// Drops the averages of a run that this one continues, if they are others or in other orders.
     fn begin_averages(&self, sums: &mut AverageSums) {
-        let layout = self.march.solver.system.flow.operator.layout;
+        let layout = self.operator().layout;
         let fits = |wanted: &Averages| sums.fits::<D>(wanted, layout.cells, layout.nodes);
         if self.case.averages.as_ref().is_some_and(fits) {
             return;
@@ -149,8 +160,8 @@ where
 
     /// Adds the last slab to the averages.
     fn average(&self, sums: &mut AverageSums) {
-        if let (Some(wanted), Some(past)) = (&self.case.averages, &self.march.state.past) {
-            let (layout, gas) = (self.march.solver.system.flow.operator.layout, &self.flow.law.gas);
+        if let (Some(wanted), Some(past)) = (&self.case.averages, &self.state().past) {
+            let (layout, gas) = (self.operator().layout, &self.flow.law.gas);
             FlowAverages { wanted, layout, gas }.add::<D, M>(past, sums);
         }
     }
@@ -165,12 +176,12 @@ where
 
     /// Writes the distributions along walls: those of the series in the result, and last that of the present state.
     fn write_surfaces(&self, directory: &Path) -> anyhow::Result<()> {
-        let (present, time) = (self.surfaces(), self.march.state.time);
+        let (present, time) = (self.surfaces(), self.state().time);
         if present.is_empty() {
             return Ok(());
         }
         let reader = ResultReader::open(&directory.join(RESULT_FILE))?;
-        let (order, rule) = (self.flow.order, &self.march.solver.system.flow.operator.tables.rule);
+        let (order, rule) = (self.flow.order, &self.operator().tables.rule);
         for (array, values) in present {
             let stored = reader.series(&array.name)?.filter(|series| series.array == array);
             let mut series = stored.unwrap_or_else(|| Series { array, times: Vec::new(), values: Vec::new() });
@@ -185,7 +196,7 @@ where
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
-        let (case, flow, state) = (self.case, self.flow, &mut self.march.state);
+        let (case, flow, state) = (self.case, self.flow, self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state));
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
             order: flow.order,
@@ -256,17 +267,20 @@ where
     type Report = SlabReport<M>;
 
     fn state(&self) -> &coupled::State {
-        &self.march.state
+        self.crew.as_ref().map_or(&self.march.state, |crew| &crew.state)
     }
     fn is_done(&self) -> bool {
         self.march.is_done()
     }
     fn advance(&mut self) -> anyhow::Result<SlabReport<M>> {
-        Ok(self.march.advance()?)
+        Ok(match &mut self.crew {
+            None => self.march.advance()?,
+            Some(crew) => crew.advance(self.case, &mut self.march)?,
+        })
     }
 
     fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
-        let (layout, state) = (self.march.solver.system.flow.operator.layout, &self.march.state);
+        let (layout, state) = (self.operator().layout, self.state());
         let one = layout.at_one_time();
         let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
         (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
@@ -275,7 +289,7 @@ where
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         // A run that continues another one does not search the steady flow again, unless its orders differ.
         let row = match &self.case.solver.steady {
-            Some(steady) if self.march.state.slab == 0 && context.statistics.steady.is_none() => {
+            Some(steady) if self.state().slab == 0 && context.statistics.steady.is_none() => {
                 Some(self.start_from_steady_flow(steady, context)?)
             }
             _ => None,
@@ -285,8 +299,8 @@ where
         }
         self.begin_averages(&mut context.statistics.averages);
         if context.statistics.totals_at_start.is_empty() || row.is_some() {
-            context.statistics.totals_at_start = self.march.totals();
-            let start = |state: &BodyState| BodyRecord::start(state, self.march.state.time);
+            context.statistics.totals_at_start = coupled::totals(self.operator(), &self.state().u);
+            let start = |state: &BodyState| BodyRecord::start(state, self.state().time);
             context.statistics.bodies = self.march.bodies().iter().map(start).collect();
         }
         Ok(row)
@@ -298,29 +312,37 @@ where
         self.observe(context);
         context.observer.slab(&SlabDone {
             number: report.slab,
-            time: self.march.state.time,
+            time: self.state().time,
             newton: report.newton.steps.len(),
             krylov: report.newton.krylov_iterations,
             residual: report.newton.final_norm() / report.newton.initial_norm.max(f64::MIN_POSITIVE),
         });
         let bodies = self.march.bodies();
         self.average(&mut context.statistics.averages);
-        context.statistics.add_bodies(&bodies, self.march.state.time, &report.totals, &self.walls_of_bodies());
+        context.statistics.add_bodies(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
         let row = history::row(self.flow, report, &felt, &bodies, &context.statistics);
         [row, self.observed()].concat()
     }
 
     fn store(&self) -> SolverState {
+        if let Some(crew) = &self.crew {
+            return crew.store(&self.march);
+        }
         let lagged_preconditioner = &self.march.solver.system.flow.preconditioner;
         checkpoint::store(&self.march.state, lagged_preconditioner.frozen(), lagged_preconditioner.stale)
     }
 
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
-        let march = &mut self.march;
         let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
-        if state.u.len() != march.state.u.len() || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state)
+        let (cells, march) = (self.state().u.len(), &mut self.march);
+        if state.u.len() != cells || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state)
         {
             return None;
+        }
+        if let Some(crew) = &mut self.crew {
+            crew.restore(self.case, stored, march);
+            crew.state = state;
+            return Some(());
         }
         march.state = state;
         if let Some(frozen) = frozen {
@@ -330,17 +352,21 @@ where
         Some(())
     }
 
-    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
-        summary::of_flow(self.case, self.flow, &self.march, context, stop)
+    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+        if let Some(crew) = &mut self.crew {
+            crew.look_at_last_slab();
+        }
+        let whole = summary::WholeFlow { operator: self.operator(), state: self.state(), march: &self.march };
+        summary::of_flow(self.case, self.flow, &whole, context, stop)
     }
 
     fn examine(&self, error: &anyhow::Error, statistics: &RunStatistics) -> Finding {
-        Failed::new(self.case, self.flow, &self.march, error, &statistics.openings).examine()
+        Failed::new((self.case, self.flow), &self.march, self.state(), error, &statistics.openings).examine()
     }
 
     fn cut(&self, directory: &Path, at_end: bool) -> Result<(), OutputError> {
         let _timed = tracing::trace_span!(target: "cost", "output").entered();
-        cuts::write::<D, M>(self.case, &self.at_points(), directory, (self.march.state.slab, at_end))
+        cuts::write::<D, M>(self.case, &self.at_points(), directory, (self.state().slab, at_end))
     }
 
     fn leave(&self, directory: &Path, statistics: &RunStatistics) -> anyhow::Result<()> {
@@ -349,8 +375,8 @@ where
     }
 
     fn surfaces(&self) -> Vec<(ArraySpec, Vec<f64>)> {
-        let operator = &self.march.solver.system.flow.operator;
-        let (state, one) = (&self.march.state, operator.layout.at_one_time());
+        let operator = self.operator();
+        let (state, one) = (self.state(), operator.layout.at_one_time());
         let still = vec![0.0; state.d.len()];
         let surfaces = SurfaceFlow {
             flow: self.flow,
@@ -365,7 +391,7 @@ where
     }
 
     fn judge(&self, context: &RunContext, session: &Session) -> Result<(), Failure> {
-        context.say_done(self.march.state.time, session);
+        context.say_done(self.state().time, session);
         Ok(())
     }
 }

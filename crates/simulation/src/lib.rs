@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `averages` | averages over time and over phases |
 //! | `build` | from a case to the problem of the numerics |
+//! | `crew` | a flow on several ranks |
 //! | `drive` | a run, slab by slab, for any equations |
 //! | `flow_run`, `mesh_run`, `structure_run` | mesh and flow; the mesh alone; a structure |
 //! | `observer` | reports of a run to its caller, and requests of the caller |
@@ -60,6 +61,7 @@ mod build;
 mod checkpoint;
 pub mod clock;
 mod context;
+mod crew;
 mod cuts;
 mod destination;
 mod drive;
@@ -95,7 +97,8 @@ mod walls;
 
 pub use build::{PrescribedNode, elasticity_plan, march, mover, prescribed_nodes, structure_march};
 pub use destination::{Destination, Existing};
-pub use drive::{motion, run};
+pub use crew::serve;
+pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use memory_estimate::{MemoryEstimate, require_memory, typical_iterations};
 pub use observer::{NextStep, Observer, SlabDone};

@@ -96,7 +96,7 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         checkpoint::restore(&mut self.march.state, stored, &self.case.time)
     }
 
-    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         summary::of_mesh(self.case, &self.march.solver.mover, &self.march.state, context, stop)
     }
 

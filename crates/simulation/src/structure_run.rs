@@ -138,7 +138,7 @@ impl<const D: usize> Run for StructureRun<'_, D> {
         checkpoint::restore(&mut self.march.state, stored, &self.case.time)
     }
 
-    fn summary(&self, context: &RunContext, stop: Option<&Stop>) -> Summary {
+    fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
         let energy = self.march.energies().iter().sum();
         let mut summary = summary::of_structure(self.case, &self.march, energy, &self.observed.modes, context, stop);
         if let Some(record) = context.statistics.bodies.first() {

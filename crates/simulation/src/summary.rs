@@ -12,27 +12,38 @@ use coupled::block::BodyState;
 use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
-use fem::{StateField, squared_errors};
+use fem::{SlabOperator, StateField, squared_errors};
 use navier_stokes::{Coefficients, Exact};
 use output::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
     SteadyWall, StructureSummary, Summary, Unknowns, Wall,
 };
 
+/// The flow on all cells, and the march of this rank.
+pub struct WholeFlow<'a, const D: usize, const M: usize> {
+    /// The operator, on the mesh of the last slab.
+    pub operator: &'a SlabOperator<D, M>,
+    /// Where the run stands.
+    pub state: &'a coupled::State,
+    /// The march of this rank.
+    pub march: &'a FlowMarch<D, M>,
+}
+
 /// The summary of a run of mesh and flow.
 pub fn of_flow<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
-    march: &FlowMarch<D, M>,
+    whole: &WholeFlow<D, M>,
     context: &RunContext,
     stop: Option<&Stop>,
 ) -> Summary
 where
     Exact<State<D>>: StateField<D, M>,
 {
-    let (statistics, slabs) = (&context.statistics, march.state.slab as u64);
-    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, &march.state, context, stop);
-    summary.unknowns.flow = Some(march.solver.system.flow.operator.layout.len());
+    let WholeFlow { operator, state, march } = whole;
+    let (statistics, slabs) = (&context.statistics, state.slab as u64);
+    let mut summary = of_mesh(case, &march.solver.system.mesh.mover, state, context, stop);
+    summary.unknowns.flow = Some(operator.layout.len());
     summary.newton = Some(Newton {
         total: statistics.newton,
         max: statistics.newton_max,
@@ -45,7 +56,7 @@ where
         elasticity_total: summary.unknowns.mesh.map(|_| statistics.elasticity),
     });
     if let Some(exact) = &flow.exact {
-        add_errors(march, exact, summary.error.get_or_insert_default());
+        add_errors(whole, exact, summary.error.get_or_insert_default());
     }
     // A manufactured source adds mass and energy, a body force does work.
     let is_closed = !flow.manufactured && flow.acceleration.is_none();
@@ -54,7 +65,7 @@ where
         energy_error: is_closed.then_some(statistics.energy_error),
         coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
         free_stream_error: match &flow.exact {
-            Some(exact @ State::Uniform(_)) => Some(largest_deviation(march, exact)),
+            Some(exact @ State::Uniform(_)) => Some(largest_deviation(whole, exact)),
             _ => None,
         },
     };
@@ -277,28 +288,28 @@ fn ratio(a: u64, b: u64) -> f64 {
 }
 
 /// L2 errors of the flow at the time reached.
-fn add_errors<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
+fn add_errors<const D: usize, const M: usize>(whole: &WholeFlow<D, M>, exact: &State<D>, errors: &mut ErrorNorms)
 where
     Exact<State<D>>: StateField<D, M>,
 {
-    let flow = &march.solver.system.flow.operator;
-    let row = if march.state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
-    let squares = squared_errors(flow, &march.state.u, row.row(0), &Exact(exact.clone()), march.state.time);
+    let (flow, state) = (whole.operator, whole.state);
+    let row = if state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
+    let squares = squared_errors(flow, &state.u, row.row(0), &Exact(exact.clone()), state.time);
     errors.density_l2 = Some(squares[0].sqrt());
     errors.momentum_l2 = Some(squares[1..=D].iter().sum::<f64>().sqrt());
     errors.energy_l2 = Some(squares[M - 1].sqrt());
 }
 
 /// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
-fn largest_deviation<const D: usize, const M: usize>(march: &FlowMarch<D, M>, exact: &State<D>) -> f64
+fn largest_deviation<const D: usize, const M: usize>(whole: &WholeFlow<D, M>, exact: &State<D>) -> f64
 where
     Exact<State<D>>: StateField<D, M>,
 {
     let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
-    let nodes = march.solver.system.flow.operator.layout.nodes;
+    let nodes = whole.operator.layout.nodes;
     let difference = |(i, u): (usize, &f64)| (u - state[i / nodes % M]).abs();
     let largest = state.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    march.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
+    whole.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
 }
 
 /// The largest distance of a C0 node from its exact position, if that is known.

@@ -7,6 +7,7 @@
 //! | `cli` | the command line |
 //! | `commands` | the commands |
 //! | `bench` | the kernels relative to the peak of the machine |
+//! | `processes` | this process as one of several that run a case |
 //! | `observer` | progress and interruption of a run for the user |
 //! | `progress`, `terminal`, `logging`, `signals` | its parts |
 //! | `failure` | error messages and exit codes |
@@ -17,6 +18,7 @@ pub mod commands;
 pub mod failure;
 pub mod logging;
 pub mod observer;
+pub mod processes;
 pub mod progress;
 pub mod signals;
 pub mod terminal;

@@ -53,7 +53,8 @@ where
     let (mut r, mut found) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     operator.product(&x, &mut r);
     let modes = TemporalModes::new(&RadauTime::new(ORDERS.time));
-    LinePreconditioner::new(layout, modes, operator.line_jacobian(0.5), dt, 0.0).apply(&r, &mut found);
+    let of_cells = (layout, operator.share.clone());
+    LinePreconditioner::new(of_cells, modes, operator.line_jacobian(0.5), dt, 0.0).apply(&r, &mut found);
     relative_difference(&found[middle.clone()], &x[middle])
 }
 

@@ -21,6 +21,7 @@ mod resolved;
 mod shared_nodes;
 mod slide;
 mod sliding_mesh;
+mod parallel;
 mod solver;
 mod states;
 mod structure;
@@ -88,6 +89,8 @@ pub struct Case<const D: usize> {
     pub allowed_changes: Vec<AllowedChange>,
     /// The solver settings.
     pub solver: Solver,
+    /// Blocks into which the cells of the flow are cut.
+    pub blocks: usize,
     /// Directory and contents of the output.
     pub output: Output,
     /// Where the flow is observed.
@@ -201,6 +204,7 @@ impl<const D: usize> Case<D> {
         held_nodes::check(checker, structure.as_ref(), motion.as_ref(), &mesh, &time)?;
         sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
+        parallel::check(checker, &raw.parallel, flow.as_ref().map(|_| mesh.n_cells()))?;
         if raw.restart.is_some() && flow.is_none() {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
@@ -216,6 +220,7 @@ impl<const D: usize> Case<D> {
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
+            blocks: raw.parallel.blocks,
             output,
             observed,
             averages,

@@ -74,6 +74,9 @@ pub struct Case {
     /// The output.
     #[serde(default)]
     pub output: Output,
+    /// Work on several machines.
+    #[serde(default)]
+    pub parallel: Parallel,
 }
 
 /// The name of the schema, for editors.

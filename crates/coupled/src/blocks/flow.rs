@@ -90,16 +90,9 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         self.effect_of_mesh.velocities.clear();
     }
 
-    /// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest).
+    /// The integrals of the components of `u`, see [`totals`].
     pub fn totals(&self, u: &[f64]) -> Vec<f64> {
-        let flow = &self.operator;
-        let one = flow.layout.at_one_time();
-        let mut mass_product = vec![0.0; one.len()];
-        let end = if flow.interval().1 > 0.0 { SlabEnd::Top } else { SlabEnd::Bottom };
-        flow.mass_product(u, end, &mut mass_product);
-        let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
-        let component = |m: usize| inner_product::sum(&(0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>());
-        (0..M).map(component).collect()
+        totals(&self.operator, u)
     }
 
     /// Makes the preconditioner again from what it was made of.
@@ -152,6 +145,18 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         tangent.wall_loads.clear();
         tangent.wall_loads.extend_from_slice(self.operator.loads());
     }
+}
+
+/// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest). A collective call.
+pub fn totals<const D: usize, const M: usize>(flow: &SlabOperator<D, M>, u: &[f64]) -> Vec<f64> {
+    let one = flow.layout.at_one_time();
+    let mut mass_product = vec![0.0; one.len()];
+    let end = if flow.interval().1 > 0.0 { SlabEnd::Top } else { SlabEnd::Bottom };
+    flow.mass_product(u, end, &mut mass_product);
+    let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
+    let of_cells = |m: usize| (0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>();
+    let component = |m: usize| inner_product::sum_over_blocks(&of_cells(m), &flow.share.ends, &flow.share.sums);
+    (0..M).map(component).collect()
 }
 
 fn add(terms: &[f64], sums: &mut [f64]) {
@@ -223,5 +228,5 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
 
 pub(crate) fn inadmissible(violation: Violation) -> Inadmissible {
     let Violation { quantity, value, cell, time } = violation;
-    Inadmissible { quantity: quantity.to_string(), value, location: format!("in cell {cell} at t = {time}") }
+    Inadmissible { quantity, value, location: format!("in cell {cell} at t = {time}") }
 }

@@ -8,7 +8,7 @@ pub mod rigid_body;
 
 pub use elastic_body::ElasticBody;
 pub(crate) use flow::inadmissible;
-pub use flow::{Counts, FlowBlock};
+pub use flow::{Counts, FlowBlock, totals};
 pub use instants::Instants;
 pub use mesh_motion::MeshBlock;
 pub use rigid_body::RigidBody;

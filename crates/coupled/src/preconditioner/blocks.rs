@@ -18,15 +18,15 @@ pub struct Link {
     pub other_face: usize,
 }
 
-/// For every cell its links, in the order of couplings.
-pub fn links(jacobian: &SpaceJacobian, cells: usize) -> Vec<Vec<Link>> {
-    let mut links = vec![Vec::new(); cells];
+/// For every cell its links, in the order of couplings; none for ghosts, which come after the `own` cells.
+pub fn links(jacobian: &SpaceJacobian, own: usize, ghosts: usize) -> Vec<Vec<Link>> {
+    let mut links = vec![Vec::new(); own + ghosts];
     for (number, coupling) in jacobian.couplings.iter().enumerate() {
         for side in 0..2 {
             let (face, other_face) = (coupling.faces[side], coupling.faces[1 - side]);
             let cell = coupling.cells[1 - side];
             // A cell that is its own neighbour across a periodic boundary keeps the coupling out of the factor.
-            if cell != coupling.cells[side] {
+            if cell != coupling.cells[side] && coupling.cells[side] < own {
                 links[coupling.cells[side]].push(Link { cell, coupling: number, side, face, other_face });
             }
         }

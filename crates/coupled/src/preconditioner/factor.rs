@@ -11,11 +11,11 @@ use super::bf16_blocks;
 use super::blocks::{Link, coupling_block};
 use super::face_traces::FaceTraces;
 use super::inverse::{Shape, invert};
-use super::ordering::Ordering;
+use super::ordering::{Ordering, Stage};
 use super::panel::padded;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par, c64};
-use fem::{PerThread, SpaceJacobian};
+use fem::{PerThread, Share, SpaceJacobian};
 use sparse::dependency_schedule;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tensor::Arch;
@@ -28,6 +28,8 @@ pub struct Elimination<'a> {
     pub links: &'a [Vec<Link>],
     /// The order of elimination.
     pub ordering: &'a Ordering,
+    /// The cells of this rank.
+    pub share: &'a Share,
     /// The traces on every face.
     pub faces: &'a [FaceTraces],
     /// The length of the slab.
@@ -38,14 +40,21 @@ pub struct Elimination<'a> {
 
 /// What the elimination of a cell subtracts from D of a later one: a matrix in the traces of one of its faces.
 struct Update {
-    /// The positions of the two.
-    from: usize,
+    /// Where it comes in the order of updates: the stage of the eliminated cell; whether it is in another block; its position there, or the
+    /// number of the coupling. This order is the same on any number of ranks.
+    from: (usize, bool, usize),
+    /// The position of the later cell.
     position: usize,
+    /// The coupling of the two.
+    coupling: usize,
     mode: usize,
     face: usize,
     /// Column-major parts.
     parts: Vec<Vec<f32>>,
 }
+
+/// What is to be subtracted from D at every position.
+type Updates = Vec<Mutex<Vec<Update>>>;
 
 impl Elimination<'_> {
     /// The blocks D of a mode.
@@ -53,22 +62,32 @@ impl Elimination<'_> {
         Shape::shifted(jacobian.block, shift)
     }
 
-    /// D_i^{-1} of all modes in [`bf16_blocks`], cell by cell in the order of positions.
+    /// D_i^{-1} of all modes in [`bf16_blocks`], own cell by own cell in the order of positions.
     pub fn factorise(&self, inverses: &mut [u32]) {
-        let cells = self.links.len();
-        let len = inverses.len() / cells;
-        let scratch = PerThread::new(Vec::new);
+        let len = inverses.len() / self.share.own.len();
         let stored: Vec<Mutex<&mut [u32]>> = inverses.chunks_exact_mut(len).map(Mutex::new).collect();
-        let updates: Vec<Mutex<Vec<Update>>> = (0..cells).map(|_| Mutex::default()).collect();
-        let needs = |position: usize| {
-            let links = self.links[self.ordering.cells[position]].iter();
-            links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < position)
+        let updates: Updates = self.links.iter().map(|_| Mutex::default()).collect();
+        for stage in &self.ordering.stages {
+            self.factorise_stage(stage, &stored, &updates);
+            self.exchange(stage, &updates);
+        }
+    }
+
+    fn factorise_stage(&self, stage: &Stage, stored: &[Mutex<&mut [u32]>], updates: &Updates) {
+        let scratch = PerThread::new(Vec::new);
+        let Stage { own, .. } = stage;
+        let needs = |k: usize| {
+            let links = self.links[self.ordering.cells[own.start + k]].iter();
+            let others = links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < own.start + k);
+            others.filter_map(|other| other.checked_sub(own.start))
         };
-        dependency_schedule(cells, self.ordering.widest_level(), needs, |position| {
+        dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| {
+            let position = own.start + k;
             let mut mine = std::mem::take(&mut *lock(&updates[position]));
             // As they came, they would be added in an order of chance.
             mine.sort_by_key(|update| update.from);
-            let new = scratch.with(|block| self.cell(position, &mine, block, &mut lock(&stored[position])));
+            let stored = &stored[self.ordering.among_own(position)];
+            let new = scratch.with(|block| self.cell(position, &mine, block, &mut lock(stored)));
             new.into_iter().for_each(|update| lock(&updates[update.position]).push(update));
         });
     }
@@ -124,13 +143,74 @@ impl Elimination<'_> {
                 self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
             };
             new.push(Update {
-                from: position,
+                from: self.from(position, link),
+                coupling: link.coupling,
                 position: self.ordering.positions[link.cell],
                 mode,
                 face: link.other_face,
                 parts: (0..shape.parts).map(part).collect(),
             });
         }
+    }
+
+    /// The place of an update from the cell at `position` along `link`, see [`Update`].
+    fn from(&self, position: usize, link: &Link) -> (usize, bool, usize) {
+        let blocks = &self.share.blocks.of_cell;
+        let crosses = blocks[self.ordering.cells[position]] != blocks[link.cell];
+        (self.ordering.stage(position), crosses, if crosses { link.coupling } else { position })
+    }
+
+    /// Sends the updates that own cells of `stage` have for ghosts to the ranks that own these, and receives those of ghosts of the stage for
+    /// own cells.
+    fn exchange(&self, stage: &Stage, updates: &Updates) {
+        let t = self.jacobian.traces.len();
+        let lens: Vec<(usize, usize)> = (0..self.shifts.len())
+            .map(|mode| (mode, Self::shape(self.jacobian, self.shifts[mode]).parts))
+            .collect();
+        let len = t * t * lens.iter().map(|(_, parts)| parts).sum::<usize>();
+        let position = |cell: usize| self.ordering.positions[cell];
+        let own = self.share.own.len();
+        // Across a cut the cell of this stage comes first.
+        let sent = |coupling: usize| {
+            let cells = self.jacobian.couplings[coupling].cells;
+            [[0, 1], [1, 0]].into_iter().find_map(|[a, b]| {
+                let (first, second) = (cells[a], cells[b]);
+                let leaves = first < own && second >= own && stage.own.contains(&position(first));
+                (leaves && position(second) > position(first)).then_some(second)
+            })
+        };
+        let received = |coupling: usize| {
+            let (cells, faces) = (self.jacobian.couplings[coupling].cells, self.jacobian.couplings[coupling].faces);
+            [[0, 1], [1, 0]].into_iter().find_map(|[a, b]| {
+                let (first, second) = (cells[a], cells[b]);
+                let arrives = first >= own && second < own && stage.ghosts.contains(&position(first));
+                (arrives && position(second) > position(first)).then_some((first, second, faces[b]))
+            })
+        };
+        let couplings = 0..self.jacobian.couplings.len();
+        let outgoing = couplings.clone().filter_map(|coupling| Some((sent(coupling)?, coupling)));
+        let numbers = |ghost: usize, coupling: usize, out: &mut Vec<f64>| {
+            let updates = lock(&updates[position(ghost)]);
+            for (mode, _) in &lens {
+                let update = updates.iter().find(|update| (update.coupling, update.mode) == (coupling, *mode));
+                let parts = update.iter().flat_map(|update| update.parts.iter().flatten());
+                out.extend(parts.map(|&x| f64::from(x)));
+            }
+        };
+        let incoming: Vec<_> = couplings.filter_map(|coupling| Some((received(coupling)?, coupling))).collect();
+        let from: Vec<usize> = incoming.iter().map(|((first, ..), _)| *first).collect();
+        let outgoing: Vec<_> = outgoing.collect();
+        self.share.exchange_across(&outgoing, &from, len, numbers, |item, mut numbers| {
+            let ((first, second, face), coupling) = incoming[item];
+            let from = (self.ordering.stage(position(first)), true, coupling);
+            for &(mode, parts) in &lens {
+                let (here, rest) = numbers.split_at(parts * t * t);
+                let parts = here.chunks_exact(t * t).map(|part| part.iter().map(|&x| x as f32).collect()).collect();
+                let update = Update { from, position: position(second), coupling, mode, face, parts };
+                lock(&updates[position(second)]).push(update);
+                numbers = rest;
+            }
+        });
     }
 
     /// dt^2 times the product of three matrices in traces, the inner one row-major; column-major.

@@ -12,8 +12,9 @@ use super::panel::padded;
 use super::sweeps::Shared;
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, PerThread, SpaceJacobian};
+use fem::{Layout, PerThread, Share, SpaceJacobian};
 use rayon::prelude::*;
+use std::sync::Arc;
 use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
@@ -22,12 +23,13 @@ use tensor::Arch;
 /// iteration that uses them works in double, and loses nothing.
 pub struct FlowPreconditioner {
     layout: Layout,
+    pub(super) share: Arc<Share>,
     pub(super) modes: TemporalModes,
     pub(super) jacobian: SpaceJacobian,
     links: Vec<Vec<Link>>,
     pub(super) ordering: Ordering,
     pub(super) couplings: Couplings,
-    /// D^{-1} of all modes, cell by cell in the order of positions.
+    /// D^{-1} of all modes, own cell by own cell in the order of positions.
     inverses: Vec<u32>,
     /// How traces are taken and sent back, for every face of a cell.
     pub(super) faces: Vec<FaceTraces>,
@@ -47,9 +49,9 @@ impl FlowPreconditioner {
         jacobian: SpaceJacobian,
         dt: f64,
         damping: f64,
-        ordering: Option<Ordering>,
+        (ordering, share): (Option<Ordering>, Arc<Share>),
     ) -> Self {
-        let mut preconditioner = Self::unfactored(layout, modes, jacobian, dt, ordering);
+        let mut preconditioner = Self::unfactored(layout, modes, jacobian, dt, (ordering, share));
         preconditioner.factor(dt, damping);
         preconditioner
     }
@@ -60,10 +62,12 @@ impl FlowPreconditioner {
         modes: TemporalModes,
         jacobian: SpaceJacobian,
         dt: f64,
-        ordering: Option<Ordering>,
+        (ordering, share): (Option<Ordering>, Arc<Share>),
     ) -> Self {
-        let links = links(&jacobian, layout.cells);
-        let ordering = ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, dt, modes.mean_shift()));
+        let ghosts = share.ghosts.len();
+        let links = links(&jacobian, layout.cells, ghosts);
+        let ordering =
+            ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift()));
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
@@ -72,6 +76,7 @@ impl FlowPreconditioner {
         let scratch = PerThread::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
         FlowPreconditioner {
             layout,
+            share,
             modes,
             links,
             ordering,
@@ -81,7 +86,7 @@ impl FlowPreconditioner {
             dt,
             arch: Arch::new(),
             scratch,
-            swept: (0..layout.cells).map(|_| Shared::new(columns * rows)).collect(),
+            swept: (0..layout.cells + ghosts).map(|_| Shared::new(columns * rows)).collect(),
             jacobian,
         }
     }
@@ -114,6 +119,7 @@ impl FlowPreconditioner {
             jacobian: &self.jacobian,
             links: &self.links,
             ordering: &self.ordering,
+            share: &self.share,
             faces: &self.faces,
             dt,
             shifts: &shifts,
@@ -128,8 +134,8 @@ impl FlowPreconditioner {
 
     /// D^{-1} of all modes at `position`.
     pub(super) fn inverses(&self, position: usize) -> &[u32] {
-        let len = self.inverses.len() / self.layout.cells;
-        &self.inverses[position * len..(position + 1) * len]
+        let (len, number) = (self.inverses.len() / self.layout.cells, self.ordering.among_own(position));
+        &self.inverses[number * len..(number + 1) * len]
     }
 
     /// The order of elimination.
@@ -169,7 +175,7 @@ impl FlowPreconditioner {
 
     /// z = P^{-1} r.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = r.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let scale = self.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
         if scale == 0.0 {
             z.fill(0.0);
             return;
@@ -182,7 +188,8 @@ impl FlowPreconditioner {
     /// c = (Q^{-1} W^{-1} (x) I) r, scaled so that single precision does not underflow.
     fn split_into_modes(&mut self, r: &[f64], scale: f64) {
         let (block, layout, modes, cells) = (self.jacobian.block, self.layout, &self.modes, &self.ordering.cells);
-        self.swept.par_iter_mut().zip(cells).with_min_len(16).for_each(|(swept, &cell)| {
+        let own = self.swept.par_iter_mut().zip(cells).filter(|(_, cell)| **cell < layout.cells);
+        own.for_each(|(swept, &cell)| {
             for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(block)).enumerate() {
                 let (c, padding) = panel.split_at_mut(block);
                 split(modes, layout, cell, column, scale, r, c);

@@ -15,13 +15,15 @@ use super::modal::{join, split};
 use super::panel::{Multiply, padded};
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, LineJacobian, PerThread};
+use fem::{Layout, LineJacobian, PerThread, Share};
 use rayon::prelude::*;
+use std::sync::Arc;
 use tensor::Arch;
 
 /// The inverses of (directions) for all temporal modes, in single precision.
 pub struct LinePreconditioner {
     layout: Layout,
+    share: Arc<Share>,
     modes: TemporalModes,
     jacobian: LineJacobian,
     /// F_k^{-1} with their scales as real matrices in panels, `[cell][mode][axis]`.
@@ -42,12 +44,18 @@ struct Scratch {
 
 impl LinePreconditioner {
     /// Factors the modes of a slab of length `dt` around `jacobian`, damped by `damping` = dt / dtau.
-    pub fn new(layout: Layout, modes: TemporalModes, jacobian: LineJacobian, dt: f64, damping: f64) -> Self {
+    pub fn new(
+        (layout, share): (Layout, Arc<Share>),
+        modes: TemporalModes,
+        jacobian: LineJacobian,
+        dt: f64,
+        damping: f64,
+    ) -> Self {
         let (cell, block) = (2 * layout.time_len(), jacobian.block);
         let images = 2 * padded(block) * layout.nodes / jacobian.nodes;
         let room = || Scratch { cell: vec![0.0; cell], lines: vec![0.0; cell], images: vec![0.0; images] };
         let (arch, scratch) = (Arch::new(), PerThread::new(room));
-        let mut preconditioner = LinePreconditioner { layout, modes, jacobian, inverses: Vec::new(), arch, scratch };
+        let mut preconditioner = LinePreconditioner { layout, share, modes, jacobian, inverses: Vec::new(), arch, scratch };
         preconditioner.factor(dt, damping);
         preconditioner
     }
@@ -106,7 +114,7 @@ impl LinePreconditioner {
 
     /// z = P^{-1} r.
     pub fn apply(&self, r: &[f64], z: &mut [f64]) {
-        let largest = r.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let largest = self.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
         let scale = if largest == 0.0 { 1.0 } else { largest };
         let len = self.inverses.len() / self.layout.cells;
         z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {

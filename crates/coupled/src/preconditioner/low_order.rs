@@ -67,11 +67,13 @@ impl<const D: usize, const M: usize, const W: usize> NodeIlu<D, M, W> {
     fn new(operator: &SlabOperator<D, M>, dt: f64, damping: f64, ordering: Option<Ordering>) -> Self {
         let (layout, modes) = (operator.layout, TemporalModes::new(&operator.tables.time));
         let matrix = NodeBlocks::new(operator, dt);
-        let ordering = ordering.filter(|ordering| ordering.cells.len() == layout.cells);
+        let ordering = ordering.filter(|ordering| ordering.own().count() == layout.cells);
+        let alone = operator.share.without_cuts();
+        let ordering = ordering.map(|known| Ordering::of_own(&known.own().collect::<Vec<_>>(), known.level_ends, &alone));
         let ordering = ordering.unwrap_or_else(|| matrix.ordering(modes.mean_shift()));
         let walk = Walk::new(&matrix, ordering);
         let factor = Factor::empty(layout.cells, &modes);
-        let iteration = Iteration::new(layout);
+        let iteration = Iteration::new(layout, &operator.share);
         let mut preconditioner = NodeIlu { modes, matrix, walk, factor, iteration };
         preconditioner.factor(dt, damping);
         preconditioner
@@ -85,7 +87,7 @@ impl<const D: usize, const M: usize, const W: usize> LowOrderPreconditioner for 
     }
 
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = r.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let scale = self.matrix.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
         if scale == 0.0 {
             return z.fill(0.0);
         }

@@ -27,5 +27,5 @@ pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_di
 pub use ilu::FlowPreconditioner;
 pub use lines::LinePreconditioner;
 pub use low_order::{LowOrderPreconditioner, VECTORS as LOW_ORDER_VECTORS, low_order};
-pub use ordering::Ordering;
+pub use ordering::{Ordering, Stage};
 pub use panel::padded;

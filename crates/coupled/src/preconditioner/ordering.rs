@@ -2,27 +2,78 @@
 //!
 //! Eliminating cell k would create the fill A_ik A_kk^{-1} A_kj between its remaining neighbours i and j, which ILU(0)
 //! discards; the cell whose fill is least comes next.
+//!
+//! Where the mesh is cut into blocks, inner cells of all blocks come first, then the cells at cuts, colour by colour. Cells of one colour in
+//! different blocks are not neighbours. So all blocks work at the same time, and a sweep sends one message per colour.
 
 use super::blocks::{Link, coupling_block, diagonal_block};
 use faer::linalg::solvers::DenseSolveCore;
-use fem::SpaceJacobian;
+use fem::{Share, SpaceJacobian};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The cells in the order of elimination, and the ranges of positions that do not depend on each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ordering {
-    /// The cell at each position.
+    /// The cell at each position, own cells and ghosts.
     pub cells: Vec<usize>,
     /// The position of each cell.
     pub positions: Vec<usize>,
-    /// Ends of the levels: cells of one level have no links to each other and only to earlier ones of those that precede.
+    /// Ends of the levels of own cells: cells of one level have no links to each other and only to earlier ones of those that precede.
     pub level_ends: Vec<usize>,
+    /// The stages, in the order of elimination.
+    pub stages: Vec<Stage>,
+}
+
+/// The positions of cells that all blocks eliminate at the same time: inner cells, or cells at cuts of one colour.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// Own cells.
+    pub own: Range<usize>,
+    /// Ghosts, which follow them.
+    pub ghosts: Range<usize>,
 }
 
 impl Ordering {
     /// That of a preconditioner that eliminates no cell.
     pub fn none() -> Self {
-        Ordering { cells: Vec::new(), positions: Vec::new(), level_ends: vec![0] }
+        Ordering { cells: Vec::new(), positions: Vec::new(), level_ends: vec![0], stages: Vec::new() }
+    }
+
+    /// The own cells of a rank in the order `own` of their stages, and the ghosts after the own cells of their stage.
+    pub fn of_own(own: &[usize], level_ends: Vec<usize>, share: &Share) -> Self {
+        let ghosts = share.own.len()..share.own.len() + share.ghosts.len();
+        let (mut cells, mut stages) = (Vec::with_capacity(ghosts.end), Vec::new());
+        for stage in 0..=share.colours {
+            let start = cells.len();
+            cells.extend(own.iter().copied().filter(|&cell| stage_of(share, cell) == stage));
+            let middle = cells.len();
+            cells.extend(ghosts.clone().filter(|&cell| stage_of(share, cell) == stage));
+            stages.push(Stage { own: start..middle, ghosts: middle..cells.len() });
+        }
+        Ordering { positions: inverse(&cells), cells, level_ends, stages }
+    }
+
+    /// The order of all cells of a mesh in one block.
+    pub fn whole(cells: Vec<usize>, level_ends: Vec<usize>) -> Self {
+        let all = cells.len();
+        Ordering { positions: inverse(&cells), cells, level_ends, stages: vec![Stage { own: 0..all, ghosts: all..all }] }
+    }
+
+    /// Own cells in their order.
+    pub fn own(&self) -> impl Iterator<Item = usize> {
+        self.stages.iter().flat_map(|stage| self.cells[stage.own.clone()].iter().copied())
+    }
+
+    /// The number of `position` among those of own cells.
+    pub fn among_own(&self, position: usize) -> usize {
+        let before = self.stages.iter().take_while(|stage| stage.own.start <= position);
+        position - before.map(|stage| if stage.ghosts.start <= position { stage.ghosts.len() } else { 0 }).sum::<usize>()
+    }
+
+    /// The stage of `position`.
+    pub fn stage(&self, position: usize) -> usize {
+        self.stages.partition_point(|stage| stage.ghosts.end <= position)
     }
 
     /// Cells of the widest level: no more of them can be worked on at a time.
@@ -33,15 +84,35 @@ impl Ordering {
 }
 
 /// The order for lambda M + dt A with one real lambda.
-pub fn minimum_discarded_fill(jacobian: &SpaceJacobian, links: &[Vec<Link>], dt: f64, lambda: f64) -> Ordering {
+pub fn minimum_discarded_fill(
+    jacobian: &SpaceJacobian,
+    links: &[Vec<Link>],
+    share: &Share,
+    dt: f64,
+    lambda: f64,
+) -> Ordering {
+    let links: Vec<Vec<Link>> = (0..share.own.len()).map(|cell| in_block(&links[cell], cell, share)).collect();
     let strengths: Vec<Vec<f64>> =
         (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
-    minimum_discarded_fill_of(links, &strengths)
+    minimum_discarded_fill_of(&links, &strengths, share)
 }
 
-/// The order by the strength |A_ii^{-1} A_ik| of every link of cell i.
-pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Ordering {
-    by_level(&eliminate(links, strengths), links)
+/// The order by the strength |A_ii^{-1} A_ik| of every link of the own cell i inside of its block.
+pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>], share: &Share) -> Ordering {
+    let mut order = eliminate(links, strengths);
+    order.sort_by_key(|&cell| stage_of(share, cell));
+    by_level(order, links, share)
+}
+
+/// The links of `cell` inside of its block.
+fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
+    let of_cell = &share.blocks.of_cell;
+    links.iter().filter(|link| of_cell[link.cell] == of_cell[cell]).copied().collect()
+}
+
+/// 0 for inner cells, else one more than the colour.
+fn stage_of(share: &Share, cell: usize) -> usize {
+    share.blocks.colours[cell].map_or(0, |colour| colour + 1)
 }
 
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
@@ -102,18 +173,22 @@ fn inverse(order: &[usize]) -> Vec<usize> {
     positions
 }
 
-/// Sorts positions into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
-fn by_level(order: &[usize], links: &[Vec<Link>]) -> Ordering {
-    let rank = inverse(order);
+/// Sorts the positions of each stage into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
+fn by_level(order: Vec<usize>, links: &[Vec<Link>], share: &Share) -> Ordering {
+    let rank = inverse(&order);
     let mut level = vec![0_usize; order.len()];
-    for &cell in order {
+    for &cell in &order {
         let before = links[cell].iter().filter(|link| rank[link.cell] < rank[cell]);
         level[cell] = before.map(|link| level[link.cell] + 1).max().unwrap_or(0);
     }
-    let mut cells = order.to_vec();
-    cells.sort_by_key(|&cell| level[cell]);
-    let positions = inverse(&cells);
-    let levels = level.iter().max().map_or(0, |max| max + 1);
-    let level_ends = (0..levels).map(|l| cells.partition_point(|&cell| level[cell] <= l)).collect();
-    Ordering { cells, positions, level_ends }
+    let mut cells = order;
+    let place = |cell: usize| (stage_of(share, cell), level[cell]);
+    cells.sort_by_key(|&cell| place(cell));
+    let levels = cells.chunk_by(|&a, &b| place(a) == place(b));
+    let end = |end: &mut usize, level: &[usize]| {
+        *end += level.len();
+        Some(*end)
+    };
+    let level_ends = levels.scan(0, end).collect();
+    Ordering::of_own(&cells, level_ends, share)
 }

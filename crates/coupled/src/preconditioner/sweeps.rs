@@ -3,6 +3,7 @@
 use super::bf16_blocks::{self, MultiplyBf16};
 use super::couplings::Step;
 use super::ilu::{FlowPreconditioner, Scratch};
+use super::ordering::Stage;
 use super::panel::padded;
 use sparse::dependency_schedule;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -37,6 +38,45 @@ impl Shared {
 impl FlowPreconditioner {
     /// The forward sweep, position by position, and the backward sweep, from the last position to the first.
     pub(super) fn sweep(&self) {
+        if let [_] = self.ordering.stages[..] {
+            return self.sweep_at_once();
+        }
+        for stage in &self.ordering.stages {
+            let Stage { own, .. } = stage;
+            let needs = |k: usize| {
+                let neighbours = self.couplings.earlier(own.start + k).iter().map(|step| step.neighbour);
+                neighbours.filter_map(|neighbour| neighbour.checked_sub(own.start))
+            };
+            dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.eliminate(own.start + k));
+            self.exchange(stage);
+        }
+        for stage in self.ordering.stages.iter().rev() {
+            let Stage { own, .. } = stage;
+            let needs = |k: usize| {
+                let neighbours = self.couplings.later(own.end - 1 - k).iter().map(|step| step.neighbour);
+                neighbours.filter(|neighbour| *neighbour < own.end).map(|neighbour| own.end - 1 - neighbour)
+            };
+            dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.substitute(own.end - 1 - k));
+            self.exchange(stage);
+        }
+    }
+
+    /// Sends the results of own cells of a stage to the ranks where they are ghosts, and receives those of ghosts.
+    fn exchange(&self, stage: &Stage) {
+        let positions = &self.ordering.positions;
+        let len = self.modes.forward.rows() * padded(self.jacobian.block);
+        let is_in_stage = |cell: usize| (stage.own.start..stage.ghosts.end).contains(&positions[cell]);
+        let result = |cell: usize, out: &mut Vec<f64>| {
+            out.extend(self.swept[positions[cell]].read().result.iter().map(|&x| f64::from(x)));
+        };
+        self.share.exchange_some(is_in_stage, len, result, |ghost, numbers| {
+            let mut there = self.swept[positions[ghost]].write();
+            there.result.iter_mut().zip(numbers).for_each(|(x, number)| *x = *number as f32);
+        });
+    }
+
+    /// Both sweeps, where one block has all cells: the backward sweep begins before the forward one has ended.
+    fn sweep_at_once(&self) {
         let cells = self.swept.len();
         // Number k is position k of the forward sweep, or position 2 `cells` - 1 - k of the backward sweep.
         let number_back = |position: usize| 2 * cells - 1 - position;

@@ -11,7 +11,7 @@ pub struct ResidualBreakdown {
     pub mesh: Option<f64>,
     /// Each equation of the flow: of mass, of momentum (D), of energy.
     pub equations: Vec<f64>,
-    /// The flow in each cell.
+    /// The flow in each cell of the whole mesh; of several ranks only the first has it.
     pub cells: Vec<f64>,
 }
 
@@ -24,19 +24,20 @@ impl ResidualBreakdown {
 }
 
 impl<const D: usize, const M: usize> System<D, M> {
-    /// The parts of the residual at `z`; `None` where there is no residual.
+    /// The parts of the residual at `z`; `None` where there is no residual. A collective call.
     pub fn residual_breakdown(&mut self, z: &[f64]) -> Option<ResidualBreakdown> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r).ok()?;
         let (range, layout) = (self.flow_range(), self.flow.operator.layout);
         let weights = &self.weights.weights[range.clone()];
-        let (mut equations, mut cells) = (vec![0.0; M], vec![0.0; layout.cells]);
+        let mut squares = vec![0.0; layout.cells * M];
         for (i, (r, w)) in r[range].iter().zip(weights).enumerate() {
-            equations[i / layout.nodes % M] += w * r * r;
-            cells[i / layout.cell_len()] += w * r * r;
+            squares[i / layout.cell_len() * M + i / layout.nodes % M] += w * r * r;
         }
-        let roots = |squares: Vec<f64>| squares.into_iter().map(f64::sqrt).collect();
+        let squares = self.flow.operator.share.join(&squares);
+        let of_equation = |m: usize| squares.iter().skip(m).step_by(M).sum::<f64>().sqrt();
         let mesh = (self.mesh_len() > 0).then(|| self.weights.norm_on(self.mesh_range(), &r));
-        Some(ResidualBreakdown { mesh, equations: roots(equations), cells: roots(cells) })
+        let cells = squares.chunks_exact(M).map(|of_cell| of_cell.iter().sum::<f64>().sqrt()).collect();
+        Some(ResidualBreakdown { mesh, equations: (0..M).map(of_equation).collect(), cells })
     }
 }

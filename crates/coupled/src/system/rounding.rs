@@ -20,8 +20,10 @@ impl<const D: usize, const M: usize> System<D, M> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.set_point(z);
         let range = self.flow_range();
+        let (share, cell_len) = (&self.flow.operator.share, self.flow.operator.layout.cell_len());
+        let in_whole = |i: usize| (share.own[i / cell_len] * cell_len + i % cell_len) as u64;
         let change: Vec<f64> =
-            z[range.clone()].iter().zip(0..).map(|(u, i)| SAFETY * f64::EPSILON * u * noise(i)).collect();
+            z[range.clone()].iter().enumerate().map(|(i, u)| SAFETY * f64::EPSILON * u * noise(in_whole(i))).collect();
         let mut effect = vec![0.0; z.len()];
         self.flow.counts.products += 1;
         self.flow.operator.product(&change, &mut effect[range]);

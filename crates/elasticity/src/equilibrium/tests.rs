@@ -189,7 +189,7 @@ fn solve<const D: usize>(elastic: &mut ElasticMesh<D>, bottom: &[f64], size: f64
     let work = slab.equilibrium(bottom, &g, &mut v, accuracy, &|_| Ok(())).unwrap();
     let mut r = vec![0.0; v.len()];
     slab.residual(bottom, &g, &v, &mut r).unwrap();
-    let norm = Weighted { weights: elastic.position_weights(2) }.norm(&r);
+    let norm = Weighted::new(elastic.position_weights(2)).norm(&r);
     assert!(norm <= position.max(1e-11), "|R| = {norm:e}");
     (v, work)
 }

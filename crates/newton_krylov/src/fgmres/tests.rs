@@ -115,7 +115,7 @@ fn an_exact_preconditioner_needs_one_iteration() {
 fn minimises_the_weighted_norm() {
     // One iteration: x = s b with s = (b, A b) / (A b, A b) in the weighted inner product.
     let (mut a, b) = (unsymmetric(20), scattered(20));
-    let inner_product = Weighted { weights: (1..=20).map(f64::from).collect() };
+    let inner_product = Weighted::new((1..=20).map(f64::from).collect());
     let mut a_b = vec![0.0; 20];
     a.apply(&b, &mut a_b);
     let s = inner_product.dot(&b, &a_b) / inner_product.dot(&a_b, &a_b);

@@ -18,6 +18,8 @@ pub struct Failed<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
     flow: &'a Flow<D>,
     march: &'a FlowMarch<D, M>,
+    /// The state of the whole flow.
+    state: &'a coupled::State,
     error: Option<&'a SlabError>,
     /// The failed search for a steady flow, if it was that.
     steady: Option<&'a SteadyError>,
@@ -37,14 +39,14 @@ where
 {
     /// The run of `case` that stopped with `error`, and the observations at its openings.
     pub fn new(
-        case: &'a Case<D>,
-        flow: &'a Flow<D>,
+        (case, flow): (&'a Case<D>, &'a Flow<D>),
         march: &'a FlowMarch<D, M>,
+        state: &'a coupled::State,
         error: &'a anyhow::Error,
         openings: &'a [Record],
     ) -> Self {
-        let here = Interval { start: march.state.time, end: march.state.time, halvings: 0 };
-        let failed = |error, steady, interval| Failed { case, flow, march, error, steady, interval, openings };
+        let here = Interval { start: state.time, end: state.time, halvings: 0 };
+        let failed = |error, steady, interval| Failed { case, flow, march, state, error, steady, interval, openings };
         match (error.downcast_ref::<MarchError>(), error.downcast_ref::<SteadyError>()) {
             (Some(march), _) => failed(Some(&march.source), None, march.interval),
             (None, Some(steady)) => failed(Some(&steady.source), Some(steady), here),
@@ -55,11 +57,11 @@ where
     /// Examines the failure.
     pub fn examine(&self) -> Finding {
         let grid = Grid::new(&self.mover().reference, &self.mover().numbering, self.flow.order);
-        let (gases, d) = (self.gases(&grid), &self.march.state.d);
+        let (gases, d) = (self.gases(&grid), &self.state.d);
         let Interval { start, end, halvings } = self.interval;
         let attempt = Attempt {
             steady: self.steady.is_some(),
-            slabs_done: self.march.state.slab,
+            slabs_done: self.state.slab,
             start,
             length: end - start,
             halvings,
@@ -78,7 +80,7 @@ where
                 mesh,
                 gas: Some(self.gas(&grid, &gases)),
                 structure: None,
-                bodies: of_bodies::measure(self.case, self.flow, &grid, &self.march.state, end - start),
+                bodies: of_bodies::measure(self.case, self.flow, &grid, self.state, end - start),
             },
         }
     }
@@ -150,7 +152,7 @@ where
 
     /// Evaluates `question` for the last good state.
     fn with_last<T>(&self, grid: &Grid<D>, question: impl Fn(&Then<D, M>) -> T) -> T {
-        let (state, one) = (&self.march.state, self.march.solver.system.flow.operator.layout.at_one_time());
+        let (state, one) = (self.state, self.march.solver.system.flow.operator.layout.at_one_time());
         question(&Then {
             time: state.time,
             displacement: &state.d,
@@ -163,7 +165,7 @@ where
         let (flow, law) = (self.flow, &self.flow.law);
         let orders = fem::Orders { flow: flow.order, mesh: self.case.mesh.order(), time: self.case.time.order };
         let dt = self.interval.end - self.interval.start;
-        let nodes = |cell: usize| grid.thickness(cell, &self.march.state.d) / (flow.order - 1) as f64;
+        let nodes = |cell: usize| grid.thickness(cell, &self.state.d) / (flow.order - 1) as f64;
         let most = |value: &dyn Fn(&CellGas, f64) -> f64| {
             let cells = gases.last.cells.iter().enumerate();
             cells.map(|(cell, gas)| value(gas, nodes(cell))).fold(0.0, f64::max)
@@ -208,7 +210,7 @@ where
         let because = format!("its residual is {:.3e}, the largest", residual_breakdown.cells[cell]);
         let values = |cell: usize| vec![residual_breakdown.cells[cell].log10(); grid.points.pow(D as u32)];
         let cause = WorstCellCause { cell, because, quantity: "log10 of the residual of the flow", values: &values };
-        Some(WorstCell::new(grid, &self.march.state.d, cause))
+        Some(WorstCell::new(grid, &self.state.d, cause))
     }
 
     fn thinnest_cell(&self, grid: &Grid<D>, gases: &Gases) -> WorstCell {
@@ -219,12 +221,12 @@ where
         };
         let values = |cell: usize| self.with_last(grid, |then| pressure(then, cell));
         let cause = WorstCellCause { cell: lowest.cell, because, quantity: "pressure", values: &values };
-        WorstCell::new(grid, &self.march.state.d, cause)
+        WorstCell::new(grid, &self.state.d, cause)
     }
 
     /// The displacement of the last attempt at time `t`.
     fn displacement_at(&self, t: f64) -> Vec<f64> {
-        let (bottom, v) = (&self.march.state.d, self.march.solver.system.mesh.velocities());
+        let (bottom, v) = (&self.state.d, self.march.solver.system.mesh.velocities());
         let mut d = bottom.clone();
         let dt = self.interval.end - self.interval.start;
         if v.iter().all(|v| v.is_finite()) && dt > 0.0 {

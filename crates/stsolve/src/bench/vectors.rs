@@ -41,7 +41,7 @@ impl Build for Vectors {
     fn build(size: Size) -> anyhow::Result<Option<Self>> {
         let nodes = size.order * size.even_cells(PLANE_NODES, SPACE_NODES);
         let length = 2 * (2 + size.dimension) * nodes.pow(size.dimension as u32);
-        let (system, right) = (Diagonal { weights: Weighted { weights: vec![1.0; length] } }, vec![1.0; length]);
+        let (system, right) = (Diagonal { weights: Weighted::new(vec![1.0; length]) }, vec![1.0; length]);
         Ok(Some(Vectors { system, right, solution: vec![0.0; length], workspace: Workspace::default() }))
     }
 }

@@ -2,16 +2,31 @@
 
 use crate::cli::RunArguments;
 use crate::observer::TerminalObserver;
+use crate::processes::{end_all_on_panic, threads_of_rank};
+use crate::signals::StopFlag;
+use crate::terminal::Terminal;
 use case::AnyCase;
-use output::Summary;
-use simulation::{Destination, Existing, Failure, Observer};
+use simulation::{Destination, Existing, Failure};
 
-/// `stsolve run`
+/// `stsolve run`, also as one of the processes that `mpirun` starts. The first one runs the case and tells of it.
 ///
 /// # Errors
-/// As [`simulation::run`].
+/// As [`simulation::run_on`].
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    call(arguments, "run", simulation::run)
+    let communicator = ranks::world().map_err(Failure::bad_input)?;
+    end_all_on_panic(&communicator);
+    // The mesh of the case is made by the threads asked for, so they come first.
+    set_threads(arguments.threads.map(usize::from).or_else(|| threads_of_rank(&*communicator)))?;
+    let case = AnyCase::read(&arguments.case.case, &arguments.case.set);
+    if communicator.rank() > 0 {
+        // What is wrong with a case is told by the first process. It also stops the run after a signal.
+        StopFlag::default().install(&Terminal::default()).map_err(Failure::bad_input)?;
+        case.iter().for_each(|case| simulation::serve(case, &communicator));
+        return Ok(());
+    }
+    let case = case?;
+    let observer = TerminalObserver::new(arguments, "run");
+    simulation::run_on(communicator, &case, &destination(arguments, &case), &observer).map(drop)
 }
 
 /// `stsolve motion`
@@ -19,22 +34,16 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 /// # Errors
 /// As [`simulation::motion`].
 pub fn motion(arguments: &RunArguments) -> Result<(), Failure> {
-    call(arguments, "motion", simulation::motion)
-}
-
-type Simulate = fn(&AnyCase, &Destination, &dyn Observer) -> Result<Summary, Failure>;
-
-fn call(arguments: &RunArguments, command: &'static str, simulate: Simulate) -> Result<(), Failure> {
-    // The mesh of the case is made by the threads asked for, so they come first.
-    set_threads(arguments)?;
+    set_threads(arguments.threads.map(usize::from))?;
     let case = AnyCase::read(&arguments.case.case, &arguments.case.set)?;
-    simulate(&case, &destination(arguments, &case), &TerminalObserver::new(arguments, command)).map(drop)
+    let observer = TerminalObserver::new(arguments, "motion");
+    simulation::motion(&case, &destination(arguments, &case), &observer).map(drop)
 }
 
 /// Sets the number of threads for everything that follows.
-fn set_threads(arguments: &RunArguments) -> Result<(), Failure> {
-    let Some(threads) = arguments.threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(Failure::bad_input)
+fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(Failure::bad_input)
 }
 
 /// The directory of the command line, else that of the case.

@@ -58,7 +58,7 @@ impl Factor {
         (self.ratio, self.shifts) = (ratio, shifts);
         let (cells, ordering) = (matrix.layout.cells, &walk.ordering);
         let earlier = |cell: usize| {
-            let others = (0..2 * D).filter_map(move |face| matrix.cell_across(cell, face));
+            let others = (0..2 * D).filter_map(move |face| matrix.cell_in_block(cell, face));
             others.filter(move |&other| walk.is_before(other, cell))
         };
         let needs = |k: usize| earlier(ordering.cells[k]).map(|other| ordering.positions[other]);
@@ -107,7 +107,7 @@ impl Factor {
                     add_fill::<M, W>(coupling, self.of_node::<M>(inverses, j as usize), back, &mut sums);
                 }
                 Step::Across(i) => {
-                    let earlier = matrix.cell_across(cell, face).filter(|other| walk.is_before(*other, cell));
+                    let earlier = matrix.cell_in_block(cell, face).filter(|other| walk.is_before(*other, cell));
                     if let Some(other) = earlier {
                         let j = matrix.across(cell, face)[i as usize] as usize % nodes;
                         let back = matrix.coupling(other, j, matrix.face_across(cell, face));

@@ -10,7 +10,7 @@
 use super::sweeps::Operator;
 use super::vectors::{Field, Space};
 use faer::c64;
-use fem::Layout;
+use fem::{Layout, Share};
 
 /// Steps of an application.
 const STEPS: usize = 3;
@@ -28,20 +28,21 @@ pub(super) struct Iteration {
 }
 
 impl Iteration {
-    pub(super) fn new(layout: Layout) -> Self {
-        let vectors = || std::array::from_fn(|_| Field::zeros(layout));
-        let (residual, solution) = (Field::zeros(layout), Field::zeros(layout));
+    pub(super) fn new(layout: Layout, share: &Share) -> Self {
+        let vectors = || std::array::from_fn(|_| Field::zeros(layout, share));
+        let (residual, solution) = (Field::zeros(layout, share), Field::zeros(layout, share));
         Iteration { residual, solution, directions: vectors(), images: vectors() }
     }
 
     /// Solves for the right side in `residual`.
     pub(super) fn run<const D: usize, const M: usize, const W: usize>(&self, operator: &Operator<D, M, W>) {
-        let space = Space { components: M, columns: &operator.factor.columns };
+        let space = Space { components: M, columns: &operator.factor.columns, share: &operator.matrix.share };
         self.solution.change(|_, x| x.fill(0.0));
         let mut squares: Vec<Vec<c64>> = Vec::with_capacity(STEPS);
         for k in 0..STEPS {
             let (z, w) = (&self.directions[k], &self.images[k]);
             operator.sweep(&self.residual, z);
+            z.receive_ghosts(&operator.matrix.share);
             operator.multiply(z, w);
             for (i, square) in squares.iter().enumerate() {
                 let projection = ratios(&space.dots(&self.images[i], w), square);

@@ -3,9 +3,10 @@
 use super::stencil::{Stencil, Step};
 use crate::preconditioner::blocks::Link;
 use crate::preconditioner::ordering::{Ordering, minimum_discarded_fill_of};
-use fem::{Layout, LowOrderRows, NO_NEIGHBOUR, Neighbours, SlabOperator};
+use fem::{Layout, LowOrderRows, NO_NEIGHBOUR, Neighbours, Share, SlabOperator};
 use half::bf16;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Blocks are read in groups of rows; the last one may reach beyond its end by so many numbers.
 pub(super) const BEYOND: usize = 8;
@@ -13,13 +14,14 @@ pub(super) const BEYOND: usize = 8;
 /// dt A for a slab length dt, and who neighbours whom.
 pub(super) struct NodeBlocks<const D: usize, const M: usize> {
     pub(super) layout: Layout,
+    pub(super) share: Arc<Share>,
     /// Nodes of a line.
     pub(super) order: usize,
     /// dt of the blocks.
     dt: f64,
     /// The scales S.
     scales: [f64; M],
-    /// M_i^(-1/2), `[cell][node]`.
+    /// M_i^(-1/2) of own cells and ghosts, `[cell][node]`.
     inverse_roots: Vec<f64>,
     /// dt A_ii, `[cell][node][column][row]`.
     pub(super) diagonal: Vec<f32>,
@@ -37,10 +39,11 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
         let blocks = layout.cells * nodes * M * M;
         let mut matrix = NodeBlocks {
             layout,
+            share: operator.share.clone(),
             order,
             dt,
             scales: operator.problem.kernels.scales(),
-            inverse_roots: vec![0.0; layout.cells * nodes],
+            inverse_roots: vec![0.0; (layout.cells + operator.share.ghosts.len()) * nodes],
             diagonal: vec![0.0; blocks],
             couplings: vec![bf16::ZERO; 2 * D * blocks + BEYOND],
             neighbours: Neighbours::of(operator),
@@ -112,17 +115,23 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
         (node != NO_NEIGHBOUR).then(|| node as usize / self.layout.nodes)
     }
 
+    /// The cell across `face` if it is in the same block: elimination and sweeps stay inside of blocks.
+    pub(super) fn cell_in_block(&self, cell: usize, face: usize) -> Option<usize> {
+        let blocks = &self.share.blocks.of_cell;
+        self.cell_across(cell, face).filter(|&other| blocks[other] == blocks[cell])
+    }
+
     /// The order of elimination for lambda + dt A with one real lambda: minimum discarded fill of the cells.
     pub(super) fn ordering(&self, lambda: f64) -> Ordering {
         let links: Vec<Vec<Link>> = (0..self.layout.cells).map(|cell| self.links(cell)).collect();
         let strengths: Vec<Vec<f64>> =
             links.par_iter().enumerate().map(|(cell, links)| self.strengths(cell, links, lambda)).collect();
-        minimum_discarded_fill_of(&links, &strengths)
+        minimum_discarded_fill_of(&links, &strengths, &self.share.without_cuts())
     }
 
     fn links(&self, cell: usize) -> Vec<Link> {
         let link = |face: usize| {
-            let other = self.cell_across(cell, face)?;
+            let other = self.cell_in_block(cell, face)?;
             let other_face = self.face_across(cell, face);
             // Both cells number the facet alike.
             let coupling = (cell * 2 * D + face).min(other * 2 * D + other_face);

@@ -70,7 +70,7 @@ impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
     /// The faces and cells of the neighbours that come before `cell`, or after it.
     fn neighbours_on(&self, cell: usize, before: bool) -> impl Iterator<Item = (usize, usize)> {
         let (matrix, walk) = (self.matrix, self.walk);
-        let other = move |face: usize| Some((face, matrix.cell_across(cell, face)?));
+        let other = move |face: usize| Some((face, matrix.cell_in_block(cell, face)?));
         (0..2 * D).filter_map(other).filter(move |(_, other)| walk.is_before(*other, cell) == before)
     }
 

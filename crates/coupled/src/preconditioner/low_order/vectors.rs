@@ -4,7 +4,7 @@
 use super::matrix::NodeBlocks;
 use basis::{TemporalModes, is_real};
 use faer::c64;
-use fem::Layout;
+use fem::{Layout, Share};
 use newton_krylov::inner_product;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -13,22 +13,35 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 /// The largest number of time nodes.
 pub(super) const COLUMNS: usize = 16;
 
-/// A vector. Threads never meet here: each writes its own cell, and reads cells that are done.
-pub(super) struct Field(Vec<RwLock<Vec<f32>>>);
+/// A vector over own cells and ghosts. Threads never meet here: each writes its own cell, and reads cells that are done.
+pub(super) struct Field {
+    cells: Vec<RwLock<Vec<f32>>>,
+    /// How many of them are own cells.
+    own: usize,
+}
 
 impl Field {
-    pub(super) fn zeros(layout: Layout) -> Self {
-        Field((0..layout.cells).map(|_| RwLock::new(vec![0.0; layout.cell_len()])).collect())
+    pub(super) fn zeros(layout: Layout, share: &Share) -> Self {
+        let cells = share.cells().map(|_| RwLock::new(vec![0.0; layout.cell_len()])).collect();
+        Field { cells, own: layout.cells }
     }
     pub(super) fn read(&self, cell: usize) -> RwLockReadGuard<'_, Vec<f32>> {
-        self.0[cell].read().unwrap_or_else(PoisonError::into_inner)
+        self.cells[cell].read().unwrap_or_else(PoisonError::into_inner)
     }
     pub(super) fn write(&self, cell: usize) -> RwLockWriteGuard<'_, Vec<f32>> {
-        self.0[cell].write().unwrap_or_else(PoisonError::into_inner)
+        self.cells[cell].write().unwrap_or_else(PoisonError::into_inner)
     }
-    /// Passes every cell to `change`, in parallel.
+    /// Receives the numbers of ghosts from their owners.
+    pub(super) fn receive_ghosts(&self, share: &Share) {
+        let len = self.cells.first().map_or(0, |_| self.read(0).len());
+        let get = |cell: usize, out: &mut Vec<f64>| out.extend(self.read(cell).iter().map(|&x| f64::from(x)));
+        share.exchange_some(|_| true, len, get, |ghost, numbers| {
+            self.write(ghost).iter_mut().zip(numbers).for_each(|(x, number)| *x = *number as f32);
+        });
+    }
+    /// Passes every own cell to `change`, in parallel.
     pub(super) fn change(&self, change: impl Fn(usize, &mut [f32]) + Sync) {
-        (0..self.0.len()).into_par_iter().with_min_len(16).for_each(|cell| change(cell, &mut self.write(cell)));
+        (0..self.own).into_par_iter().with_min_len(16).for_each(|cell| change(cell, &mut self.write(cell)));
     }
 }
 
@@ -46,6 +59,7 @@ pub(super) fn columns(modes: &TemporalModes) -> Vec<Range<usize>> {
 pub(super) struct Space<'a> {
     pub(super) components: usize,
     pub(super) columns: &'a [Range<usize>],
+    pub(super) share: &'a Share,
 }
 
 impl Space<'_> {
@@ -65,9 +79,11 @@ impl Space<'_> {
             }
             sums
         };
-        let cells: Vec<_> = (0..x.0.len()).into_par_iter().with_min_len(16).map(of_cell).collect();
-        let sum =
-            |part: &dyn Fn(&[c64; COLUMNS]) -> f64| inner_product::sum(&cells.iter().map(part).collect::<Vec<_>>());
+        let cells: Vec<_> = (0..x.own).into_par_iter().with_min_len(16).map(of_cell).collect();
+        let sum = |part: &dyn Fn(&[c64; COLUMNS]) -> f64| {
+            let of_cells = cells.iter().map(part).collect::<Vec<_>>();
+            inner_product::sum_over_blocks(&of_cells, &self.share.ends, &self.share.sums)
+        };
         (0..self.columns.len()).map(|mode| c64::new(sum(&|cell| cell[mode].re), sum(&|cell| cell[mode].im))).collect()
     }
 

@@ -47,7 +47,7 @@ impl Walk {
 /// Nodes are taken from the side of the neighbour that is eliminated first; where one is missing, away from an earlier or towards a later one.
 fn directions<const D: usize, const M: usize>(matrix: &NodeBlocks<D, M>, ordering: &Ordering, cell: usize) -> u8 {
     let own = ordering.positions[cell];
-    let position = |face: usize| matrix.cell_across(cell, face).map(|other| ordering.positions[other]);
+    let position = |face: usize| matrix.cell_in_block(cell, face).map(|other| ordering.positions[other]);
     let is_descending = |axis: usize| match (position(2 * axis), position(2 * axis + 1)) {
         (None, None) => false,
         (None, Some(high)) => high < own,

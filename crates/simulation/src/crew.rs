@@ -1,0 +1,186 @@
+//! A flow on several ranks. Rank 0 runs the case and writes the files. The others own a share of the flow, and do what rank 0 orders:
+//!
+//! | order | what all ranks do |
+//! |---|---|
+//! | build | make the march of their share |
+//! | restore | take their part of a state, and of what the preconditioner is made of |
+//! | advance | solve a slab; rank 0 receives the flow of all |
+//! | store | send what the preconditioner is made of to rank 0 |
+//! | finish | end |
+//!
+//! The mesh and its motion are on all ranks: each solves for it alike, to the same bits.
+
+mod orders;
+mod parts;
+
+pub use orders::Orders;
+
+use super::{build, checkpoint};
+use orders::Order;
+use parts::{own_linearisation, own_state};
+use case::{AnyCase, Case, Flow, State};
+use coupled::{FlowMarch, MarchError, MeshMover, SlabReport};
+use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
+use mesh::MeshError;
+use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use output::SolverState;
+use ranks::{Communicator, Sums};
+use std::sync::Arc;
+
+/// What rank 0 has of the whole flow.
+pub struct Crew<const D: usize, const M: usize> {
+    /// The state of the whole flow.
+    pub state: coupled::State,
+    /// The operator on all cells: for what is measured of the flow. It solves nothing.
+    pub operator: SlabOperator<D, M>,
+    /// The block of every cell.
+    blocks: Vec<usize>,
+    /// Whether all ranks have the state.
+    in_step: bool,
+    orders: Arc<Orders>,
+}
+
+/// The share of this rank of the flow of `case`.
+fn share<const D: usize>(case: &Case<D>, communicator: &Arc<dyn Communicator>) -> Result<Share, MeshError> {
+    if case.blocks == 1 {
+        return Ok(Share::whole(&case.mesh));
+    }
+    let of_cell = mesh::blocks(&case.mesh, case.blocks)?;
+    let colours = mesh::colours(&case.mesh, &of_cell);
+    let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
+    Ok(Share::new(&case.mesh, &Blocks { of_cell, colours }, sums))
+}
+
+impl<const D: usize, const M: usize> Crew<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    /// Has all ranks build the march of their share. None where the mesh is one block.
+    ///
+    /// # Errors
+    /// Those of the mesh, alike on all ranks.
+    pub fn build(
+        case: &Case<D>,
+        flow: &Flow<D>,
+        orders: &Arc<Orders>,
+    ) -> anyhow::Result<(FlowMarch<D, M>, Option<Self>)> {
+        orders.give(Order::Build, &[]);
+        let march = march::<D, M>(case, flow, orders.communicator())?;
+        if case.blocks == 1 {
+            return Ok((march, None));
+        }
+        let mover: &MeshMover<D> = &march.solver.system.mesh.mover;
+        let operator = build::operator::<D, M>(case, flow, mover, Share::whole(&case.mesh));
+        let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+        let state = coupled::State { u, ..march.state.clone() };
+        let blocks = mesh::blocks(&case.mesh, case.blocks)?;
+        Ok((march, Some(Crew { state, operator, blocks, in_step: false, orders: orders.clone() })))
+    }
+
+    /// Has all ranks take their parts of the state, and of a linearisation if there is one.
+    pub fn restore(&mut self, case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
+        self.orders.give(Order::Restore, &orders::encode(stored));
+        restore(case, stored, march);
+        self.in_step = true;
+    }
+
+    /// Has all ranks solve the next slab.
+    ///
+    /// # Errors
+    /// As [`coupled::March::advance`], alike on all ranks.
+    pub fn advance(&mut self, case: &Case<D>, march: &mut FlowMarch<D, M>) -> Result<SlabReport<M>, MarchError> {
+        if !self.in_step {
+            let stored = checkpoint::store(&self.state, None, false);
+            self.restore(case, &stored, march);
+        }
+        self.orders.give(Order::Advance, &[]);
+        let report = march.advance();
+        if report.is_ok() {
+            parts::join_state(march, &mut self.state);
+        } else {
+            let coupled::State { u, past, determinants, .. } = self.state.clone();
+            self.state = coupled::State { u, past, determinants, ..march.state.clone() };
+        }
+        report
+    }
+
+    /// The state with what the preconditioners of all ranks are made of.
+    pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
+        self.orders.give(Order::Store, &[]);
+        let preconditioner = &march.solver.system.flow.preconditioner;
+        let frozen = parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks, &self.operator.share));
+        checkpoint::store(&self.state, frozen.as_ref(), preconditioner.stale)
+    }
+
+    /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
+    pub fn look_at_last_slab(&mut self) {
+        if let Some(past) = &self.state.past {
+            let nothing = vec![0.0; self.operator.layout.at_one_time().len()];
+            self.operator.begin_slab(past.interval.start, past.dt, Bottom::new(&nothing, &past.bottom));
+            self.operator.set_mesh(&past.v);
+        }
+    }
+}
+
+/// The march of the share of this rank.
+fn march<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    communicator: &Arc<dyn Communicator>,
+) -> anyhow::Result<FlowMarch<D, M>>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    Ok(build::march_of(case, flow, build::mover(case)?, share(case, communicator)?)?)
+}
+
+/// Takes the own part of a stored state.
+fn restore<const D: usize, const M: usize>(case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
+    let Some((state, frozen, stale)) = checkpoint::load(stored, &case.time) else { return };
+    let share = march.solver.system.flow.operator.share.clone();
+    march.state = own_state(state, &share);
+    if let Some(frozen) = frozen {
+        march.solver.system.rebuild(own_linearisation(frozen, &share));
+    }
+    march.solver.system.flow.preconditioner.stale = stale;
+}
+
+/// Does what rank 0 orders, until it orders to finish.
+pub fn serve(case: &AnyCase, communicator: &Arc<dyn Communicator>) {
+    rayon::scope(|_| match case {
+        AnyCase::Plane(case) => serve_in::<2, 4>(case, communicator),
+        AnyCase::Space(case) => serve_in::<3, 5>(case, communicator),
+    });
+}
+
+fn serve_in<const D: usize, const M: usize>(case: &Case<D>, communicator: &Arc<dyn Communicator>)
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let mut own: Option<FlowMarch<D, M>> = None;
+    loop {
+        let (order, state) = orders::receive(&**communicator);
+        match (order, &mut own) {
+            (Order::Finish, _) => return,
+            // An error is that of rank 0, which tells it.
+            (Order::Build, _) => own = case.flow.as_ref().and_then(|flow| march(case, flow, communicator).ok()),
+            (Order::Restore, Some(march)) => restore(case, &orders::decode(&state), march),
+            (Order::Advance, Some(march)) => {
+                if march.advance().is_ok() {
+                    parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
+                }
+            }
+            (Order::Store, Some(march)) => drop(parts::join_linearisation(march)),
+            (_, None) => {}
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Orders of rank 0 to the others.
+
+use output::SolverState;
+use ranks::Communicator;
+use std::sync::Arc;
+
+/// What all ranks do next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Make the march of their share.
+    Build,
+    /// Take their part of a state, which follows.
+    Restore,
+    /// Solve a slab.
+    Advance,
+    /// Send what the preconditioner is made of.
+    Store,
+    /// End.
+    Finish,
+}
+
+const ORDERS: [Order; 5] = [Order::Build, Order::Restore, Order::Advance, Order::Store, Order::Finish];
+
+/// The voice of rank 0. At its end it orders the others to finish.
+pub struct Orders(Arc<dyn Communicator>);
+
+impl Orders {
+    /// Orders to the other ranks of `communicator`.
+    pub fn new(communicator: Arc<dyn Communicator>) -> Self {
+        Orders(communicator)
+    }
+
+    /// The ranks.
+    pub fn communicator(&self) -> &Arc<dyn Communicator> {
+        &self.0
+    }
+
+    /// Gives an order; some bytes may go with it.
+    pub(super) fn give(&self, order: Order, with: &[u8]) {
+        if self.0.size() > 1 {
+            self.0.broadcast(&mut [&[order as u8], with].concat());
+        }
+    }
+}
+
+impl Drop for Orders {
+    fn drop(&mut self) {
+        self.give(Order::Finish, &[]);
+    }
+}
+
+/// Waits for the next order, and what goes with it.
+pub(super) fn receive(communicator: &dyn Communicator) -> (Order, Vec<u8>) {
+    let mut bytes = Vec::new();
+    communicator.broadcast(&mut bytes);
+    let number = bytes.first().map_or(usize::MAX, |&number| number as usize);
+    (ORDERS.get(number).copied().unwrap_or(Order::Finish), bytes.split_off(1.min(bytes.len())))
+}
+
+/// A state as bytes: integers, then arrays, each as the length of its name, its name, its length and its numbers.
+pub(super) fn encode(state: &SolverState) -> Vec<u8> {
+    let mut bytes = (state.integers.len() as u64).to_le_bytes().to_vec();
+    let name = |bytes: &mut Vec<u8>, name: &str| {
+        bytes.extend((name.len() as u64).to_le_bytes());
+        bytes.extend(name.bytes());
+    };
+    for (key, value) in &state.integers {
+        name(&mut bytes, key);
+        bytes.extend(value.to_le_bytes());
+    }
+    for (key, values) in &state.arrays {
+        name(&mut bytes, key);
+        bytes.extend((values.len() as u64).to_le_bytes());
+        values.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+    }
+    bytes
+}
+
+/// The state behind [`encode`].
+pub(super) fn decode(bytes: &[u8]) -> SolverState {
+    let (mut state, mut rest) = (SolverState::default(), bytes);
+    let integers = number(&mut rest).map_or(0, u64::from_le_bytes);
+    for _ in 0..integers {
+        let Some(key) = name(&mut rest) else { break };
+        let value = number(&mut rest).map_or(0, i64::from_le_bytes);
+        state.integers.insert(key, value);
+    }
+    while let Some(key) = name(&mut rest) {
+        let length = number(&mut rest).map_or(0, u64::from_le_bytes);
+        let values = (0..length).map_while(|_| number(&mut rest).map(f64::from_le_bytes)).collect();
+        state.arrays.insert(key, values);
+    }
+    state
+}
+
+fn number(rest: &mut &[u8]) -> Option<[u8; 8]> {
+    let (bytes, others) = rest.split_first_chunk()?;
+    *rest = others;
+    Some(*bytes)
+}
+
+fn name(rest: &mut &[u8]) -> Option<String> {
+    let length = u64::from_le_bytes(number(rest)?) as usize;
+    let (bytes, others) = rest.split_at_checked(length)?;
+    *rest = others;
+    Some(String::from_utf8_lossy(bytes).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_goes_through_bytes() {
+        let mut state = SolverState::default();
+        state.integers.extend([("slab".to_owned(), 7), ("stale".to_owned(), -1)]);
+        state.arrays.extend([("flow".to_owned(), vec![0.1, -0.0, 1e300]), ("empty".to_owned(), Vec::new())]);
+        let again = decode(&encode(&state));
+        assert_eq!((again.integers, again.arrays), (state.integers, state.arrays));
+    }
+}
