@@ -48,7 +48,7 @@ fn a_library_of_files_ranks_or_the_terminal_has_one_user() {
     for (library, user) in [
         ("toml", "case"),
         ("hdf5", "output"),
-        ("mpi", "ranks"),
+        ("mpi", "message_passing"),
         ("clap", "stsolve"),
         ("clap_complete", "stsolve"),
         ("indicatif", "stsolve"),

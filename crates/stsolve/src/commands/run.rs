@@ -13,7 +13,7 @@ use simulation::{Destination, Existing, Failure};
 /// # Errors
 /// As [`simulation::run_on`].
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let communicator = ranks::world().map_err(Failure::bad_input)?;
+    let communicator = message_passing::world().map_err(Failure::bad_input)?;
     end_all_on_panic(&communicator);
     // The mesh of the case is made by the threads asked for, so they come first.
     set_threads(arguments.threads.map(usize::from).or_else(|| threads_of_rank(&*communicator)))?;

@@ -1,6 +1,6 @@
 //! The ranks of this process, as the way it was started tells them.
 
-use crate::{Alone, Communicator};
+use ranks::{Alone, Communicator};
 use std::env;
 use std::sync::Arc;
 

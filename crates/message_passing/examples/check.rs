@@ -1,14 +1,15 @@
-//! Checks the communicator of MPI: `cargo build --release -p ranks --features mpi --example check`, then
+//! Checks the communicator of MPI: `cargo build --release -p message_passing --features mpi --example check`, then
 //!
 //!     mpirun -n 4 target/release/examples/check [abort | panic]
 //!
 //! With `abort` or `panic`, rank 1 ends all others that wait for it, with the code 7 or 101.
 #![allow(clippy::print_stdout)]
 
-use ranks::{Communicator, Counting, Sums, agree, world};
+use message_passing::{Error, world};
+use ranks::{Communicator, Counting, Sums, agree};
 use std::sync::Arc;
 
-fn main() -> Result<(), ranks::Error> {
+fn main() -> Result<(), Error> {
     let ranks = Arc::new(Counting::new(world()?));
     match std::env::args().nth(1).as_deref() {
         Some("abort") if ranks.rank() == 1 => ranks.abort(7),

@@ -1,6 +1,6 @@
 //! Ranks that are processes, by MPI.
 
-use crate::{Communicator, Error};
+use crate::Error;
 use mpi::Threading;
 use mpi::collective::CommunicatorCollectives;
 use mpi::datatype::PartitionMut;
@@ -8,6 +8,7 @@ use mpi::environment::Universe;
 use mpi::request::scope;
 use mpi::topology::{Communicator as _, SimpleCommunicator};
 use mpi::traits::{Destination, Equivalence, Root, Source};
+use ranks::Communicator;
 
 /// At most as many bytes go into one call of MPI, which counts in 32 bits.
 const CHUNK: usize = 1 << 30;
