@@ -205,6 +205,14 @@ pub enum MeshError {
         /// Another one.
         second: String,
     },
+    /// The mesh cannot be cut into this many blocks.
+    #[error("a mesh of {cells} cells cannot be cut into {count} blocks: choose 1 to {cells}")]
+    Blocks {
+        /// The requested number of blocks.
+        count: usize,
+        /// Cells in the mesh.
+        cells: usize,
+    },
     /// There is no region of that name.
     #[error("the mesh has no region \"{name}\"; its regions are {known:?}")]
     NoRegion {

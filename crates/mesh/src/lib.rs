@@ -17,11 +17,13 @@
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `distance` | distances to curved boundaries |
 //! | `boundary` | normals and arc lengths at the nodes of a boundary |
+//! | `blocks` | the partition into blocks, and colours of the cells at its cuts |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
 
+mod blocks;
 mod boundary;
 mod distance;
 mod errors;
@@ -41,6 +43,7 @@ mod scramble;
 mod topology;
 mod validity;
 
+pub use blocks::{blocks, colours};
 pub use boundary::outward_area;
 pub use distance::BoundaryDistance;
 pub use errors::MeshError;
