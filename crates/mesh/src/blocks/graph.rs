@@ -35,6 +35,18 @@ impl Graph {
     pub(super) fn edges(&self, vertex: usize) -> &[(usize, i64)] {
         &self.edges[self.starts[vertex]..self.starts[vertex + 1]]
     }
+    /// The other ends of the edges of `vertex`.
+    pub(super) fn neighbours(&self, vertex: usize) -> impl Iterator<Item = usize> + '_ {
+        self.edges(vertex).iter().map(|edge| edge.0)
+    }
+    /// Whether there is an edge between two vertices.
+    pub(super) fn joined(&self, a: usize, b: usize) -> bool {
+        self.edges(a).binary_search_by_key(&b, |edge| edge.0).is_ok()
+    }
+    /// The size of the largest vertex.
+    pub(super) fn largest(&self) -> i64 {
+        self.sizes.iter().copied().max().unwrap_or(0)
+    }
     /// The size of all vertices.
     pub(super) fn size(&self) -> i64 {
         self.sizes.iter().sum()
@@ -53,22 +65,32 @@ impl Graph {
 
     /// The number of connected pieces of vertices with the same label.
     pub(super) fn pieces<L: PartialEq>(&self, label: &[L]) -> usize {
-        let (mut reached, mut stack, mut count) = (vec![false; self.len()], Vec::new(), 0);
+        self.piece_of_vertices(label).into_iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// The connected piece, of vertices with the same label, that each vertex belongs to.
+    pub(super) fn piece_of_vertices<L: PartialEq>(&self, label: &[L]) -> Vec<usize> {
+        let (mut piece, mut count) = (vec![usize::MAX; self.len()], 0);
         for start in 0..self.len() {
-            if std::mem::replace(&mut reached[start], true) {
-                continue;
+            if piece[start] == usize::MAX {
+                self.fill(start, label, count, &mut piece);
+                count += 1;
             }
-            count += 1;
-            stack.push(start);
-            while let Some(v) = stack.pop() {
-                for &(other, _) in self.edges(v) {
-                    if label[other] == label[v] && !std::mem::replace(&mut reached[other], true) {
-                        stack.push(other);
-                    }
+        }
+        piece
+    }
+
+    fn fill<L: PartialEq>(&self, start: usize, label: &[L], number: usize, piece: &mut [usize]) {
+        let mut stack = vec![start];
+        piece[start] = number;
+        while let Some(v) = stack.pop() {
+            for other in self.neighbours(v).filter(|&other| label[other] == label[start]) {
+                if piece[other] == usize::MAX {
+                    piece[other] = number;
+                    stack.push(other);
                 }
             }
         }
-        count
     }
 
     /// The graph of some vertices, given in increasing order.

@@ -1,45 +1,121 @@
 //! The bisection of a graph by way of coarser graphs (Karypis & Kumar, SIAM J. Sci. Comput. 20, 1998).
 
 use super::graph::Graph;
-use super::refinement::refine;
+use super::refinement::{Moves, refine};
 use super::sizes::Range;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// A graph with this many vertices is not made coarser.
 const COARSEST: usize = 40;
+/// The number of orders in which vertices find their partners.
+const ORDERS: usize = 4;
 
-/// The side of every vertex, such that the size of the first side (`false`) is in `range`. Few pieces come before a weak cut.
-pub(super) fn bisect(graph: &Graph, range: Range) -> Vec<bool> {
-    if let Some((target, count)) = coarser(graph) {
-        let coarse = bisect(&graph.contracted(&target, count), range);
-        let mut sides: Vec<bool> = target.iter().map(|&t| coarse[t]).collect();
-        refine(graph, &mut sides, range);
-        return sides;
-    }
-    let candidates = (0..graph.len()).map(|seed| {
-        let mut sides = grown(graph, seed, range.middle());
-        refine(graph, &mut sides, range);
-        sides
-    });
-    candidates.min_by_key(|sides| merit(graph, sides, range)).unwrap_or_default()
+/// A piece more than necessary counts as much as a cut of this weight: a facet with an aspect ratio of 1000.
+const PIECE: i64 = 10_000;
+
+/// The side of every vertex, such that the size of the first side (`false`) is in `range`. Connected sides and a weak cut
+/// are the aim.
+///
+/// The graph is made coarser in several orders of its vertices, and several bisections of every coarsest graph are carried
+/// on to the whole graph, as many as `attempts` allows. The best result counts.
+pub(super) fn bisect(graph: &Graph, range: Range, attempts: usize) -> Vec<bool> {
+    let best = |order| Levels::new(graph, order).best(range, attempts.clamp(4, COARSEST));
+    (0..attempts.clamp(1, ORDERS)).map(best).min().unwrap_or_default().1
 }
 
-/// The smaller the better: violation of the range, pieces, cut.
-fn merit(graph: &Graph, sides: &[bool], range: Range) -> (i64, usize, i64) {
+/// A graph and ever coarser ones.
+struct Levels<'a> {
+    finest: &'a Graph,
+    /// The vertex of every vertex of the level before, and the graph.
+    coarser: Vec<(Vec<usize>, Graph)>,
+}
+
+impl<'a> Levels<'a> {
+    fn new(finest: &'a Graph, order: usize) -> Self {
+        let mut levels = Levels { finest, coarser: Vec::new() };
+        while let Some((target, count)) = coarser(levels.graph(levels.coarser.len()), order) {
+            let graph = levels.graph(levels.coarser.len()).contracted(&target, count);
+            levels.coarser.push((target, graph));
+        }
+        levels
+    }
+
+    /// The graph of a level; 0 is the finest.
+    fn graph(&self, level: usize) -> &Graph {
+        if level == 0 { self.finest } else { &self.coarser[level - 1].1 }
+    }
+
+    /// The best bisection and its merit, from some bisections of the coarsest graph.
+    fn best(&self, range: Range, candidates: usize) -> (Merit, Vec<bool>) {
+        let starts = self.starts(range, candidates);
+        let finished = |moves| starts.iter().map(move |sides| self.finish(sides.clone(), range, moves));
+        finished(Moves::Connected).chain(finished(Moves::Any)).min().unwrap_or_default()
+    }
+
+    /// The best bisections of the coarsest graph: grown from every vertex, then refined.
+    fn starts(&self, range: Range, candidates: usize) -> Vec<Vec<bool>> {
+        let graph = self.graph(self.coarser.len());
+        let range = range.widened(graph.largest());
+        let start = |seed: usize| {
+            let mut sides = grown(graph, seed, range.middle());
+            refine(graph, &mut sides, range, Moves::Any);
+            (merit(graph, &sides, range), sides)
+        };
+        let mut starts: Vec<_> = (0..graph.len()).map(start).collect();
+        starts.sort_unstable();
+        starts.dedup();
+        starts.into_iter().take(candidates).map(|(_, sides)| sides).collect()
+    }
+
+    /// A bisection of the coarsest graph carried on to the finest, refined on every level; its merit.
+    fn finish(&self, mut sides: Vec<bool>, range: Range, moves: Moves) -> (Merit, Vec<bool>) {
+        for level in (0..=self.coarser.len()).rev() {
+            let graph = self.graph(level);
+            refine(graph, &mut sides, range.widened(graph.largest()), moves);
+            if level > 0 {
+                sides = self.coarser[level - 1].0.iter().map(|&t| sides[t]).collect();
+            }
+        }
+        let mut connected = sides.clone();
+        reconnect(self.finest, &mut connected);
+        refine(self.finest, &mut connected, range, moves);
+        let ranked = [sides, connected].map(|sides| (merit(self.finest, &sides, range), sides));
+        ranked.into_iter().min().unwrap_or_default()
+    }
+}
+
+/// Leaves each side its largest piece: the others change sides.
+fn reconnect(graph: &Graph, sides: &mut [bool]) {
+    let piece = graph.piece_of_vertices(sides);
+    let mut sizes = vec![0; graph.len()];
+    piece.iter().zip(&graph.sizes).for_each(|(&p, size)| sizes[p] += size);
+    let largest = [false, true].map(|side| {
+        let pieces = (0..graph.len()).filter(|&v| sides[v] == side).map(|v| piece[v]);
+        pieces.max_by_key(|&p| (sizes[p], Reverse(p)))
+    });
+    for v in 0..graph.len() {
+        sides[v] ^= largest[usize::from(sides[v])] != Some(piece[v]);
+    }
+}
+
+/// The smaller the better: violation of the range, weight of the cut and the pieces.
+type Merit = (i64, i64);
+
+fn merit(graph: &Graph, sides: &[bool], range: Range) -> Merit {
     let size = (0..graph.len()).filter(|&v| !sides[v]).map(|v| graph.sizes[v]).sum();
-    (range.violation(size), graph.pieces(sides), graph.cut(sides))
+    (range.violation(size), graph.cut(sides) + PIECE * graph.pieces(sides) as i64)
 }
 
 /// The vertices of a graph about half as large: pairs across the strongest edges. `None` if the graph is coarse enough.
-fn coarser(graph: &Graph) -> Option<(Vec<usize>, usize)> {
+fn coarser(graph: &Graph, order: usize) -> Option<(Vec<usize>, usize)> {
     if graph.len() <= COARSEST {
         return None;
     }
     let largest = 3 * graph.size() / (2 * COARSEST as i64);
     let mut target = vec![usize::MAX; graph.len()];
     let mut count = 0;
-    for v in 0..graph.len() {
+    for v in visits(graph.len(), order) {
         if target[v] == usize::MAX {
             target[v] = count;
             if let Some(other) = partner(graph, v, &target, largest) {
@@ -49,6 +125,19 @@ fn coarser(graph: &Graph) -> Option<(Vec<usize>, usize)> {
         }
     }
     (20 * count < 19 * graph.len()).then_some((target, count))
+}
+
+/// All numbers below `count`: in their order, or from end to end in steps of about a fraction of `count`.
+fn visits(count: usize, order: usize) -> impl Iterator<Item = usize> {
+    let fraction = [0.0, 0.618, 0.382, 0.236][order % ORDERS];
+    let coprime = |step: &usize| greatest_divisor(*step, count) == 1;
+    let step = ((fraction * count as f64) as usize + 1..).find(coprime).unwrap_or(1);
+    (0..count).map(move |i| i * step % count)
+}
+
+/// The greatest common divisor.
+fn greatest_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
 /// The free neighbour with the strongest edge relative to its size.

@@ -8,9 +8,18 @@ use std::collections::BinaryHeap;
 /// A pass ends after this many moves without a better cut.
 const FRUITLESS: usize = 200;
 
+/// Which moves are allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Moves {
+    /// All.
+    Any,
+    /// Those that leave connected sides connected.
+    Connected,
+}
+
 /// Improves a bisection until a pass of moves finds nothing better. A size within `range` comes before a weak cut.
-pub(super) fn refine(graph: &Graph, sides: &mut [bool], range: Range) {
-    while Pass::new(graph, sides, range).run() {}
+pub(super) fn refine(graph: &Graph, sides: &mut [bool], range: Range, moves: Moves) {
+    while Pass::new(graph, sides, range, moves).run() {}
 }
 
 /// One pass: every vertex moves at most once, the best one first, also if the cut becomes stronger for a while.
@@ -18,6 +27,7 @@ struct Pass<'a> {
     graph: &'a Graph,
     sides: &'a mut [bool],
     range: Range,
+    moves: Moves,
     /// The size of the first side.
     size: i64,
     /// By how much a move may violate the range for a while.
@@ -30,14 +40,14 @@ struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    fn new(graph: &'a Graph, sides: &'a mut [bool], range: Range) -> Self {
+    fn new(graph: &'a Graph, sides: &'a mut [bool], range: Range, moves: Moves) -> Self {
         let signed = |v: usize| graph.edges(v).iter().map(|&(o, w)| if sides[o] == sides[v] { -w } else { w }).sum();
         let gain: Vec<i64> = (0..graph.len()).map(signed).collect();
         let queue = |side| (0..graph.len()).filter(|&v| sides[v] == side).map(|v| (gain[v], Reverse(v))).collect();
         let queues = [queue(false), queue(true)];
         let size = (0..graph.len()).filter(|&v| !sides[v]).map(|v| graph.sizes[v]).sum();
-        let tolerance = graph.sizes.iter().copied().max().unwrap_or(0);
-        Pass { graph, range, size, tolerance, gain, moved: vec![false; graph.len()], queues, sides }
+        let tolerance = graph.largest();
+        Pass { graph, range, moves, size, tolerance, gain, moved: vec![false; graph.len()], queues, sides }
     }
 
     /// Whether the pass found something better.
@@ -70,7 +80,7 @@ impl<'a> Pass<'a> {
                 _ => usize::from(top(1) > top(0)),
             };
             let (_, Reverse(v)) = self.queues[side].pop()?;
-            if self.admits(v) {
+            if self.admits(v) && (self.moves == Moves::Any || self.keeps_connected(v)) {
                 return Some(v);
             }
         }
@@ -88,6 +98,24 @@ impl<'a> Pass<'a> {
     fn admits(&self, v: usize) -> bool {
         let violation = self.range.violation(self.size_after(v));
         violation <= self.tolerance || violation < self.range.violation(self.size)
+    }
+
+    /// Whether both sides stay connected by a move. It is enough to look near the vertex: it has a neighbour on the other
+    /// side, and its neighbours on its own side are joined to each other there, directly or through one more vertex.
+    fn keeps_connected(&self, v: usize) -> bool {
+        let own = |other: &usize| self.sides[*other] == self.sides[v];
+        let (mut rest, others): (Vec<usize>, Vec<usize>) = self.graph.neighbours(v).partition(own);
+        let mut reached: Vec<usize> = rest.pop().into_iter().collect();
+        while let Some(from) = reached.pop() {
+            let near = |to: &usize| {
+                let joins = |&by: &usize| by == *to || (by != v && own(&by) && self.graph.joined(by, *to));
+                self.graph.neighbours(from).any(|by| joins(&by))
+            };
+            let (next, left): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(near);
+            reached.extend(next);
+            rest = left;
+        }
+        rest.is_empty() && !others.is_empty()
     }
 
     fn size_after(&self, v: usize) -> i64 {

@@ -44,6 +44,11 @@ impl Range {
     pub(super) fn violation(&self, size: i64) -> i64 {
         (self.low - size).max(size - self.high).max(0)
     }
+    /// The range for a graph whose vertices stand for up to `largest` cells, which cannot meet it exactly.
+    pub(super) fn widened(&self, largest: i64) -> Range {
+        let extra = (largest - 1).max(0) / 2;
+        Range { low: self.low - extra, high: self.high + extra }
+    }
     /// The middle of the range.
     pub(super) fn middle(&self) -> i64 {
         (self.low + self.high) / 2
