@@ -233,8 +233,11 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let nodes = (0..layout.cells).flat_map(|cell| (0..layout.nodes).map(move |i| (cell, i)));
         let found = nodes.map(|(cell, i)| (cell, operator.problem.kernels.inadmissible(&at(cell, i))));
         let own = found.filter_map(|(cell, what)| Some((operator.share.own[cell], what?)));
-        let own = own.min_by_key(|(cell, _)| *cell).map(|(cell, (quantity, value))| {
-            Violation { quantity: quantity.to_string(), value, cell, time: interval.end }
+        let own = own.min_by_key(|(cell, _)| *cell).map(|(cell, (quantity, value))| Violation {
+            quantity: quantity.to_string(),
+            value,
+            cell,
+            time: interval.end,
         });
         operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
     }

@@ -253,7 +253,16 @@ impl LaggedPreconditioner {
                 let modes = TemporalModes::new(&flow.tables.time);
                 let ordering = ordering.filter(|ordering| ordering.own().count() == flow.layout.cells);
                 let jacobian = flow.space_jacobian(0.5);
-                (Box::new(FlowPreconditioner::unfactored(flow.layout, modes, jacobian, dt, (ordering, flow.share.clone()))), None)
+                (
+                    Box::new(FlowPreconditioner::unfactored(
+                        flow.layout,
+                        modes,
+                        jacobian,
+                        dt,
+                        (ordering, flow.share.clone()),
+                    )),
+                    None,
+                )
             }
         };
         // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to

@@ -4,6 +4,8 @@
 //! ghosts are received from their owners. Both ranks of a cut compute the facets there, to the same bits. Everything that rounds follows
 //! the blocks, so that results do not depend on the number of ranks.
 
+mod messages;
+
 use mesh::Mesh;
 use ranks::Sums;
 use std::ops::Range;
@@ -81,7 +83,8 @@ impl Share {
     /// Finds the ghosts, and the own cells that are ghosts elsewhere.
     fn meet_neighbours<const D: usize>(&mut self, mesh: &Mesh<D>, blocks: &Blocks) {
         let rank = self.sums.communicator().rank();
-        let ranks: Vec<usize> = (0..).zip(self.sums.blocks_of_rank()).flat_map(|(rank, own)| own.clone().map(move |_| rank)).collect();
+        let ranks: Vec<usize> =
+            (0..).zip(self.sums.blocks_of_rank()).flat_map(|(rank, own)| own.clone().map(move |_| rank)).collect();
         let owner = |cell: usize| ranks[blocks.of_cell[cell]];
         let place = |cell: usize| (owner(cell), blocks.of_cell[cell], cell);
         let (mut ghosts, mut needed) = (Vec::new(), Vec::new());
@@ -132,138 +135,10 @@ impl Share {
         self.sums.communicator().size() > 1
     }
 
-    /// `of_own`, `len` numbers for every own cell, and after them those of the ghosts, from their owners.
-    pub fn with_ghosts<'a>(&self, of_own: &'a [f64], len: usize, room: &'a mut Vec<f64>) -> &'a [f64] {
-        if self.ghosts.is_empty() && self.sends.is_empty() {
-            return of_own;
-        }
-        room.resize((self.own.len() + self.ghosts.len()) * len, 0.0);
-        let (own, ghosts) = room.split_at_mut(of_own.len());
-        own.copy_from_slice(of_own);
-        self.exchange(of_own, len, ghosts);
-        room
-    }
-
-    /// Fills `ghosts` with `len` numbers for every ghost.
-    fn exchange(&self, of_own: &[f64], len: usize, mut ghosts: &mut [f64]) {
-        let packed = |cells: &Vec<usize>| -> Vec<f64> {
-            cells.iter().flat_map(|&cell| of_own[cell * len..(cell + 1) * len].iter().copied()).collect()
-        };
-        let sent: Vec<(usize, Vec<f64>)> = self.sends.iter().map(|(rank, cells)| (*rank, packed(cells))).collect();
-        let sends: Vec<(usize, &[f64])> = sent.iter().map(|(rank, numbers)| (*rank, &numbers[..])).collect();
-        let mut receives = Vec::with_capacity(self.receives.len());
-        for (rank, cells) in &self.receives {
-            let (here, rest) = std::mem::take(&mut ghosts).split_at_mut(cells.len() * len);
-            receives.push((*rank, here));
-            ghosts = rest;
-        }
-        self.sums.communicator().exchange(&sends, &mut receives);
-    }
-
-    /// Sends `len` numbers of every own cell for which `wanted` holds to the ranks where it is a ghost, and passes those of the ghosts for which
-    /// it holds to `put`. A collective call; without other ranks nothing is done.
-    pub fn exchange_some(
-        &self,
-        wanted: impl Fn(usize) -> bool,
-        len: usize,
-        mut get: impl FnMut(usize, &mut Vec<f64>),
-        mut put: impl FnMut(usize, &[f64]),
-    ) {
-        if !self.is_distributed() {
-            return;
-        }
-        let mut sent = Vec::with_capacity(self.sends.len());
-        for (rank, cells) in &self.sends {
-            let mut numbers = Vec::new();
-            cells.iter().filter(|cell| wanted(**cell)).for_each(|&cell| get(cell, &mut numbers));
-            sent.push((*rank, numbers));
-        }
-        let own = self.own.len();
-        let ghosts = |range: &Range<usize>| range.clone().map(|ghost| own + ghost).filter(|ghost| wanted(*ghost));
-        let received = self.swap(&sent, |_, range| ghosts(range).count() * len);
-        for ((_, range), numbers) in self.receives.iter().zip(&received) {
-            ghosts(range).zip(numbers.chunks_exact(len)).for_each(|(ghost, numbers)| put(ghost, numbers));
-        }
-    }
-
-    /// Sends `len` numbers for every pair (ghost, item) of `outgoing` to the owner of the ghost, and passes those that come from the owners of
-    /// the ghosts `from` to `put`, with their places in `from`. Both sides have the items in the same order. A collective call.
-    pub fn exchange_across(
-        &self,
-        outgoing: &[(usize, usize)],
-        from: &[usize],
-        len: usize,
-        mut get: impl FnMut(usize, usize, &mut Vec<f64>),
-        mut put: impl FnMut(usize, &[f64]),
-    ) {
-        if !self.is_distributed() {
-            return;
-        }
-        let own = self.own.len();
-        let is_of = |range: &Range<usize>, ghost: usize| range.contains(&(ghost - own));
-        let mut sent = Vec::with_capacity(self.receives.len());
-        for (rank, range) in &self.receives {
-            let mut numbers = Vec::new();
-            let items = outgoing.iter().filter(|(ghost, _)| is_of(range, *ghost));
-            items.for_each(|&(ghost, item)| get(ghost, item, &mut numbers));
-            sent.push((*rank, numbers));
-        }
-        let items = |range: &Range<usize>| {
-            let of_rank = from.iter().enumerate().filter(|(_, ghost)| is_of(range, **ghost));
-            of_rank.map(|(item, _)| item).collect::<Vec<usize>>()
-        };
-        let received = self.swap(&sent, |_, range| items(range).len() * len);
-        for ((_, range), numbers) in self.receives.iter().zip(&received) {
-            items(range).into_iter().zip(numbers.chunks_exact(len.max(1))).for_each(|(item, numbers)| put(item, numbers));
-        }
-    }
-
-    /// Sends `sent` and receives so many numbers from each rank with ghosts as `length` tells.
-    fn swap(&self, sent: &[(usize, Vec<f64>)], length: impl Fn(usize, &Range<usize>) -> usize) -> Vec<Vec<f64>> {
-        let sends: Vec<(usize, &[f64])> = sent.iter().map(|(rank, numbers)| (*rank, &numbers[..])).collect();
-        let mut received: Vec<Vec<f64>> =
-            self.receives.iter().map(|(rank, range)| vec![0.0; length(*rank, range)]).collect();
-        let mut receives: Vec<(usize, &mut [f64])> =
-            self.receives.iter().zip(&mut received).map(|((rank, _), numbers)| (*rank, &mut numbers[..])).collect();
-        self.sums.communicator().exchange(&sends, &mut receives);
-        received
-    }
-
     /// The own part of `whole`, `len` numbers for every cell of the whole mesh.
     pub fn own_part(&self, whole: &[f64]) -> Vec<f64> {
         let len = whole.len() / self.whole;
         self.own.iter().flat_map(|&cell| whole[cell * len..(cell + 1) * len].iter().copied()).collect()
-    }
-
-    /// Joins the parts of all ranks, `len` numbers for every own cell, on rank 0; nothing elsewhere. A collective call.
-    pub fn join(&self, of_own: &[f64]) -> Vec<f64> {
-        let cells: Vec<f64> = self.own.iter().map(|&cell| cell as f64).collect();
-        let communicator = self.sums.communicator();
-        let (cells, parts) = (to_first(&**communicator, &cells), to_first(&**communicator, of_own));
-        let len = of_own.len() / self.own.len().max(1);
-        let mut whole = vec![0.0; if communicator.rank() == 0 { self.whole * len } else { 0 }];
-        for (cell, numbers) in cells.iter().zip(parts.chunks_exact(len.max(1))) {
-            whole[*cell as usize * len..][..len].copy_from_slice(numbers);
-        }
-        whole
-    }
-
-    /// Lists of all ranks with `len` numbers for each item, sorted by the items' `keys`. A collective call.
-    pub(crate) fn all_in_order(&self, keys: &[usize], numbers: Vec<f64>, len: usize) -> Vec<f64> {
-        if !self.is_distributed() {
-            let mut order: Vec<usize> = (0..keys.len()).collect();
-            order.sort_by_key(|&item| keys[item]);
-            return order.into_iter().flat_map(|item| numbers[item * len..(item + 1) * len].to_vec()).collect();
-        }
-        let keyed: Vec<f64> = keys
-            .iter()
-            .zip(numbers.chunks_exact(len))
-            .flat_map(|(&key, numbers)| std::iter::once(key as f64).chain(numbers.iter().copied()))
-            .collect();
-        let mut all: Vec<Vec<f64>> = self.sums.communicator().all_gather(&keyed);
-        let mut items: Vec<&mut [f64]> = all.iter_mut().flat_map(|part| part.chunks_exact_mut(len + 1)).collect();
-        items.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        items.into_iter().flat_map(|item| item[1..].to_vec()).collect()
     }
 }
 
@@ -275,19 +150,4 @@ fn cells_of(blocks: &Blocks, block: usize) -> impl Iterator<Item = usize> {
 /// The first of the cells `own` in each of the blocks, and the number of all.
 fn ends(own: &[usize], blocks: &Blocks, range: Range<usize>) -> Vec<usize> {
     (range.start..=range.end).map(|block| own.partition_point(|&cell| blocks.of_cell[cell] < block)).collect()
-}
-
-/// The parts of all ranks one after the other on rank 0; nothing elsewhere.
-fn to_first(communicator: &dyn ranks::Communicator, part: &[f64]) -> Vec<f64> {
-    let lengths = communicator.all_gather(&[part.len() as f64]);
-    if communicator.rank() > 0 {
-        communicator.exchange(&[(0, part)], &mut []);
-        return Vec::new();
-    }
-    let mut parts: Vec<Vec<f64>> = lengths.iter().map(|length| vec![0.0; length[0] as usize]).collect();
-    parts[0].copy_from_slice(part);
-    let mut receives: Vec<(usize, &mut [f64])> =
-        parts.iter_mut().enumerate().skip(1).map(|(rank, part)| (rank, &mut part[..])).collect();
-    communicator.exchange(&[], &mut receives);
-    parts.concat()
 }

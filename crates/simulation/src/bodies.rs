@@ -27,6 +27,7 @@ const DEPTH: f64 = FRAC_PI_8;
 pub fn bodies<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
+    numbering: &NodeNumbering,
     operator: &mut SlabOperator<D, M>,
 ) -> Result<Vec<Box<dyn Body>>, ElasticityError> {
     if !has_bodies(case) {
@@ -36,7 +37,7 @@ pub fn bodies<const D: usize, const M: usize>(
     let points = operator.tables.instants.iter().map(|point| point.s).collect();
     let instants = Instants { time: operator.tables.time.clone(), points, step: case.time.step };
     let body = |(number, body): (usize, &case::RigidBody<D>)| {
-        let surface = surface(case, body, operator);
+        let surface = surface(case, body, numbering, operator.loaded_nodes());
         let data = data(case, flow, body, &surface);
         Box::new(RigidBody::new(data, surface, number, instants.clone())) as Box<dyn Body>
     };
@@ -73,12 +74,12 @@ pub fn coordinates<const D: usize>(case: &Case<D>) -> Vec<usize> {
 }
 
 /// The nodes that a body moves: those of its walls, and then those that follow by weights.
-fn surface<const D: usize, const M: usize>(
+fn surface<const D: usize>(
     case: &Case<D>,
     body: &case::RigidBody<D>,
-    operator: &SlabOperator<D, M>,
+    numbering: &NodeNumbering,
+    loaded: &[usize],
 ) -> Surface<D> {
-    let (numbering, loaded) = (operator.mesh.numbering(), operator.loaded_nodes());
     let mut on_wall = vec![false; numbering.count];
     for wall in &body.walls {
         numbering.on_boundary(&case.mesh, *wall).into_iter().for_each(|node| on_wall[node] = true);

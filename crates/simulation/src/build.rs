@@ -180,7 +180,7 @@ where
 {
     let mut operator = operator(case, flow, &mover, share);
     let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
-    let bodies = bodies(case, flow, &mut operator)?;
+    let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
     let mut problem = System::with_bodies(operator, mover, bodies);
     problem.flow.preconditioner.method = method(case.preconditioner());
     Ok(FlowMarch::new(problem, u, settings(case)))

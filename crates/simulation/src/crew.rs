@@ -16,14 +16,14 @@ mod parts;
 pub use orders::Orders;
 
 use super::{build, checkpoint};
-use orders::Order;
-use parts::{own_linearisation, own_state};
 use case::{AnyCase, Case, Flow, State};
 use coupled::{FlowMarch, MarchError, MeshMover, SlabReport};
 use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
 use mesh::MeshError;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use orders::Order;
 use output::SolverState;
+use parts::{own_linearisation, own_state};
 use ranks::{Communicator, Sums};
 use std::sync::Arc;
 
@@ -111,7 +111,8 @@ where
     pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
         self.orders.give(Order::Store, &[]);
         let preconditioner = &march.solver.system.flow.preconditioner;
-        let frozen = parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks, &self.operator.share));
+        let frozen =
+            parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks, &self.operator.share));
         checkpoint::store(&self.state, frozen.as_ref(), preconditioner.stale)
     }
 

@@ -1,8 +1,8 @@
 //! A run, slab by slab: the same for flow, mesh and structure.
 
 use super::checkpoint;
-use super::crew::Orders;
 use super::context::{RunContext, Stop};
+use super::crew::Orders;
 use super::cuts;
 use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;

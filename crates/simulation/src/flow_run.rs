@@ -3,8 +3,8 @@
 use super::averages::{AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
-use super::crew::{Crew, Orders};
 use super::context::{RunContext, Stop};
+use super::crew::{Crew, Orders};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::integrals::FlowIntegrals;
@@ -125,11 +125,8 @@ where
         if !self.flow.boundary.iter().any(|data| openings::is_opening(&data.condition)) {
             return;
         }
-        let (state, mover, one) = (
-            self.state(),
-            &self.march.solver.system.mesh.mover,
-            self.operator().layout.at_one_time(),
-        );
+        let (state, mover, one) =
+            (self.state(), &self.march.solver.system.mesh.mover, self.operator().layout.at_one_time());
         let grid = Grid::new(&mover.reference, &mover.numbering, self.flow.order);
         let still = vec![0.0; state.d.len()];
         let then = Then {
@@ -196,7 +193,8 @@ where
 
     /// Replaces the initial state by the steady flow; returns its row of history.csv.
     fn start_from_steady_flow(&mut self, steady: &Steady, context: &mut RunContext) -> anyhow::Result<Vec<f64>> {
-        let (case, flow, state) = (self.case, self.flow, self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state));
+        let (case, flow, state) =
+            (self.case, self.flow, self.crew.as_mut().map_or(&mut self.march.state, |crew| &mut crew.state));
         let search = Search {
             discretise: &|discretisation| build::steady::<D, M>(case, flow, &state.d, discretisation),
             order: flow.order,
@@ -335,8 +333,7 @@ where
     fn restore(&mut self, stored: &SolverState) -> Option<()> {
         let (state, frozen, stale) = checkpoint::load(stored, &self.case.time)?;
         let (cells, march) = (self.state().u.len(), &mut self.march);
-        if state.u.len() != cells || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state)
-        {
+        if state.u.len() != cells || state.d.len() != march.state.d.len() || !march.has_bodies_of(&state) {
             return None;
         }
         if let Some(crew) = &mut self.crew {

@@ -96,8 +96,8 @@ mod time;
 mod walls;
 
 pub use build::{PrescribedNode, elasticity_plan, march, mover, prescribed_nodes, structure_march};
-pub use destination::{Destination, Existing};
 pub use crew::serve;
+pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};
 pub use error::Failure;
 pub use memory_estimate::{MemoryEstimate, require_memory, typical_iterations};

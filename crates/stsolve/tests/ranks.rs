@@ -7,7 +7,7 @@ mod common;
 use case::AnyCase;
 use common::{assert_same_bits, number, shipped, summary};
 use ranks::Threads;
-use simulation::{Destination, Existing};
+use simulation::{Destination, Existing, Failure};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -31,7 +31,8 @@ fn changes(changes: &[&str]) -> Vec<String> {
     changes.iter().map(|&change| change.to_owned()).collect()
 }
 
-/// A run of a shipped case has the same bits on 1, 2, 3 and 4 ranks of one and two threads. Returns the run on one rank.
+/// A run of a shipped case has the same bits on 1, 2, 3 and 4 ranks of one and two threads. Returns the runs: the directory `1` is that on
+/// one rank.
 fn assert_ranks_leave_no_trace(case: &str, set: &[&str]) -> TempDir {
     let (directory, set) = (TempDir::new().unwrap(), changes(set));
     let at = |name: &str| directory.path().join(name);
@@ -49,6 +50,114 @@ const VORTEX: [&str; 4] = ["mesh.generate.box.cells=[6,6]", "time.step=0.2", "ti
 #[test]
 fn a_moving_vortex_has_the_same_bits_on_any_number_of_ranks() {
     let runs = assert_ranks_leave_no_trace("vortex", &VORTEX);
-    let mass = number(&summary(&runs.path().join("4_1")), "conservation.mass_error");
+    let blocks = summary(&runs.path().join("4_1"));
+    let mass = number(&blocks, "conservation.mass_error");
     assert!(mass < 1e-13, "{mass:.1e}");
+    // One block is another way to the same solution.
+    let (one, directory) = (changes(&VORTEX[..3]), runs.path().join("one_block"));
+    run(1, 1, "vortex", &one, &directory, Existing::Keep);
+    let error = |summary: &serde_json::Value| number(summary, "error.density_l2");
+    let (four, one) = (error(&blocks), error(&summary(&directory)));
+    assert!((four / one - 1.0).abs() < 1e-3, "{four} {one}");
+}
+
+#[test]
+fn other_preconditioners_have_the_same_bits_on_any_number_of_ranks() {
+    for preconditioner in ["lines", "low_order"] {
+        let preconditioner = format!("solver.preconditioner={preconditioner}");
+        assert_ranks_leave_no_trace("vortex", &[&VORTEX[..], &[&preconditioner]].concat());
+    }
+}
+
+#[test]
+fn collocated_rules_have_the_same_bits_on_any_number_of_ranks() {
+    assert_ranks_leave_no_trace("vortex", &[&VORTEX[..], &["flow.quadrature=collocated"]].concat());
+}
+
+#[test]
+fn a_flow_in_space_has_the_same_bits_on_any_number_of_ranks() {
+    let runs = assert_ranks_leave_no_trace("free_stream_3d", &["parallel.blocks=5", "time.slabs=3"]);
+    let error = number(&summary(&runs.path().join("3_2")), "conservation.free_stream_error");
+    assert!(error < 1e-12, "{error:.1e}");
+}
+
+/// A steady start on rank 0, walls with forces, and a mesh that elasticity moves.
+#[test]
+fn an_airfoil_has_the_same_bits_on_any_number_of_ranks() {
+    assert_ranks_leave_no_trace("naca0012_heave", &["flow.order=3", "time.end=0.2", "parallel.blocks=4"]);
+}
+
+#[test]
+fn bodies_and_structures_have_the_same_bits_on_any_number_of_ranks() {
+    assert_ranks_leave_no_trace("piston_free", &["time.slabs=10", "flow.order=4", "parallel.blocks=4"]);
+    let coarse = ["time.slabs=10", "flow.order=4", "mesh.order=4", "parallel.blocks=4"];
+    let runs = assert_ranks_leave_no_trace("elastic_piston", &coarse);
+    let energy = number(&summary(&runs.path().join("4_1")), "conservation.coupled_energy_error");
+    assert!(energy < 1e-11, "{energy:.1e}");
+}
+
+#[test]
+fn a_run_resumes_on_another_number_of_ranks_with_the_same_bits() {
+    let directory = TempDir::new().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    // So few iterations per linear solve that the preconditioner is rebuilt on the way.
+    let until = |end: &str| changes(&[&VORTEX[..2], &["parallel.blocks=4", "constants.stretch=0.8", end]].concat());
+    run(2, 1, "vortex", &until("time.end=2"), &at("through"), Existing::Keep);
+    run(4, 1, "vortex", &until("time.end=1.2"), &at("interrupted"), Existing::Keep);
+    for (ranks, end) in [(1, "time.end=1.6"), (3, "time.end=2")] {
+        run(ranks, 1, "vortex", &until(end), &at("interrupted"), Existing::Resume);
+    }
+    assert_same_bits(&at("through"), &at("interrupted"), "resumed on 1 and on 3 ranks");
+}
+
+/// A slab that cannot be solved ends the run on all ranks, with the message of a run on one rank.
+#[test]
+fn a_failure_ends_all_ranks_with_the_same_message() {
+    let directory = TempDir::new().unwrap();
+    let set = changes(&[&VORTEX[..], &["solver.newton_steps=1", "solver.slab_halvings=1"]].concat());
+    let message = |ranks: usize| -> Vec<String> {
+        Threads::run(ranks, |communicator| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            pool.install(|| {
+                let case = AnyCase::read(Path::new(&shipped("vortex.toml")), &set).unwrap();
+                if communicator.rank() > 0 {
+                    simulation::serve(&case, &communicator);
+                    return String::new();
+                }
+                let directory = directory.path().join(ranks.to_string());
+                let destination = Destination { directory, existing: Existing::Keep };
+                match simulation::run_on(communicator, &case, &destination, &()) {
+                    Err(Failure::Solve(error)) => {
+                        format!("{:?}", error.chain().skip(1).map(ToString::to_string).collect::<Vec<_>>())
+                    }
+                    other => panic!("{other:?}"),
+                }
+            })
+        })
+    };
+    let one = message(1);
+    assert!(one[0].contains("Newton"), "{}", one[0]);
+    assert_eq!(message(3)[0], one[0]);
+    assert_same_bits(&directory.path().join("1"), &directory.path().join("3"), "the last good state");
+}
+
+#[test]
+fn more_ranks_than_blocks_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let errors = Threads::run(3, |communicator| {
+        let case = AnyCase::read(Path::new(&shipped("vortex.toml")), &changes(&["parallel.blocks=2"])).unwrap();
+        if communicator.rank() > 0 {
+            simulation::serve(&case, &communicator);
+            return String::new();
+        }
+        let destination = Destination { directory: directory.path().join("run"), existing: Existing::Keep };
+        match simulation::run_on(communicator, &case, &destination, &()) {
+            Err(Failure::BadInput(error)) => error.to_string(),
+            other => panic!("{other:?}"),
+        }
+    });
+    assert_eq!(
+        errors[0],
+        "3 processes for 2 blocks: each process needs a block; `parallel.blocks` = 3 or more, or fewer processes"
+    );
 }

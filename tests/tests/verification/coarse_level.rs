@@ -44,7 +44,8 @@ where
     operator.product(&z, &mut r);
 
     let modes = TemporalModes::new(&RadauTime::new(1));
-    let mut sweeps = FlowPreconditioner::new(layout, modes, operator.space_jacobian(0.5), dt, 0.0, (None, operator.share.clone()));
+    let mut sweeps =
+        FlowPreconditioner::new(layout, modes, operator.space_jacobian(0.5), dt, 0.0, (None, operator.share.clone()));
     let mut coarse =
         CoarseLevel::new(&sweeps, layout, N).expect("memory suffices").expect("the coarse matrix is regular");
     let mut found = vec![0.0; z.len()];

@@ -23,7 +23,14 @@ where
     let (mut operator, state) = uniform_flow::<D, M>(cells, orders, viscosity, dt);
     operator.linearise(&state);
     let modes = TemporalModes::new(&RadauTime::new(orders.time));
-    let sweeps = FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), dt, 0.0, (None, operator.share.clone()));
+    let sweeps = FlowPreconditioner::new(
+        operator.layout,
+        modes,
+        operator.space_jacobian(0.5),
+        dt,
+        0.0,
+        (None, operator.share.clone()),
+    );
     (operator, sweeps)
 }
 

@@ -12,7 +12,12 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Parallel, cells: Option<usize>)
         return Ok(());
     }
     let Some(cells) = cells else {
-        return checker.require(&key, "the number of blocks", false, "1 without a flow: blocks share out the cells of a flow");
+        return checker.require(
+            &key,
+            "the number of blocks",
+            false,
+            "1 without a flow: blocks share out the cells of a flow",
+        );
     };
     let accepted = format!("1 to {cells}, the number of cells");
     checker.require(&key, "the number of blocks", raw.blocks <= cells, &accepted)

@@ -53,6 +53,13 @@ struct Update {
     parts: Vec<Vec<f32>>,
 }
 
+/// A coupling across a cut: the cell that is eliminated first, the other one, and its face.
+struct Crossing {
+    first: usize,
+    second: usize,
+    face: usize,
+}
+
 /// What is to be subtracted from D at every position.
 type Updates = Vec<Mutex<Vec<Update>>>;
 
@@ -78,7 +85,8 @@ impl Elimination<'_> {
         let Stage { own, .. } = stage;
         let needs = |k: usize| {
             let links = self.links[self.ordering.cells[own.start + k]].iter();
-            let others = links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < own.start + k);
+            let others =
+                links.map(|link| self.ordering.positions[link.cell]).filter(move |other| *other < own.start + k);
             others.filter_map(|other| other.checked_sub(own.start))
         };
         dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| {
@@ -163,54 +171,63 @@ impl Elimination<'_> {
     /// Sends the updates that own cells of `stage` have for ghosts to the ranks that own these, and receives those of ghosts of the stage for
     /// own cells.
     fn exchange(&self, stage: &Stage, updates: &Updates) {
-        let t = self.jacobian.traces.len();
-        let lens: Vec<(usize, usize)> = (0..self.shifts.len())
-            .map(|mode| (mode, Self::shape(self.jacobian, self.shifts[mode]).parts))
-            .collect();
-        let len = t * t * lens.iter().map(|(_, parts)| parts).sum::<usize>();
-        let position = |cell: usize| self.ordering.positions[cell];
-        let own = self.share.own.len();
-        // Across a cut the cell of this stage comes first.
-        let sent = |coupling: usize| {
-            let cells = self.jacobian.couplings[coupling].cells;
-            [[0, 1], [1, 0]].into_iter().find_map(|[a, b]| {
-                let (first, second) = (cells[a], cells[b]);
-                let leaves = first < own && second >= own && stage.own.contains(&position(first));
-                (leaves && position(second) > position(first)).then_some(second)
-            })
+        let crossings = |leaving: bool| -> Vec<(Crossing, usize)> {
+            let couplings = 0..self.jacobian.couplings.len();
+            couplings.filter_map(|coupling| Some((self.crossing(stage, coupling, leaving)?, coupling))).collect()
         };
-        let received = |coupling: usize| {
-            let (cells, faces) = (self.jacobian.couplings[coupling].cells, self.jacobian.couplings[coupling].faces);
-            [[0, 1], [1, 0]].into_iter().find_map(|[a, b]| {
-                let (first, second) = (cells[a], cells[b]);
-                let arrives = first >= own && second < own && stage.ghosts.contains(&position(first));
-                (arrives && position(second) > position(first)).then_some((first, second, faces[b]))
-            })
-        };
-        let couplings = 0..self.jacobian.couplings.len();
-        let outgoing = couplings.clone().filter_map(|coupling| Some((sent(coupling)?, coupling)));
-        let numbers = |ghost: usize, coupling: usize, out: &mut Vec<f64>| {
-            let updates = lock(&updates[position(ghost)]);
-            for (mode, _) in &lens {
-                let update = updates.iter().find(|update| (update.coupling, update.mode) == (coupling, *mode));
-                let parts = update.iter().flat_map(|update| update.parts.iter().flatten());
-                out.extend(parts.map(|&x| f64::from(x)));
-            }
-        };
-        let incoming: Vec<_> = couplings.filter_map(|coupling| Some((received(coupling)?, coupling))).collect();
-        let from: Vec<usize> = incoming.iter().map(|((first, ..), _)| *first).collect();
-        let outgoing: Vec<_> = outgoing.collect();
-        self.share.exchange_across(&outgoing, &from, len, numbers, |item, mut numbers| {
-            let ((first, second, face), coupling) = incoming[item];
-            let from = (self.ordering.stage(position(first)), true, coupling);
-            for &(mode, parts) in &lens {
-                let (here, rest) = numbers.split_at(parts * t * t);
-                let parts = here.chunks_exact(t * t).map(|part| part.iter().map(|&x| x as f32).collect()).collect();
-                let update = Update { from, position: position(second), coupling, mode, face, parts };
-                lock(&updates[position(second)]).push(update);
-                numbers = rest;
-            }
+        let (incoming, outgoing) = (crossings(false), crossings(true));
+        let from: Vec<usize> = incoming.iter().map(|(crossing, _)| crossing.first).collect();
+        let outgoing: Vec<(usize, usize)> =
+            outgoing.into_iter().map(|(crossing, coupling)| (crossing.second, coupling)).collect();
+        let pack = |ghost: usize, coupling: usize, out: &mut Vec<f64>| self.pack(ghost, coupling, updates, out);
+        self.share.exchange_across(&outgoing, &from, self.numbers_of_updates(), pack, |item, numbers| {
+            let (crossing, coupling) = &incoming[item];
+            let received = self.unpack(crossing, *coupling, numbers);
+            lock(&updates[self.ordering.positions[crossing.second]]).extend(received);
         });
+    }
+
+    /// The cells of a coupling across a cut between ranks, if the first of them is in `stage`: it is an own cell if the update is `leaving`, else
+    /// a ghost.
+    fn crossing(&self, stage: &Stage, coupling: usize, leaving: bool) -> Option<Crossing> {
+        let (cells, faces) = (&self.jacobian.couplings[coupling].cells, &self.jacobian.couplings[coupling].faces);
+        let is_own = |cell: usize| cell < self.share.own.len();
+        let position = |cell: usize| self.ordering.positions[cell];
+        let of_stage = if leaving { &stage.own } else { &stage.ghosts };
+        let either_way = [[0, 1], [1, 0]].map(|[a, b]| Crossing { first: cells[a], second: cells[b], face: faces[b] });
+        either_way.into_iter().find(|&Crossing { first, second, .. }| {
+            let crosses = is_own(first) == leaving && is_own(second) != leaving;
+            crosses && of_stage.contains(&position(first)) && position(first) < position(second)
+        })
+    }
+
+    /// Numbers of the updates of all modes across a facet.
+    fn numbers_of_updates(&self) -> usize {
+        let parts: usize = self.shifts.iter().map(|&shift| Self::shape(self.jacobian, shift).parts).sum();
+        parts * self.jacobian.traces.len().pow(2)
+    }
+
+    /// The updates of `ghost` along a coupling, mode by mode.
+    fn pack(&self, ghost: usize, coupling: usize, updates: &Updates, out: &mut Vec<f64>) {
+        let updates = lock(&updates[self.ordering.positions[ghost]]);
+        for mode in 0..self.shifts.len() {
+            let update = updates.iter().filter(|update| (update.coupling, update.mode) == (coupling, mode));
+            out.extend(update.flat_map(|update| update.parts.iter().flatten()).map(|&x| f64::from(x)));
+        }
+    }
+
+    /// The updates behind [`Self::pack`].
+    fn unpack(&self, crossing: &Crossing, coupling: usize, numbers: &[f64]) -> Vec<Update> {
+        let Crossing { first, second, face } = *crossing;
+        let from = (self.ordering.stage(self.ordering.positions[first]), true, coupling);
+        let position = self.ordering.positions[second];
+        let single = |part: &[f64]| part.iter().map(|&x| x as f32).collect();
+        let mut parts = numbers.chunks_exact(self.jacobian.traces.len().pow(2)).map(single);
+        let update = |(mode, &shift): (usize, &c64)| {
+            let parts = parts.by_ref().take(Self::shape(self.jacobian, shift).parts).collect();
+            Update { from, position, coupling, mode, face, parts }
+        };
+        self.shifts.iter().enumerate().map(update).collect()
     }
 
     /// dt^2 times the product of three matrices in traces, the inner one row-major; column-major.

@@ -55,7 +55,8 @@ impl LinePreconditioner {
         let images = 2 * padded(block) * layout.nodes / jacobian.nodes;
         let room = || Scratch { cell: vec![0.0; cell], lines: vec![0.0; cell], images: vec![0.0; images] };
         let (arch, scratch) = (Arch::new(), PerThread::new(room));
-        let mut preconditioner = LinePreconditioner { layout, share, modes, jacobian, inverses: Vec::new(), arch, scratch };
+        let mut preconditioner =
+            LinePreconditioner { layout, share, modes, jacobian, inverses: Vec::new(), arch, scratch };
         preconditioner.factor(dt, damping);
         preconditioner
     }

@@ -69,7 +69,8 @@ impl<const D: usize, const M: usize, const W: usize> NodeIlu<D, M, W> {
         let matrix = NodeBlocks::new(operator, dt);
         let ordering = ordering.filter(|ordering| ordering.own().count() == layout.cells);
         let alone = operator.share.without_cuts();
-        let ordering = ordering.map(|known| Ordering::of_own(&known.own().collect::<Vec<_>>(), known.level_ends, &alone));
+        let ordering =
+            ordering.map(|known| Ordering::of_own(&known.own().collect::<Vec<_>>(), known.level_ends, &alone));
         let ordering = ordering.unwrap_or_else(|| matrix.ordering(modes.mean_shift()));
         let walk = Walk::new(&matrix, ordering);
         let factor = Factor::empty(layout.cells, &modes);

@@ -57,7 +57,12 @@ impl Ordering {
     /// The order of all cells of a mesh in one block.
     pub fn whole(cells: Vec<usize>, level_ends: Vec<usize>) -> Self {
         let all = cells.len();
-        Ordering { positions: inverse(&cells), cells, level_ends, stages: vec![Stage { own: 0..all, ghosts: all..all }] }
+        Ordering {
+            positions: inverse(&cells),
+            cells,
+            level_ends,
+            stages: vec![Stage { own: 0..all, ghosts: all..all }],
+        }
     }
 
     /// Own cells in their order.
@@ -68,7 +73,8 @@ impl Ordering {
     /// The number of `position` among those of own cells.
     pub fn among_own(&self, position: usize) -> usize {
         let before = self.stages.iter().take_while(|stage| stage.own.start <= position);
-        position - before.map(|stage| if stage.ghosts.start <= position { stage.ghosts.len() } else { 0 }).sum::<usize>()
+        position
+            - before.map(|stage| if stage.ghosts.start <= position { stage.ghosts.len() } else { 0 }).sum::<usize>()
     }
 
     /// The stage of `position`.

@@ -23,7 +23,14 @@ pub(super) struct Preconditioned<const D: usize, const M: usize> {
 fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>) -> FlowPreconditioner {
     let operator = &flow.operator;
     let modes = TemporalModes::new(&operator.tables.time);
-    FlowPreconditioner::new(operator.layout, modes, operator.space_jacobian(0.5), DT, 0.0, (None, operator.share.clone()))
+    FlowPreconditioner::new(
+        operator.layout,
+        modes,
+        operator.space_jacobian(0.5),
+        DT,
+        0.0,
+        (None, operator.share.clone()),
+    )
 }
 
 impl<const D: usize, const M: usize> Build for Preconditioned<D, M>
@@ -78,7 +85,13 @@ where
     fn build(size: Size) -> anyhow::Result<Option<Self>> {
         let flow = Flow::<D, M>::on(size.even_cells(PLANE_NODES, SPACE_NODES), size)?;
         let (operator, modes) = (&flow.operator, TemporalModes::new(&flow.operator.tables.time));
-        let lines = LinePreconditioner::new((operator.layout, operator.share.clone()), modes, operator.line_jacobian(0.5), DT, 0.0);
+        let lines = LinePreconditioner::new(
+            (operator.layout, operator.share.clone()),
+            modes,
+            operator.line_jacobian(0.5),
+            DT,
+            0.0,
+        );
         Ok(Some(ByLines { out: vec![0.0; flow.state.len()], lines, flow }))
     }
 }

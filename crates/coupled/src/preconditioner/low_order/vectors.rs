@@ -35,9 +35,14 @@ impl Field {
     pub(super) fn receive_ghosts(&self, share: &Share) {
         let len = self.cells.first().map_or(0, |_| self.read(0).len());
         let get = |cell: usize, out: &mut Vec<f64>| out.extend(self.read(cell).iter().map(|&x| f64::from(x)));
-        share.exchange_some(|_| true, len, get, |ghost, numbers| {
-            self.write(ghost).iter_mut().zip(numbers).for_each(|(x, number)| *x = *number as f32);
-        });
+        share.exchange_some(
+            |_| true,
+            len,
+            get,
+            |ghost, numbers| {
+                self.write(ghost).iter_mut().zip(numbers).for_each(|(x, number)| *x = *number as f32);
+            },
+        );
     }
     /// Passes every own cell to `change`, in parallel.
     pub(super) fn change(&self, change: impl Fn(usize, &mut [f32]) + Sync) {
