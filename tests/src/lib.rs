@@ -13,7 +13,7 @@ use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     Boundary, Compiled, Exact, Gas, NavierStokes, PrescribedState, Primitive, Reference, Riemann, Source, Viscosity,
-    VolumeFlux,
+    VolumeFlux, WallFlux,
 };
 use std::sync::Arc;
 
@@ -58,6 +58,8 @@ pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStok
         reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap(),
         source: Source::Given,
         volume_flux: VolumeFlux::Central,
+        shock_capturing: None,
+        wall_flux: WallFlux::Inside,
     }
 }
 

@@ -17,7 +17,7 @@ use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::{
-    Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity, VolumeFlux,
+    Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity, VolumeFlux, WallFlux,
 };
 use newton_krylov::{forcing, newton};
 
@@ -96,6 +96,8 @@ impl Strip {
             reference,
             source: Source::Given,
             volume_flux: VolumeFlux::Central,
+            shock_capturing: None,
+            wall_flux: WallFlux::Inside,
         };
         let walls = vec![Boundary::SlipWall(SlipWall); 4];
         let problem = Problem { kernels: law.kernels(walls), data: vec![None; 4], source: None };

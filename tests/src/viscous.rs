@@ -7,6 +7,7 @@ use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
 use navier_stokes::{
     Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux,
+    WallFlux,
 };
 use newton_krylov::newton;
 use std::f64::consts::PI;
@@ -82,6 +83,8 @@ impl Setting {
             reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap(),
             source: Source::Given,
             volume_flux: VolumeFlux::Central,
+            shock_capturing: None,
+            wall_flux: WallFlux::Inside,
         };
         let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
         let mesh = self.mesh();

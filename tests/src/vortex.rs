@@ -6,7 +6,9 @@ use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Vortex;
-use navier_stokes::{Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux};
+use navier_stokes::{
+    Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux, WallFlux,
+};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -74,6 +76,8 @@ impl VortexRun {
             reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap(),
             source: Source::Given,
             volume_flux: VolumeFlux::Central,
+            shock_capturing: None,
+            wall_flux: WallFlux::Inside,
         };
         let (lower, upper, cells) = ([0.0; 2], [10.0; 2], [cells; 2]);
         let mesh =

@@ -14,13 +14,67 @@ use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// The numerical flux out of the domain at a point, in its two parts, per area.
-struct PointFlux<T, const D: usize, const M: usize> {
+pub struct PointFlux<T, const D: usize, const M: usize> {
     /// Fhat_c
-    inviscid: [T; M],
+    pub inviscid: [T; M],
     /// - Fhat_v
-    viscous: [T; M],
+    pub viscous: [T; M],
     /// F_v(u_b, (u- - u_b) n), for the symmetric term
-    jump_flux: [[T; M]; D],
+    pub jump_flux: [[T; M]; D],
+}
+
+/// What viscous fluxes through a boundary need of the inside.
+pub struct Inside<T, G, const D: usize, const M: usize> {
+    /// grad u-, `[direction][component]`.
+    pub gradient: [[T; M]; D],
+    /// The penalty of (sip).
+    pub sigma: G,
+    /// See [`ConservationLaw::artificial_viscosity`].
+    pub grid: [[G; D]; D],
+}
+
+impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
+    /// The numerical flux of `condition` where the state inside is `minus`: (facet) and the second line of (sip), with (artificial). `inside`
+    /// is given for viscous laws only.
+    #[inline(always)]
+    pub fn new<G: Real, L: ConservationLaw<D, M>>(
+        (law, condition): (&L, L::Boundary),
+        minus: &[T; M],
+        at: BoundaryPoint<'_, G, D, M>,
+        inside: Option<&Inside<T, G, D, M>>,
+    ) -> Self
+    where
+        T: Over<G>,
+    {
+        let inviscid = law.boundary_flux(condition, minus, at);
+        let mut viscous = [minus[0].zero(); M];
+        let mut jump_flux = [viscous; D];
+        if let Some(Inside { gradient, sigma, grid }) = inside {
+            let state = law.boundary_state(condition, minus, at);
+            let jump = times_normal(minus, &state, at.normal);
+            let through = law.boundary_viscous_flux(condition, &state, gradient, at);
+            let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);
+            for m in 0..M {
+                viscous[m] = penalised[m].scale(*sigma) - through[m];
+            }
+            jump_flux = law.viscous_flux(&state, &jump);
+            if law.captures_shocks() {
+                let beta = law.artificial_viscosity(minus, gradient, grid);
+                let through = law.boundary_artificial_flux(condition, &state, gradient, beta, at);
+                let penalised = law.boundary_artificial_flux(condition, &state, &jump, beta, at);
+                for m in 0..M {
+                    viscous[m] += penalised[m].scale(*sigma) - through[m];
+                }
+                let artificial = law.artificial_flux(&state, &jump, beta);
+                for k in 0..D {
+                    for m in 0..M {
+                        jump_flux[k][m] += artificial[k][m];
+                    }
+                }
+            }
+        }
+        PointFlux { inviscid, viscous, jump_flux }
+    }
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
@@ -42,7 +96,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// The numerical flux of `condition` at a point: (facet) and the second line of (sip).
+    /// The numerical flux of `condition` at a point.
     #[inline(always)]
     fn point_flux(
         self,
@@ -52,26 +106,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         scratch: &FacetScratch,
         at: PointIndex,
     ) -> PointFlux<K::State<S>, D, M> {
-        let (law, FacetPoint { n, v, .. }) = (self.law, here);
+        let FacetPoint { n, v, .. } = here;
         let data = self.geometry(&scratch.data, at);
         let point = BoundaryPoint { normal: n, velocity: v, data: &data };
-        let inviscid = law.boundary_flux(condition, minus, point);
-        let mut viscous = [minus[0].zero(); M];
-        let mut jump_flux = [viscous; D];
-        if law.is_viscous() {
-            let state = law.boundary_state(condition, minus, point);
-            let metric = self.map_of_side(geometry, 0, at);
-            let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, &metric);
-            let jump = times_normal(minus, &state, n);
-            let through = law.boundary_viscous_flux(condition, &state, &gradient, point);
-            let penalised = law.boundary_viscous_flux(condition, &state, &jump, point);
-            let sigma = here.area * metric.det.recip().abs() * self.penalty();
-            for m in 0..M {
-                viscous[m] = penalised[m].scale(sigma) - through[m];
-            }
-            jump_flux = law.viscous_flux(&state, &jump);
+        let of_boundary = (self.law, condition);
+        if !self.law.is_viscous() {
+            return PointFlux::new(of_boundary, minus, point, None);
         }
-        PointFlux { inviscid, viscous, jump_flux }
+        let metric = self.map_of_side(geometry, 0, at);
+        let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, &metric);
+        let sigma = here.area * metric.det.recip().abs() * self.penalty();
+        let inside = Inside { gradient, sigma, grid: self.grid(&metric) };
+        PointFlux::new(of_boundary, minus, point, Some(&inside))
     }
 
     /// Step 3 of the facet terms on a boundary.

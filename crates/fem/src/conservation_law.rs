@@ -57,6 +57,25 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// F_v(u, gradient), linear in `gradient`.
     fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D];
 
+    /// Whether there is an artificial viscosity, (artificial). Viscous laws only.
+    #[inline(always)]
+    fn captures_shocks(&self) -> bool {
+        false
+    }
+
+    /// beta(u, grad u), the artificial viscosity at a point. `grid[axis][direction]` counts distances between nodes along an axis of the
+    /// cell, per length.
+    #[inline(always)]
+    fn artificial_viscosity<T: Over<G>, G: Real>(&self, u: &[T; M], _gradient: &[[T; M]; D], _grid: &[[G; D]; D]) -> T {
+        u[0].zero()
+    }
+
+    /// F_a(u, gradient; beta), linear in `gradient` and in the `viscosity` beta.
+    #[inline(always)]
+    fn artificial_flux<T: Real>(&self, u: &[T; M], _gradient: &[[T; M]; D], _viscosity: T) -> [[T; M]; D] {
+        [[u[0].zero(); M]; D]
+    }
+
     /// A flux, times length squared, that reduces a jump `slope` of the normal derivative of the state between two cells. It acts on
     /// quantities that [`Self::viscous_flux`] does not diffuse, and its speed tends to zero with the viscosity. `mean` is the mean state,
     /// `sigma` the penalty of (sip), an inverse length. Linear in `slope`.
@@ -95,6 +114,19 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         gradient: &[[T; M]; D],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
+
+    /// The same for F_a(state, gradient; beta) . n.
+    #[inline(always)]
+    fn boundary_artificial_flux<T: Over<G>, G: Real>(
+        &self,
+        _condition: Self::Boundary,
+        state: &[T; M],
+        _gradient: &[[T; M]; D],
+        _viscosity: T,
+        _at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        [state[0].zero(); M]
+    }
 
     /// The velocity of the boundary itself if the mesh moves with `v`. They differ for a wall that slides in its own plane.
     #[inline(always)]

@@ -97,7 +97,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                 kernel.facet_geometry_to_points(of, used, scratch);
             }
             match across {
-                Across::Cells => kernel.interior_points(known, weight, scratch), // 3.
+                Across::Cells => {
+                    kernel.interior_points(known, weight, scratch); // 3.
+                    if law.captures_shocks() {
+                        kernel.add_artificial_between(known, weight, scratch);
+                    }
+                }
                 Across::Boundary(number, data) => {
                     kernel.boundary_data(context.clock.time(instant.s), of, *data, scratch);
                     kernel.boundary_points(conditions[*number], known, weight, scratch);

@@ -24,6 +24,7 @@
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 //! | `low_order`, `sub_cells`, `two_point` | the operator of space on the control volumes of the nodes, for preconditioners |
 
+mod artificial_viscosity;
 mod batches;
 mod boundary;
 mod boundary_flux;
@@ -69,6 +70,7 @@ mod volume_terms;
 mod wall_loads;
 mod work;
 
+pub use boundary::{Inside, PointFlux};
 pub use boundary_flux::{BoundaryFlux, FluxPart, FluxesAt, left_during_slab};
 pub use conservation_law::{BoundaryPoint, ConservationLaw};
 pub use field::{StateField, VectorField};

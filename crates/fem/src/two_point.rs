@@ -158,7 +158,16 @@ fn between<const D: usize, const M: usize, L: ConservationLaw<D, M>, T: Over<G>,
     }
     let mut flux = law.numerical_flux(minus, plus, &face.n, tensor::dot(&face.n, &face.v));
     let (flux_minus, flux_plus) = (law.flux(minus, &still, &face.v), law.flux(plus, &still, &face.v));
-    let viscous = law.viscous_flux(&mean, &times_normal(plus, minus, &face.n));
+    let slope = times_normal(plus, minus, &face.n);
+    let mut viscous = law.viscous_flux(&mean, &slope);
+    if law.captures_shocks() {
+        let artificial = law.artificial_flux(&mean, &slope, artificial_viscosity(law, &mean, &slope, face.near));
+        for d in 0..D {
+            for m in 0..M {
+                viscous[d][m] += artificial[d][m];
+            }
+        }
+    }
     for m in 0..M {
         flux[m] = flux[m] * theta;
         for d in 0..D {
@@ -167,6 +176,24 @@ fn between<const D: usize, const M: usize, L: ConservationLaw<D, M>, T: Over<G>,
         }
     }
     flux
+}
+
+/// beta of (artificial) with the slope between two states at a distance of 1 / `near`.
+#[inline(always)]
+fn artificial_viscosity<const D: usize, const M: usize, L: ConservationLaw<D, M>, T: Over<G>, G: Real>(
+    law: &L,
+    mean: &[T; M],
+    difference: &[[T; M]; D],
+    near: G,
+) -> T {
+    let (mut gradient, mut grid) = (*difference, [[near.zero(); D]; D]);
+    for d in 0..D {
+        grid[d][d] = near;
+        for m in 0..M {
+            gradient[d][m] = difference[d][m].scale(near);
+        }
+    }
+    law.artificial_viscosity(mean, &gradient, &grid)
 }
 
 /// The flux through a boundary, of the viscous terms the penalty alone.

@@ -76,6 +76,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             } else {
                 self.fluxes::<false>(known, planes, time.weights, with_source, scratch);
             }
+            if self.law.captures_shocks() {
+                self.add_artificial_fluxes(known, planes, time.weights[0], scratch);
+            }
             let CellScratch { flux, source, mass_product, flux_at, mass_product_at, scratch: room, .. } = &mut *scratch;
             let tested = match (with_source || self.law.is_split(), self.has_gradients()) {
                 (false, _) => AtPoints::Gradients(&flux[..]),
@@ -220,7 +223,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The metric at a point, of `geometry[b][number][p]`.
     #[inline(always)]
-    fn cell_metric(self, geometry: &[Pack], at: PointIndex) -> Metric<K::Geometry<S>, D> {
+    pub(crate) fn cell_metric(self, geometry: &[Pack], at: PointIndex) -> Metric<K::Geometry<S>, D> {
         self.metric(geometry, Fields::new(geometry_len(D), at.points), [0, D * D + D], at)
     }
 

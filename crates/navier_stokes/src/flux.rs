@@ -13,6 +13,7 @@
 //! 2/3: two-dimensional flow of a three-dimensional gas.
 
 use crate::gas::Gas;
+use crate::shock_capturing::ARTIFICIAL_PRANDTL;
 use crate::state::{Conserved, Primitive, along, components, scaled};
 use tensor::{Over, Real, dot};
 
@@ -64,17 +65,18 @@ pub(crate) fn viscous<T: Real, const D: usize, const M: usize>(
     u: &[T; M],
     gradient: &[[T; M]; D],
 ) -> [[T; M]; D] {
-    let stresses = Stresses::new(gas, u, gradient);
-    let mut flux = [[u[0].zero(); M]; D];
-    for i in 0..D {
-        for j in 0..D {
-            flux[i][1 + j] = stresses.tau[i][j];
-        }
-    }
-    for i in 0..D {
-        flux[i][M - 1] = dot(&stresses.tau[i], &stresses.velocity) + stresses.heat[i];
-    }
-    flux
+    Stresses::new(gas, u, gradient).flux()
+}
+
+/// (F_a)(u, gradient) with the viscosity `beta`, indexed `[direction][component]`.
+#[inline(always)]
+pub(crate) fn artificial<T: Real, const D: usize, const M: usize>(
+    gas: &Gas,
+    u: &[T; M],
+    gradient: &[[T; M]; D],
+    beta: T,
+) -> [[T; M]; D] {
+    Stresses::artificial(gas, u, gradient, beta).flux()
 }
 
 /// Gas of the state `u` that is exchanged between two cells if the slope of the density jumps. It carries its momentum and its energy along,
@@ -113,14 +115,23 @@ pub(crate) struct Stresses<T, const D: usize> {
     pub(crate) heat: [T; D],
 }
 
-impl<T: Real, const D: usize> Stresses<T, D> {
+/// Velocity, internal energy per mass, and their gradients.
+struct Slopes<T, const D: usize> {
+    velocity: [T; D],
+    internal: T,
+    /// w_j,i, `[i][j]`.
+    w_grad: [[T; D]; D],
+    e_grad: [T; D],
+}
+
+impl<T: Real, const D: usize> Slopes<T, D> {
     /// From the conserved variables and their gradient, by
     ///
     /// ```text
     /// w_j,i = ((rho w_j)_,i - w_j rho_,i) / rho,   e_,i = ((rho E)_,i - E rho_,i) / rho - w_j w_j,i,   T_,i = e_,i / c_v
     /// ```
     #[inline(always)]
-    pub(crate) fn new<const M: usize>(gas: &Gas, u: &[T; M], gradient: &[[T; M]; D]) -> Self {
+    fn new<const M: usize>(u: &[T; M], gradient: &[[T; M]; D]) -> Self {
         let u = Conserved::unpack(u);
         let inverse = u.density.recip();
         let w = u.velocity();
@@ -135,10 +146,50 @@ impl<T: Real, const D: usize> Stresses<T, D> {
         for i in 0..D {
             e_grad[i] = (gradient[i][M - 1] - energy * gradient[i][0]) * inverse - dot(&w, &w_grad[i]);
         }
+        Slopes { velocity: w, internal, w_grad, e_grad }
+    }
+}
+
+impl<T: Real, const D: usize> Stresses<T, D> {
+    /// Of F_v.
+    #[inline(always)]
+    pub(crate) fn new<const M: usize>(gas: &Gas, u: &[T; M], gradient: &[[T; M]; D]) -> Self {
+        let Slopes { velocity, internal, w_grad, e_grad } = Slopes::new(u, gradient);
         // T = e / c_v with c_v = R / (gamma - 1), and kappa / c_v = mu gamma / Pr.
         let mu = gas.dynamic_viscosity(internal * ((gas.gamma() - 1.0) / gas.gas_constant()));
         let heat = scaled(&e_grad, mu * (gas.gamma() / gas.prandtl()));
-        Stresses { velocity: w, tau: stress(mu, &w_grad), heat }
+        Stresses { velocity, tau: stress(mu, &w_grad), heat }
+    }
+
+    /// Of (F_a) with the viscosity `beta`.
+    #[inline(always)]
+    pub(crate) fn artificial<const M: usize>(gas: &Gas, u: &[T; M], gradient: &[[T; M]; D], beta: T) -> Self {
+        let Slopes { velocity, w_grad, e_grad, .. } = Slopes::new(u, gradient);
+        let mut pressure = w_grad[0][0];
+        for k in 1..D {
+            pressure += w_grad[k][k];
+        }
+        pressure = pressure * beta;
+        let mut tau = [[beta.zero(); D]; D];
+        for i in 0..D {
+            tau[i][i] = pressure;
+        }
+        Stresses { velocity, tau, heat: scaled(&e_grad, beta * (gas.gamma() / ARTIFICIAL_PRANDTL)) }
+    }
+
+    /// [0 ; tau_ij ; tau_ij w_j + kappa T_,i], indexed `[direction][component]`.
+    #[inline(always)]
+    fn flux<const M: usize>(&self) -> [[T; M]; D] {
+        let mut flux = [[self.velocity[0].zero(); M]; D];
+        for i in 0..D {
+            for j in 0..D {
+                flux[i][1 + j] = self.tau[i][j];
+            }
+        }
+        for i in 0..D {
+            flux[i][M - 1] = dot(&self.tau[i], &self.velocity) + self.heat[i];
+        }
+        flux
     }
 
     /// F_v . n = [0 ; tau n ; (tau n) . w + kappa T_,n]

@@ -1,10 +1,11 @@
 //! The compressible Navier-Stokes equations as a conservation law.
 
-use crate::boundary::Boundary;
-use crate::flux;
+use crate::boundary::{Boundary, WallFlux};
+use crate::flux::{self, Stresses};
 use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
 use crate::riemann::Riemann;
+use crate::shock_capturing::ShockCapturing;
 use crate::state::{Conserved, Primitive};
 use crate::two_point::{self, VolumeFlux};
 use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
@@ -23,6 +24,10 @@ pub struct NavierStokes<const D: usize> {
     pub source: Source,
     /// The inviscid flux inside of cells.
     pub volume_flux: VolumeFlux,
+    /// The artificial viscosity of shocks, if there is one.
+    pub shock_capturing: Option<ShockCapturing>,
+    /// The inviscid flux of walls and planes of symmetry.
+    pub wall_flux: WallFlux,
 }
 
 /// What is given as a source.
@@ -40,7 +45,7 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
 
     #[inline(always)]
     fn is_viscous(&self) -> bool {
-        !matches!(self.gas.viscosity(), Viscosity::Inviscid)
+        self.shock_capturing.is_some() || !matches!(self.gas.viscosity(), Viscosity::Inviscid)
     }
 
     #[inline(always)]
@@ -70,6 +75,24 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     #[inline(always)]
     fn viscous_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D]) -> [[T; M]; D] {
         flux::viscous(&self.gas, u, gradient)
+    }
+
+    #[inline(always)]
+    fn captures_shocks(&self) -> bool {
+        self.shock_capturing.is_some()
+    }
+
+    #[inline(always)]
+    fn artificial_viscosity<T: Over<G>, G: Real>(&self, u: &[T; M], gradient: &[[T; M]; D], grid: &[[G; D]; D]) -> T {
+        match self.shock_capturing {
+            Some(capturing) => capturing.viscosity(&self.gas, u, gradient, grid),
+            None => u[0].zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn artificial_flux<T: Real>(&self, u: &[T; M], gradient: &[[T; M]; D], viscosity: T) -> [[T; M]; D] {
+        flux::artificial(&self.gas, u, gradient, viscosity)
     }
 
     #[inline(always)]
@@ -130,7 +153,19 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         gradient: &[[T; M]; D],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        condition.viscous_flux(self, state, gradient, at)
+        condition.viscous_flux(&Stresses::new(&self.gas, state, gradient), at)
+    }
+
+    #[inline(always)]
+    fn boundary_artificial_flux<T: Over<G>, G: Real>(
+        &self,
+        condition: Boundary<D>,
+        state: &[T; M],
+        gradient: &[[T; M]; D],
+        viscosity: T,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        condition.viscous_flux(&Stresses::artificial(&self.gas, state, gradient, viscosity), at)
     }
 
     #[inline(always)]

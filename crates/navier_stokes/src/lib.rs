@@ -10,6 +10,7 @@
 //! * [`Gas`], [`Viscosity`]: the equation of state; [`Reference`]: scales and dimensionless numbers.
 //! * [`Conserved`], [`Primitive`]: states with named components.
 //! * [`Riemann`]: numerical fluxes on moving facets.
+//! * [`ShockCapturing`]: an artificial viscosity.
 //! * [`Boundary`] and its conditions.
 //! * [`WallForce`]: forces, power and heat of walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
@@ -24,6 +25,7 @@ mod law;
 mod manufactured;
 mod reference;
 mod riemann;
+mod shock_capturing;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -31,7 +33,7 @@ mod two_point;
 
 pub use boundary::{
     AdiabaticWall, Boundary, FarField, Inflow, IsothermalWall, Outflow, PrescribedState, SlipWall, SupersonicInflow,
-    VelocityInflow,
+    VelocityInflow, WallFlux,
 };
 pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
@@ -41,5 +43,6 @@ pub use law::{Compiled, NavierStokes, Source};
 pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;
+pub use shock_capturing::ShockCapturing;
 pub use state::{Conserved, Primitive};
 pub use two_point::VolumeFlux;

@@ -108,11 +108,15 @@ pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     )))
 }
 
+fn is_viscous<const D: usize>(flow: &case::Flow<D>) -> bool {
+    flow.law.shock_capturing.is_some() || flow.law.gas.viscosity() != Viscosity::Inviscid
+}
+
 /// The geometry that the flow keeps at its points.
 fn geometry<const D: usize>(case: &Case<D>) -> usize {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
     let orders = Orders { flow: flow.order, mesh: mesh.order(), time: case.time.order };
-    let viscous = flow.law.gas.viscosity() != Viscosity::Inviscid;
+    let viscous = is_viscous(flow);
     let facets = mesh.interior_facets().len() + mesh.boundary_facets().len();
     fem::kept_geometry_bytes(D, orders, flow.quadrature, viscous, [mesh.n_cells(), facets])
 }
@@ -134,8 +138,7 @@ struct Blocks {
 
 impl Blocks {
     fn new<const D: usize>(flow: &Flow<D>) -> Self {
-        let (nodes, kinds) =
-            (flow.order.pow(D as u32), 1 + usize::from(flow.law.gas.viscosity() != Viscosity::Inviscid));
+        let (nodes, kinds) = (flow.order.pow(D as u32), 1 + usize::from(is_viscous(flow)));
         Blocks { cell: (D + 2) * nodes, nodes, traces: kinds * (D + 2) * nodes / flow.order }
     }
 }

@@ -4,7 +4,7 @@ use fem::{Bottom, Differentiate, Orders, SlabEnd, SlabOperator, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{
     AdiabaticWall, Boundary, Compiled, Exact, FarField, Inflow, IsothermalWall, NavierStokes, Outflow, Riemann,
-    SlipWall, SupersonicInflow, VelocityInflow, Viscosity,
+    ShockCapturing, SlipWall, SupersonicInflow, VelocityInflow, Viscosity, WallFlux,
 };
 use verification::{
     Noise, RULES, Rule, curved_box, curved_box_at, free_stream, law, operator_by, prescribed, relative_difference,
@@ -26,7 +26,7 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let mesh = curved_box::<D>(cells, orders.mesh);
-    moving_slab_on(RULES[0], &mesh, 0.0, orders, viscosity, riemann, condition)
+    moving_slab_on(RULES[0], &mesh, 0.0, orders, law(viscosity, riemann), condition)
 }
 
 /// The same by any rule on `mesh`, which has moved by `way` along every axis before.
@@ -35,15 +35,14 @@ fn moving_slab_on<const D: usize, const M: usize>(
     mesh: &mesh::Mesh<D>,
     way: f64,
     orders: Orders,
-    viscosity: Viscosity,
-    riemann: Riemann,
+    law: NavierStokes<D>,
     condition: Boundary<D>,
 ) -> (Operator<D, M>, Vec<f64>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let law = NavierStokes { volume_flux, ..law::<D>(viscosity, riemann) };
+    let law = NavierStokes { volume_flux, ..law };
     let data = free_stream::<D, M>(&law);
     let state = data.value(&[0.0; D], 0.0);
     let mut operator = operator_by(quadrature, mesh, law, orders, condition, data);
@@ -106,7 +105,8 @@ where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
-    let (mut operator, state) = moving_slab_on::<D, M>(rule, mesh, way, orders, viscosity, Riemann::Hllc, prescribed());
+    let (mut operator, state) =
+        moving_slab_on::<D, M>(rule, mesh, way, orders, law(viscosity, Riemann::Hllc), prescribed());
     let mut residual = vec![0.0; state.len()];
     operator.residual(&state, &mut residual).unwrap();
     let mut mass_product = vec![0.0; operator.layout.at_one_time().len()];
@@ -183,8 +183,7 @@ pub(crate) fn perturbed(state: &[f64], seed: u64) -> (Vec<f64>, Vec<f64>) {
 /// Jacobian products against central differences of the residual, in state and mesh.
 fn product_errors<const D: usize, const M: usize>(
     rule: Rule,
-    riemann: Riemann,
-    viscosity: Viscosity,
+    law: NavierStokes<D>,
     condition: Boundary<D>,
 ) -> (f64, f64)
 where
@@ -193,7 +192,7 @@ where
 {
     let orders = Orders { flow: 3, mesh: 3, time: 2 };
     let mesh = curved_box::<D>(2, orders.mesh);
-    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, viscosity, riemann, condition);
+    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law, condition);
     let (state, direction) = perturbed(&state, 1);
     let n = state.len();
     let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
@@ -241,14 +240,14 @@ pub(crate) fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
     ]
 }
 
-fn products_agree<const D: usize, const M: usize>(riemann: Riemann, viscosity: Viscosity, condition: Boundary<D>)
+fn products_agree<const D: usize, const M: usize>(law: NavierStokes<D>, condition: Boundary<D>)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     for rule in RULES {
-        let (state, both) = product_errors::<D, M>(rule, riemann, viscosity, condition);
-        let case = format!("{rule:?}, {D}-D, {riemann:?}, {viscosity:?}, {condition:?}");
+        let (state, both) = product_errors::<D, M>(rule, law, condition);
+        let case = format!("{rule:?}, {law:?}, {condition:?}");
         assert!(state < 1e-7, "{case}: along the state {state:.1e}");
         assert!(both < 1e-7, "{case}: along state and mesh {both:.1e}");
     }
@@ -259,8 +258,8 @@ fn products_are_the_derivative_for_every_flux() {
     let sutherland = Viscosity::Sutherland { viscosity: 0.02, temperature: 1.5, constant: 0.6 };
     for riemann in [Riemann::LaxFriedrichs, Riemann::Hllc, Riemann::Roe] {
         for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02), sutherland] {
-            products_agree::<2, 4>(riemann, viscosity, prescribed());
-            products_agree::<3, 5>(riemann, viscosity, prescribed());
+            products_agree::<2, 4>(law(viscosity, riemann), prescribed());
+            products_agree::<3, 5>(law(viscosity, riemann), prescribed());
         }
     }
 }
@@ -269,23 +268,89 @@ fn products_are_the_derivative_for_every_flux() {
 fn products_are_the_derivative_for_every_boundary_condition() {
     for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
         for condition in every_condition::<2>() {
-            products_agree::<2, 4>(Riemann::Roe, viscosity, condition);
+            products_agree::<2, 4>(law(viscosity, Riemann::Roe), condition);
         }
         for condition in every_condition::<3>() {
-            products_agree::<3, 5>(Riemann::Roe, viscosity, condition);
+            products_agree::<3, 5>(law(viscosity, Riemann::Roe), condition);
+        }
+    }
+}
+
+/// A law with an artificial viscosity, and walls that resist the velocity through them.
+fn capturing<const D: usize>(viscosity: Viscosity) -> NavierStokes<D> {
+    let shock_capturing = ShockCapturing::new(2.0, 0.02).unwrap();
+    NavierStokes {
+        shock_capturing: Some(shock_capturing),
+        wall_flux: WallFlux::Mirrored,
+        ..law(viscosity, Riemann::Roe)
+    }
+}
+
+#[test]
+fn products_are_the_derivative_with_an_artificial_viscosity() {
+    for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
+        for condition in every_condition::<2>() {
+            products_agree::<2, 4>(capturing(viscosity), condition);
+        }
+        for condition in every_condition::<3>() {
+            products_agree::<3, 5>(capturing(viscosity), condition);
+        }
+    }
+}
+
+/// The artificial viscosity is zero, exactly, in a flow that is not compressed.
+#[test]
+fn an_artificial_viscosity_leaves_a_free_stream_alone() {
+    for rule in RULES {
+        let orders = Orders { flow: 4, mesh: 4, time: 2 };
+        let mesh = curved_box::<2>(3, orders.mesh);
+        let residual = |law: NavierStokes<2>| {
+            let (mut operator, state) = moving_slab_on::<2, 4>(rule, &mesh, 0.0, orders, law, prescribed());
+            let mut residual = vec![0.0; state.len()];
+            operator.residual(&state, &mut residual).unwrap();
+            residual
+        };
+        let with = residual(capturing(Viscosity::Constant(0.02)));
+        assert_eq!(with, residual(law(Viscosity::Constant(0.02), Riemann::Roe)), "{rule:?}");
+    }
+}
+
+/// A residual sums to what crosses the boundary: terms of an artificial viscosity add nothing.
+#[test]
+fn an_artificial_viscosity_conserves() {
+    for rule in RULES {
+        let orders = Orders { flow: 3, mesh: 3, time: 2 };
+        let mesh = curved_box::<2>(2, orders.mesh);
+        let sums = |law: NavierStokes<2>| {
+            // No viscous flux crosses it.
+            let far_field = Boundary::FarField(FarField::new(uniform()).unwrap());
+            let (mut operator, state) = moving_slab_on::<2, 4>(rule, &mesh, 0.0, orders, law, far_field);
+            let (state, _) = perturbed(&state, 3);
+            let mut residual = vec![0.0; state.len()];
+            operator.residual(&state, &mut residual).unwrap();
+            let nodes = operator.layout.nodes;
+            let mut sums = [0.0; 4];
+            residual.chunks(nodes).enumerate().for_each(|(tensor, r)| sums[tensor % 4] += r.iter().sum::<f64>());
+            (sums, residual)
+        };
+        let (plain, of_plain) = sums(law(Viscosity::Inviscid, Riemann::Roe));
+        let (with, of_with) = sums(capturing(Viscosity::Inviscid));
+        assert!(relative_difference(&of_with, &of_plain) > 1e-3, "{rule:?}: the viscosity acts");
+        for (with, plain) in with.iter().zip(plain) {
+            assert!((with - plain).abs() < 1e-13, "{rule:?}: {:e}", with - plain);
         }
     }
 }
 
 /// On a mesh at rest with one node in time the slab's Jacobian is dt A + M: the blocks are compared with the product.
-fn block_error<const D: usize, const M: usize>(rule: Rule, viscosity: Viscosity) -> f64
+fn block_error<const D: usize, const M: usize>(rule: Rule, law: NavierStokes<D>) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let orders = Orders { flow: 3, mesh: 3, time: 1 };
     let mesh = curved_box::<D>(2, orders.mesh);
-    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, viscosity, Riemann::Roe, prescribed());
+    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law, prescribed());
     operator.set_mesh(&vec![0.0; operator.mesh.field_len()]);
     let (state, x) = perturbed(&state, 2);
     operator.linearise(&state);
@@ -331,10 +396,20 @@ fn blocks_make_the_jacobian() {
         .iter()
         .flat_map(|rule| [Viscosity::Inviscid, Viscosity::Constant(0.02)].map(|viscosity| (*rule, viscosity)))
     {
-        let error = block_error::<2, 4>(rule, viscosity);
+        let error = block_error::<2, 4>(rule, law(viscosity, Riemann::Roe));
         assert!(error < 1e-12, "{rule:?}, 2-D, {viscosity:?}: {error:.1e}");
-        let error = block_error::<3, 5>(rule, viscosity);
+        let error = block_error::<3, 5>(rule, law(viscosity, Riemann::Roe));
         assert!(error < 1e-12, "{rule:?}, 3-D, {viscosity:?}: {error:.1e}");
+    }
+}
+
+#[test]
+fn blocks_make_the_jacobian_with_an_artificial_viscosity() {
+    for rule in RULES {
+        let error = block_error::<2, 4>(rule, capturing(Viscosity::Inviscid));
+        assert!(error < 1e-12, "{rule:?}, 2-D: {error:.1e}");
+        let error = block_error::<3, 5>(rule, capturing(Viscosity::Inviscid));
+        assert!(error < 1e-12, "{rule:?}, 3-D: {error:.1e}");
     }
 }
 
@@ -346,7 +421,8 @@ where
 {
     let orders = Orders { flow: 4, mesh: 4, time: 2 };
     let (mesh, viscosity) = (curved_box::<D>(2, orders.mesh), Viscosity::Constant(0.01));
-    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, viscosity, Riemann::Roe, prescribed());
+    let (mut operator, state) =
+        moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law(viscosity, Riemann::Roe), prescribed());
     operator.linearise(&state);
     [Differentiate::Nothing, Differentiate::State].map(|along| operator.operations(along) as f64 / state.len() as f64)
 }

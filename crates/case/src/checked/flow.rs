@@ -18,6 +18,7 @@ use crate::state::State;
 use crate::vector::Vector;
 use navier_stokes::{
     AdiabaticWall, Boundary, FarField, IsothermalWall, NavierStokes, PrescribedState, Riemann, SlipWall, Source,
+    WallFlux,
 };
 
 /// The compressible flow.
@@ -77,6 +78,7 @@ pub(super) fn check<const D: usize>(
     let order = errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
     let quadrature = errors.note(quadrature::check(checker, &key.child("quadrature"), raw.quadrature, mesh, raw.order));
     let volume_flux = errors.note(quadrature::volume_flux(checker, &key, raw));
+    let shock_capturing = errors.note(given::shock_capturing(checker, &key.child("shock_capturing"), raw));
     let acceleration = errors.note(acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time));
     let given = errors.note(given::check(checker, &key, raw));
     let boundary = given.as_ref().and_then(|given| {
@@ -96,17 +98,26 @@ pub(super) fn check<const D: usize>(
         Some(order),
         Some(quadrature),
         Some(volume_flux),
+        Some(shock_capturing),
         Some(acceleration),
         Some(given),
         Some(boundary),
         Some(walls),
-    ) = (order, quadrature, volume_flux, acceleration, given, boundary, walls)
+    ) = (order, quadrature, volume_flux, shock_capturing, acceleration, given, boundary, walls)
     else {
         unreachable!("what is missing has left an error")
     };
     let Given { exact, initial, uniform_velocity, gas, reference, speed, length } = given;
     let source = if acceleration.is_some() { Source::Acceleration } else { Source::Given };
-    let law = NavierStokes { gas, riemann: riemann(raw.riemann), reference, source, volume_flux };
+    let law = NavierStokes {
+        gas,
+        riemann: riemann(raw.riemann),
+        reference,
+        source,
+        volume_flux,
+        shock_capturing,
+        wall_flux: wall_flux(raw.wall_flux),
+    };
     let manufactured = raw.source == Some(raw::Source::Manufactured);
     Ok(Flow {
         order,
@@ -149,6 +160,13 @@ fn riemann(raw: raw::Riemann) -> Riemann {
         raw::Riemann::Roe => Riemann::Roe,
         raw::Riemann::Hllc => Riemann::Hllc,
         raw::Riemann::LaxFriedrichs => Riemann::LaxFriedrichs,
+    }
+}
+
+fn wall_flux(raw: raw::WallFlux) -> WallFlux {
+    match raw {
+        raw::WallFlux::Inside => WallFlux::Inside,
+        raw::WallFlux::Mirrored => WallFlux::Mirrored,
     }
 }
 

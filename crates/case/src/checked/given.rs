@@ -97,6 +97,19 @@ fn gas_constant(checker: &Checker<'_>, key: &Key, raw: &raw::Gas) -> Checked<f64
     }
 }
 
+/// The artificial viscosity of shocks, if there is one.
+pub(super) fn shock_capturing(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+) -> Checked<Option<navier_stokes::ShockCapturing>> {
+    let Some(raw::ShockCapturing { strength, threshold }) = raw.shock_capturing else { return Ok(None) };
+    let strength = checker.positive(&key.child("strength"), "the strength of the artificial viscosity", strength)?;
+    let threshold =
+        checker.positive(&key.child("threshold"), "the threshold of the artificial viscosity", threshold)?;
+    Ok(Some(checker.physics(key, navier_stokes::ShockCapturing::new(strength, threshold))?))
+}
+
 /// The viscosity; that of a Reynolds number is any.
 fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
     match *raw {

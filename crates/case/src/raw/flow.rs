@@ -24,6 +24,11 @@ pub struct Flow {
     /// The inviscid flux inside of cells.
     #[serde(default)]
     pub volume_flux: VolumeFlux,
+    /// An artificial viscosity where the gas is compressed as in a shock. Default: none.
+    pub shock_capturing: Option<ShockCapturing>,
+    /// The inviscid flux of walls and planes of symmetry.
+    #[serde(default)]
+    pub wall_flux: WallFlux,
     /// An exact solution, if known. Errors are measured against it, boundaries with the condition "exact" take it, and it is
     /// the default initial state.
     pub exact: Option<State>,
@@ -123,6 +128,39 @@ pub enum VolumeFlux {
     KineticEnergy,
     /// Two-point fluxes that keep the balances of kinetic energy and of entropy (Ranocha).
     Entropy,
+}
+
+/// An artificial viscosity, which gives shocks a width of a few nodes. It is zero in expansions, contacts, shear and in flow that the mesh
+/// resolves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShockCapturing {
+    /// The factor of the viscosity: larger numbers make wider shocks with fewer oscillations.
+    #[serde(default = "shock_strength")]
+    pub strength: f64,
+    /// The least compression at which it acts: the change of the velocity from node to node over the speed of sound.
+    #[serde(default = "shock_threshold")]
+    pub threshold: f64,
+}
+
+fn shock_strength() -> f64 {
+    2.0
+}
+
+fn shock_threshold() -> f64 {
+    0.02
+}
+
+/// The inviscid flux of walls and planes of symmetry. No mass crosses them either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WallFlux {
+    /// The pressure of the gas at the wall. Forces converge fastest with it.
+    #[default]
+    Inside,
+    /// The pressure between the gas and its mirror image, which resists gas that runs into the wall or away from it: more robust where the mesh
+    /// does not resolve the flow.
+    Mirrored,
 }
 
 /// The quadrature points per direction.

@@ -1,6 +1,7 @@
 //! The adiabatic no-slip wall.
 
 use super::no_slip::{lifted, wall_velocity};
+use super::wall_pressure::wall_pressure;
 use super::{Condition, pressure_flux};
 use crate::error::{InvalidParameter, finite};
 use crate::flux::Stresses;
@@ -48,22 +49,20 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+        pressure_flux(wall_pressure(law, minus, at), n, v)
     }
 
     /// [0 ; tau n ; (tau n) . w_b]: friction does work on the moving wall; there is no heat.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let traction = Stresses::new(&law.gas, state, gradient).traction(n);
+        let traction = stresses.traction(n);
         let work = along(&traction, &wall_velocity(&self.slide, n, v));
-        components(state[0].zero(), &traction, work)
+        components(work.zero(), &traction, work)
     }
 
     #[inline(always)]

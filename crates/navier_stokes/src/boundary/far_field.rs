@@ -2,6 +2,7 @@
 
 use super::{Condition, nothing};
 use crate::error::InvalidParameter;
+use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
 use fem::BoundaryPoint;
@@ -50,11 +51,9 @@ impl<const D: usize> Condition<D> for FarField<D> {
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        _law: &NavierStokes<D>,
-        state: &[T; M],
-        _gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        nothing(state[0])
+        nothing(stresses.velocity[0])
     }
 }

@@ -3,6 +3,7 @@
 use super::opening::{Facet, Reservoir};
 use super::{Condition, nothing, through};
 use crate::error::{InvalidParameter, finite};
+use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
@@ -71,12 +72,10 @@ impl<const D: usize> Condition<D> for Inflow<D> {
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        _law: &NavierStokes<D>,
-        state: &[T; M],
-        _gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         _at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        nothing(state[0])
+        nothing(stresses.velocity[0])
     }
 
     #[inline(always)]

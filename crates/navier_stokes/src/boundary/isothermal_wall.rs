@@ -1,6 +1,7 @@
 //! The isothermal no-slip wall.
 
 use super::no_slip::{lifted, wall_velocity};
+use super::wall_pressure::wall_pressure;
 use super::{Condition, pressure_flux};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
@@ -53,23 +54,20 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+        pressure_flux(wall_pressure(law, minus, at), n, v)
     }
 
     /// [0 ; tau n ; (tau n) . w_b + kappa T_,n]
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let stresses = Stresses::new(&law.gas, state, gradient);
         let traction = stresses.traction(n);
         let work = along(&traction, &wall_velocity(&self.slide, n, v));
-        components(state[0].zero(), &traction, work + along(&stresses.heat, n))
+        components(work.zero(), &traction, work + along(&stresses.heat, n))
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Boundary conditions, imposed weakly.
 //!
 //! Each condition implements the methods of [`Condition`]. On walls and symmetry planes no Riemann problem is solved: the
-//! inviscid flux is the flux of the state u_b(u-) at which the viscous terms are evaluated. The residual there depends on the
+//! inviscid flux is by default the flux of the state u_b(u-) at which the viscous terms are evaluated; see [`WallFlux`]. The residual there depends on the
 //! inner state only through u_b and the gradient. This makes the scheme and functionals like lift adjoint consistent
 //! (Hartmann 2007). If gas may cross, inflow and outflow take F_c(u_b), where u_b is made of data and of the invariants that
 //! leave. The far field and prescribed states leave that choice to the Riemann solver.
@@ -19,6 +19,7 @@ mod prescribed_state;
 mod slip_wall;
 mod supersonic_inflow;
 mod velocity_inflow;
+mod wall_pressure;
 
 pub use adiabatic_wall::AdiabaticWall;
 pub use far_field::FarField;
@@ -29,6 +30,7 @@ pub use prescribed_state::PrescribedState;
 pub use slip_wall::SlipWall;
 pub use supersonic_inflow::SupersonicInflow;
 pub use velocity_inflow::VelocityInflow;
+pub use wall_pressure::WallFlux;
 
 use crate::flux::{Stresses, inviscid_normal};
 use crate::gas::Gas;
@@ -58,17 +60,15 @@ pub(crate) trait Condition<const D: usize> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M];
 
-    /// F_v . n through the boundary: stress and heat of that state with the gradient inside, unless the condition imposes others.
+    /// F_v . n through the boundary: `stresses` and heat of that state with the gradient inside, unless the condition imposes others.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, .. } = at;
-        Stresses::new(&law.gas, state, gradient).normal_flux(n)
+        stresses.normal_flux(n)
     }
 
     /// The velocity of the boundary if the mesh moves with `v`: the velocity of the mesh, unless the boundary slides in
@@ -179,12 +179,10 @@ impl<const D: usize> Boundary<D> {
     #[inline(always)]
     pub(crate) fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        each!(self, condition => condition.viscous_flux(law, state, gradient, at))
+        each!(self, condition => condition.viscous_flux(stresses, at))
     }
 
     #[inline(always)]

@@ -1,5 +1,6 @@
 //! The frictionless wall, which is also the plane of symmetry.
 
+use super::wall_pressure::wall_pressure;
 use super::{Condition, pressure_flux};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -37,20 +38,18 @@ impl<const D: usize> Condition<D> for SlipWall {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(Primitive::<T, D>::unpack(&law.gas, minus).pressure, n, v)
+        pressure_flux(wall_pressure(law, minus, at), n, v)
     }
 
     /// [0 ; s n ; s v_n] with the normal stress s = n . tau n.
     #[inline(always)]
     fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
         &self,
-        law: &NavierStokes<D>,
-        state: &[T; M],
-        gradient: &[[T; M]; D],
+        stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let mut traction = Stresses::new(&law.gas, state, gradient).traction(n);
+        let mut traction = stresses.traction(n);
         let stress = along(&traction, n);
         for i in 0..D {
             traction[i] = stress.scale(n[i]);

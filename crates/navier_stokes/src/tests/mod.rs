@@ -9,6 +9,7 @@ mod given_inflows;
 mod invariance;
 mod lanes;
 mod openings;
+mod shocks;
 mod walls;
 
 use crate::*;
@@ -125,6 +126,8 @@ pub(super) fn law<const D: usize>(riemann: Riemann) -> NavierStokes<D> {
         reference: Reference::new(&gas, 1.0, 1.0, 1.0).unwrap(),
         source: Source::Given,
         volume_flux: VolumeFlux::Central,
+        shock_capturing: Some(ShockCapturing::new(2.0, 0.02).unwrap()),
+        wall_flux: WallFlux::Inside,
     }
 }
 
@@ -163,6 +166,11 @@ impl<const D: usize> Conditions<D> {
     }
 }
 
+/// Some distances between nodes per length that vary with the geometry.
+fn grid<G: Real, const D: usize>(n: &[G; D], v: &[G; D]) -> [[G; D]; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| n[i] * v[j] + if i == j { 3.0 } else { 0.2 }))
+}
+
 /// The values of all point functions, the fluxes through a facet with normal n, by name.
 pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     conditions: &[Boundary<D>],
@@ -186,6 +194,9 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
         let law = law::<D>(riemann);
         values.push((format!("{riemann:?}"), law.numerical_flux(&p.minus, &p.plus, &p.n, dot(&p.v, &p.n))));
     }
+    let beta = base.artificial_viscosity(&p.minus, &p.gradient, &grid(&p.n, &p.v));
+    values.push(("artificial flux".to_string(), through(base.artificial_flux(&p.minus, &p.gradient, beta))));
+    let mirrored = NavierStokes { wall_flux: WallFlux::Mirrored, ..base };
     for &condition in conditions {
         let state = base.boundary_state(condition, &p.minus, at(&p.n, &p.v, &p.data));
         let flux = base.boundary_flux(condition, &p.minus, at(&p.n, &p.v, &p.data));
@@ -193,6 +204,10 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
         values.push((format!("state of {condition:?}"), state));
         values.push((format!("flux of {condition:?}"), flux));
         values.push((format!("viscous flux of {condition:?}"), viscous));
+        let at = at(&p.n, &p.v, &p.data);
+        let artificial = base.boundary_artificial_flux(condition, &state, &p.gradient, beta, at);
+        values.push((format!("artificial flux of {condition:?}"), artificial));
+        values.push((format!("mirrored flux of {condition:?}"), mirrored.boundary_flux(condition, &p.minus, at)));
     }
     values
 }

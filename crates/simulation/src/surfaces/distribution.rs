@@ -15,7 +15,7 @@ use crate::opening_states::{FacePoints, by_node, dot_of};
 use basis::Rule;
 use case::{Flow, Wall};
 use coupled::MeshMover;
-use fem::{BoundaryPoint, ConservationLaw};
+use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
 use navier_stokes::{Boundary, NavierStokes, Primitive};
 use output::ArraySpec;
@@ -153,7 +153,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         [&normal[..], &areas, &friction, &tangential.map(|tau| tau / q), &scalars].concat()
     }
 
-    /// The numerical flux of the wall: see `fem::boundary`, whose kernels integrate the same.
+    /// The numerical flux of the wall.
     fn flux<const M: usize>(&self, here: &Here<'_, D, M>) -> WallFlux<D>
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
@@ -162,16 +162,12 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         let (normal, size) = unit_normal(here);
         let data = [0.0; M];
         let at = BoundaryPoint { normal: &normal, velocity: &here.velocity, data: &data };
-        let inviscid = law.boundary_flux(condition, &here.u, at);
-        let mut viscous = [0.0; M];
-        if law.is_viscous() {
-            let state = law.boundary_state(condition, &here.u, at);
-            let jump: [[f64; M]; D] = normal.map(|n| std::array::from_fn(|m| (here.u[m] - state[m]) * n));
-            let through = law.boundary_viscous_flux(condition, &state, &here.gradient, at);
-            let penalised = law.boundary_viscous_flux(condition, &state, &jump, at);
-            let sigma = size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64;
-            viscous = std::array::from_fn(|m| sigma * penalised[m] - through[m]);
-        }
+        let inside = law.is_viscous().then(|| Inside {
+            gradient: here.gradient,
+            sigma: size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64,
+            grid: grid(&here.jacobian, self.flow.order),
+        });
+        let PointFlux { inviscid, viscous, .. } = PointFlux::new((law, condition), &here.u, at, inside.as_ref());
         let friction = law.momentum(&viscous);
         let moving = law.boundary_velocity(condition, &normal, &here.velocity);
         let heat = law.energy(&viscous) - dot(&friction, &moving);
@@ -199,6 +195,12 @@ fn unit_normal<const D: usize, const M: usize>(here: &Here<'_, D, M>) -> ([f64; 
 
 fn det<const D: usize>(jacobian: &[[f64; D]; D]) -> f64 {
     determinant(jacobian, &cofactor(jacobian))
+}
+
+/// Distances between the nodes of a cell of `order` along its axes, per length: (N_s - 1) / 2 dxi/dx.
+fn grid<const D: usize>(jacobian: &[[f64; D]; D], order: usize) -> [[f64; D]; D] {
+    let (cof, factor) = (cofactor(jacobian), 0.5 * (order - 1) as f64 / det(jacobian));
+    std::array::from_fn(|j| std::array::from_fn(|k| cof[k][j] * factor))
 }
 
 /// grad_x u = J^-T grad_xi u.

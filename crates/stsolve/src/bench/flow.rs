@@ -4,7 +4,7 @@ use super::subject::{Build, Size, Subject, Work, bytes};
 use fem::{Bottom, Differentiate, Orders, Problem, SlabOperator};
 use mesh::{BoxMesh, Curving, NodeNumbering};
 use navier_stokes::{
-    Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux,
+    Boundary, Compiled, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux, WallFlux,
 };
 
 /// Nodes in time.
@@ -48,6 +48,8 @@ where
             reference: Reference::new(&gas, 1.0, 0.5, 1.0)?,
             source: Source::Given,
             volume_flux: VolumeFlux::Central,
+            shock_capturing: None,
+            wall_flux: WallFlux::Inside,
         };
         let problem = Problem { kernels: law.kernels(Vec::new()), data: Vec::new(), source: None };
         let orders = Orders { flow: order, mesh: mesh_order, time: TIME_ORDER };

@@ -1,0 +1,146 @@
+//! The terms of an artificial viscosity, which joins the viscous flux.
+//!
+//! ```text
+//! F_v(u, grad u) + F_a(u, grad u; beta),   beta = beta(u, grad u, dxi/dx) at the same point                        (artificial)
+//! ```
+//!
+//! in (volume) and (sip). On facets either side has its own beta, with which F_a of the gradient and of the jump are taken.
+//! beta depends on the point alone, so every derivative is that of the residual. The terms stand in loops of their own: laws without them
+//! run the same loops as ever.
+
+use crate::conservation_law::ConservationLaw;
+use crate::facet::times_normal;
+use crate::mode::Mode;
+use crate::point::{Kernel, Metric, PointIndex, along_reference};
+use crate::scratch::{CellScratch, FacetScratch, SideScratch};
+use crate::tables::Planes;
+use tensor::pulp::Simd;
+use tensor::{LaneNumber, Lanes, Over, Pack, Real};
+
+/// What (artificial) needs of one side of a facet at a point.
+struct Side<T, G, const D: usize, const M: usize> {
+    metric: Metric<G, D>,
+    /// F_a of the gradient and of the jump.
+    flux: [[T; M]; D],
+    jump_flux: [[T; M]; D],
+}
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+    /// Distances between nodes along the axes of the cell, per length: (N_s - 1) / 2 dxi/dx, `[axis][direction]`.
+    #[inline(always)]
+    pub(crate) fn grid(self, metric: &Metric<K::Geometry<S>, D>) -> [[K::Geometry<S>; D]; D] {
+        let factor = metric.det.recip() * (0.5 * (self.tables.orders.flow - 1) as f64);
+        let mut grid = metric.cof;
+        for j in 0..D {
+            for k in 0..D {
+                grid[j][k] = metric.cof[k][j] * factor;
+            }
+        }
+        grid
+    }
+
+    /// Adds -F_a to the fluxes that are tested at the points of some planes.
+    #[inline(always)]
+    pub(crate) fn add_artificial_fluxes(
+        self,
+        known: Option<&[Pack]>,
+        planes: &Planes,
+        flux_weight: f64,
+        scratch: &mut CellScratch,
+    ) {
+        let (points, law) = (planes.weights.len(), self.law);
+        for p in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let at = PointIndex { points, p, part };
+                let metric = self.cell_metric(known.unwrap_or(&scratch.geometry.at_points), at);
+                let u = self.state(&scratch.u, at);
+                let gradient = self.physical_gradient(&scratch.gradient, at, &metric);
+                let viscosity = law.artificial_viscosity(&u, &gradient, &self.grid(&metric));
+                let f = law.artificial_flux(&u, &gradient, viscosity);
+                // Plus: minus from integration by parts, minus of F_a.
+                let weight = planes.weights[p] * flux_weight;
+                for j in 0..D {
+                    for m in 0..M {
+                        let term = (along_reference(&f, &metric.cof, j, m) * weight).result();
+                        self.add_to(term, &mut scratch.flux[at.index(j * M + m)], part);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds (sip) of F_a between two cells.
+    #[inline(always)]
+    pub(crate) fn add_artificial_between(self, known: Option<&[Pack]>, weight: f64, scratch: &mut FacetScratch) {
+        let points = self.tables.facet_points();
+        for p in 0..points {
+            for part in 0..Lanes::<S>::PARTS {
+                let at = PointIndex { points, p, part };
+                let geometry = known.unwrap_or(&scratch.geometry);
+                let here = self.facet_point(geometry, at, weight);
+                let [side_minus, side_plus] = &scratch.sides;
+                let (u_minus, u_plus) = (self.state(&side_minus.u, at), self.state(&side_plus.u, at));
+                let jump = times_normal(&u_minus, &u_plus, &here.n);
+                let minus = self.artificial_side(self.map_of_side(geometry, 0, at), side_minus, &u_minus, &jump, at);
+                let plus = self.artificial_side(self.map_of_side(geometry, 1, at), side_plus, &u_plus, &jump, at);
+                let nearest = minus.metric.det.recip().abs().max(plus.metric.det.recip().abs());
+                let sigma = here.area * nearest * self.penalty();
+                let [side_minus, side_plus] = &mut scratch.sides;
+                for m in 0..M {
+                    let mut f = u_minus[m].zero();
+                    for k in 0..D {
+                        let mean = (minus.flux[k][m] + plus.flux[k][m]) * 0.5;
+                        let mean_jump = (minus.jump_flux[k][m] + plus.jump_flux[k][m]) * 0.5;
+                        f -= (mean - mean_jump.scale(sigma)).scale(here.n[k]);
+                    }
+                    let term = (f.scale(here.area) * here.weight).result();
+                    self.add_to(term, &mut side_minus.tested[at.index(m)], part);
+                    self.add_to(-term, &mut side_plus.tested[at.index(m)], part);
+                }
+                let scale = here.area * (-0.5 * here.weight);
+                self.add_symmetric(&minus, scale, at, &mut side_minus.tested_gradient);
+                self.add_symmetric(&plus, scale, at, &mut side_plus.tested_gradient);
+            }
+        }
+    }
+
+    /// F_a on one side of a facet.
+    #[inline(always)]
+    fn artificial_side(
+        self,
+        metric: Metric<K::Geometry<S>, D>,
+        side: &SideScratch,
+        u: &[K::State<S>; M],
+        jump: &[[K::State<S>; M]; D],
+        at: PointIndex,
+    ) -> Side<K::State<S>, K::Geometry<S>, D, M> {
+        let gradient = self.physical_gradient(&side.gradient, at, &metric);
+        let viscosity = self.law.artificial_viscosity(u, &gradient, &self.grid(&metric));
+        let flux = self.law.artificial_flux(u, &gradient, viscosity);
+        Side { flux, jump_flux: self.law.artificial_flux(u, jump, viscosity), metric }
+    }
+
+    /// The symmetric term of (facet), as [`Self::symmetric_term`].
+    #[inline(always)]
+    fn add_symmetric(
+        self,
+        side: &Side<K::State<S>, K::Geometry<S>, D, M>,
+        scale: K::Geometry<S>,
+        at: PointIndex,
+        tested_gradient: &mut [Pack],
+    ) {
+        let scale = scale * side.metric.det.recip();
+        for j in 0..D {
+            for m in 0..M {
+                let sum = along_reference(&side.jump_flux, &side.metric.cof, j, m);
+                self.add_to(sum.scale(scale).result(), &mut tested_gradient[at.index(j * M + m)], at.part);
+            }
+        }
+    }
+
+    /// sum += term
+    #[inline(always)]
+    fn add_to(self, term: Lanes<S>, sum: &mut Pack, part: usize) {
+        (Lanes::read(self.simd, sum, part) + term).write(sum, part);
+    }
+}
