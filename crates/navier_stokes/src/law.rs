@@ -165,7 +165,7 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
         viscosity: T,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        condition.viscous_flux(&Stresses::artificial(&self.gas, state, gradient, viscosity), at)
+        condition.artificial_flux(&Stresses::artificial(&self.gas, state, gradient, viscosity), at)
     }
 
     #[inline(always)]

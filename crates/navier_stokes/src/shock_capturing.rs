@@ -6,12 +6,12 @@
 //! 1 / l^2 = ( |G rho_,i|^2 + d^2 rho^2 g^4 ) / ( |rho_,i|^2 + d^2 rho^2 g^2 ),   g^2 = |G|^2 / D             (spacing)
 //! ```
 //!
-//! beta is a bulk viscosity with a conduction of heat. It acts where the gas is compressed by more than s_0 speeds of sound over the
-//! distance l between two nodes, and is exactly zero elsewhere: in smooth flow that the mesh resolves, in expansions, contacts and shear.
-//! phi has a continuous derivative, so Newton's method sees a smooth function.
+//! This is a bulk viscosity with a conduction of heat. It acts where the gas is compressed by more than s_0 speeds of sound over the
+//! distance l between two nodes. Elsewhere it is exactly zero: in smooth flow that the mesh resolves, in expansions, contacts and shear.
+//! The ramp phi has a continuous derivative, so Newton's method sees a smooth function.
 //!
-//! G_ij counts distances between nodes along axis i of the cell, per length along j. l is the distance between nodes in the direction in
-//! which the density changes. d = 1/100 chooses a mean over all directions where the density hardly changes.
+//! G_ij counts distances between nodes along axis i of the cell, per length along j. So l is the distance between nodes in the direction in
+//! which the density changes. With d = 1/100 it is a mean over all directions where the density hardly changes.
 //!
 //! As part of the viscous flux, F_a conserves mass, momentum and energy. Both of its parts produce entropy, beta (w_k,k)^2 / T and the
 //! usual one of conduction.

@@ -25,9 +25,12 @@ pub fn end_all_on_panic(communicator: &Arc<dyn Communicator>) {
     if communicator.size() == 1 {
         return;
     }
-    let (tell, communicator) = (std::panic::take_hook(), communicator.clone());
+    // The hook stays until the process ends; MPI has to end before.
+    let (tell, communicator) = (std::panic::take_hook(), Arc::downgrade(communicator));
     std::panic::set_hook(Box::new(move |panic| {
         tell(panic);
-        communicator.abort(PANIC);
+        if let Some(communicator) = communicator.upgrade() {
+            communicator.abort(PANIC);
+        }
     }));
 }

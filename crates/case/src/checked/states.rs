@@ -113,7 +113,6 @@ pub(super) fn free_stream<const D: usize>(
 }
 
 /// The highest Mach number. The pressure is a difference of energies, of which the kinetic one is M^2 gamma (gamma - 1) / 2 times as large.
-/// And the fluxes capture no shocks.
 const HIGHEST_MACH: f64 = 100.0;
 
 fn check_mach<const D: usize>(checker: &Checker<'_>, key: &Key, stream: &Primitive<f64, D>, gas: Gas) -> Checked<()> {

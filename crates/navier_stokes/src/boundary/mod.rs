@@ -71,6 +71,16 @@ pub(crate) trait Condition<const D: usize> {
         stresses.normal_flux(n)
     }
 
+    /// The same for F_a.
+    #[inline(always)]
+    fn artificial_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        self.viscous_flux(stresses, at)
+    }
+
     /// The velocity of the boundary if the mesh moves with `v`: the velocity of the mesh, unless the boundary slides in
     /// its own plane.
     #[inline(always)]
@@ -183,6 +193,15 @@ impl<const D: usize> Boundary<D> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         each!(self, condition => condition.viscous_flux(stresses, at))
+    }
+
+    #[inline(always)]
+    pub(crate) fn artificial_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        each!(self, condition => condition.artificial_flux(stresses, at))
     }
 
     #[inline(always)]

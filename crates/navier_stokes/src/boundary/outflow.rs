@@ -1,8 +1,9 @@
 //! Outflow to a given static pressure.
 
 use super::opening::{Facet, Reservoir};
-use super::{Condition, through};
+use super::{Condition, nothing, through};
 use crate::error::{InvalidParameter, positive};
+use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -66,6 +67,16 @@ impl<const D: usize> Condition<D> for Outflow {
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
         through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
+    }
+
+    /// None: from inside it would feed energy into a compression that the mesh does not resolve.
+    #[inline(always)]
+    fn artificial_flux<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        stresses: &Stresses<T, D>,
+        _at: BoundaryPoint<'_, G, D, M>,
+    ) -> [T; M] {
+        nothing(stresses.velocity[0])
     }
 
     #[inline(always)]

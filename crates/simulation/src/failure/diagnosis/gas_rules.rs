@@ -91,7 +91,7 @@ pub fn steep_start(data: &FailureData) -> Option<Cause> {
         name: "steep_initial_state",
         likelihood: 0.9 * rises(value, 1.5),
         what: format!("the initial state jumps: the {quantity} changes {} within cell {cell}", change(quantity, value)),
-        remedy: "smooth the initial state over several cells, for instance with tanh((x - x0)/width); there is no shock capturing"
+        remedy: "smooth the initial state over several cells, for instance with tanh((x - x0)/width); a shock needs `flow.shock_capturing`"
             .into(),
     })
 }
@@ -119,7 +119,9 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         name: "not_resolved",
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
         what: format!("the flow is {what}; {viscosity}"),
-        remedy: format!("take more or smaller cells there, or add viscosity{more}; there is no shock capturing"),
+        remedy: format!(
+            "take more or smaller cells there, or add viscosity{more}; a shock needs `flow.shock_capturing`"
+        ),
     })
 }
 

@@ -215,9 +215,9 @@ fn sudden_flow<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<W
 fn mach<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let mach = flow.law.reference.mach();
     match mach {
-        _ if mach > 0.8 => warning(
+        _ if mach > 0.8 && flow.law.shock_capturing.is_none() => warning(
             "Mach number",
-            format!("{mach:.2}: shocks may form, and nothing captures them: a Mach number below 0.8"),
+            format!("{mach:.2}: shocks may form, and nothing captures them: `shock_capturing = {{}}` in `[flow]`"),
         ),
         _ if mach < 0.02 => {
             let text = format!(
