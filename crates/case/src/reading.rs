@@ -15,7 +15,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
 /// Sections on which no other section depends.
-const INDEPENDENT: [&str; 2] = ["output", "solver"];
+const INDEPENDENT: [&str; 3] = ["output", "parallel", "solver"];
 
 /// A raw case, as far as it can be read, and the errors on the way.
 pub(super) struct Read {
