@@ -41,23 +41,29 @@ impl FlowPreconditioner {
         if let [_] = self.ordering.stages[..] {
             return self.sweep_at_once();
         }
-        for stage in &self.ordering.stages {
+        // Inner cells, stage 0, have no neighbours in other blocks. Ghosts matter for later stages on the way forward, for earlier ones back.
+        let (stages, last) = (&self.ordering.stages, self.ordering.stages.len() - 1);
+        for (number, stage) in stages.iter().enumerate() {
             let Stage { own, .. } = stage;
             let needs = |k: usize| {
                 let neighbours = self.couplings.earlier(own.start + k).iter().map(|step| step.neighbour);
                 neighbours.filter_map(|neighbour| neighbour.checked_sub(own.start))
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.eliminate(own.start + k));
-            self.exchange(stage);
+            if (1..last).contains(&number) {
+                self.exchange(stage);
+            }
         }
-        for stage in self.ordering.stages.iter().rev() {
+        for (number, stage) in stages.iter().enumerate().rev() {
             let Stage { own, .. } = stage;
             let needs = |k: usize| {
                 let neighbours = self.couplings.later(own.end - 1 - k).iter().map(|step| step.neighbour);
                 neighbours.filter(|neighbour| *neighbour < own.end).map(|neighbour| own.end - 1 - neighbour)
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.substitute(own.end - 1 - k));
-            self.exchange(stage);
+            if number > 1 {
+                self.exchange(stage);
+            }
         }
     }
 
