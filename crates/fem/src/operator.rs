@@ -347,6 +347,9 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
         self.terms = terms;
         let first = first.into_inner();
+        if first == usize::MAX {
+            return None;
+        }
         self.share.own.iter().position(|&cell| cell == first)
     }
 

@@ -125,6 +125,11 @@ impl Share {
         Share { ghosts: Vec::new(), blocks, colours: 0, sends: Vec::new(), receives: Vec::new(), ..self.clone() }
     }
 
+    /// The ranks that have own cells as ghosts, and how many.
+    pub fn sent(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.sends.iter().map(|(rank, cells)| (*rank, cells.len()))
+    }
+
     /// Whether this is the only rank and the mesh is one block.
     pub fn is_whole(&self) -> bool {
         self.ghosts.is_empty() && self.sums.blocks() == 1

@@ -10,6 +10,7 @@ mod lines;
 mod low_order;
 mod manufactured_interface;
 mod rigid_body;
+mod shares;
 mod slab_operator;
 mod spinning_body;
 mod spring_mass;

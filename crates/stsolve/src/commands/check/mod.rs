@@ -9,6 +9,7 @@
 //! | `measured` | measurements of trial computations |
 //! | `warnings` | choices that are allowed but likely wrong |
 
+mod blocks;
 mod measured;
 mod outputs;
 mod scales;

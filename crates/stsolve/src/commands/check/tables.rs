@@ -1,7 +1,7 @@
 //! Figures of a case without trial computations.
 
 use super::super::table::Table;
-use super::{Facts, outputs};
+use super::{Facts, blocks, outputs};
 use case::{About, Analysis, Case, Flow, Motion, Plane, Preconditioner, Structure, StructureLaw, Support};
 use elasticity::{Law, Solver};
 use mesh::Mesh;
@@ -17,6 +17,7 @@ pub(super) fn known<const D: usize>(facts: &Facts<'_, D>) -> Vec<Table> {
     if let Some(flow) = &case.flow {
         tables.push(flow_table(facts, flow));
         tables.extend(wall_table(facts, flow));
+        tables.extend(blocks::table(case, flow));
     }
     tables.extend(outputs::table(case));
     tables.push(cost_table(facts));
