@@ -29,7 +29,7 @@ pub(super) struct Read {
 pub(super) fn read(document: &Document) -> Result<Read, Box<CaseError>> {
     // Integers of TOML have 64 bits with a sign. The parser accepts longer ones, its own tables do not.
     document.check_integers()?;
-    let mut reader = Reader { document, errors: Errors::default(), removed: Vec::new() };
+    let mut reader = Reader { document, errors: Errors::default(), removed: Vec::new(), of_constants: None };
     let shape = shape::compare(document.tree()?.get_ref());
     let values = reader.numbers(document.tree()?.get_ref(), &shape.numbers);
     let mut tree = document.tree()?;
@@ -45,7 +45,10 @@ pub(super) fn read(document: &Document) -> Result<Read, Box<CaseError>> {
         reader.errors.add(document.error(&key, cause));
         reader.removed.push(named(&key));
     }
-    Ok(Read { case: case.filter(|_| reader.rest_is_whole()), errors: reader.errors })
+    let case = case.filter(|_| reader.rest_is_whole());
+    // Whoever checks the case finds this error. Without a case it is told here.
+    reader.of_constants.filter(|_| case.is_none()).into_iter().for_each(|error| reader.errors.add(error));
+    Ok(Read { case, errors: reader.errors })
 }
 
 struct Reader<'a> {
@@ -53,6 +56,8 @@ struct Reader<'a> {
     errors: Errors,
     /// The keys that were taken out.
     removed: Vec<Key>,
+    /// What is wrong with the constants, where numbers need them.
+    of_constants: Option<Box<CaseError>>,
 }
 
 impl Reader<'_> {
@@ -64,11 +69,15 @@ impl Reader<'_> {
         let constants = tree.get("constants").map_or(Ok(BTreeMap::new()), |table| {
             BTreeMap::<String, Formula>::deserialize(table.clone().into_deserializer())
         });
-        // Errors of constants are told elsewhere.
-        let Ok(checker) = constants.map_err(|_| ()).and_then(|all| Checker::new(self.document, &all).map_err(|_| ()))
-        else {
-            self.removed.extend(keys.iter().map(|(key, _)| named(key)));
-            return Vec::new();
+        // Constants of a wrong type are an error of the whole case.
+        let checker = constants.ok().map(|all| Checker::new(self.document, &all));
+        let checker = match checker {
+            Some(Ok(checker)) => checker,
+            failed => {
+                self.of_constants = failed.and_then(Result::err);
+                self.removed.extend(keys.iter().map(|(key, _)| named(key)));
+                return Vec::new();
+            }
         };
         let mut values = Vec::new();
         for (key, text) in keys {

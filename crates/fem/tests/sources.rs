@@ -15,6 +15,9 @@ fn offences(text: &str) -> Vec<&str> {
 fn no_source_knows_the_components_of_a_gas() {
     let files = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap();
     let files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+    let (folders, mut files): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| path.is_dir());
+    let inside = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    files.extend(inside.map(|file| file.unwrap().path()));
     assert!(files.iter().any(|file| file.ends_with("cell.rs")), "{files:?}");
     for file in files {
         let text = std::fs::read_to_string(&file).unwrap();

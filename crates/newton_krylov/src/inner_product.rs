@@ -63,21 +63,27 @@ pub trait InnerProduct: Sync {
             }
             self.dots_in_chunk(range.start, &[y], y, &mut partial[count..]);
         });
-        let totals = chunks.totals(partial, count + 1);
-        products.copy_from_slice(&totals[..count]);
-        totals[count].sqrt()
+        let mut square = 0.0;
+        chunks.totals(partial, count + 1, |j, sum| if j < count { products[j] = sum } else { square = sum });
+        square.sqrt()
     }
 
     /// y := y + sum_j c_j x_j for as many columns x_j as there are coefficients; returns |y|. y is read once for both.
     fn add_combination_and_norm(&self, c: &[f64], columns: &[Vec<f64>], y: &mut [f64], partial: &mut Vec<f64>) -> f64 {
         let chunks = Chunks { parts: self.parts(), len: y.len() };
         partial.resize(chunks.count(), 0.0);
-        chunks.split(y).into_par_iter().zip(&mut *partial).enumerate().for_each(|(chunk, (y, square))| {
+        let update = |(chunk, (y, square)): (usize, (&mut [f64], &mut f64))| {
             let start = chunks.range(chunk).start;
             add_combination_from(start, c, columns, y);
             self.dots_in_chunk(start, &[y], y, std::slice::from_mut(square));
-        });
-        chunks.totals(partial, 1)[0].sqrt()
+        };
+        match self.parts() {
+            None => y.par_chunks_mut(CHUNK).zip(&mut *partial).enumerate().for_each(update),
+            Some(_) => chunks.split(y).into_par_iter().zip(&mut *partial).enumerate().for_each(update),
+        }
+        let mut square = 0.0;
+        chunks.totals(partial, 1, |_, sum| square = sum);
+        square.sqrt()
     }
 
     /// (x, y)
@@ -182,17 +188,15 @@ impl Chunks<'_> {
         (0..self.count()).map(&mut next).collect()
     }
 
-    /// The sums of `count` numbers over all chunks, `partial[chunk][number]`.
-    fn totals(&self, partial: &[f64], count: usize) -> Vec<f64> {
-        let over = |chunks: Range<usize>| {
-            (0..count).map(move |j| tree_sum_of_chunks(chunks.clone(), &|chunk| partial[chunk * count + j]))
+    /// Passes the sums of `count` numbers over all chunks, `partial[chunk][number]`, to `take`.
+    fn totals(&self, partial: &[f64], count: usize, mut take: impl FnMut(usize, f64)) {
+        let over = |chunks: Range<usize>, j: usize| tree_sum_of_chunks(chunks, &|chunk| partial[chunk * count + j]);
+        let Some(parts) = self.parts else {
+            return (0..count).for_each(|j| take(j, over(0..self.count(), j)));
         };
-        match self.parts {
-            None => over(0..self.count()).collect(),
-            Some(parts) => {
-                parts.total(&parts.chunks_of_part.iter().cloned().flat_map(over).collect::<Vec<f64>>(), count)
-            }
-        }
+        let of_part = |chunks: &Range<usize>| (0..count).map(|j| over(chunks.clone(), j)).collect::<Vec<f64>>();
+        let of_parts: Vec<f64> = parts.chunks_of_part.iter().flat_map(of_part).collect();
+        parts.total(&of_parts, count).into_iter().enumerate().for_each(|(j, sum)| take(j, sum));
     }
 }
 

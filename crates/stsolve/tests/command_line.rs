@@ -115,7 +115,7 @@ fn check_warns_of_doubtful_choices_and_names_the_remedy() {
         ),
         // This one starts from rest, although it is fast within the first slab.
         (&["motion.boundary.airfoil.displacement=[0, \"0.1*sin(pi*t)^2\"]"], "none", ""),
-        (&["flow.initial.uniform.mach=0.9"], "Mach number", "below 0.8"),
+        (&["flow.initial.uniform.mach=0.9"], "Mach number", "`shock_capturing = {}`"),
         (&["flow.initial.uniform.mach=0.05", "flow.riemann=\"lax_friedrichs\""], "Mach number", "\"roe\""),
         (&[viscosity], "turbulence", "lower Reynolds number"),
         (&["solver={newton_tolerance=1e-5}"], "start of the flow", "`[solver.steady]`"),

@@ -5,7 +5,7 @@ use super::*;
 /// (F_c(u) - u v) . n, by the flux of the law without viscosity.
 pub(super) fn normal_flux<const D: usize, const M: usize>(u: &[f64; M], n: &[f64; D], v: &[f64; D]) -> [f64; M] {
     let gas = Gas::new(gas().gamma(), gas().gas_constant(), 1.0, Viscosity::Inviscid).unwrap();
-    let flux = NavierStokes { gas, ..law::<D>(Riemann::Roe) }.flux(u, &[[f64::NAN; M]; D], v);
+    let flux = NavierStokes { gas, shock_capturing: None, ..law::<D>(Riemann::Roe) }.flux(u, &[[f64::NAN; M]; D], v);
     std::array::from_fn(|c| (0..D).map(|i| flux[i][c] * n[i]).sum())
 }
 

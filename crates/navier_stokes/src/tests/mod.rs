@@ -166,9 +166,9 @@ impl<const D: usize> Conditions<D> {
     }
 }
 
-/// Some distances between nodes per length that vary with the geometry.
-fn grid<G: Real, const D: usize>(n: &[G; D], v: &[G; D]) -> [[G; D]; D] {
-    std::array::from_fn(|i| std::array::from_fn(|j| n[i] * v[j] + if i == j { 3.0 } else { 0.2 }))
+/// Some distances between nodes per length that turn with the geometry.
+fn grid<G: Real, const D: usize>(n: &[G; D]) -> [[G; D]; D] {
+    std::array::from_fn(|i| std::array::from_fn(|j| n[j] * (3.0 + i as f64)))
 }
 
 /// The values of all point functions, the fluxes through a facet with normal n, by name.
@@ -194,7 +194,7 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
         let law = law::<D>(riemann);
         values.push((format!("{riemann:?}"), law.numerical_flux(&p.minus, &p.plus, &p.n, dot(&p.v, &p.n))));
     }
-    let beta = base.artificial_viscosity(&p.minus, &p.gradient, &grid(&p.n, &p.v));
+    let beta = base.artificial_viscosity(&p.minus, &p.gradient, &grid(&p.n));
     values.push(("artificial flux".to_string(), through(base.artificial_flux(&p.minus, &p.gradient, beta))));
     let mirrored = NavierStokes { wall_flux: WallFlux::Mirrored, ..base };
     for &condition in conditions {
