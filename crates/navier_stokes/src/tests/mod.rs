@@ -168,7 +168,7 @@ impl<const D: usize> Conditions<D> {
 
 /// Some distances between nodes per length that turn with the geometry.
 fn grid<G: Real, const D: usize>(n: &[G; D]) -> [[G; D]; D] {
-    std::array::from_fn(|i| std::array::from_fn(|j| n[j] * (3.0 + i as f64)))
+    std::array::from_fn(|i| std::array::from_fn(|j| n[i] * n[j] + if i == j { 3.0 } else { 0.0 }))
 }
 
 /// The values of all point functions, the fluxes through a facet with normal n, by name.

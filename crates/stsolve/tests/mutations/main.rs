@@ -141,7 +141,11 @@ fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result
     let message = error.to_string();
     // If a table is missing, its own name is reported, not the names of its keys.
     let missing = |path: &str| path.strip_prefix(&error.key).is_some_and(|rest| is_named(&message, first_name(rest)));
-    let named = |path: &String| is_named(&message, last_name(path)) || missing(path);
+    // If a table that the user has named has another name, that name is reported in quotes.
+    let renamed = |path: &str| {
+        path.rsplit_once('.').is_some_and(|(table, _)| message.contains(&format!("\"{}\"", last_name(table))))
+    };
+    let named = |path: &String| is_named(&message, last_name(path)) || missing(path) || renamed(path);
     if line == damaged.line && differing.iter().any(concerns) {
         Ok(Verdict::RefusedThere)
     } else if differing.iter().any(named) {
