@@ -25,6 +25,7 @@ use orders::Order;
 use output::SolverState;
 use parts::{own_linearisation, own_state};
 use ranks::{Communicator, Sums};
+use std::mem::take;
 use std::sync::Arc;
 
 /// What rank 0 has of the whole flow.
@@ -40,15 +41,13 @@ pub struct Crew<const D: usize, const M: usize> {
     orders: Arc<Orders>,
 }
 
-/// The share of this rank of the flow of `case`.
-fn share<const D: usize>(case: &Case<D>, communicator: &Arc<dyn Communicator>) -> Result<Share, MeshError> {
+/// The blocks into which `case` cuts its cells.
+fn blocks<const D: usize>(case: &Case<D>) -> Result<Blocks, MeshError> {
     if case.blocks == 1 {
-        return Ok(Share::whole(&case.mesh));
+        return Ok(Blocks::one(case.mesh.n_cells()));
     }
     let of_cell = mesh::blocks(&case.mesh, case.blocks)?;
-    let colours = mesh::colours(&case.mesh, &of_cell);
-    let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
-    Ok(Share::new(&case.mesh, &Blocks { of_cell, colours }, sums))
+    Ok(Blocks { colours: mesh::colours(&case.mesh, &of_cell), of_cell })
 }
 
 impl<const D: usize, const M: usize> Crew<D, M>
@@ -67,8 +66,9 @@ where
         flow: &Flow<D>,
         orders: &Arc<Orders>,
     ) -> anyhow::Result<(FlowMarch<D, M>, Option<Self>)> {
-        orders.give(Order::Build, &[]);
-        let march = march::<D, M>(case, flow, orders.communicator())?;
+        orders.give(Order::Build, None);
+        let blocks = blocks(case)?;
+        let march = march::<D, M>(case, flow, &blocks, orders.communicator())?;
         if case.blocks == 1 {
             return Ok((march, None));
         }
@@ -76,13 +76,13 @@ where
         let operator = build::operator::<D, M>(case, flow, mover, Share::whole(&case.mesh));
         let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
         let state = coupled::State { u, ..march.state.clone() };
-        let blocks = mesh::blocks(&case.mesh, case.blocks)?;
-        Ok((march, Some(Crew { state, operator, blocks, in_step: false, orders: orders.clone() })))
+        let (blocks, orders) = (blocks.of_cell, orders.clone());
+        Ok((march, Some(Crew { state, operator, blocks, in_step: false, orders })))
     }
 
     /// Has all ranks take their parts of the state, and of a linearisation if there is one.
     pub fn restore(&mut self, case: &Case<D>, stored: &SolverState, march: &mut FlowMarch<D, M>) {
-        self.orders.give(Order::Restore, &orders::encode(stored));
+        self.orders.give(Order::Restore, Some(stored));
         restore(case, stored, march);
         self.in_step = true;
     }
@@ -96,12 +96,13 @@ where
             let stored = checkpoint::store(&self.state, None, false);
             self.restore(case, &stored, march);
         }
-        self.orders.give(Order::Advance, &[]);
+        self.orders.give(Order::Advance, None);
         let report = march.advance();
         if report.is_ok() {
             parts::join_state(march, &mut self.state);
         } else {
-            let coupled::State { u, past, determinants, .. } = self.state.clone();
+            let coupled::State { u, past, determinants, .. } = &mut self.state;
+            let (u, past, determinants) = (take(u), take(past), take(determinants));
             self.state = coupled::State { u, past, determinants, ..march.state.clone() };
         }
         report
@@ -109,7 +110,7 @@ where
 
     /// The state with what the preconditioners of all ranks are made of.
     pub fn store(&self, march: &FlowMarch<D, M>) -> SolverState {
-        self.orders.give(Order::Store, &[]);
+        self.orders.give(Order::Store, None);
         let preconditioner = &march.solver.system.flow.preconditioner;
         let frozen =
             parts::join_linearisation(march).map(|frozen| parts::in_whole(frozen, &self.blocks, &self.operator.share));
@@ -130,6 +131,7 @@ where
 fn march<const D: usize, const M: usize>(
     case: &Case<D>,
     flow: &Flow<D>,
+    blocks: &Blocks,
     communicator: &Arc<dyn Communicator>,
 ) -> anyhow::Result<FlowMarch<D, M>>
 where
@@ -138,7 +140,8 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    Ok(build::march_of(case, flow, build::mover(case)?, share(case, communicator)?)?)
+    let sums = Arc::new(Sums::new(communicator.clone(), case.blocks));
+    Ok(build::march_of(case, flow, build::mover(case)?, Share::new(&case.mesh, blocks, sums))?)
 }
 
 /// Takes the own part of a stored state.
@@ -173,7 +176,10 @@ where
         match (order, &mut own) {
             (Order::Finish, _) => return,
             // An error is that of rank 0, which tells it.
-            (Order::Build, _) => own = case.flow.as_ref().and_then(|flow| march(case, flow, communicator).ok()),
+            (Order::Build, _) => {
+                let build = |flow| march(case, flow, &blocks(case).ok()?, communicator).ok();
+                own = case.flow.as_ref().and_then(build);
+            }
             (Order::Restore, Some(march)) => restore(case, &orders::decode(&state), march),
             (Order::Advance, Some(march)) => {
                 if march.advance().is_ok() {

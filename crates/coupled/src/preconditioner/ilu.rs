@@ -6,7 +6,7 @@ use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
 use super::inverse::Shape;
-use super::modal::{join, split};
+use super::modal::{join, largest, split};
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::padded;
 use super::sweeps::Shared;
@@ -175,7 +175,7 @@ impl FlowPreconditioner {
 
     /// z = P^{-1} r.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = self.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
+        let scale = largest(&self.share, r);
         if scale == 0.0 {
             z.fill(0.0);
             return;

@@ -11,7 +11,7 @@
 //! any order, and no memory to speak of. It serves where slabs are short: where sound crosses no more than a cell or so in each.
 
 use super::inverse::{Shape, as_real, invert};
-use super::modal::{join, split};
+use super::modal::{join, largest, split};
 use super::panel::{Multiply, padded};
 use basis::TemporalModes;
 use faer::c64;
@@ -115,8 +115,10 @@ impl LinePreconditioner {
 
     /// z = P^{-1} r.
     pub fn apply(&self, r: &[f64], z: &mut [f64]) {
-        let largest = self.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
-        let scale = if largest == 0.0 { 1.0 } else { largest };
+        let scale = match largest(&self.share, r) {
+            0.0 => 1.0,
+            largest => largest,
+        };
         let len = self.inverses.len() / self.layout.cells;
         z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {
             z.fill(0.0);

@@ -18,6 +18,7 @@ mod sweeps;
 mod vectors;
 mod walk;
 
+use super::modal::largest;
 use super::ordering::Ordering;
 use basis::TemporalModes;
 use factor::Factor;
@@ -88,7 +89,7 @@ impl<const D: usize, const M: usize, const W: usize> LowOrderPreconditioner for 
     }
 
     fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let scale = self.matrix.share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())));
+        let scale = largest(&self.matrix.share, r);
         if scale == 0.0 {
             return z.fill(0.0);
         }

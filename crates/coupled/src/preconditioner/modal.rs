@@ -1,7 +1,12 @@
 //! Between time nodes and temporal modes, cell by cell.
 
 use basis::TemporalModes;
-use fem::Layout;
+use fem::{Layout, Share};
+
+/// The largest entry of `r` on all ranks: what vectors are divided by to keep single precision from underflow. A collective call.
+pub(super) fn largest(share: &Share, r: &[f64]) -> f64 {
+    share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())))
+}
 
 /// Column `column` of (Q^{-1} W^{-1} (x) I) r in `cell`, times `scale`, which keeps single precision from underflow.
 pub(super) fn split(

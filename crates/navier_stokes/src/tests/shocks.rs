@@ -21,7 +21,7 @@ fn viscosity_of_compression_alone<const D: usize, const M: usize>() {
         let (u, gradient) = squeezed::<D, M>(rate);
         law.artificial_viscosity(&u, &gradient, &fine())
     };
-    // Below the threshold of 0.02 and in expansions there is none.
+    // The viscosity is zero below the threshold of 0.02 and in expansions.
     for rate in [5.0, 0.0, -0.19 * c] {
         assert_eq!(beta(rate), 0.0, "{rate}");
     }

@@ -35,17 +35,19 @@ impl Orders {
         &self.0
     }
 
-    /// Gives an order; some bytes may go with it.
-    pub(super) fn give(&self, order: Order, with: &[u8]) {
+    /// Gives an order; a state may go with it.
+    pub(super) fn give(&self, order: Order, state: Option<&SolverState>) {
         if self.0.size() > 1 {
-            self.0.broadcast(&mut [&[order as u8], with].concat());
+            let mut bytes = vec![order as u8];
+            state.into_iter().for_each(|state| bytes.extend(encode(state)));
+            self.0.broadcast(&mut bytes);
         }
     }
 }
 
 impl Drop for Orders {
     fn drop(&mut self) {
-        self.give(Order::Finish, &[]);
+        self.give(Order::Finish, None);
     }
 }
 
@@ -58,7 +60,7 @@ pub(super) fn receive(communicator: &dyn Communicator) -> (Order, Vec<u8>) {
 }
 
 /// A state as bytes: integers, then arrays, each as the length of its name, its name, its length and its numbers.
-pub(super) fn encode(state: &SolverState) -> Vec<u8> {
+fn encode(state: &SolverState) -> Vec<u8> {
     let mut bytes = (state.integers.len() as u64).to_le_bytes().to_vec();
     let name = |bytes: &mut Vec<u8>, name: &str| {
         bytes.extend((name.len() as u64).to_le_bytes());
