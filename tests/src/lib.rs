@@ -52,10 +52,15 @@ pub fn uniform<const D: usize>() -> Primitive<f64, D> {
 /// The law with the scales of [`uniform`].
 pub fn law<const D: usize>(viscosity: Viscosity, riemann: Riemann) -> NavierStokes<D> {
     let gas = gas(viscosity);
+    plain_law(gas, riemann, Reference::new(&gas, 1.0, 0.5, 1.7).unwrap())
+}
+
+/// The law without a source of its own, split forms, shock capturing or mirrored walls.
+pub fn plain_law<const D: usize>(gas: Gas, riemann: Riemann, reference: Reference) -> NavierStokes<D> {
     NavierStokes {
         gas,
         riemann,
-        reference: Reference::new(&gas, 1.0, 0.5, 1.7).unwrap(),
+        reference,
         source: Source::Given,
         volume_flux: VolumeFlux::Central,
         shock_capturing: None,

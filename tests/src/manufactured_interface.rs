@@ -21,8 +21,7 @@ use fem::{ConservationLaw, Orders, Problem, Quadrature, SlabOperator, StateField
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::ExactState;
 use navier_stokes::{
-    AdiabaticWall, Boundary, Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source,
-    Viscosity, VolumeFlux, WallFlux,
+    AdiabaticWall, Boundary, Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Viscosity,
 };
 use newton_krylov::{forcing, newton};
 use std::f64::consts::PI;
@@ -254,13 +253,5 @@ impl Setting {
 fn law() -> NavierStokes<2> {
     let gas = crate::gas(Viscosity::Constant(0.002));
     let reference = Reference::new(&gas, 1.0, 0.3, 1.0).unwrap();
-    NavierStokes {
-        gas,
-        riemann: Riemann::Roe,
-        reference,
-        source: Source::Given,
-        volume_flux: VolumeFlux::Central,
-        shock_capturing: None,
-        wall_flux: WallFlux::Inside,
-    }
+    crate::plain_law(gas, Riemann::Roe, reference)
 }

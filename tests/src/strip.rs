@@ -16,9 +16,7 @@ use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, S
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
-use navier_stokes::{
-    Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Source, Viscosity, VolumeFlux, WallFlux,
-};
+use navier_stokes::{Boundary, Compiled, Gas, Reference, Riemann, SlipWall, Viscosity};
 use newton_krylov::{forcing, newton};
 
 /// The pressure of the gas at rest.
@@ -90,15 +88,7 @@ impl Strip {
         let numbering = NodeNumbering::new(&mesh, self.order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let reference = Reference::new(&gas, 1.0, 1.0, PRESSURE).unwrap();
-        let law = NavierStokes {
-            gas,
-            riemann: Riemann::Roe,
-            reference,
-            source: Source::Given,
-            volume_flux: VolumeFlux::Central,
-            shock_capturing: None,
-            wall_flux: WallFlux::Inside,
-        };
+        let law = crate::plain_law(gas, Riemann::Roe, reference);
         let walls = vec![Boundary::SlipWall(SlipWall); 4];
         let problem = Problem { kernels: law.kernels(walls), data: vec![None; 4], source: None };
         let orders = Orders { flow: self.order, mesh: self.order, time: self.time_order };

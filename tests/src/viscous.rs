@@ -5,10 +5,7 @@ use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, S
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Waves;
-use navier_stokes::{
-    Compiled, Exact, Gas, Manufactured, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux,
-    WallFlux,
-};
+use navier_stokes::{Compiled, Exact, Gas, Manufactured, Primitive, Reference, Riemann, Viscosity};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -77,15 +74,7 @@ impl Setting {
     }
 
     fn march(self, gas: Gas, speed: f64, waves: Waves<2>) -> FlowMarch<2, 4> {
-        let law = NavierStokes {
-            gas,
-            riemann: Riemann::Roe,
-            reference: Reference::new(&gas, 1.0, speed, 1.0).unwrap(),
-            source: Source::Given,
-            volume_flux: VolumeFlux::Central,
-            shock_capturing: None,
-            wall_flux: WallFlux::Inside,
-        };
+        let law = crate::plain_law(gas, Riemann::Roe, Reference::new(&gas, 1.0, speed, 1.0).unwrap());
         let exact: Arc<dyn StateField<2, 4>> = Arc::new(Exact(waves));
         let mesh = self.mesh();
         let numbering = NodeNumbering::new(&mesh, self.order);

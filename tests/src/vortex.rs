@@ -6,9 +6,7 @@ use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use navier_stokes::exact::Vortex;
-use navier_stokes::{
-    Compiled, Exact, Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux, WallFlux,
-};
+use navier_stokes::{Compiled, Exact, Gas, Primitive, Reference, Riemann, Viscosity};
 use newton_krylov::newton;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -70,15 +68,7 @@ impl VortexRun {
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let free_stream = Primitive { density: 1.0, velocity: [1.0, 0.0], pressure: 1.0 / (1.4 * 0.25) };
         let exact = Arc::new(Exact(Vortex::new(gas, free_stream, [5.0, 5.0], 1.0, 0.2, None).unwrap()));
-        let law = NavierStokes {
-            gas,
-            riemann: Riemann::Roe,
-            reference: Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap(),
-            source: Source::Given,
-            volume_flux: VolumeFlux::Central,
-            shock_capturing: None,
-            wall_flux: WallFlux::Inside,
-        };
+        let law = crate::plain_law(gas, Riemann::Roe, Reference::new(&gas, 1.0, 1.0, free_stream.pressure).unwrap());
         let (lower, upper, cells) = ([0.0; 2], [10.0; 2], [cells; 2]);
         let mesh =
             BoxMesh { lower, upper, cells, order, curving: Curving::None, periodic: [false; 2] }.build().unwrap();
