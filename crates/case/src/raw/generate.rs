@@ -23,6 +23,8 @@ pub enum Generate {
     ChannelFlag(ChannelFlagGenerator),
     /// Cells between two circles around the origin. Its boundaries are wall, the inner one, and far.
     Annulus(AnnulusGenerator),
+    /// Cells between an ellipsoid around the origin and the far field, in three dimensions. Its boundaries are wall and far.
+    Ellipsoid(EllipsoidGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
     Disc(DiscGenerator),
     /// A C-mesh around an airfoil of chord 1 with its nose at the origin. Its boundaries are airfoil and far.
@@ -242,6 +244,23 @@ pub struct AnnulusGenerator {
     pub first_cell: f64,
     /// Cells around, at least 3, and from the wall to the far field.
     pub cells: [usize; 2],
+}
+
+/// Six patches of cells, like the faces of a cube, in layers that end on ellipsoids with the foci of the wall. Far away these tend to
+/// spheres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EllipsoidGenerator {
+    /// The semi-axes of the wall along x, y and z, in any ratio. Equal ones make a sphere; a short one along y makes a wing with rounded
+    /// edges and tips.
+    pub semi_axes: [f64; 3],
+    /// The largest semi-axis of the far field.
+    pub outer_radius: f64,
+    /// The height of the cells at the wall, along the shortest semi-axis. Cells grow by a constant factor along it; along longer semi-axes
+    /// the first ones are thinner. A single cell outwards fills the shell. Around a flat wall, a mesh of order 3 needs a factor below 3.
+    pub first_cell: f64,
+    /// Cells of the patches along x, y and z, and from the wall to the far field: 2 (x y + y z + z x) cells in each layer.
+    pub cells: [usize; 4],
 }
 
 /// A rounded square in the middle of the disc and four blocks around it.

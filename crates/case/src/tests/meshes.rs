@@ -62,6 +62,35 @@ fn every_generator_takes_its_parameters() {
     let space = mesh_in_space("order = 2\ngenerate.channel = { extent = [4, 1, 2], cells = [4, 2, 2] }");
     assert_eq!((space.n_cells(), space.volume()), (16, 8.0));
     assert!(!space.boundary_names().contains(&"front".to_owned()), "periodic along z");
+    let ellipsoid = mesh_in_space(&format!("order = 4\n{ELLIPSOID}"));
+    assert_eq!(
+        (ellipsoid.n_cells(), ellipsoid.boundary_names()),
+        (2 * 11 * 4, &["wall".to_owned(), "far".to_owned()][..])
+    );
+}
+
+/// A valid mesh of the generator, which errors change in one number.
+const ELLIPSOID: &str =
+    "generate.ellipsoid = { semi_axes = [1, 0.7, 1.3], outer_radius = 4, first_cell = 0.3, cells = [1, 2, 3, 4] }";
+
+#[test]
+fn what_is_wrong_with_an_ellipsoid_is_named_by_its_key() {
+    for (right, wrong, expected) in [
+        ("0.7,", "0,", ["ellipsoid.semi_axes[1] = 0`", "a positive number"]),
+        ("0.7, ", "", ["ellipsoid.semi_axes = [1, 1.3]`", "3 entries"]),
+        ("radius = 4", "radius = 1.3", ["ellipsoid.outer_radius = 1.3`", "more than every semi-axis"]),
+        ("cell = 0.3", "cell = 0", ["ellipsoid.first_cell = 0`", "a positive number"]),
+        ("cell = 0.3", "cell = 3.5", ["ellipsoid.first_cell = 3.5`", "at most the distance"]),
+        ("[1, 2, 3, 4]", "[0, 2, 3, 4]", ["ellipsoid.cells[0] = 0`", "1 to 100000"]),
+        ("[1, 2, 3, 4]", "[1, 2, 3, 0]", ["ellipsoid.cells[3] = 0`", "1 to 100000"]),
+        ("[1, 2, 3, 4]", "[100000, 100000, 3, 100000]", ["ellipsoid.cells = [1", "fewer cells"]),
+        ("] }", "] }\nextrude = { depth = 1, layers = 2 }", ["`mesh.extrude", "three dimensions already"]),
+    ] {
+        let keys = ELLIPSOID.replace(right, wrong);
+        assert_ne!(keys, ELLIPSOID);
+        let message = with_mesh(&format!("order = 4\n{keys}")).unwrap_err().to_string();
+        expected.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
 }
 
 /// A flap of 0.1 x 1 in a channel of 6 x 4.

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 use super::{blocks, colours, coupling};
-use crate::generate::{AirfoilMesh, AnnulusMesh, ChannelCylinderMesh, ChannelFlagMesh, DiscMesh, Extrusion};
+use crate::generate::{
+    AirfoilMesh, AnnulusMesh, ChannelCylinderMesh, ChannelFlagMesh, DiscMesh, EllipsoidMesh, Extrusion,
+};
 use crate::{BoxMesh, Curving, Mesh, MeshError};
 
 fn brick<const D: usize>(upper: [f64; D], cells: [usize; D], periodic: [bool; D]) -> Mesh<D> {
@@ -36,11 +38,14 @@ fn plane_meshes() -> Vec<Mesh<2>> {
 
 /// The meshes in space.
 fn space_meshes() -> Vec<Mesh<3>> {
+    let sphere =
+        EllipsoidMesh { semi_axes: [0.5; 3], outer_radius: 20.0, first_cell: 0.05, cells: [4, 4, 4, 8], order: 3 };
     let wing = Extrusion { lower: 0.0, depth: 1.0, layers: 4, periodic: true };
     vec![
         brick([1.0; 3], [9; 3], [false; 3]),
         brick([1.0; 3], [8; 3], [true; 3]),
         airfoil(2e-4, 12).extruded(&wing).unwrap(),
+        sphere.build().unwrap(),
     ]
 }
 

@@ -16,8 +16,11 @@ pub(super) struct Growth {
 }
 
 impl Growth {
-    /// `cells` cells with the first of size `first` and the total size `total` (both positive).
+    /// `cells` cells with the first of size `first` and the total size `total` (both positive). One cell alone has the total size.
     pub(super) fn new(cells: usize, first: f64, total: f64) -> Self {
+        if cells == 1 {
+            return Growth { first: total, log_factor: 0.0 };
+        }
         // a = +-600 / cells is a ratio of e^600 between the last cell and the first, beyond every possible input.
         let limit = 600.0 / cells as f64;
         let (mut low, mut high) = (-limit, limit);
@@ -61,7 +64,7 @@ impl PiecewiseGrowth {
         };
         let inner = Growth::new(near_cells, first, size);
         // If that does not fit into the remaining size, the cells there are equal.
-        let next = first * inner.factor().powi(near_cells as i32);
+        let next = inner.first * inner.factor().powi(near_cells as i32);
         let equal = (total - size) / (cells - near_cells) as f64;
         let outer = Growth::new(cells - near_cells, next.min(equal), total - size);
         PiecewiseGrowth { near: (near_cells, size), pieces: [inner, outer] }
@@ -120,6 +123,18 @@ mod tests {
                 assert!((size(i) / size(i - 1) / growth.factor() - 1.0).abs() < 1e-9);
             }
         }
+    }
+
+    /// Also between its ends, where the nodes of curved cells are.
+    #[test]
+    fn one_cell_fills_the_total() {
+        for first in [0.01, 2.0, 5.0] {
+            let growth = Growth::new(1, first, 2.0);
+            assert_eq!([0.0, 0.25, 1.0].map(|t| growth.size(t)), [0.0, 0.5, 2.0]);
+        }
+        let growth = PiecewiseGrowth::new(Some((1, 1.0)), 4, 0.05, 20.0);
+        assert_eq!([0.5, 1.0].map(|t| growth.size(t)), [0.5, 1.0]);
+        assert!((growth.size(2.0) - 2.0).abs() < 1e-14 && (growth.size(4.0) - 20.0).abs() < 1e-12);
     }
 
     #[test]

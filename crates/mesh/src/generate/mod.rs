@@ -9,6 +9,7 @@
 //! | `channel_flag` | a flag behind such a cylinder |
 //! | `rotating_box` | a square with a square hole |
 //! | `annulus`, `disc` | between two circles; within one |
+//! | `ellipsoid` | between an ellipsoid and the far field, in three dimensions |
 //! | `airfoil` | a C-mesh around a symmetric NACA airfoil |
 //! | `profile`, `closed_curve`, `blade` | a row of turbine blades |
 //! | `extrude` | extrusion of a two-dimensional mesh |
@@ -26,6 +27,7 @@ mod channel_flag;
 mod closed_curve;
 mod curving;
 mod disc;
+mod ellipsoid;
 mod extrude;
 mod growth;
 mod profile;
@@ -43,6 +45,7 @@ pub use channel_flag::{ChannelFlagMesh, FlagCells};
 pub use closed_curve::ClosedCurve;
 pub use curving::Curving;
 pub use disc::DiscMesh;
+pub use ellipsoid::EllipsoidMesh;
 pub use extrude::Extrusion;
 pub use profile::low_pressure_turbine_profile;
 pub use rotating_box::RotatingBoxMesh;

@@ -10,6 +10,7 @@ mod channel;
 mod channel_cylinder;
 mod channel_flag;
 mod disc;
+mod ellipsoid;
 mod family;
 mod gmsh;
 mod rotating_box;
@@ -56,6 +57,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
         Generate::ChannelFlag(raw) => channel_flag::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::RotatingBox(raw) => rotating_box::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Annulus(raw) => annulus::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::Ellipsoid(raw) => ellipsoid::build(checker, raw, order).map(AnyMesh::Space),
         Generate::Disc(raw) => disc::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Airfoil(raw) => airfoil::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::TurbineBlade(raw) => turbine_blade::build(checker, raw, order).map(AnyMesh::Plane),
