@@ -4,17 +4,18 @@ mod guess;
 
 use crate::balance::{self, Balance};
 use crate::block::BodyState;
-use crate::blocks::{Counts, inadmissible};
+use crate::blocks::{Counts, inadmissible, totals_at};
 use crate::march::{March, SlabSolver};
 use crate::mesh_mover::MeshQuality;
 use crate::schedule::{Schedule, StepControl};
 use crate::slab_error::SlabError;
+use crate::start_layer::{EasedStart, StartLayer};
 use crate::state::{Interval, Past, State};
 use crate::system::System;
 use fem::{FluxesAt, SlabEnd, Violation};
 use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::inner_product;
-use newton_krylov::newton::{self, Workspace};
+use newton_krylov::newton::{self, ShortSteps, Workspace};
 use std::array::from_fn;
 
 /// The first guess of a slab.
@@ -59,6 +60,15 @@ pub const ROUND_OFF: f64 = 1e-13;
 /// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.
 const QUIET: f64 = 1e-6;
 
+/// A slab whose Newton steps stay short is given up, and halved.
+const SHORT_STEPS: ShortSteps = ShortSteps { steps: 4, left: 0.8 };
+
+/// The first attempt at the first slab, where an easier start remains: given up when its first step is short.
+const SHORT_FIRST_STEP: ShortSteps = ShortSteps { steps: 1, left: 0.9 };
+
+/// Its Krylov iterations per Newton step, at most.
+const FIRST_ITERATIONS: usize = 40;
+
 /// What a slab has done.
 #[derive(Clone, Debug)]
 pub struct SlabReport<const M: usize> {
@@ -68,6 +78,8 @@ pub struct SlabReport<const M: usize> {
     pub interval: Interval,
     /// How often an attempt was rejected before.
     pub rejected: usize,
+    /// The initial state was made easier for it, if it is the first one.
+    pub eased: Option<EasedStart>,
     /// The Newton driver.
     pub newton: newton::Report,
     /// What it has cost, rejected attempts included.
@@ -103,6 +115,9 @@ pub struct CoupledSlab<const D: usize, const M: usize> {
     pub newton: newton::Settings,
     predictor: Predictor,
     jacobian: Jacobian,
+    /// The layer that an initial state may get.
+    pub start_layer: StartLayer,
+    eased: Option<EasedStart>,
     workspace: Workspace,
 }
 
@@ -115,10 +130,12 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
         let Settings { schedule, mut newton, predictor, jacobian, max_halvings } = settings;
         newton.absolute_tolerance = newton.absolute_tolerance.max(ROUND_OFF);
         newton.quiet = QUIET;
+        newton.short_steps = Some(SHORT_STEPS);
         let d = system.mover().displacement_at_start(schedule.start);
         let bodies = system.bodies.iter().map(|body| body.initial()).collect();
         let state = State { step: schedule.step, bodies, ..State::new(schedule.start, u, d) };
-        let solver = CoupledSlab { system, newton, predictor, jacobian, workspace: Workspace::default() };
+        let (start_layer, eased, workspace) = (StartLayer::default(), None, Workspace::default());
+        let solver = CoupledSlab { system, newton, predictor, jacobian, start_layer, eased, workspace };
         March::from(solver, state, schedule, max_halvings)
     }
 
@@ -154,7 +171,8 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
 
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Solved<M>, SlabError> {
         let (mut z, references) = self.guess(state, interval)?;
-        let report = self.newton(&mut z, &references).map_err(|source| self.cause(&z, source))?;
+        let settings = self.settings(state);
+        let report = self.newton(&mut z, &references, &settings).map_err(|source| self.cause(&z, source))?;
         let velocity_at_top = self.velocity_at_top(interval.end);
         let balance = balance::correct(&mut self.system, &mut z, self.workspace.residual(), &velocity_at_top);
         let quality = self.check_mesh()?;
@@ -181,7 +199,8 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         state.past = Some(Past { interval, dt, bottom, u, v, bodies });
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
-        SlabReport { slab: state.slab + 1, interval, rejected, newton, counts, quality, jump, fluxes, totals }
+        let (slab, eased) = (state.slab + 1, self.eased.take());
+        SlabReport { slab, interval, rejected, eased, newton, counts, quality, jump, fluxes, totals }
     }
 
     fn jump(&self, solved: &Solved<M>) -> (f64, usize) {
@@ -191,19 +210,45 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
     fn reject(&mut self) {
         self.system.flow.preconditioner.stale = true;
     }
+
+    fn ease_start(&mut self, state: &mut State) -> Option<String> {
+        if state.slab > 0 {
+            return None;
+        }
+        let (flow, mover) = (&self.system.flow.operator, self.system.mover());
+        let thickness = self.start_layer.thicken(flow, (mover, state.time), &mut state.u)?;
+        self.eased = Some(EasedStart { thickness, totals: totals_at(flow, &state.u, SlabEnd::Bottom) });
+        Some(format!("the initial state gets a boundary layer {thickness:.3e} thick at the walls"))
+    }
 }
 
 impl<const D: usize, const M: usize> CoupledSlab<D, M> {
     /// Newton's method from the guess `z`.
-    fn newton(&mut self, z: &mut [f64], references: &[f64]) -> Result<newton::Report, newton::Error> {
-        let CoupledSlab { system, newton, jacobian, workspace, .. } = self;
+    fn newton(
+        &mut self,
+        z: &mut [f64],
+        references: &[f64],
+        settings: &newton::Settings,
+    ) -> Result<newton::Report, newton::Error> {
+        let CoupledSlab { system, jacobian, workspace, .. } = self;
         match jacobian {
-            Jacobian::Exact => newton::solve(system, z, Some(references), newton, workspace),
+            Jacobian::Exact => newton::solve(system, z, Some(references), settings, workspace),
             Jacobian::FiniteDifference => {
                 let mut problem = FiniteDifference::new(system, Scheme::OneSided);
-                newton::solve(&mut problem, z, Some(references), newton, workspace)
+                newton::solve(&mut problem, z, Some(references), settings, workspace)
             }
         }
+    }
+
+    /// The settings of Newton's method on top of `state`. Where the start may still be made easier, little is spent on it as it is.
+    fn settings(&self, state: &State) -> newton::Settings {
+        let mut settings = self.newton;
+        if state.slab == 0 && self.start_layer.is_untried() {
+            settings.short_steps = Some(SHORT_FIRST_STEP);
+            settings.krylov.max_iterations = settings.krylov.max_iterations.min(FIRST_ITERATIONS);
+            settings.pseudo_time.max_rejections = 0;
+        }
+        settings
     }
 
     /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.

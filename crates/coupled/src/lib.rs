@@ -16,6 +16,7 @@ mod reuse_policy;
 mod sampled_limit;
 mod schedule;
 mod slab_error;
+mod start_layer;
 mod state;
 mod steady;
 mod structure_march;
@@ -35,6 +36,7 @@ pub use observation::Observation;
 pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};
 pub use slab_error::{MarchError, SlabError, chain};
+pub use start_layer::{EasedStart, StartLayer};
 pub use state::{Interval, Past, State};
 pub use steady::{
     Discretisation, Discretised, Reliability, Search, Settling, Stability, Stage, SteadyError, SteadyFlow, solve_steady,

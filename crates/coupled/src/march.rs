@@ -27,6 +27,11 @@ pub trait SlabSolver {
 
     /// What was solved last is not accepted: the next attempt is shorter.
     fn reject(&mut self) {}
+
+    /// Changes the initial state, if a slab of the same length may then be solved; says what was done.
+    fn ease_start(&mut self, _state: &mut State) -> Option<String> {
+        None
+    }
 }
 
 /// A run in progress.
@@ -62,7 +67,7 @@ impl<S: SlabSolver> March<S> {
             match self.solver.solve(&self.state, interval) {
                 Ok(solved) if self.repeats(interval, &solved) => {}
                 Ok(solved) => return Ok(self.accept(interval, rejected, solved)),
-                Err(source) => self.shorten(interval, source)?,
+                Err(source) => self.go_on(interval, source)?,
             }
             rejected += 1;
         }
@@ -78,13 +83,18 @@ impl<S: SlabSolver> March<S> {
         repeats
     }
 
-    /// Goes on with a shorter slab, if one is allowed, where `interval` has failed.
-    fn shorten(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
-        let cause = chain(&source);
-        if !self.schedule.shorten(&mut self.state, interval, self.max_halvings) {
-            return Err(MarchError::new(&self.state, interval, source));
-        }
-        tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected, halving it");
+    /// Goes on where `interval` has failed: from an easier start, or with a shorter slab, if one is allowed.
+    fn go_on(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
+        let (cause, times) = (chain(&source), source.halvings());
+        let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();
+        let remedy = match easier {
+            Some(done) => done,
+            None if self.schedule.shorten(&mut self.state, interval, (times, self.max_halvings)) => {
+                "it is halved".into()
+            }
+            None => return Err(MarchError::new(&self.state, interval, source)),
+        };
+        tracing::warn!(start = interval.start, end = interval.end, cause, "slab rejected: {remedy}");
         self.solver.reject();
         Ok(())
     }

@@ -90,18 +90,18 @@ impl Schedule {
         state.pending[state.pending.len() - 1]
     }
 
-    /// Makes the next slab shorter, after `interval` could not be solved. False if it may not be shortened any more: `max_halvings`
-    /// times, or below the smallest step of the control.
-    pub fn shorten(&self, state: &mut State, interval: Interval, max_halvings: u32) -> bool {
+    /// Halves the next slab `times`, after `interval` could not be solved. False if it may not be shortened any more: it was halved
+    /// `max_halvings` times, or its half is below the smallest step of the control.
+    pub fn shorten(&self, state: &mut State, interval: Interval, (times, max_halvings): (u32, u32)) -> bool {
         match self.control {
             None if interval.halvings >= max_halvings => return false,
-            None => state.halve(),
+            None => state.halve(times.min(max_halvings - interval.halvings)),
             Some(control) => {
-                let half = 0.5 * (interval.end - interval.start);
-                if half < control.smallest {
+                let dt = interval.end - interval.start;
+                if 0.5 * dt < control.smallest {
                     return false;
                 }
-                state.set_step(half);
+                state.set_step((dt * 0.5_f64.powi(times as i32)).max(control.smallest));
             }
         }
         true
@@ -191,12 +191,32 @@ mod tests {
         assert_eq!(state.step, 0.5);
     }
 
+    /// Three times at once: the parts that follow grow again.
+    #[test]
+    fn a_slab_is_halved_several_times_at_once() {
+        let (fixed, mut state) = (schedule(None), state(0.0, 0.0));
+        let first = fixed.pending(&mut state);
+        assert!(fixed.shorten(&mut state, first, (3, 6)));
+        let mut lengths = Vec::new();
+        while !state.pending.is_empty() {
+            let interval = fixed.pending(&mut state);
+            lengths.push((interval.end - interval.start) / 0.3);
+            state.finish(interval);
+        }
+        assert!(lengths.iter().zip([0.125, 0.125, 0.25, 0.5]).all(|(a, b)| (a - b).abs() < 1e-14), "{lengths:?}");
+        assert_eq!(state.nominal, 1);
+        let part = Interval { halvings: 5, ..first };
+        state.pending = vec![part];
+        assert!(fixed.shorten(&mut state, part, (3, 6)) && state.pending.iter().all(|part| part.halvings == 6));
+        assert!(!fixed.shorten(&mut state, Interval { halvings: 6, ..first }, (1, 6)));
+    }
+
     #[test]
     fn a_slab_that_fails_is_halved_until_the_smallest() {
         let (adapted, mut state) = (schedule(Some(CONTROL)), state(0.0, 0.004));
         let mut steps = vec![];
         let mut next = adapted.next(&state);
-        while adapted.shorten(&mut state, next, 0) {
+        while adapted.shorten(&mut state, next, (1, 0)) {
             steps.push(state.step);
             next = adapted.next(&state);
         }

@@ -37,6 +37,53 @@ pub enum SlabError {
     },
 }
 
+/// Halvings of a slab at once, at most.
+const MOST_HALVINGS: f64 = 4.0;
+
+impl SlabError {
+    /// Whether the flow is at fault, and not the mesh.
+    pub fn is_of_flow(&self) -> bool {
+        matches!(self, SlabError::Newton { .. } | SlabError::Top(_))
+    }
+
+    /// How often the slab should be halved. Where Newton's steps were short, one half would fail as well: the step length was seen to grow
+    /// with about dt^-2, so that a slab halved k times takes steps 4^k times as long. It should take a quarter at least.
+    pub fn halvings(&self) -> u32 {
+        let SlabError::Newton { source, .. } = self else { return 1 };
+        let newton::Error::ShortSteps { steps, report } = &**source else { return 1 };
+        let times = 0.5 * (0.25 / report.longest_of_last(*steps)).log2();
+        times.round().clamp(1.0, MOST_HALVINGS) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use newton_krylov::newton::{Report, StepReport};
+
+    /// Two failures of a cylinder in a sudden flow: at dt = 0.05 steps of 0.016, and four times shorter slabs were solved.
+    #[test]
+    fn the_shorter_the_steps_the_shorter_the_next_slab() {
+        for (length, expected) in [(0.25, 1), (0.1, 1), (0.016, 2), (0.004, 3), (1e-9, 4)] {
+            let step = StepReport {
+                residual_norm: 1.0,
+                field_norms: vec![],
+                forcing: 0.1,
+                linear_residual: 0.1,
+                krylov_iterations: 1,
+                step_length: length,
+                inverse_pseudo_time: vec![],
+                rejections: 0,
+            };
+            let report = Box::new(Report { steps: vec![step; 4], ..Report::default() });
+            let source = Box::new(newton::Error::ShortSteps { steps: 4, report });
+            assert_eq!(SlabError::Newton { residual_breakdown: None, source }.halvings(), expected, "{length}");
+        }
+        let top = Inadmissible { quantity: "density".into(), value: -1.0, location: "in cell 1".into() };
+        assert_eq!(SlabError::Top(top).halvings(), 1);
+    }
+}
+
 /// Where the residual is largest, for a message.
 fn largest_in(residual_breakdown: Option<&ResidualBreakdown>) -> String {
     residual_breakdown

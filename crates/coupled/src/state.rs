@@ -91,8 +91,12 @@ impl State {
         self.step = step;
     }
 
-    /// Replaces the next interval by its halves.
-    pub fn halve(&mut self) {
+    /// Replaces the next interval by its halves, and the first of them `times` - 1 times more.
+    pub fn halve(&mut self, times: u32) {
+        (0..times).for_each(|_| self.halve_once());
+    }
+
+    fn halve_once(&mut self) {
         if let Some(Interval { start, end, halvings }) = self.pending.pop() {
             let middle = start + 0.5 * (end - start);
             self.pending.push(Interval { start: middle, end, halvings: halvings + 1 });

@@ -76,6 +76,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
         slab: 0,
         interval,
         rejected: 0,
+        eased: None,
         newton,
         counts: problem.take_counts(),
         quality: problem.mover().quality(d, &at_rest, interval),

@@ -47,6 +47,8 @@ pub struct Settings {
     /// When the driver gives up because the residual has stopped falling; `None`: never. If set, a failed solve ends at
     /// the iterate with the least residual.
     pub stall: Option<Stall>,
+    /// When the driver gives up because its steps stay short; `None`: never.
+    pub short_steps: Option<ShortSteps>,
     /// A linear solve that fails is still used if it leaves at most this fraction of the residual.
     pub usable_linear_residual: f64,
     /// The accuracy of the linear solves.
@@ -68,6 +70,15 @@ pub struct Stall {
     pub factor: f64,
 }
 
+/// Steps that lead nowhere: so many in a row, each at most a quarter of its increment, that together leave more than a part of the residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortSteps {
+    /// The number of steps.
+    pub steps: usize,
+    /// The part of the residual.
+    pub left: f64,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -78,6 +89,7 @@ impl Default for Settings {
             max_steps: 30,
             divergence: 1e6,
             stall: None,
+            short_steps: None,
             usable_linear_residual: 0.9,
             forcing: forcing::Settings::default(),
             krylov: fgmres::Settings::default(),

@@ -8,7 +8,7 @@ use case::{
 };
 use coupled::{
     BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
-    StructureMarch, Supports, System,
+    StartLayer, StructureMarch, Supports, System,
 };
 use elasticity::{
     Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
@@ -16,7 +16,7 @@ use elasticity::{
 };
 use fem::{Orders, Problem, Share, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, Mesh, NodeNumbering};
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
+use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
 use tensor::{Dual, Transcendental};
 
@@ -179,11 +179,42 @@ where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
     let mut operator = operator(case, flow, &mover, share);
-    let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+    let u = initial(case, flow, &operator, &mover);
     let bodies = bodies(case, flow, &mover.numbering, &mut operator)?;
     let mut problem = System::with_bodies(operator, mover, bodies);
     problem.flow.preconditioner.method = method(case.preconditioner());
-    Ok(FlowMarch::new(problem, u, settings(case)))
+    let mut march = FlowMarch::new(problem, u, settings(case));
+    // A given thickness stays, and a run that continues another one has its boundary layers.
+    if case.solver.start_layer.is_none() && case.solver.steady.is_none() && case.restart.is_none() {
+        march.solver.start_layer = start_layer(flow);
+    }
+    Ok(march)
+}
+
+/// The flow at the start of a case, on the cells of `operator`.
+pub fn initial<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    operator: &SlabOperator<D, M>,
+    mover: &MeshMover<D>,
+) -> Vec<f64>
+where
+    Exact<State<D>>: StateField<D, M>,
+{
+    let start = case.time.start;
+    let mut u = coupled::interpolate(operator, &Exact(flow.initial.clone()), start);
+    if let Some(thickness) = case.solver.start_layer.filter(|thickness| *thickness > 0.0) {
+        start_layer(flow).apply(operator, (mover, start), thickness, &mut u);
+    }
+    u
+}
+
+/// The layer at the walls to which gas sticks.
+fn start_layer<const D: usize>(flow: &Flow<D>) -> StartLayer {
+    let sticks = |wall: &&case::Wall<D>| {
+        matches!(flow.boundary[wall.boundary].condition, Boundary::AdiabaticWall(_) | Boundary::IsothermalWall(_))
+    };
+    StartLayer::new(flow.walls.iter().filter(sticks).map(|wall| wall.boundary).collect())
 }
 
 fn method(preconditioner: Preconditioner) -> Method {

@@ -74,7 +74,7 @@ where
         }
         let mover: &MeshMover<D> = &march.solver.system.mesh.mover;
         let operator = build::operator::<D, M>(case, flow, mover, Share::whole(&case.mesh));
-        let u = coupled::interpolate(&operator, &Exact(flow.initial.clone()), case.time.start);
+        let u = build::initial(case, flow, &operator, mover);
         let state = coupled::State { u, ..march.state.clone() };
         let (blocks, orders) = (blocks.of_cell, orders.clone());
         Ok((march, Some(Crew { state, operator, blocks, in_step: false, orders })))

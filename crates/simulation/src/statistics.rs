@@ -5,7 +5,7 @@ use super::body_record::BodyRecord;
 use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
-use coupled::{MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
+use coupled::{EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
 use std::collections::BTreeMap;
 
 /// The statistics of a run so far.
@@ -35,6 +35,8 @@ pub struct RunStatistics {
     pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
+    /// The thickness of the layer at walls that the initial state was given, if it was.
+    pub start_layer: Option<f64>,
     /// The amount that has left through all boundaries, per component.
     pub left: Vec<f64>,
     /// Impulses, work and heat of every wall, as numbers.
@@ -146,6 +148,9 @@ impl RunStatistics {
         self.residuals += report.counts.residuals as u64;
         self.products += (report.counts.products + report.counts.mesh_products) as u64;
         self.add_quality(report.quality);
+        if let Some(EasedStart { thickness, totals }) = &report.eased {
+            (self.start_layer, self.totals_at_start) = (Some(*thickness), totals.clone());
+        }
         self.left.resize(M, 0.0);
         self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
         self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
@@ -231,6 +236,7 @@ impl RunStatistics {
             ),
             ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
+            ("tally.start_layer".into(), self.start_layer.into_iter().collect()),
             ("tally.left".into(), self.left.clone()),
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
@@ -282,6 +288,7 @@ impl RunStatistics {
             },
             first_invalid_sampled: get("first_invalid_sampled")?.first().copied(),
             totals_at_start: get("totals_at_start")?.clone(),
+            start_layer: get("start_layer").and_then(|layer| layer.first().copied()),
             left: get("left")?.clone(),
             impulses: by_wall(get("impulses")?),
             forces: by_wall(get("forces")?),

@@ -276,6 +276,7 @@ fn common<const D: usize>(
         mesh: MeshSize { dimension: D, cells: case.mesh.n_cells(), order: case.mesh.order() },
         slabs: state.slab as u64,
         rejected_slabs: context.statistics.rejected,
+        start_layer: context.statistics.start_layer,
         time: state.time,
         machine: Some(context::machine()),
         cost: context.cost(),

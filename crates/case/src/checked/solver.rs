@@ -53,6 +53,8 @@ pub(super) fn check(checker: &Checker<'_>, raw: &Solver) -> Checked<()> {
     let accepted = format!("0 to {MOST_HALVINGS}: half as long each time");
     let halvings = raw.slab_halvings <= MOST_HALVINGS;
     errors.note(checker.require(&key.child("slab_halvings"), "the number of halvings", halvings, &accepted));
+    let layer = raw.start_layer.is_none_or(|thickness| thickness >= 0.0 && thickness.is_finite());
+    errors.note(checker.require(&key.child("start_layer"), "the thickness", layer, "0 or more"));
     if let Some(steady) = &raw.steady {
         errors.note(check_steady(checker, &key.child("steady"), steady));
     }

@@ -32,6 +32,9 @@ pub struct Solver {
     pub pseudo_time: PseudoTime,
     /// The largest number of times that a slab is halved before the run gives up.
     pub slab_halvings: usize,
+    /// The thickness of a boundary layer that the initial state gets at no-slip walls; 0 for none. Default: none, unless the first slab
+    /// cannot be solved without one.
+    pub start_layer: Option<f64>,
     /// Start from the steady flow, found from the initial state by pseudo-time on the mesh at rest. Default: the run starts from
     /// the initial state itself.
     pub steady: Option<Steady>,
@@ -52,6 +55,7 @@ impl Default for Solver {
             predictor: Predictor::Elastic,
             pseudo_time: PseudoTime::default(),
             slab_halvings: 6,
+            start_layer: None,
             steady: None,
         }
     }

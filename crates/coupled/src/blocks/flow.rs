@@ -149,9 +149,17 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
 
 /// The integrals of the components of `u`, a state at one time, on the mesh at the top of the slab (at first: at rest). A collective call.
 pub fn totals<const D: usize, const M: usize>(flow: &SlabOperator<D, M>, u: &[f64]) -> Vec<f64> {
+    totals_at(flow, u, if flow.interval().1 > 0.0 { SlabEnd::Top } else { SlabEnd::Bottom })
+}
+
+/// The integrals of the components of `u` on the mesh at an end of the slab.
+pub(crate) fn totals_at<const D: usize, const M: usize>(
+    flow: &SlabOperator<D, M>,
+    u: &[f64],
+    end: SlabEnd,
+) -> Vec<f64> {
     let one = flow.layout.at_one_time();
     let mut mass_product = vec![0.0; one.len()];
-    let end = if flow.interval().1 > 0.0 { SlabEnd::Top } else { SlabEnd::Bottom };
     flow.mass_product(u, end, &mut mass_product);
     let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
     let of_cells = |m: usize| (0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>();

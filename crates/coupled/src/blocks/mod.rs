@@ -8,6 +8,7 @@ pub mod rigid_body;
 
 pub use elastic_body::ElasticBody;
 pub(crate) use flow::inadmissible;
+pub(crate) use flow::totals_at;
 pub use flow::{Counts, FlowBlock, totals};
 pub use instants::Instants;
 pub use mesh_motion::MeshBlock;

@@ -1,7 +1,7 @@
 //! A Newton solve, step by step.
 
 use super::tolerances::Tolerances;
-use super::{Convergence, Error, Report, Settings, StepReport, Workspace};
+use super::{Convergence, Error, Report, Settings, ShortSteps, StepReport, Workspace};
 use crate::forcing::Previous;
 use crate::inner_product::{InnerProduct, axpy, copy, scaled_copy};
 use crate::operator::LinearSystem;
@@ -125,11 +125,21 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         self.settings.stall.is_some_and(|stall| self.report.steps.len() - self.best.progress >= stall.steps)
     }
 
+    /// Whether the last steps were all short and have left most of the residual.
+    fn leads_nowhere(&self, ShortSteps { steps, left }: ShortSteps) -> bool {
+        let history = self.report.residual_history();
+        let Some(before) = history.len().checked_sub(steps + 1).map(|first| history[first]) else { return false };
+        self.report.longest_of_last(steps) <= SHORT_STEPS.1 && self.report.final_norm() > left * before
+    }
+
     /// The reason to take no further step, if there is one.
     fn gives_up(&self) -> Option<Error> {
         let report = || Box::new(self.report.clone());
         if self.report.steps.len() >= self.settings.max_steps {
             return Some(Error::MaxSteps { tolerance: self.tolerances.total, report: report() });
+        }
+        if let Some(ShortSteps { steps, .. }) = self.settings.short_steps.filter(|rule| self.leads_nowhere(*rule)) {
+            return Some(Error::ShortSteps { steps, report: report() });
         }
         let (least, since) = (self.best.progress_norm, self.best.progress);
         self.has_stalled().then(|| Error::Stalled { least, since, report: report() })

@@ -73,6 +73,11 @@ impl Report {
         }
     }
 
+    /// The longest of the last `steps` step lengths; 0 without steps.
+    pub fn longest_of_last(&self, steps: usize) -> f64 {
+        self.steps.iter().rev().take(steps).map(|step| step.step_length).fold(0.0, f64::max)
+    }
+
     /// |R_k| of each field at the last accepted iterate.
     pub fn final_field_norms(&self) -> &[f64] {
         self.steps.last().map_or(&self.initial_field_norms, |step| &step.field_norms)
@@ -131,6 +136,17 @@ pub enum Error {
         /// The report up to the failure.
         report: Box<Report>,
     },
+    /// All steps are short, and the residual hardly falls.
+    #[error(
+        "Newton step {}: the last {steps} steps were at most {:.1e} of their increments, and the residual norm fell to {:e} only",
+        report.steps.len(), report.longest_of_last(*steps), report.final_norm()
+    )]
+    ShortSteps {
+        /// The number of short steps.
+        steps: usize,
+        /// The report up to the failure.
+        report: Box<Report>,
+    },
     /// The residual grew beyond all bounds, or is not finite.
     #[error(
         "Newton step {}: diverged, the residual norm is {:e}, against {reference:e} for reference",
@@ -153,6 +169,7 @@ impl Error {
             | Self::Krylov { report, .. }
             | Self::MaxSteps { report, .. }
             | Self::Stalled { report, .. }
+            | Self::ShortSteps { report, .. }
             | Self::Diverged { report, .. } => report,
         }
     }

@@ -104,6 +104,19 @@ fn the_line_search_keeps_the_state_admissible() {
     assert!(report.residual_evaluations > report.steps.len() + 1);
 }
 
+/// Steps of a twentieth leave 0.81 of the residual after four of them, steps of a fifth 0.41.
+#[test]
+fn a_solve_whose_steps_stay_short_is_given_up() {
+    let rule = Some(ShortSteps { steps: 4, left: 0.8 });
+    let solve = |largest_step, short_steps| {
+        let mut problem = Small { largest_step, ..logarithm_problem() };
+        run(&mut problem, &mut [20.0], &Settings { short_steps, max_steps: 200, ..Settings::default() })
+    };
+    let error = solve(0.05, rule).unwrap_err();
+    assert!(matches!(error, Error::ShortSteps { steps: 4, .. }) && error.report().steps.len() == 4, "{error}");
+    assert!(solve(0.05, None).is_ok() && solve(0.2, rule).is_ok());
+}
+
 #[test]
 fn no_step_is_longer_than_the_problem_allows() {
     let mut problem = logarithm_problem();

@@ -120,7 +120,7 @@ pub fn not_resolved(data: &FailureData) -> Option<Cause> {
         likelihood: 0.15 + 0.5 * rises(value, 1.0),
         what: format!("the flow is {what}; {viscosity}"),
         remedy: format!(
-            "take more or smaller cells there, or add viscosity{more}; a shock needs `flow.shock_capturing`"
+            "take more or smaller cells there, or add viscosity{more}; at walls `flow.wall_flux = \"mirrored\"` is more robust; a shock needs `flow.shock_capturing`"
         ),
     })
 }

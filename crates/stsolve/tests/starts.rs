@@ -1,0 +1,68 @@
+//! Starts from a uniform state: at walls to which gas sticks the velocity jumps.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{column, finished, number, on_case, summary};
+use serde_json::Value;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A cylinder at Re = 1e4 and M = 0.4 that stands in a uniform flow at once: with long slabs and coarse cells Newton's method does not solve
+/// the first slab.
+const SUDDEN: [&str; 10] = [
+    "mesh.generate.annulus={ inner_radius = 0.5, outer_radius = 50, first_cell = 0.02, cells = [24, 16] }",
+    "mesh.order=4",
+    "flow.order=4",
+    "flow.gas={ gamma = 1.4, prandtl = 0.72, mach = 0.4, viscosity = { constant = 1e-4 } }",
+    "flow.reference={ density = 1, speed = 1, pressure = 4.464285714285714 }",
+    "flow.initial={ uniform = { velocity = [1, 0], mach = 0.4 } }",
+    "flow.boundary.far={ far_field = { velocity = [1, 0], mach = 0.4 } }",
+    "time.order=2",
+    "time.step=0.05",
+    "time.end=0.2",
+];
+
+fn sudden(directory: &Path, more: &[&str]) -> Value {
+    finished(directory, "cylinder_street", &[&SUDDEN[..], more].concat())
+}
+
+/// One attempt fails, at little cost, and the next one begins with a layer. The layer is not the whole flow: mass and energy balance from it on.
+#[test]
+fn a_sudden_start_is_made_easier_by_a_layer_at_the_wall() {
+    let directory = TempDir::new().unwrap();
+    let summary = sudden(directory.path(), &[]);
+    assert_eq!((&summary["rejected_slabs"], &summary["slabs"]), (&1.into(), &4.into()));
+    assert!((number(&summary, "start_layer") - 0.3).abs() < 1e-12);
+    let (products, krylov) = (number(&summary, "cost.jacobian_products"), number(&summary, "krylov.total"));
+    assert!(krylov > 0.7 * products, "{krylov} Krylov iterations of {products} products were of use");
+    for figure in ["mass_error", "energy_error"] {
+        let value = number(&summary, &format!("conservation.{figure}"));
+        assert!(value < 1e-12, "{figure}: {value:e}");
+    }
+}
+
+/// The layer that a case asks for is the layer that the program takes.
+#[test]
+fn the_layer_may_be_given() {
+    let directory = TempDir::new().unwrap();
+    let last_force = |more: &[&str]| {
+        sudden(directory.path(), more);
+        *column(&directory.path().join("cylinder_street"), "wall_force_x").last().unwrap()
+    };
+    let (found, given) = (last_force(&[]), last_force(&["solver.start_layer=0.3"]));
+    assert!((found / given - 1.0).abs() < 1e-3, "{found} and {given}");
+    let thin = last_force(&["solver.start_layer=0.2"]);
+    assert!((thin / given - 1.0).abs() > 1e-2, "{thin} and {given}");
+}
+
+/// Without a layer the slab is halved.
+#[test]
+fn no_layer_where_the_case_forbids_it() {
+    let directory = TempDir::new().unwrap();
+    let set = [&SUDDEN[..], &["solver.start_layer=0", "time.end=0.05"]].concat();
+    on_case(directory.path(), "run", "cylinder_street", &set, "run", &[]);
+    let summary = summary(&directory.path().join("run"));
+    assert!(summary.get("start_layer").is_none() && number(&summary, "rejected_slabs") >= 1.0, "{summary}");
+}
