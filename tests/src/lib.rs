@@ -83,7 +83,7 @@ pub fn curved_box_at<const D: usize>(lower: f64, cells: usize, order: usize) -> 
         .scrambled(3)
 }
 
-/// An operator whose boundaries all have `condition`, with `data` if the condition takes states.
+/// An operator whose boundaries all have `condition`, with `data` if the condition takes any.
 pub fn operator<const D: usize, const M: usize>(
     mesh: &Mesh<D>,
     law: NavierStokes<D>,
@@ -110,7 +110,7 @@ where
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
 {
     let names = mesh.boundary_names();
-    let data = names.iter().map(|_| condition.takes_state().then(|| data.clone())).collect();
+    let data = names.iter().map(|_| condition.takes_data().then(|| data.clone())).collect();
     let problem = Problem { kernels: law.kernels(vec![condition; names.len()]), data, source: None };
     SlabOperator::new(problem, mesh, NodeNumbering::new(mesh, orders.mesh), orders, quadrature)
 }

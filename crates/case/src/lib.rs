@@ -21,6 +21,7 @@
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
 //! | `state` | a state prescribed by name or by formulas |
 //! | `vector` | a displacement prescribed by formulas |
+//! | `point_data` | data of boundary conditions and of sources by formulas |
 //! | `boundary_motion` | the motion of a boundary |
 //! | `expression` | formulas and tables |
 //! | `fields` | components of fields, formulas in them |
@@ -46,6 +47,7 @@ mod magnitude;
 pub mod memory;
 pub mod mesh_file;
 mod nearest;
+mod point_data;
 mod raw;
 mod reading;
 mod shape;
@@ -61,6 +63,7 @@ pub use continuation::{Difference, Differences, differences};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
 pub use fields::FieldFormula;
+pub use point_data::PointData;
 pub use raw::{editor_schema, schema};
 pub use state::State;
 pub use vector::Vector;

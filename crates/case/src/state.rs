@@ -19,28 +19,6 @@ pub enum State<const D: usize> {
     Waves(Waves<D>),
     /// Formulas.
     Expression(Box<Formulas<D>>),
-    /// Formulas of the data of a velocity inflow.
-    Entering(Box<Entering<D>>),
-}
-
-/// A velocity or mass flux and a temperature as formulas in position and time: a state of density 1, see
-/// [`navier_stokes::VelocityInflow`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entering<const D: usize> {
-    /// The gas.
-    pub gas: Gas,
-    /// The velocity or the mass flux.
-    pub vector: Vector<D>,
-    /// The temperature.
-    pub temperature: Program,
-}
-
-impl<const D: usize> Entering<D> {
-    /// The state of density 1 at `x` and `t`.
-    pub fn primitive<T: Transcendental>(&self, x: &[T; D], t: T) -> Primitive<T, D> {
-        let pressure = self.temperature.evaluate(x, t) * self.gas.gas_constant();
-        Primitive { density: t.constant(1.0), velocity: self.vector.evaluate(x, t), pressure }
-    }
 }
 
 /// Density, velocity and pressure as formulas in position and time.
@@ -75,7 +53,6 @@ impl<const D: usize, const M: usize> ExactState<D, M> for State<D> {
             State::Couette(state) => state.state(x, t),
             State::Waves(state) => state.state(x, t),
             State::Expression(formulas) => formulas.primitive(x, t).pack(&formulas.gas),
-            State::Entering(entering) => entering.primitive(x, t).pack(&entering.gas),
         }
     }
 }

@@ -26,6 +26,15 @@ impl<const D: usize> Vector<D> {
         self.components.iter().map(Program::operations).sum()
     }
 
+    /// The vector, if it is the same at all points and times.
+    pub fn as_constant(&self) -> Option<[f64; D]> {
+        let mut vector = [0.0; D];
+        for (number, component) in vector.iter_mut().zip(&self.components) {
+            *number = component.as_constant()?;
+        }
+        Some(vector)
+    }
+
     /// The vector at `x` and `t`.
     pub fn evaluate<T: Transcendental>(&self, x: &[T; D], t: T) -> [T; D] {
         std::array::from_fn(|axis| self.components[axis].evaluate(x, t))

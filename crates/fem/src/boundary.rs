@@ -78,7 +78,7 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
-    /// Positions at the points, relative to the origin of the cell, and the prescribed states there.
+    /// Positions at the points, relative to the origin of the cell, and the data of the condition there.
     #[inline(always)]
     pub(crate) fn boundary_data(self, time: f64, of: TimePointIndex, data: Option<DataAt>, scratch: &mut FacetScratch) {
         let Some(data) = data else { return };
@@ -191,7 +191,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
     pub context: &'c FacetContext<'a, D>,
     /// The time.
     pub time: FluxTime<'c>,
-    /// Prescribed states, if the condition takes any.
+    /// The data of the condition, if it takes any.
     pub data: Option<DataAt<'a>>,
     /// This thread's packs: reads the traces of the minus side, overwrites `through`.
     pub scratch: &'c mut FacetScratch,
@@ -242,8 +242,10 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 let minus = self.state(&scratch.sides[0].u, at);
                 let flux = self.point_flux(condition, (&here, &scratch.geometry), &minus, scratch, at);
                 let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
-                let at_work = law.boundary_velocity(condition, &here.n, &self.geometry(&scratch.work_velocity, at));
-                let moving = law.boundary_velocity(condition, &here.n, &here.v);
+                let (data, at_work) = (self.geometry(&scratch.data, at), self.geometry(&scratch.work_velocity, at));
+                let moving = BoundaryPoint { normal: &here.n, velocity: &here.v, data: &data };
+                let at_work = law.boundary_velocity(condition, BoundaryPoint { velocity: &at_work, ..moving });
+                let moving = law.boundary_velocity(condition, moving);
                 let [pushing, rubbing] = [law.momentum(&flux.inviscid), law.momentum(&flux.viscous)];
                 let work = power(&pushing, &at_work) + power(&rubbing, &at_work);
                 let heat = law.energy(&flux.viscous) - power(&rubbing, &moving);

@@ -9,7 +9,7 @@ pub struct BoundaryPoint<'a, G, const D: usize, const M: usize> {
     pub normal: &'a [G; D],
     /// The velocity of the mesh.
     pub velocity: &'a [G; D],
-    /// The prescribed state where [`ConservationLaw::takes_state`], otherwise arbitrary.
+    /// What is prescribed at the point where [`ConservationLaw::takes_data`], otherwise arbitrary.
     pub data: &'a [G; M],
 }
 
@@ -85,8 +85,9 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// F_c(u) . n - v_n u, and antisymmetric under exchange of the sides.
     fn numerical_flux<T: Over<G>, G: Real>(&self, minus: &[T; M], plus: &[T; M], n: &[G; D], v_n: G) -> [T; M];
 
-    /// The numbers of data that `condition` takes at a point and time: none, or the components of a prescribed state.
-    fn takes_state(&self, condition: Self::Boundary) -> bool;
+    /// Whether `condition` takes data at every point and time. The law says what they mean: a state, or numbers of which the condition
+    /// makes one.
+    fn takes_data(&self, condition: Self::Boundary) -> bool;
 
     /// The state u_b that `condition` imposes: the one at which viscous terms are evaluated and towards which the penalty
     /// pulls. Equal to `minus` where the condition imposes nothing on viscous terms.
@@ -128,10 +129,10 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         [state[0].zero(); M]
     }
 
-    /// The velocity of the boundary itself if the mesh moves with `v`. They differ for a wall that slides in its own plane.
+    /// The velocity of the boundary itself. It differs from the velocity of the mesh for a wall that slides in its own plane.
     #[inline(always)]
-    fn boundary_velocity<G: Real>(&self, _condition: Self::Boundary, _n: &[G; D], v: &[G; D]) -> [G; D] {
-        *v
+    fn boundary_velocity<G: Real>(&self, _condition: Self::Boundary, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        *at.velocity
     }
 
     /// The momentum of a state or of a flux: forces on boundaries, their moments and their work are made of it. Zero where the

@@ -62,8 +62,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
     fn inadmissible(&self, u: &[f64; M]) -> Option<(&'static str, f64)>;
     /// The number of boundaries with a condition.
     fn boundaries(&self) -> usize;
-    /// Whether the condition on boundary number `boundary` takes a prescribed state.
-    fn takes_state(&self, boundary: usize) -> bool;
+    /// Whether the condition on boundary number `boundary` takes data.
+    fn takes_data(&self, boundary: usize) -> bool;
     /// The volume terms of a slab.
     fn slab_cells(
         &self,
@@ -135,8 +135,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
     fn boundaries(&self) -> usize {
         self.conditions.len()
     }
-    fn takes_state(&self, boundary: usize) -> bool {
-        self.law.takes_state(self.conditions[boundary])
+    fn takes_data(&self, boundary: usize) -> bool {
+        self.law.takes_data(self.conditions[boundary])
     }
 
     fn slab_cells(

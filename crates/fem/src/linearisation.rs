@@ -330,7 +330,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// Blocks leave the source out: it does not depend on the state, or weakly.
+/// Blocks leave the source out. It does not depend on the state, or weakly: a body force or a sponge changes the gas little while a wave
+/// crosses a cell.
 fn no_source(_: f64, _: usize, _: &[Pack], data: &mut [Pack]) {
     data.fill(Pack::ZERO);
 }

@@ -1,4 +1,4 @@
-//! Prescribed states at the points of a batch, evaluated lane by lane.
+//! Prescribed numbers at the points of a batch, evaluated lane by lane.
 
 use crate::field::StateField;
 use tensor::{Dual, Pack, WIDTH};

@@ -96,7 +96,7 @@ pub struct FacetScratch {
     pub normal_sign: Pack,
     /// Positions at points relative to the origins of the minus cells, `[b][d][p]`.
     pub x: Vec<Pack>,
-    /// Prescribed states at points, `[b][m][p]`.
+    /// Data of conditions at points, `[b][m][p]`.
     pub data: Vec<Pack>,
     /// The flux through a boundary facet at one time, see [`crate::boundary::FacetFlux`].
     pub through: Vec<Pack>,

@@ -6,6 +6,7 @@ use crate::gas::{Gas, Viscosity};
 use crate::reference::Reference;
 use crate::riemann::Riemann;
 use crate::shock_capturing::ShockCapturing;
+use crate::source::Source;
 use crate::state::{Conserved, Primitive};
 use crate::two_point::{self, VolumeFlux};
 use fem::{BoundaryPoint, ConservationLaw, Kernels, LawKernels};
@@ -21,23 +22,13 @@ pub struct NavierStokes<const D: usize> {
     /// The state that sets the scales of the components.
     pub reference: Reference,
     /// The meaning of the source's data.
-    pub source: Source,
+    pub source: Source<D>,
     /// The inviscid flux inside of cells.
     pub volume_flux: VolumeFlux,
     /// The artificial viscosity of shocks, if there is one.
     pub shock_capturing: Option<ShockCapturing>,
     /// The inviscid flux of walls and planes of symmetry.
     pub wall_flux: WallFlux,
-}
-
-/// What is given as a source.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Source {
-    /// s itself.
-    #[default]
-    Given,
-    /// The acceleration a of a body force, in the place of the momentum: s = (0, rho a, rho v . a).
-    Acceleration,
 }
 
 impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
@@ -102,17 +93,7 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
 
     #[inline(always)]
     fn source<T: Over<G>, G: Real>(&self, u: &[T; M], data: &[G; M]) -> [T; M] {
-        let mut s = data.map(T::lift);
-        if self.source == Source::Acceleration {
-            s[M - 1] = u[1].scale(data[1]);
-            for i in 1..D {
-                s[M - 1] = u[1 + i].scale_add(data[1 + i], s[M - 1]);
-            }
-            for i in 0..D {
-                s[1 + i] = u[0].scale(data[1 + i]);
-            }
-        }
-        s
+        self.source.at(u, data)
     }
 
     #[inline(always)]
@@ -121,8 +102,8 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     }
 
     #[inline(always)]
-    fn takes_state(&self, condition: Boundary<D>) -> bool {
-        condition.takes_state()
+    fn takes_data(&self, condition: Boundary<D>) -> bool {
+        condition.takes_data()
     }
 
     #[inline(always)]
@@ -169,8 +150,8 @@ impl<const D: usize, const M: usize> ConservationLaw<D, M> for NavierStokes<D> {
     }
 
     #[inline(always)]
-    fn boundary_velocity<G: Real>(&self, condition: Boundary<D>, n: &[G; D], v: &[G; D]) -> [G; D] {
-        condition.velocity(n, v)
+    fn boundary_velocity<G: Real>(&self, condition: Boundary<D>, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        condition.velocity(at)
     }
 
     #[inline(always)]

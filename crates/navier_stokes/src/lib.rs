@@ -11,6 +11,7 @@
 //! * [`Conserved`], [`Primitive`]: states with named components.
 //! * [`Riemann`]: numerical fluxes on moving facets.
 //! * [`ShockCapturing`]: an artificial viscosity.
+//! * [`Source`]: body forces and sponges.
 //! * [`Boundary`] and its conditions.
 //! * [`WallForce`]: forces, power and heat of walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
@@ -26,6 +27,7 @@ mod manufactured;
 mod reference;
 mod riemann;
 mod shock_capturing;
+mod source;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -39,10 +41,11 @@ pub use error::InvalidParameter;
 pub use exact::{Exact, ExactState};
 pub use forces::{Coefficients, ForceScales, WallForce};
 pub use gas::{Gas, Viscosity};
-pub use law::{Compiled, NavierStokes, Source};
+pub use law::{Compiled, NavierStokes};
 pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;
 pub use shock_capturing::ShockCapturing;
+pub use source::Source;
 pub use state::{Conserved, Primitive};
 pub use two_point::VolumeFlux;

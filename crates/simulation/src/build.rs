@@ -3,8 +3,8 @@
 use super::bodies::bodies;
 use case::expression::Program;
 use case::{
-    Analysis, Case, Flow, Jacobian, Motion, Plane, Preconditioner, Predictor, State, Stiffness, Structure,
-    StructureLaw, Support, Vector, constrained,
+    Analysis, Case, Data, Flow, Jacobian, Motion, Plane, PointData, Preconditioner, Predictor, Source, State,
+    Stiffness, Structure, StructureLaw, Support, Vector, constrained,
 };
 use coupled::{
     BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
@@ -18,7 +18,6 @@ use fem::{Orders, Problem, Share, SlabOperator, StateField, VectorField};
 use mesh::{BoundaryDistance, Mesh, NodeNumbering};
 use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes, Riemann};
 use std::sync::Arc;
-use tensor::{Dual, Transcendental};
 
 /// Tolerance of a solve with K: displacements are then accurate to round-off.
 const ELASTIC_TOLERANCE: f64 = 1e-13;
@@ -377,8 +376,11 @@ where
     Exact<State<D>>: StateField<D, M>,
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    let field = |state: &State<D>| Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>;
-    let data = flow.boundary.iter().map(|boundary| boundary.state.as_ref().map(field)).collect();
+    let field = |data: &Data<D>| match data {
+        Data::State(state) => Arc::new(Exact(state.clone())) as Arc<dyn StateField<D, M>>,
+        Data::Values(values) => Arc::new(PointData::clone(values)),
+    };
+    let data = flow.boundary.iter().map(|boundary| boundary.data.as_ref().map(field)).collect();
     let conditions = flow.boundary.iter().map(|boundary| boundary.condition).collect();
     Problem { kernels: flow.law.kernels(conditions), data, source: source(flow) }
 }
@@ -388,30 +390,12 @@ fn source<const D: usize, const M: usize>(flow: &Flow<D>) -> Option<Arc<dyn Stat
 where
     Manufactured<State<D>, D>: StateField<D, M>,
 {
-    if let Some(acceleration) = &flow.acceleration {
-        return Some(Arc::new(Acceleration(acceleration.clone())));
+    let source = flow.source.as_ref()?;
+    if let Some(formulas) = source.formulas() {
+        return Some(Arc::new(formulas.clone()));
     }
-    let exact = flow.exact.clone().filter(|_| flow.manufactured)?;
+    let exact = flow.exact.clone().filter(|_| *source == Source::Manufactured)?;
     Some(Arc::new(Manufactured { law: flow.law, exact }))
-}
-
-/// An acceleration as data of [`navier_stokes::Source::Acceleration`].
-struct Acceleration<const D: usize>(Vector<D>);
-
-impl<const D: usize> Acceleration<D> {
-    fn data<T: Transcendental, const M: usize>(&self, x: &[T; D], t: T) -> [T; M] {
-        let a = self.0.evaluate(x, t);
-        std::array::from_fn(|m| if (1..=D).contains(&m) { a[m - 1] } else { t.zero() })
-    }
-}
-
-impl<const D: usize, const M: usize> StateField<D, M> for Acceleration<D> {
-    fn value(&self, x: &[f64; D], t: f64) -> [f64; M] {
-        self.data(x, t)
-    }
-    fn dual(&self, x: &[Dual<f64>; D], t: f64) -> [Dual<f64>; M] {
-        self.data(x, Dual::from(t))
-    }
 }
 
 fn settings<const D: usize>(case: &Case<D>) -> coupled::Settings {

@@ -377,6 +377,7 @@ where
         let still = vec![0.0; state.d.len()];
         let surfaces = SurfaceFlow {
             flow: self.flow,
+            time: state.time,
             mover: &self.march.solver.system.mesh.mover,
             displacement: &state.d,
             velocity: state.past.as_ref().map_or(&still[..], |past| top(&past.v, &state.d)),

@@ -58,10 +58,10 @@ where
     if let Some(exact) = &flow.exact {
         add_errors(whole, exact, summary.error.get_or_insert_default());
     }
-    // A manufactured source adds mass and energy, a body force does work.
-    let is_closed = !flow.manufactured && flow.acceleration.is_none();
+    // A body force keeps mass and does work.
+    let is_closed = flow.source.is_none();
     let conservation = Conservation {
-        mass_error: (!flow.manufactured).then_some(statistics.mass_error),
+        mass_error: flow.conserves_mass().then_some(statistics.mass_error),
         energy_error: is_closed.then_some(statistics.energy_error),
         coupled_energy_error: (is_closed && bodies::has_bodies(case)).then_some(statistics.coupled_energy_error),
         free_stream_error: match &flow.exact {

@@ -1,5 +1,6 @@
 //! The flow.
 
+use super::boundary_data::{BoundaryData, Data};
 use super::forces::{self, Wall};
 use super::given::{self, Given};
 use super::initial;
@@ -7,19 +8,16 @@ use super::mesh_crate::Mesh;
 use super::openings;
 use super::quadrature;
 use super::slide;
+use super::source::{self, Source};
 use super::states::{self, Typical};
 use super::time::Time;
+use super::walls;
 use crate::checker::{Checked, Checker};
 use crate::error::{Errors, collected};
 use crate::key::Key;
-use crate::magnitude::is_bounded;
 use crate::raw;
 use crate::state::State;
-use crate::vector::Vector;
-use navier_stokes::{
-    AdiabaticWall, Boundary, FarField, IsothermalWall, NavierStokes, PrescribedState, Riemann, SlipWall, Source,
-    WallFlux,
-};
+use navier_stokes::{Boundary, FarField, NavierStokes, PrescribedState, Riemann, SlipWall, WallFlux};
 
 /// The compressible flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,10 +38,8 @@ pub struct Flow<const D: usize> {
     pub uniform_velocity: Option<[f64; D]>,
     /// The solution, if it is known.
     pub exact: Option<State<D>>,
-    /// Whether there is the source that makes `exact` the solution.
-    pub manufactured: bool,
-    /// The acceleration of a body force.
-    pub acceleration: Option<Vector<D>>,
+    /// The source. For the meaning of its data see `law.source`.
+    pub source: Option<Source<D>>,
     /// The condition on each boundary, in the order of `Mesh::boundary_names`.
     pub boundary: Vec<BoundaryData<D>>,
     /// The boundaries that are walls.
@@ -51,19 +47,18 @@ pub struct Flow<const D: usize> {
 }
 
 impl<const D: usize> Flow<D> {
+    /// Whether the source is the one that makes `exact` the solution.
+    pub fn is_manufactured(&self) -> bool {
+        self.source == Some(Source::Manufactured)
+    }
+    /// Whether no source adds mass.
+    pub fn conserves_mass(&self) -> bool {
+        self.source.is_none() || self.law.source == navier_stokes::Source::Acceleration
+    }
     /// The pressure of the reference state.
     pub fn reference_pressure(&self) -> f64 {
         self.law.reference.pressure(&self.law.gas)
     }
-}
-
-/// The condition on a boundary, and its prescribed state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BoundaryData<const D: usize> {
-    /// The condition.
-    pub condition: Boundary<D>,
-    /// The prescribed state, if the condition takes one.
-    pub state: Option<State<D>>,
 }
 
 /// Checks `[flow]` of a run that covers `time`.
@@ -79,8 +74,9 @@ pub(super) fn check<const D: usize>(
     let quadrature = errors.note(quadrature::check(checker, &key.child("quadrature"), raw.quadrature, mesh, raw.order));
     let volume_flux = errors.note(quadrature::volume_flux(checker, &key, raw));
     let shock_capturing = errors.note(given::shock_capturing(checker, &key.child("shock_capturing"), raw));
-    let acceleration = errors.note(acceleration(checker, &key.child("source"), raw.source.as_ref(), mesh, time));
     let given = errors.note(given::check(checker, &key, raw));
+    let source =
+        given.as_ref().and_then(|given| errors.note(source::check(checker, &key, raw, given.gas, (mesh, time))));
     let boundary = given.as_ref().and_then(|given| {
         let boundary = boundary(checker, &key.child("boundary"), raw, mesh, given, time);
         errors.note(boundary)
@@ -99,26 +95,24 @@ pub(super) fn check<const D: usize>(
         Some(quadrature),
         Some(volume_flux),
         Some(shock_capturing),
-        Some(acceleration),
+        Some((source, meaning)),
         Some(given),
         Some(boundary),
         Some(walls),
-    ) = (order, quadrature, volume_flux, shock_capturing, acceleration, given, boundary, walls)
+    ) = (order, quadrature, volume_flux, shock_capturing, source, given, boundary, walls)
     else {
         unreachable!("what is missing has left an error")
     };
     let Given { exact, initial, uniform_velocity, gas, reference, speed, length } = given;
-    let source = if acceleration.is_some() { Source::Acceleration } else { Source::Given };
     let law = NavierStokes {
         gas,
         riemann: riemann(raw.riemann),
         reference,
-        source,
+        source: meaning,
         volume_flux,
         shock_capturing,
         wall_flux: wall_flux(raw.wall_flux),
     };
-    let manufactured = raw.source == Some(raw::Source::Manufactured);
     Ok(Flow {
         order,
         law,
@@ -128,31 +122,10 @@ pub(super) fn check<const D: usize>(
         initial,
         uniform_velocity,
         exact,
-        manufactured,
-        acceleration,
+        source,
         boundary,
         walls,
     })
-}
-
-/// The acceleration of a body force, which has a value everywhere at the start and the end.
-fn acceleration<const D: usize>(
-    checker: &Checker<'_>,
-    key: &Key,
-    raw: Option<&raw::Source>,
-    mesh: &Mesh<D>,
-    time: &Time,
-) -> Checked<Option<Vector<D>>> {
-    let Some(raw::Source::Acceleration(formulas)) = raw else { return Ok(None) };
-    let key = key.child("acceleration");
-    let acceleration: Vector<D> = checker.formulas(&key, formulas)?;
-    for (x, t) in mesh.coordinates().chunks_exact(D).flat_map(|x| [(x, time.start), (x, time.end)]) {
-        let a = acceleration.evaluate(&std::array::from_fn(|axis| x[axis]), t);
-        let quantity = format!("the acceleration at {x:?} and t = {t}, {a:?},");
-        let bounded = a.iter().all(|a| is_bounded(*a));
-        checker.require(&key, &quantity, bounded, "formulas that are finite everywhere, and at most 1e60")?;
-    }
-    Ok(Some(acceleration))
 }
 
 fn riemann(raw: raw::Riemann) -> Riemann {
@@ -181,9 +154,9 @@ fn boundary<const D: usize>(
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
     let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
         let data = self::condition(checker, key, raw, given)?;
-        slide::check(checker, key, raw, mesh, index)?;
-        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time.start)?;
-        if let (raw::Condition::PrescribedState(_), Some(state)) = (raw, &data.state) {
+        openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time)?;
+        slide::check(checker, key, raw, (mesh, index), time)?;
+        if let (raw::Condition::PrescribedState(_), Some(Data::State(state))) = (raw, &data.data) {
             initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
         }
         Ok(data)
@@ -199,7 +172,7 @@ fn condition<const D: usize>(
 ) -> Checked<BoundaryData<D>> {
     let Given { exact, gas, reference, .. } = given;
     let gas = *gas;
-    let prescribed = |state| BoundaryData { condition: Boundary::PrescribedState(PrescribedState), state: Some(state) };
+    let prescribed = |state| BoundaryData::by_state(Boundary::PrescribedState(PrescribedState), state);
     let condition = match raw {
         raw::Condition::Exact => {
             let missing = || {
@@ -221,27 +194,18 @@ fn condition<const D: usize>(
             let key = key.child("far_field");
             Boundary::FarField(checker.physics(&key, FarField::new(states::free_stream(checker, &key, stream, gas)?))?)
         }
-        raw::Condition::AdiabaticWall(wall) => {
-            let key = key.child("adiabatic_wall");
-            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
-            Boundary::AdiabaticWall(checker.physics(&key, AdiabaticWall::new(slide))?)
-        }
-        raw::Condition::IsothermalWall(wall) => {
-            let key = key.child("isothermal_wall");
-            let slide = checker.vector_or_zero(&key.child("slide"), "the velocity", wall.slide.as_ref())?;
-            let temperature = checker.positive(&key.child("temperature"), "the temperature", wall.temperature)?;
-            Boundary::IsothermalWall(checker.physics(&key, IsothermalWall::new(temperature, slide))?)
-        }
-        raw::Condition::Inflow(inflow) => openings::inflow(checker, &key.child("inflow"), inflow)?,
+        raw::Condition::AdiabaticWall(wall) => return walls::adiabatic(checker, &key.child("adiabatic_wall"), wall),
+        raw::Condition::IsothermalWall(wall) => return walls::isothermal(checker, &key.child("isothermal_wall"), wall),
+        raw::Condition::Inflow(inflow) => return openings::inflow(checker, &key.child("inflow"), inflow),
         raw::Condition::VelocityInflow(inflow) => {
-            return openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow, gas);
+            return openings::velocity_inflow(checker, &key.child("velocity_inflow"), inflow);
         }
         raw::Condition::SupersonicInflow(state) => {
             return openings::supersonic_inflow(checker, &key.child("supersonic_inflow"), state, gas);
         }
         raw::Condition::Outflow(outflow) => {
-            openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference)?
+            return openings::outflow(checker, &key.child("outflow"), outflow, &gas, reference);
         }
     };
-    Ok(BoundaryData { condition, state: None })
+    Ok(BoundaryData::uniform(condition))
 }

@@ -1,6 +1,6 @@
 //! The reference values of forces on walls.
 
-use super::flow::BoundaryData;
+use super::boundary_data::BoundaryData;
 use super::mesh_crate::Mesh;
 use super::time::Time;
 use crate::checker::{Checked, Checker};

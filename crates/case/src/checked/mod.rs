@@ -2,11 +2,13 @@
 
 mod averages;
 mod bodies;
+mod boundary_data;
 mod boundary_motion;
 mod displacement;
 mod flow;
 mod forces;
 mod given;
+mod given_values;
 mod held_nodes;
 mod inertia;
 mod initial;
@@ -23,11 +25,13 @@ mod shared_nodes;
 mod slide;
 mod sliding_mesh;
 mod solver;
+mod source;
 mod states;
 mod structure;
 mod surfaces;
 mod tables;
 mod time;
+mod walls;
 
 pub use super::raw::{
     AllowedChange, Analysis, Average, Damping, Field, Integral, Jacobian, Plane, Preconditioner, Predictor, PseudoTime,
@@ -35,13 +39,15 @@ pub use super::raw::{
 };
 pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
-pub use flow::{BoundaryData, Flow};
+pub use boundary_data::{BoundaryData, Data};
+pub use flow::Flow;
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice};
 pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
 pub use sliding_mesh::{Held, constrained};
+pub use source::Source;
 pub use structure::{Largest, Structure, Support};
 pub use time::{Output, Time};
 

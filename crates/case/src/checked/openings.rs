@@ -1,24 +1,37 @@
 //! The boundary conditions at which gas enters or leaves.
 
-use super::flow::BoundaryData;
+use super::boundary_data::{BoundaryData, Data};
+use super::given_values;
 use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
+use super::time::Time;
 use crate::checker::{Checked, Checker};
+use crate::expression::Program;
 use crate::key::Key;
-use crate::magnitude::{is_bounded, is_computable};
+use crate::magnitude::is_computable;
+use crate::point_data::PointData;
 use crate::raw;
-use crate::state::{Entering, State};
+use crate::state::State;
+use crate::vector::Vector;
 use basis::gauss_lobatto;
 use navier_stokes::{Boundary, Gas, Inflow, Outflow, Primitive, Reference, SupersonicInflow, VelocityInflow};
 use tensor::{dot, norm};
 
 /// Checks an inflow from a reservoir.
-pub(super) fn inflow<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Inflow) -> Checked<Boundary<D>> {
-    let direction = checker.finite_vector(&key.child("direction"), "the direction", &raw.direction)?;
-    let pressure = checker.positive(&key.child("total_pressure"), "the pressure", raw.total_pressure)?;
-    let temperature = checker.positive(&key.child("total_temperature"), "the temperature", raw.total_temperature)?;
+pub(super) fn inflow<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Inflow) -> Checked<BoundaryData<D>> {
+    let data = PointData {
+        first: checker.formula::<D>(&key.child("total_pressure"), &raw.total_pressure)?,
+        vector: checker.formulas(&key.child("direction"), &raw.direction)?,
+        last: checker.formula::<D>(&key.child("total_temperature"), &raw.total_temperature)?,
+    };
+    let Some((pressure, direction, temperature)) = data.as_constants() else {
+        return Ok(BoundaryData::by_formulas(Boundary::Inflow(Inflow::at_points()), data));
+    };
+    let direction: [f64; D] = checker.finite_vector(&key.child("direction"), "the direction", &direction)?;
+    let pressure = checker.positive(&key.child("total_pressure"), "the pressure", pressure)?;
+    let temperature = checker.positive(&key.child("total_temperature"), "the temperature", temperature)?;
     let inflow = Inflow::new(pressure, temperature, direction);
-    Ok(Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?))
+    Ok(BoundaryData::uniform(Boundary::Inflow(checker.physics(&key.child("direction"), inflow)?)))
 }
 
 /// Checks an outflow. Gas that comes back has by default the temperature of the reference state.
@@ -28,18 +41,24 @@ pub(super) fn outflow<const D: usize>(
     raw: &raw::Outflow,
     gas: &Gas,
     reference: &Reference,
-) -> Checked<Boundary<D>> {
+) -> Checked<BoundaryData<D>> {
     let key_of_temperature = key.child("total_temperature");
-    let temperature = match raw.total_temperature {
-        Some(given) => checker.positive(&key_of_temperature, "the temperature", given)?,
+    let last = match &raw.total_temperature {
+        Some(given) => checker.formula::<D>(&key_of_temperature, given)?,
         None => {
             let temperature = reference.total_temperature(gas);
             checker.note_default(&key_of_temperature, &format!("{temperature}, of `flow.reference`"));
-            temperature
+            Program::constant(temperature)
         }
     };
-    let outflow = Outflow::new(raw.pressure, temperature);
-    Ok(Boundary::Outflow(checker.physics(&key.child("pressure"), outflow)?))
+    let first = checker.formula::<D>(&key.child("pressure"), &raw.pressure)?;
+    let data = PointData { first, vector: Vector::zero(), last };
+    let Some((pressure, _, temperature)) = data.as_constants() else {
+        return Ok(BoundaryData::by_formulas(Boundary::Outflow(Outflow::at_points()), data));
+    };
+    let temperature = checker.positive(&key_of_temperature, "the temperature", temperature)?;
+    let outflow = Outflow::new(pressure, temperature);
+    Ok(BoundaryData::uniform(Boundary::Outflow(checker.physics(&key.child("pressure"), outflow)?)))
 }
 
 /// Checks an inflow of given velocity or mass flux.
@@ -47,7 +66,6 @@ pub(super) fn velocity_inflow<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::VelocityInflow,
-    gas: Gas,
 ) -> Checked<BoundaryData<D>> {
     let (condition, vector) = match (&raw.velocity, &raw.mass_flux) {
         (Some(velocity), None) => (VelocityInflow::OfVelocity, checker.formulas(&key.child("velocity"), velocity)?),
@@ -57,9 +75,9 @@ pub(super) fn velocity_inflow<const D: usize>(
             return Err(checker.combination(key, problem, "one of `velocity` and `mass_flux`"));
         }
     };
-    let temperature = checker.formula::<D>(&key.child("temperature"), &raw.temperature)?;
-    let state = State::Entering(Box::new(Entering { gas, vector, temperature }));
-    Ok(BoundaryData { condition: Boundary::VelocityInflow(condition), state: Some(state) })
+    let last = checker.formula::<D>(&key.child("temperature"), &raw.temperature)?;
+    let data = PointData { first: Program::constant(0.0), vector, last };
+    Ok(BoundaryData::by_formulas(Boundary::VelocityInflow(condition), data))
 }
 
 /// Checks a supersonic inflow.
@@ -70,7 +88,7 @@ pub(super) fn supersonic_inflow<const D: usize>(
     gas: Gas,
 ) -> Checked<BoundaryData<D>> {
     let Typical { state, .. } = states::check(checker, key, raw, gas)?;
-    Ok(BoundaryData { condition: Boundary::SupersonicInflow(SupersonicInflow), state: Some(state) })
+    Ok(BoundaryData::by_state(Boundary::SupersonicInflow(SupersonicInflow), state))
 }
 
 /// Position and outward unit normal of every node on a boundary of the mesh at rest.
@@ -98,37 +116,22 @@ pub(super) fn check_on_boundary<const D: usize>(
     data: &BoundaryData<D>,
     (mesh, boundary): (&Mesh<D>, usize),
     gas: &Gas,
-    start: f64,
+    time: &Time,
 ) -> Checked<()> {
     let nodes = || nodes_with_normals(mesh, boundary);
-    match (&data.condition, &data.state) {
-        (Boundary::Inflow(inflow), _) => points_into_domain(checker, &key.child("inflow"), inflow, &nodes()),
-        (_, Some(State::Entering(entering))) => {
-            let (key, vector) = (key.child("velocity_inflow"), &data.condition);
-            let vector =
-                if *vector == Boundary::VelocityInflow(VelocityInflow::OfMassFlux) { "mass_flux" } else { "velocity" };
-            nodes().iter().try_for_each(|(x, _)| {
-                let state = entering.primitive(x, start);
-                let t = state.pressure / gas.gas_constant();
-                let quantity = format!("the temperature at {x:?}, {t},");
-                let positive = t > 0.0 && is_computable(t);
-                checker.require(
-                    &key.child("temperature"),
-                    &quantity,
-                    positive,
-                    "a formula that is positive everywhere",
-                )?;
-                let finite = state.velocity.iter().all(|w| is_bounded(*w));
-                checker.require(
-                    &key.child(vector),
-                    &format!("the vector at {x:?}"),
-                    finite,
-                    "formulas that are finite everywhere",
-                )
-            })
+    if let Some(Data::Values(values)) = &data.data {
+        given_values::check(checker, key, (&data.condition, values), (mesh, boundary), time)?;
+    }
+    match (&data.condition, &data.data) {
+        (Boundary::Inflow(inflow), values) => {
+            let direction = |x: &[f64; D]| match values {
+                Some(Data::Values(values)) => values.vector.evaluate(x, time.start),
+                _ => inflow.direction().unwrap_or([0.0; D]),
+            };
+            points_into_domain(checker, &key.child("inflow"), direction, &nodes())
         }
-        (Boundary::SupersonicInflow(_), Some(state)) => {
-            enters_faster_than_sound(checker, &key.child("supersonic_inflow"), state, &nodes(), gas, start)
+        (Boundary::SupersonicInflow(_), Some(Data::State(state))) => {
+            enters_faster_than_sound(checker, &key.child("supersonic_inflow"), state, &nodes(), gas, time.start)
         }
         _ => Ok(()),
     }
@@ -138,12 +141,19 @@ pub(super) fn check_on_boundary<const D: usize>(
 fn points_into_domain<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
-    inflow: &Inflow<D>,
+    direction: impl Fn(&[f64; D]) -> [f64; D],
     nodes: &[([f64; D], [f64; D])],
 ) -> Checked<()> {
-    /// The least component of the direction that points into the domain.
+    /// The least component of the unit direction that points into the domain.
     const LEAST: f64 = 1e-6;
-    let into = |(_, normal): &([f64; D], [f64; D])| dot(&inflow.direction(), normal) < -LEAST;
+    if let Some((x, _)) = nodes.iter().find(|(x, _)| norm(&direction(x)) == 0.0) {
+        let quantity = format!("the direction at {x:?}, {:?},", direction(x));
+        checker.require(&key.child("direction"), &quantity, false, "a vector that points somewhere")?;
+    }
+    let into = |(x, normal): &([f64; D], [f64; D])| {
+        let direction = direction(x);
+        dot(&direction, normal) < -LEAST * norm(&direction)
+    };
     let normal = nodes.first().map_or([0.0; D], |(_, normal)| *normal);
     let accepted = format!("a vector into the domain: the outward normal of the boundary is {normal:.3?}");
     checker.require(&key.child("direction"), "the direction", nodes.iter().any(into), &accepted)

@@ -2,21 +2,24 @@
 
 use super::mesh_crate::Mesh;
 use super::openings::nodes_with_normals;
+use super::time::Time;
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
 use crate::raw;
+use crate::vector::Vector;
+use tensor::{dot, norm};
 
 /// The fraction of its velocity with which a wall may leave its plane, for the accuracy of the geometry of a file.
 const OUT_OF_PLANE: f64 = 1e-6;
 
-/// Checks that a `boundary` of `mesh` slides along itself if its condition `raw`, given at `key`, lets it slide. The kernels take only the
+/// Checks that a `boundary` of `mesh` slides along itself at the start if its condition `raw`, given at `key`, lets it slide. The kernels take only the
 /// tangential part of the velocity, so another part would be ignored silently.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
-    mesh: &Mesh<D>,
-    boundary: usize,
+    (mesh, boundary): (&Mesh<D>, usize),
+    time: &Time,
 ) -> Checked<()> {
     let (name, slide) = match raw {
         raw::Condition::AdiabaticWall(wall) => ("adiabatic_wall", &wall.slide),
@@ -24,15 +27,18 @@ pub(super) fn check<const D: usize>(
         _ => return Ok(()),
     };
     let Some(slide) = slide else { return Ok(()) };
-    let along = |normal: &[f64; D]| slide.iter().zip(normal).map(|(w, n)| w * n).sum::<f64>();
-    let speed = slide.iter().map(|w| w * w).sum::<f64>().sqrt();
-    let nodes = nodes_with_normals(mesh, boundary);
-    let leaves = nodes.into_iter().find(|(_, normal)| along(normal).abs() > OUT_OF_PLANE * speed);
-    let Some((x, normal)) = leaves else { return Ok(()) };
+    let key = key.child(name).child("slide");
+    let slide: Vector<D> = checker.formulas(&key, slide)?;
+    let velocity = |x: &[f64; D]| slide.evaluate(x, time.start);
+    let leaves = |(x, normal): &([f64; D], [f64; D])| {
+        let velocity = velocity(x);
+        dot(&velocity, normal).abs() > OUT_OF_PLANE * norm(&velocity)
+    };
+    let Some((x, normal)) = nodes_with_normals(mesh, boundary).into_iter().find(leaves) else { return Ok(()) };
     let problem = format!(
         "the wall does not slide in its plane: at {x:?}, where its normal is {normal:.6?}, it would move by {:.3e} along that",
-        along(&normal)
+        dot(&velocity(&x), &normal)
     );
     let accepted = "a velocity along the wall everywhere; a wall that moves otherwise, such as one that turns, is given in [motion]";
-    Err(checker.combination(&key.child(name).child("slide"), &problem, accepted))
+    Err(checker.combination(&key, &problem, accepted))
 }

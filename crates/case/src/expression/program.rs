@@ -88,6 +88,13 @@ impl Program {
         self.instructions.contains(&Instruction::Variable(variable))
     }
 
+    /// Whether the value depends on a coordinate.
+    pub fn depends_on_position(&self) -> bool {
+        let is_coordinate =
+            |instruction: &Instruction| matches!(instruction, Instruction::Variable(Variable::Coordinate(_)));
+        self.instructions.iter().any(is_coordinate)
+    }
+
     /// The value at the point `x` and time `t`. Entries beyond the length of `x` are zero.
     pub fn evaluate<T: Transcendental>(&self, x: &[T], t: T) -> T {
         let mut stack = [T::from(0.0); STACK];

@@ -36,6 +36,8 @@ pub struct Flow {
     pub initial: Option<State>,
     /// A source on the right-hand side of the equations.
     pub source: Option<Source>,
+    /// A sponge, which draws the gas to a uniform state: it absorbs waves and wakes before they reach a boundary.
+    pub sponge: Option<Sponge>,
     /// The condition on each boundary, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, Condition>,
@@ -292,6 +294,30 @@ pub enum Source {
     Manufactured,
     /// A body force per mass, a formula per axis in x, y, z and t: gravity, or what drives a periodic channel.
     Acceleration(Vec<Formula>),
+    /// Mass, momentum and energy per volume and time.
+    Given(GivenSource),
+}
+
+/// A source per volume and time, by formulas in x, y, z and t.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GivenSource {
+    /// The mass. Default: 0.
+    pub density: Option<Formula>,
+    /// The momentum, a formula per axis. Default: 0.
+    pub momentum: Option<Vec<Formula>>,
+    /// The total energy. Default: 0.
+    pub energy: Option<Formula>,
+}
+
+/// A sponge: the source - strength (u - target) of all conserved quantities u. It may be combined with `source = { acceleration = ... }`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sponge {
+    /// The strength, an inverse time: a formula in x, y, z and t that is 0 outside of the sponge.
+    pub strength: Formula,
+    /// The state to which the gas is drawn.
+    pub target: FreeStream,
 }
 
 /// A condition on a boundary.
@@ -326,18 +352,18 @@ pub enum Condition {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdiabaticWall {
-    /// The velocity with which the wall slides in its plane, relative to the mesh. Default: zero.
-    pub slide: Option<Vec<f64>>,
+    /// The velocity with which the wall slides in its plane, relative to the mesh: a formula per axis in x, y, z and t. Default: zero.
+    pub slide: Option<Vec<Formula>>,
 }
 
 /// An isothermal no-slip wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IsothermalWall {
-    /// The temperature.
-    pub temperature: f64,
-    /// The velocity with which the wall slides in its plane, relative to the mesh. Default: zero.
-    pub slide: Option<Vec<f64>>,
+    /// The temperature: a formula in x, y, z and t.
+    pub temperature: Formula,
+    /// The velocity with which the wall slides in its plane, relative to the mesh: a formula per axis in x, y, z and t. Default: zero.
+    pub slide: Option<Vec<Formula>>,
 }
 
 /// Typical values.

@@ -76,7 +76,7 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
     assert_eq!((case.about.name.as_str(), case.mesh.n_cells(), case.mesh.order()), ("base", 8, 3));
     assert_eq!((case.time.slabs, case.time.step, case.time.order), (4, 0.3, 2));
     let flow = case.flow.unwrap();
-    assert_eq!((flow.order, flow.law.riemann, flow.manufactured), (4, Riemann::Roe, false));
+    assert_eq!((flow.order, flow.law.riemann, flow.is_manufactured()), (4, Riemann::Roe, false));
     assert_eq!(flow.exact, None);
     let walls: Vec<bool> = flow.boundary.iter().map(|data| data.condition.is_wall()).collect();
     assert_eq!(case.mesh.boundary_names(), ["left", "right", "bottom", "top"]);
@@ -89,6 +89,48 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
     let Some(BoundaryMotion::Formulas(left)) = &boundary[0] else { panic!("by formulas") };
     assert_eq!((left.value(&[0.0, 0.5], 2.0), left.rate(&[0.0, 0.5], 2.0)), ([0.2, 0.0], [0.1, 0.0]));
     assert_eq!(boundary[1..], [const { None }; 3]);
+}
+
+/// Numbers and formulas of constants stay numbers, so that nothing is evaluated at points.
+#[test]
+fn values_of_conditions_are_numbers_or_data() {
+    let data = |condition: &str| {
+        let case = plane(&BASE.replace("left = \"slip_wall\"", &format!("left = {{ {condition} }}")), &[]);
+        let BoundaryData { condition, data } = case.flow.unwrap().boundary.remove(0);
+        assert_eq!(condition.takes_data(), data.is_some());
+        data.map(|data| data.at::<4>(&[2.0, 3.0], 5.0))
+    };
+    let wall = "isothermal_wall = { temperature = TEMPERATURE, slide = [0, SLIDE] }";
+    let with = |temperature: &str, slide: &str| wall.replace("TEMPERATURE", temperature).replace("SLIDE", slide);
+    assert_eq!(data(&with("2", "\"a\"")), None);
+    assert_eq!(data(&with("\"1 + y\"", "\"a\"")), Some([0.0, 0.0, 0.1, 4.0]));
+    assert_eq!(data(&with("2", "\"t\"")), Some([0.0, 0.0, 5.0, 2.0]));
+    assert_eq!(data("adiabatic_wall = { slide = [0, \"y*t\"] }"), Some([0.0, 0.0, 15.0, 0.0]));
+    assert_eq!(data("outflow = { pressure = \"b\", total_temperature = 3 }"), None);
+    assert_eq!(data("outflow = { pressure = \"1 + x\", total_temperature = 3 }"), Some([3.0, 0.0, 0.0, 3.0]));
+    let inflow = "inflow = { total_pressure = 2, total_temperature = 3, direction = [1, \"y\"] }";
+    assert_eq!(data(inflow), Some([2.0, 1.0, 3.0, 3.0]));
+}
+
+/// A body force and a sponge share the data of a source.
+#[test]
+fn sources_are_data_with_a_meaning() {
+    let source = |keys: &str| {
+        let flow = plane(&BASE.replace("order = 4", &format!("order = 4\n{keys}")), &[]).flow.unwrap();
+        let data =
+            flow.source.as_ref().and_then(Source::formulas).map(|data| data.evaluate::<f64, 4>(&[2.0, 3.0], 5.0));
+        (data, flow.law.source, flow.conserves_mass())
+    };
+    let force = "source = { acceleration = [\"t\", 7] }";
+    let sponge = "sponge = { strength = \"x\", target = { velocity = [0, 0], pressure = 1 } }";
+    let target = navier_stokes::Conserved { density: 1.0, momentum: [0.0; 2], energy: 1.0 / (1.4 - 1.0) };
+    let of_sponge = navier_stokes::Source::Sponge { target };
+    assert_eq!(source(""), (None, navier_stokes::Source::Given, true));
+    assert_eq!(source(force), (Some([0.0, 5.0, 7.0, 0.0]), navier_stokes::Source::Acceleration, true));
+    assert_eq!(source(sponge), (Some([2.0, 0.0, 0.0, 0.0]), of_sponge, false));
+    assert_eq!(source(&[force, sponge].join("\n")), (Some([2.0, 5.0, 7.0, 0.0]), of_sponge, false));
+    let given = "source = { given = { density = \"y\", energy = 4 } }";
+    assert_eq!(source(given), (Some([3.0, 0.0, 0.0, 4.0]), navier_stokes::Source::Given, false));
 }
 
 #[test]

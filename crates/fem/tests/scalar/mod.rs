@@ -42,7 +42,7 @@ impl ConservationLaw<2, 1> for AdvectionDiffusion {
         let (sum, jump) = (minus[0] + plus[0], minus[0] - plus[0]);
         [(sum.scale(speed) + jump.scale(speed.abs())) * 0.5]
     }
-    fn takes_state(&self, (): ()) -> bool {
+    fn takes_data(&self, (): ()) -> bool {
         true
     }
     fn boundary_state<T: Over<G>, G: Real>(&self, (): (), _: &[T; 1], at: BoundaryPoint<'_, G, 2, 1>) -> [T; 1] {

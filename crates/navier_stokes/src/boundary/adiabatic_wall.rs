@@ -1,5 +1,6 @@
 //! The adiabatic no-slip wall.
 
+use super::given::{Given, Values};
 use super::no_slip::{lifted, wall_velocity};
 use super::wall_pressure::wall_pressure;
 use super::{Condition, pressure_flux};
@@ -13,7 +14,7 @@ use tensor::{Over, Real};
 /// A no-slip wall through which no heat flows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdiabaticWall<const D: usize> {
-    slide: [f64; D],
+    given: Given<D>,
 }
 
 impl<const D: usize> AdiabaticWall<D> {
@@ -22,7 +23,13 @@ impl<const D: usize> AdiabaticWall<D> {
     /// # Errors
     /// A velocity that is not finite.
     pub fn new(slide: [f64; D]) -> Result<Self, InvalidParameter> {
-        Ok(AdiabaticWall { slide: finite("sliding velocity of the wall", slide)? })
+        let vector = finite("sliding velocity of the wall", slide)?;
+        Ok(AdiabaticWall { given: Given::Uniform(Values { pressure: 0.0, vector, temperature: 0.0 }) })
+    }
+
+    /// A wall whose sliding velocity is given at every point: data = [_, slide, _].
+    pub fn at_points() -> Self {
+        AdiabaticWall { given: Given::AtPoints }
     }
 }
 
@@ -35,9 +42,8 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let inside = Primitive::unpack(&law.gas, minus);
-        let velocity = lifted(&wall_velocity(&self.slide, n, v));
+        let velocity = lifted(&self.velocity(at));
         Primitive { velocity, ..inside }.pack(&law.gas)
     }
 
@@ -59,14 +65,18 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let traction = stresses.traction(n);
-        let work = along(&traction, &wall_velocity(&self.slide, n, v));
+        let traction = stresses.traction(at.normal);
+        let work = along(&traction, &self.velocity(at));
         components(work.zero(), &traction, work)
     }
 
     #[inline(always)]
-    fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
-        wall_velocity(&self.slide, n, v)
+    fn velocity<G: Real, const M: usize>(&self, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        wall_velocity(&self.given.values(&at).vector, at.normal, at.velocity)
+    }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        self.given.is_at_points()
     }
 }

@@ -1,8 +1,9 @@
 //! Subsonic inflow from a reservoir.
 
+use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
 use super::{Condition, nothing, through};
-use crate::error::{InvalidParameter, finite};
+use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::gas::Gas;
 use crate::law::NavierStokes;
@@ -15,8 +16,7 @@ use tensor::{Over, Real, dot};
 /// No viscous stress, no heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inflow<const D: usize> {
-    reservoir: Reservoir,
-    direction: [f64; D],
+    given: Given<D>,
 }
 
 impl<const D: usize> Inflow<D> {
@@ -25,17 +25,27 @@ impl<const D: usize> Inflow<D> {
     /// # Errors
     /// A total pressure or temperature that is not positive, a direction that is zero or not finite.
     pub fn new(total_pressure: f64, total_temperature: f64, direction: [f64; D]) -> Result<Self, InvalidParameter> {
-        let reservoir = Reservoir::new(total_pressure, total_temperature)?;
+        let pressure = positive("total pressure", total_pressure)?;
+        let temperature = positive("total temperature", total_temperature)?;
         let length = tensor::norm(&finite("inflow direction", direction)?);
         if length == 0.0 {
             return Err(InvalidParameter::NoDirection { quantity: "inflow direction" });
         }
-        Ok(Inflow { reservoir, direction: direction.map(|d| d / length) })
+        let vector = direction.map(|d| d / length);
+        Ok(Inflow { given: Given::Uniform(Values { pressure, vector, temperature }) })
     }
 
-    /// d, of unit length.
-    pub fn direction(&self) -> [f64; D] {
-        self.direction
+    /// Inflow of a total state that is given at every point: data = [p_0, direction of any length, T_0].
+    pub fn at_points() -> Self {
+        Inflow { given: Given::AtPoints }
+    }
+
+    /// d, of unit length, if it is the same everywhere.
+    pub fn direction(&self) -> Option<[f64; D]> {
+        match self.given {
+            Given::Uniform(Values { vector, .. }) => Some(vector),
+            Given::AtPoints => None,
+        }
     }
 
     /// The state on the facet.
@@ -47,13 +57,12 @@ impl<const D: usize> Inflow<D> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let (mut direction, mut reservoir_velocity) = (*n, *n);
-        for i in 0..D {
-            direction[i] = n[i].constant(self.direction[i]);
-            reservoir_velocity[i] = n[i].zero();
-        }
+        let Values { pressure, vector, temperature } = self.given.values(&at);
+        let reservoir_velocity = [n[0].zero(); D];
+        let direction = self.given.unit(&vector);
         let facet = Facet { normal: *n, normal_velocity: dot(v, n), direction, reservoir_velocity };
-        self.reservoir.state(gas, &Primitive::unpack(gas, minus), &facet)
+        let reservoir = Reservoir { total_pressure: pressure, total_temperature: temperature };
+        reservoir.state(gas, &Primitive::unpack(gas, minus), &facet)
     }
 }
 
@@ -86,5 +95,10 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         self.outside(&law.gas, minus, at).pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        self.given.is_at_points()
     }
 }

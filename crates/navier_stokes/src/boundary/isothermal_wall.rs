@@ -1,5 +1,6 @@
 //! The isothermal no-slip wall.
 
+use super::given::{Given, Values};
 use super::no_slip::{lifted, wall_velocity};
 use super::wall_pressure::wall_pressure;
 use super::{Condition, pressure_flux};
@@ -13,8 +14,7 @@ use tensor::{Over, Real};
 /// A no-slip wall of given temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsothermalWall<const D: usize> {
-    temperature: f64,
-    slide: [f64; D],
+    given: Given<D>,
 }
 
 impl<const D: usize> IsothermalWall<D> {
@@ -25,7 +25,13 @@ impl<const D: usize> IsothermalWall<D> {
     /// A temperature that is not positive, a velocity that is not finite.
     pub fn new(temperature: f64, slide: [f64; D]) -> Result<Self, InvalidParameter> {
         let temperature = positive("temperature of the wall", temperature)?;
-        Ok(IsothermalWall { temperature, slide: finite("sliding velocity of the wall", slide)? })
+        let vector = finite("sliding velocity of the wall", slide)?;
+        Ok(IsothermalWall { given: Given::Uniform(Values { pressure: 0.0, vector, temperature }) })
+    }
+
+    /// A wall whose sliding velocity and temperature are given at every point: data = [_, slide, temperature].
+    pub fn at_points() -> Self {
+        IsothermalWall { given: Given::AtPoints }
     }
 }
 
@@ -39,10 +45,9 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
         let pressure = Primitive::<T, D>::unpack(&law.gas, minus).pressure;
-        let density = law.gas.density(pressure, pressure.constant(self.temperature));
-        let velocity = lifted(&wall_velocity(&self.slide, n, v));
+        let density = law.gas.density(pressure, T::lift(self.given.values(&at).temperature));
+        let velocity = lifted(&self.velocity(at));
         Primitive { density, velocity, pressure }.pack(&law.gas)
     }
 
@@ -64,14 +69,18 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         stresses: &Stresses<T, D>,
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        let traction = stresses.traction(n);
-        let work = along(&traction, &wall_velocity(&self.slide, n, v));
-        components(work.zero(), &traction, work + along(&stresses.heat, n))
+        let traction = stresses.traction(at.normal);
+        let work = along(&traction, &self.velocity(at));
+        components(work.zero(), &traction, work + along(&stresses.heat, at.normal))
     }
 
     #[inline(always)]
-    fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
-        wall_velocity(&self.slide, n, v)
+    fn velocity<G: Real, const M: usize>(&self, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        wall_velocity(&self.given.values(&at).vector, at.normal, at.velocity)
+    }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        self.given.is_at_points()
     }
 }

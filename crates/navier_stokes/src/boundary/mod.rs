@@ -6,10 +6,13 @@
 //! (Hartmann 2007). If gas may cross, inflow and outflow take F_c(u_b), where u_b is made of data and of the invariants that
 //! leave. The far field and prescribed states leave that choice to the Riemann solver.
 //!
+//! The values of a condition are numbers, or vary with position and time: see [`given`].
+//!
 //! For every condition, data replace entropy and tangential velocity exactly where gas enters: see [`opening`].
 
 mod adiabatic_wall;
 mod far_field;
+mod given;
 mod inflow;
 mod isothermal_wall;
 mod no_slip;
@@ -81,11 +84,16 @@ pub(crate) trait Condition<const D: usize> {
         self.viscous_flux(stresses, at)
     }
 
-    /// The velocity of the boundary if the mesh moves with `v`: the velocity of the mesh, unless the boundary slides in
-    /// its own plane.
+    /// The velocity of the boundary: the velocity of the mesh, unless the boundary slides in its own plane.
     #[inline(always)]
-    fn velocity<G: Real>(&self, _n: &[G; D], v: &[G; D]) -> [G; D] {
-        *v
+    fn velocity<G: Real, const M: usize>(&self, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        *at.velocity
+    }
+
+    /// Whether the condition takes data at every point.
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        false
     }
 
     /// The target state of the condition: [`Self::state`], or the state outside if that imposes nothing.
@@ -118,7 +126,7 @@ pub enum Boundary<const D: usize> {
     /// Subsonic inflow of given total pressure, total temperature and direction.
     Inflow(Inflow<D>),
     /// Outflow to a given static pressure; nothing is imposed where it is supersonic.
-    Outflow(Outflow),
+    Outflow(Outflow<D>),
     /// Subsonic inflow of given velocity, or mass flux, and temperature.
     VelocityInflow(VelocityInflow),
     /// Supersonic inflow of a given state.
@@ -143,10 +151,10 @@ macro_rules! each {
 }
 
 impl<const D: usize> Boundary<D> {
-    /// Whether the condition needs a state at every point.
+    /// Whether the condition takes data at every point: a state, or a pressure, a vector and a temperature.
     #[inline(always)]
-    pub fn takes_state(&self) -> bool {
-        matches!(self, Boundary::PrescribedState(_) | Boundary::VelocityInflow(_) | Boundary::SupersonicInflow(_))
+    pub fn takes_data(&self) -> bool {
+        each!(self, condition => Condition::<D>::takes_data(condition))
     }
 
     /// Whether the boundary is the surface of a body, on which forces are evaluated.
@@ -205,8 +213,8 @@ impl<const D: usize> Boundary<D> {
     }
 
     #[inline(always)]
-    pub(crate) fn velocity<G: Real>(&self, n: &[G; D], v: &[G; D]) -> [G; D] {
-        each!(self, condition => Condition::<D>::velocity(condition, n, v))
+    pub(crate) fn velocity<G: Real, const M: usize>(&self, at: BoundaryPoint<'_, G, D, M>) -> [G; D] {
+        each!(self, condition => condition.velocity(at))
     }
 }
 
@@ -245,14 +253,4 @@ fn pressure_flux<T: Over<G>, G: Real, const D: usize, const M: usize>(p: T, n: &
         push[i] = p.scale(n[i]);
     }
     components(p.zero(), &push, along(&push, v))
-}
-
-/// a . n of a constant vector.
-#[inline(always)]
-fn projection<G: Real, const D: usize>(a: &[f64; D], n: &[G; D]) -> G {
-    let mut sum = n[0] * a[0];
-    for i in 1..D {
-        sum += n[i] * a[i];
-    }
-    sum
 }

@@ -14,16 +14,15 @@
 //! and total temperature T_0, which enters along the direction d. Gas that leaves does so at the static pressure p_0. Since p_0 is a
 //! total pressure where gas enters, data bound the energy that comes in.
 
-use crate::error::{InvalidParameter, positive};
 use crate::gas::Gas;
 use crate::state::{Primitive, along};
 use tensor::{Over, Real, dot};
 
 /// Gas at rest of the total pressure p_0 and the total temperature T_0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reservoir {
-    total_pressure: f64,
-    total_temperature: f64,
+#[derive(Clone, Copy)]
+pub(super) struct Reservoir<G> {
+    pub(super) total_pressure: G,
+    pub(super) total_temperature: G,
 }
 
 /// A facet in the gas: its unit normal n, its normal velocity v_n, the direction d in which gas enters and the velocity of the
@@ -36,15 +35,7 @@ pub(super) struct Facet<G, const D: usize> {
     pub(super) reservoir_velocity: [G; D],
 }
 
-impl Reservoir {
-    /// # Errors
-    /// A total pressure or temperature that is not positive.
-    pub(super) fn new(total_pressure: f64, total_temperature: f64) -> Result<Self, InvalidParameter> {
-        positive("total pressure", total_pressure)?;
-        positive("total temperature", total_temperature)?;
-        Ok(Reservoir { total_pressure, total_temperature })
-    }
-
+impl<G: Real> Reservoir<G> {
     /// The state on a facet between the gas `inside` and the reservoir.
     ///
     /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n < 0. Let w_n and I = R+ belong to the gas inside, in
@@ -59,7 +50,7 @@ impl Reservoir {
     /// Gas enters if I < c_s / k. R+ is constant only at the entropy of the gas inside, hence c_s and not c_0 in (q). Gas that enters
     /// chokes if q |a| is its sound speed. Gas that leaves chokes if b is its sound speed (a rarefaction that is sonic at the facet).
     #[inline(always)]
-    pub(super) fn state<T: Over<G>, G: Real, const D: usize>(
+    pub(super) fn state<T: Over<G>, const D: usize>(
         &self,
         gas: &Gas,
         inside: &Primitive<T, D>,
@@ -72,8 +63,8 @@ impl Reservoir {
         let w_n = along(&inside.velocity, n).minus(frame_n);
         let c = gas.sound_speed(inside.density, inside.pressure);
 
-        let c_0_squared = gas.gamma() * gas.gas_constant() * self.total_temperature;
-        let c_s = c * (inside.pressure * (1.0 / self.total_pressure)).powf(-k / gas.gamma());
+        let c_0_squared = self.total_temperature * (gas.gamma() * gas.gas_constant());
+        let c_s = c * inside.pressure.scale(self.total_pressure.recip()).powf(-k / gas.gamma());
         let invariant = w_n + c * (1.0 / k);
         let a = T::lift(dot(direction, n));
         let q = entering_speed(a, c_s, invariant, k, c_0_squared);
@@ -81,12 +72,12 @@ impl Reservoir {
         let b = c_s.max(invariant * (k / (1.0 + k)));
         let push = (invariant - b * (1.0 / k)).max(zero);
         let choking = b / c_s;
-        let theta = (-(q * q * (k / c_0_squared)) + 1.0) * (choking * choking);
-        let pressure = theta.powf(gas.gamma() / (gas.gamma() - 1.0)) * self.total_pressure;
+        let theta = (-(q * q).scale(c_0_squared.constant(k) / c_0_squared) + 1.0) * (choking * choking);
+        let pressure = theta.powf(gas.gamma() / (gas.gamma() - 1.0)).scale(self.total_pressure);
 
         let normal_velocity_here = q * a + push;
         let relative = normal_velocity_here.plus(frame_n).minus(*normal_velocity);
-        let c_squared = relative.select_ge(zero, c_s * c_s, zero.constant(c_0_squared)) * theta;
+        let c_squared = relative.select_ge(zero, c_s * c_s, T::lift(c_0_squared)) * theta;
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + (normal_velocity_here - w_n).scale(n[i]);
@@ -99,15 +90,15 @@ impl Reservoir {
 
 /// q, the speed of the gas that enters, or 0 if none does: the larger root of the quadratic equation (q).
 #[inline(always)]
-fn entering_speed<T: Real>(a: T, c_s: T, invariant: T, k: f64, c_0_squared: f64) -> T {
+fn entering_speed<T: Over<G>, G: Real>(a: T, c_s: T, invariant: T, k: f64, c_0_squared: G) -> T {
     /// Keeps the root differentiable if d lies in the facet.
     const LEAST: f64 = 1e-24;
     let (a_squared, c_s_squared) = (a * a, c_s * c_s);
-    let ratio = c_s_squared * (1.0 / c_0_squared);
+    let ratio = c_s_squared.scale(c_0_squared.recip());
     let entering = invariant.max(a.zero()).min(c_s * (1.0 / k));
     let discriminant = c_s_squared * (a_squared + ratio * (1.0 / k)) - ratio * entering * entering * k;
     let root = discriminant.max(c_s_squared * LEAST).sqrt();
     let q = (entering * a * k + root) / (a_squared * k + ratio);
-    let sonic = ((a_squared + k).recip() * c_0_squared).sqrt();
+    let sonic = (a_squared + k).recip().scale(c_0_squared).sqrt();
     q.max(a.zero()).min(sonic)
 }

@@ -1,5 +1,6 @@
 //! Outflow to a given static pressure.
 
+use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
 use super::{Condition, nothing, through};
 use crate::error::{InvalidParameter, positive};
@@ -14,23 +15,29 @@ use tensor::{Over, Real, dot};
 /// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat pass as they come
 /// from inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outflow {
-    reservoir: Reservoir,
+pub struct Outflow<const D: usize> {
+    given: Given<D>,
 }
 
-impl Outflow {
+impl<const D: usize> Outflow<D> {
     /// Outflow to the static `pressure`; gas that comes back has the total temperature `total_temperature`.
     ///
     /// # Errors
     /// A pressure or a temperature that is not positive.
     pub fn new(pressure: f64, total_temperature: f64) -> Result<Self, InvalidParameter> {
         positive("pressure of the outflow", pressure)?;
-        Ok(Outflow { reservoir: Reservoir::new(pressure, total_temperature)? })
+        let temperature = positive("total temperature", total_temperature)?;
+        Ok(Outflow { given: Given::Uniform(Values { pressure, vector: [0.0; D], temperature }) })
+    }
+
+    /// Outflow to a pressure that is given at every point: data = [p_b, _, T_0].
+    pub fn at_points() -> Self {
+        Outflow { given: Given::AtPoints }
     }
 
     /// The state on the facet: `minus` itself if w_n - v_n >= c, since then no wave comes in.
     #[inline(always)]
-    fn outside<T: Over<G>, G: Real, const D: usize, const M: usize>(
+    fn outside<T: Over<G>, G: Real, const M: usize>(
         &self,
         gas: &Gas,
         minus: &[T; M],
@@ -44,7 +51,9 @@ impl Outflow {
         }
         let v_n = dot(v, n);
         let facet = Facet { normal: *n, normal_velocity: v_n, direction, reservoir_velocity: *v };
-        let mut outside = self.reservoir.state(gas, &inside, &facet);
+        let Values { pressure, temperature, .. } = self.given.values(&at);
+        let reservoir = Reservoir { total_pressure: pressure, total_temperature: temperature };
+        let mut outside = reservoir.state(gas, &inside, &facet);
 
         let c = gas.sound_speed(inside.density, inside.pressure);
         let relative = along(&inside.velocity, n).minus(v_n);
@@ -57,7 +66,7 @@ impl Outflow {
     }
 }
 
-impl<const D: usize> Condition<D> for Outflow {
+impl<const D: usize> Condition<D> for Outflow<D> {
     #[inline(always)]
     fn flux<T: Over<G>, G: Real, const M: usize>(
         &self,
@@ -87,5 +96,10 @@ impl<const D: usize> Condition<D> for Outflow {
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
         self.outside(&law.gas, minus, at).pack(&law.gas)
+    }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        self.given.is_at_points()
     }
 }

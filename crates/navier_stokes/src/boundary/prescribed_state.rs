@@ -32,4 +32,9 @@ impl<const D: usize> Condition<D> for PrescribedState {
         let BoundaryPoint { normal: n, velocity: v, data } = at;
         law.riemann.flux(&law.gas, minus, &lifted(minus, data), n, dot(v, n))
     }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        true
+    }
 }

@@ -34,4 +34,9 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
         let BoundaryPoint { normal: n, velocity: v, data } = at;
         through(&law.gas, &Primitive::unpack(&law.gas, &lifted(minus, data)), n, v)
     }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        true
+    }
 }

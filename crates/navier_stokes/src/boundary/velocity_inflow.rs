@@ -1,6 +1,7 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
-use super::{Condition, lifted, through};
+use super::given::Values;
+use super::{Condition, through};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
@@ -10,7 +11,7 @@ use tensor::{Over, Real, dot};
 /// Velocity and temperature given at every point and time. The pressure comes from inside, with the acoustic wave that leaves. Viscous
 /// terms take the state on the facet as Dirichlet data. The condition reflects sound.
 ///
-/// Data are a conserved state of density 1: its momentum is w_g, or rho w_g if the mass flux is given, and its pressure R T_g.
+/// Data = [_, w_g or rho w_g, T_g].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VelocityInflow {
     /// The velocity w_g is given.
@@ -38,11 +39,11 @@ impl VelocityInflow {
     ) -> Primitive<T, D> {
         let BoundaryPoint { normal: n, velocity: v, data } = at;
         let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
-        let given: Primitive<T, D> = Primitive::unpack(gas, &lifted(minus, data));
+        let given = Values::of_data(data);
         let k = 0.5 * (gas.gamma() - 1.0);
         let c = gas.sound_speed(inside.density, inside.pressure);
-        let (w_n, given_n) = (along(&inside.velocity, n), along(&given.velocity, n));
-        let specific_pressure = given.pressure / given.density;
+        let (w_n, given_n) = (along(&inside.velocity, n), T::lift(dot(&given.vector, n)));
+        let specific_pressure = T::lift(given.temperature * gas.gas_constant());
 
         let expected_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
         let [lowest, highest] = self.bounds();
@@ -57,7 +58,7 @@ impl VelocityInflow {
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + gain.scale(n[i]);
-            velocity[i] = into_domain.select_ge(c.zero(), given.velocity[i] * entering, leaves);
+            velocity[i] = into_domain.select_ge(c.zero(), entering.scale(given.vector[i]), leaves);
         }
         Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
     }
@@ -102,5 +103,10 @@ impl<const D: usize> Condition<D> for VelocityInflow {
     ) -> [T; M] {
         let BoundaryPoint { normal: n, velocity: v, .. } = at;
         through(&law.gas, &self.on_facet(&law.gas, minus, at), n, v)
+    }
+
+    #[inline(always)]
+    fn takes_data(&self) -> bool {
+        true
     }
 }

@@ -123,15 +123,15 @@ fn bad_parameters() {
         AdiabaticWall::new([f64::INFINITY, 0.0]).unwrap_err(),
         IsothermalWall::new(0.0, [0.0, 0.0]).unwrap_err(),
         Inflow::new(1.0, 1.0, [0.0, 0.0]).unwrap_err(),
-        Outflow::new(-2.0, 1.0).unwrap_err(),
-        Outflow::new(1.0, 0.0).unwrap_err(),
+        Outflow::<2>::new(-2.0, 1.0).unwrap_err(),
+        Outflow::<2>::new(1.0, 0.0).unwrap_err(),
         Vortex::new(gas(), still, [0.0, 0.0], 1.0, 1e3, None).unwrap_err(),
         Waves::new(gas(), still, 1.0, 1.0).unwrap_err(),
     ];
     for error in errors {
         assert!(error.to_string().contains("must"), "{error}");
     }
-    let message = Outflow::new(-2.0, 1.0).unwrap_err().to_string();
+    let message = Outflow::<2>::new(-2.0, 1.0).unwrap_err().to_string();
     assert_eq!(message, "the pressure of the outflow is -2, but it must be positive and finite");
 }
 

@@ -27,6 +27,7 @@ fn galilean<const D: usize, const M: usize>() {
             n: p.n,
             v: std::array::from_fn(|i| p.v[i] + boost[i]),
             data: boosted(&p.data, &boost),
+            values: std::array::from_fn(|c| p.values[c] + if (1..=D).contains(&c) { boost[c - 1] } else { 0.0 }),
         };
         let conditions = Conditions::sample();
         let free_stream = std::array::from_fn(|i| conditions.free_stream[i] + boost[i]);
@@ -78,6 +79,7 @@ fn rotation<const D: usize, const M: usize>() {
             n: turn.vector(&p.n),
             v: turn.vector(&p.v),
             data: turn.state(&p.data),
+            values: turn.state(&p.values),
         };
         let c = Conditions::sample();
         let conditions = Conditions {

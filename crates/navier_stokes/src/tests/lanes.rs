@@ -37,6 +37,7 @@ impl<const D: usize, const M: usize> WithSimd for InLanes<'_, D, M> {
                 n: std::array::from_fn(|i| geometry(&|p| p.n[i])),
                 v: std::array::from_fn(|i| geometry(&|p| p.v[i])),
                 data: std::array::from_fn(|c| geometry(&|p| p.data[c])),
+                values: std::array::from_fn(|c| geometry(&|p| p.values[c])),
             };
             let first = part * S::F64_LANES;
             for (_, value) in evaluate(self.conditions, &point) {

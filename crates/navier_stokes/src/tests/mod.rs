@@ -10,6 +10,8 @@ mod invariance;
 mod lanes;
 mod openings;
 mod shocks;
+mod sources;
+mod values_at_points;
 mod walls;
 
 use crate::*;
@@ -58,6 +60,11 @@ pub(super) fn at<'a, G, const D: usize, const M: usize>(
     BoundaryPoint { normal, velocity, data }
 }
 
+/// The data [pressure, vector, temperature] of conditions whose values are given at points.
+pub(super) fn values<const D: usize, const M: usize>(pressure: f64, vector: [f64; D], temperature: f64) -> [f64; M] {
+    Conserved { density: pressure, momentum: vector, energy: temperature }.pack()
+}
+
 /// The arguments of the point functions, with numbers `T` of the state and `G` of the geometry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point<T, G, const D: usize, const M: usize> {
@@ -66,7 +73,10 @@ pub(super) struct Point<T, G, const D: usize, const M: usize> {
     pub(super) gradient: [[T; M]; D],
     pub(super) n: [G; D],
     pub(super) v: [G; D],
+    /// A state.
     pub(super) data: [G; M],
+    /// A pressure, a vector and a temperature.
+    pub(super) values: [G; M],
 }
 
 impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
@@ -79,6 +89,7 @@ impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
             n: random.unit(),
             v: random.vector(1.0),
             data: random.primitive::<D>().pack(&gas),
+            values: values(random.between(0.5, 2.0), random.vector::<D>(1.5), random.between(0.5, 2.0)),
         }
     }
     /// A change of everything.
@@ -90,6 +101,7 @@ impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
             n: random.vector(1.0),
             v: random.vector(1.0),
             data: random.vector(1.0),
+            values: random.vector(1.0),
         }
     }
     /// Combines two points, number by number: those of the state by `state`, those of the geometry by `geometry`.
@@ -106,6 +118,7 @@ impl<const D: usize, const M: usize> Point<f64, f64, D, M> {
             n: std::array::from_fn(|i| geometry(self.n[i], o.n[i])),
             v: std::array::from_fn(|i| geometry(self.v[i], o.v[i])),
             data: std::array::from_fn(|c| geometry(self.data[c], o.data[c])),
+            values: std::array::from_fn(|c| geometry(self.values[c], o.values[c])),
         }
     }
 }
@@ -143,9 +156,9 @@ impl<const D: usize> Conditions<D> {
         let mut random = Random(9);
         Conditions { free_stream: random.vector(1.0), slide: random.vector(1.0), direction: random.unit() }
     }
-    /// The number of conditions at the end of the list that depend on the observer: a reservoir is at rest, and a mass flux refers to
-    /// a plane at rest.
-    pub(super) const OF_AN_OBSERVER: usize = 2;
+    /// The number of conditions at the end of the list that depend on the observer. A reservoir is at rest, a mass flux refers to a plane at
+    /// rest, and a sliding velocity at a point is relative to the mesh.
+    pub(super) const OF_AN_OBSERVER: usize = 6;
 
     /// Each condition, named.
     pub(super) fn list(&self) -> Vec<Boundary<D>> {
@@ -162,6 +175,10 @@ impl<const D: usize> Conditions<D> {
             Boundary::SupersonicInflow(SupersonicInflow),
             Boundary::Inflow(Inflow::new(2.0, 2.5, self.direction).unwrap()),
             Boundary::VelocityInflow(VelocityInflow::OfMassFlux),
+            Boundary::Inflow(Inflow::at_points()),
+            Boundary::Outflow(Outflow::at_points()),
+            Boundary::IsothermalWall(IsothermalWall::at_points()),
+            Boundary::AdiabaticWall(AdiabaticWall::at_points()),
         ]
     }
 }
@@ -196,15 +213,21 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     }
     let beta = base.artificial_viscosity(&p.minus, &p.gradient, &grid(&p.n));
     values.push(("artificial flux".to_string(), through(base.artificial_flux(&p.minus, &p.gradient, beta))));
+    let sponge = Source::Sponge { target: Conserved { density: 1.2, momentum: [0.4; D], energy: 3.0 } };
+    for source in [Source::Acceleration, sponge] {
+        let value = NavierStokes { source, ..base }.source(&p.minus, &p.values);
+        values.push((format!("source {source:?}"), value));
+    }
     let mirrored = NavierStokes { wall_flux: WallFlux::Mirrored, ..base };
     for &condition in conditions {
-        let state = base.boundary_state(condition, &p.minus, at(&p.n, &p.v, &p.data));
-        let flux = base.boundary_flux(condition, &p.minus, at(&p.n, &p.v, &p.data));
-        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, at(&p.n, &p.v, &p.data));
+        let takes_state = matches!(condition, Boundary::PrescribedState(_) | Boundary::SupersonicInflow(_));
+        let at = at(&p.n, &p.v, if takes_state { &p.data } else { &p.values });
+        let state = base.boundary_state(condition, &p.minus, at);
+        let flux = base.boundary_flux(condition, &p.minus, at);
+        let viscous = base.boundary_viscous_flux(condition, &state, &p.gradient, at);
         values.push((format!("state of {condition:?}"), state));
         values.push((format!("flux of {condition:?}"), flux));
         values.push((format!("viscous flux of {condition:?}"), viscous));
-        let at = at(&p.n, &p.v, &p.data);
         let artificial = base.boundary_artificial_flux(condition, &state, &p.gradient, beta, at);
         values.push((format!("artificial flux of {condition:?}"), artificial));
         values.push((format!("mirrored flux of {condition:?}"), mirrored.boundary_flux(condition, &p.minus, at)));

@@ -154,7 +154,7 @@ where
             let area = outward_area(&jacobians[p], face);
             let n = area.map(|a| a / norm(&area));
             let inside: [f64; M] = states[p].pack(&self.flow.law.gas);
-            let data = boundary.state.as_ref().map_or(inside, |state| state.state(&x[p], then.time));
+            let data = boundary.data.as_ref().map_or(inside, |data| data.at(&x[p], then.time));
             let target_state = |velocity: &[f64; D]| {
                 let at = BoundaryPoint { normal: &n, velocity, data: &data };
                 let target_state = boundary.condition.target_state(&self.flow.law, &inside, at);

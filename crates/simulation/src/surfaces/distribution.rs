@@ -13,7 +13,7 @@ use super::columns::{columns, surface_name};
 use super::curve;
 use crate::opening_states::{FacePoints, by_node, dot_of};
 use basis::Rule;
-use case::{Flow, Wall};
+use case::{BoundaryData, Flow, Wall};
 use coupled::MeshMover;
 use fem::{BoundaryPoint, ConservationLaw, Inside, PointFlux};
 use mesh::{BoundaryFacet, axis_and_side, outward_area, outward_sign};
@@ -26,6 +26,8 @@ use tensor::{cofactor, determinant, dot, norm};
 pub struct SurfaceFlow<'a, const D: usize> {
     /// The flow of the case.
     pub flow: &'a Flow<D>,
+    /// The time.
+    pub time: f64,
     /// The mesh.
     pub mover: &'a MeshMover<D>,
     /// Its displacement, `[C0 node][component]`.
@@ -51,6 +53,7 @@ struct WallFlux<const D: usize> {
 struct Here<'a, const D: usize, const M: usize> {
     wall: &'a Wall<D>,
     face: usize,
+    position: [f64; D],
     u: [f64; M],
     /// grad u, `[direction][component]`.
     gradient: [[f64; M]; D],
@@ -124,6 +127,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
             let here = Here {
                 wall,
                 face,
+                position: x[p],
                 u: std::array::from_fn(|m| value(m, of_flow)),
                 gradient: physical(&slopes, &jacobians[p]),
                 jacobian: jacobians[p],
@@ -158,9 +162,10 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
-        let (law, condition) = (&self.flow.law, self.flow.boundary[here.wall.boundary].condition);
+        let BoundaryData { condition, data } = &self.flow.boundary[here.wall.boundary];
+        let (law, condition) = (&self.flow.law, *condition);
         let (normal, size) = unit_normal(here);
-        let data = [0.0; M];
+        let data = data.as_ref().map_or([0.0; M], |data| data.at(&here.position, self.time));
         let at = BoundaryPoint { normal: &normal, velocity: &here.velocity, data: &data };
         let inside = law.is_viscous().then(|| Inside {
             gradient: here.gradient,
@@ -169,7 +174,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
         });
         let PointFlux { inviscid, viscous, .. } = PointFlux::new((law, condition), &here.u, at, inside.as_ref());
         let friction = law.momentum(&viscous);
-        let moving = law.boundary_velocity(condition, &normal, &here.velocity);
+        let moving = law.boundary_velocity(condition, at);
         let heat = law.energy(&viscous) - dot(&friction, &moving);
         WallFlux { pressure: dot(&law.momentum(&inviscid), &normal), friction, heat }
     }

@@ -86,7 +86,7 @@ fn friction<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warn
 /// A uniform flow and a vortex do not satisfy wall conditions.
 fn exact<const D: usize>(flow: &Flow<D>) -> Option<Warning> {
     let knows_no_walls = matches!(&flow.exact, Some(State::Uniform(_) | State::Vortex(_)));
-    if flow.walls.is_empty() || !knows_no_walls || flow.manufactured {
+    if flow.walls.is_empty() || !knows_no_walls || flow.is_manufactured() {
         return None;
     }
     let text = "`flow.exact` is no solution of a flow with walls, and errors against it mean nothing: `flow.initial` in its place, for instance \
