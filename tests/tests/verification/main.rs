@@ -4,6 +4,7 @@
 mod architecture;
 mod boundary_flux;
 mod coarse_level;
+mod data_at_points;
 mod elastic_body;
 mod large_rotation;
 mod lines;

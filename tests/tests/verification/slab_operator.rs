@@ -30,7 +30,7 @@ where
 }
 
 /// The same by any rule on `mesh`, which has moved by `way` along every axis before.
-fn moving_slab_on<const D: usize, const M: usize>(
+pub(crate) fn moving_slab_on<const D: usize, const M: usize>(
     (quadrature, volume_flux): Rule,
     mesh: &mesh::Mesh<D>,
     way: f64,
@@ -192,9 +192,15 @@ where
 {
     let orders = Orders { flow: 3, mesh: 3, time: 2 };
     let mesh = curved_box::<D>(2, orders.mesh);
-    let (mut operator, state) = moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law, condition);
+    errors_of_products(moving_slab_on::<D, M>(rule, &mesh, 0.0, orders, law, condition))
+}
+
+/// The same for any slab near a uniform state.
+pub(crate) fn errors_of_products<const D: usize, const M: usize>(
+    (mut operator, state): (Operator<D, M>, Vec<f64>),
+) -> (f64, f64) {
     let (state, direction) = perturbed(&state, 1);
-    let n = state.len();
+    let (n, orders) = (state.len(), operator.tables.orders);
     let velocities = Noise::new(5).vector(operator.mesh.field_len() * orders.time, 0.2);
     let along = Noise::new(6).vector(velocities.len(), 1.0);
     operator.set_mesh(&velocities);
@@ -237,6 +243,10 @@ pub(crate) fn every_condition<const D: usize>() -> Vec<Boundary<D>> {
         Boundary::VelocityInflow(VelocityInflow::OfVelocity),
         Boundary::VelocityInflow(VelocityInflow::OfMassFlux),
         Boundary::SupersonicInflow(SupersonicInflow),
+        Boundary::Inflow(Inflow::at_points()),
+        Boundary::Outflow(Outflow::at_points()),
+        Boundary::AdiabaticWall(AdiabaticWall::at_points()),
+        Boundary::IsothermalWall(IsothermalWall::at_points()),
     ]
 }
 
