@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{column, number, stsolve, summary};
+use common::{Surface, column, number, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -187,6 +187,18 @@ fn a_wall_that_slides_to_and_fro_drags_a_layer() {
         (with(&[], "moving"), with(&["flow.boundary.bottom.isothermal_wall.slide=[0,0]"], "resting"));
     println!("error of the momentum: {moving:.2e}, with a wall at rest {resting:.2e}");
     assert!(moving < 2e-4 && resting > 1e-1, "{moving:e}, {resting:e}");
+}
+
+/// The distribution along a wall whose values vary is that of the scheme: it sums to the force in history.csv.
+#[test]
+fn a_distribution_knows_the_values_of_its_wall() {
+    let directory = TempDir::new().unwrap();
+    let set = ["output.surfaces={ walls = [\"bottom\"] }", "time.end=0.2"];
+    run(directory.path(), STOKES, &set, "run");
+    let run = directory.path().join("run");
+    let (along, force) = (Surface::read(&run, "bottom").at(0.2).force("x"), column(&run, "bottom_force_x"));
+    let force = force.last().copied().unwrap();
+    assert!(force.abs() > 1e-3 && (along / force - 1.0).abs() < 1e-10, "{along:e}, {force:e}");
 }
 
 #[test]
