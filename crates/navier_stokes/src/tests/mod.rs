@@ -213,11 +213,6 @@ pub(super) fn evaluate<T: Over<G>, G: Real, const D: usize, const M: usize>(
     }
     let beta = base.artificial_viscosity(&p.minus, &p.gradient, &grid(&p.n));
     values.push(("artificial flux".to_string(), through(base.artificial_flux(&p.minus, &p.gradient, beta))));
-    let sponge = Source::Sponge { target: Conserved { density: 1.2, momentum: [0.4; D], energy: 3.0 } };
-    for source in [Source::Acceleration, sponge] {
-        let value = NavierStokes { source, ..base }.source(&p.minus, &p.values);
-        values.push((format!("source {source:?}"), value));
-    }
     let mirrored = NavierStokes { wall_flux: WallFlux::Mirrored, ..base };
     for &condition in conditions {
         let takes_state = matches!(condition, Boundary::PrescribedState(_) | Boundary::SupersonicInflow(_));

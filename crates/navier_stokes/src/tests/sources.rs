@@ -1,6 +1,7 @@
 //! Sources: body forces and sponges.
 
 use super::*;
+use tensor::Dual;
 
 /// A body force changes the momentum and does work. A sponge adds - sigma (u - u_t), and nothing at its target.
 fn of_forces_and_sponges<const D: usize, const M: usize>() {
@@ -22,4 +23,26 @@ fn of_forces_and_sponges<const D: usize, const M: usize>() {
     }
 }
 
-in_both_dimensions!(of_forces_and_sponges);
+/// Derivatives in the state and in the data, against central differences.
+fn derivatives<const D: usize, const M: usize>() {
+    const STEP: f64 = 1e-5;
+    let target = Conserved { density: 1.2, momentum: [0.4; D], energy: 3.0 };
+    for (seed, source) in (0..20).zip([Source::Acceleration, Source::Sponge { target }].into_iter().cycle()) {
+        let mut random = Random(seed);
+        let p = Point::<f64, f64, D, M>::random(&mut random);
+        let direction = Point::direction(&mut random);
+        let law = NavierStokes { source, ..law::<D>(Riemann::Roe) };
+        let at = |h: f64| -> [f64; M] {
+            let p = p.zip(&direction, |a, d| a + h * d, |a, d| a + h * d);
+            law.source(&p.minus, &p.values)
+        };
+        let (ahead, behind) = (at(STEP), at(-STEP));
+        let expected = std::array::from_fn(|c| (ahead[c] - behind[c]) / (2.0 * STEP));
+        let duals = p.zip(&direction, Dual::new, Dual::new);
+        let found: [Dual<f64>; M] = law.source(&duals.minus, &duals.values);
+        let error = difference(&found.map(|s| s.derivative), &expected);
+        assert!(error <= 1e-9, "{source:?}: {error:e}");
+    }
+}
+
+in_both_dimensions!(of_forces_and_sponges, derivatives);
