@@ -16,7 +16,7 @@ use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, S
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
-use navier_stokes::{Boundary, Compiled, Gas, Reference, Riemann, SlipWall, Viscosity};
+use navier_stokes::{Boundary, Compiled, Gas, NavierStokes, Reference, Riemann, SlipWall, Viscosity};
 use newton_krylov::{forcing, newton};
 
 /// The pressure of the gas at rest.
@@ -50,26 +50,28 @@ pub struct Strip {
 }
 
 impl Strip {
-    fn mesh(&self, region: usize) -> Mesh<2> {
+    fn mesh<const D: usize>(&self, region: usize) -> Mesh<D> {
         let (low, high) = if region == 0 { (0.0, self.lengths[0]) } else { (-self.lengths[1], 0.0) };
-        let (lower, upper, cells) = ([low, 0.0], [high, HEIGHT], [self.cells[region], 1]);
-        BoxMesh { lower, upper, cells, order: self.order, curving: Curving::None, periodic: [false; 2] }
+        let (mut lower, mut upper, mut cells) = ([0.0; D], [HEIGHT; D], [1; D]);
+        (lower[0], upper[0], cells[0]) = (low, high, self.cells[region]);
+        BoxMesh { lower, upper, cells, order: self.order, curving: Curving::None, periodic: [false; D] }
             .build()
             .unwrap()
     }
 
     /// The bar without Poisson's effect: a wave along it is one-dimensional. It holds the pressure of the gas at rest without a strain.
-    fn structure(&self) -> (Structure<2>, Loads<2>) {
+    fn structure<const D: usize>(&self) -> (Structure<D>, Loads<D>) {
         let mesh = self.mesh(1);
         let numbering = NodeNumbering::new(&mesh, self.order);
-        let mut fixed = vec![[false; 2]; numbering.count];
+        let mut fixed = vec![[false; D]; numbering.count];
         let mut loads = Loads::default();
         for (boundary, name) in mesh.boundary_names().iter().enumerate() {
             for node in numbering.on_boundary(&mesh, boundary) {
                 match name.as_str() {
-                    "left" => fixed[node] = [true; 2],
+                    "left" => fixed[node] = [true; D],
                     "right" => {}
-                    _ => fixed[node][1] = true,
+                    "bottom" | "top" => fixed[node][1] = true,
+                    _ => fixed[node][2] = true,
                 }
             }
             if name == "right" {
@@ -83,21 +85,30 @@ impl Strip {
     }
 
     /// The march from gas at rest and a bar with the displacement d(x) and the velocity v(x) along x.
-    pub fn march(&self, d: impl Fn(f64) -> f64, v: impl Fn(f64) -> f64) -> FlowMarch<2, 4> {
+    pub fn march<const D: usize, const M: usize>(
+        &self,
+        d: impl Fn(f64) -> f64,
+        v: impl Fn(f64) -> f64,
+    ) -> FlowMarch<D, M>
+    where
+        NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+    {
         let mesh = self.mesh(0);
         let numbering = NodeNumbering::new(&mesh, self.order);
         let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid).unwrap();
         let reference = Reference::new(&gas, 1.0, 1.0, PRESSURE).unwrap();
         let law = crate::plain_law(gas, Riemann::Roe, reference);
-        let walls = vec![Boundary::SlipWall(SlipWall); 4];
-        let problem = Problem { kernels: law.kernels(walls), data: vec![None; 4], source: None };
+        let walls = vec![Boundary::SlipWall(SlipWall); 2 * D];
+        let problem = Problem { kernels: law.kernels(walls), data: vec![None; 2 * D], source: None };
         let orders = Orders { flow: self.order, mesh: self.order, time: self.time_order };
         let mut flow = SlabOperator::new(problem, &mesh, numbering.clone(), orders, Quadrature::Conserving);
         flow.load_boundaries(&mesh.boundary_names().iter().map(|name| name == "left").collect::<Vec<_>>());
         let mover = MeshMover::new(MeshMotion::Followed, mesh, numbering, self.time_order);
         let body = self.body(&flow, &mover, d, v);
         let one = flow.layout.at_one_time();
-        let state = [1.0, 0.0, 0.0, PRESSURE / 0.4].iter().flat_map(|&u| vec![u; one.nodes]).collect::<Vec<_>>();
+        let mut state = [0.0; M];
+        (state[0], state[M - 1]) = (1.0, PRESSURE / 0.4);
+        let state = state.iter().flat_map(|&u| vec![u; one.nodes]).collect::<Vec<_>>();
         let system = System::with_bodies(flow, mover, vec![Box::new(body)]);
         FlowMarch::new(system, state.repeat(one.cells), self.settings())
     }
@@ -113,18 +124,19 @@ impl Strip {
         Settings { schedule, newton, predictor: Predictor::Extrapolated, jacobian: Jacobian::Exact, max_halvings: 0 }
     }
 
-    fn body(
+    fn body<const D: usize, const M: usize>(
         &self,
-        flow: &SlabOperator<2, 4>,
-        mover: &MeshMover<2>,
+        flow: &SlabOperator<D, M>,
+        mover: &MeshMover<D>,
         d: impl Fn(f64) -> f64,
         v: impl Fn(f64) -> f64,
-    ) -> ElasticBody<2> {
+    ) -> ElasticBody<D> {
         let (structure, loads) = self.structure();
         let (pairs, behind) = followers(&structure, mover, self.lengths[0]);
         let interface = Interface::new(&pairs, flow.loaded_nodes()).with_followers(behind);
         let wet: Vec<bool> = structure.coordinates().iter().map(|x| x[0] == 0.0).collect();
-        let along = |f: &dyn Fn(f64) -> f64| structure.coordinates().iter().flat_map(|x| [f(x[0]), 0.0]).collect();
+        let along_x = |value: f64| std::array::from_fn::<_, D, _>(|i| if i == 0 { value } else { 0.0 });
+        let along = |f: &dyn Fn(f64) -> f64| structure.coordinates().iter().flat_map(|x| along_x(f(x[0]))).collect();
         let data = ElasticBodyData {
             displacement: along(&d),
             velocity: along(&v),
@@ -146,7 +158,7 @@ impl Strip {
 
     /// The velocity of the interface at the time reached.
     pub fn interface_velocity(&self, march: &FlowMarch<2, 4>) -> f64 {
-        let (structure, _) = self.structure();
+        let (structure, _) = self.structure::<2>();
         let node = structure.coordinates().iter().position(|x| x[0] == 0.0).unwrap();
         march.state.bodies[0][structure.length() + 2 * node]
     }
@@ -154,14 +166,18 @@ impl Strip {
 
 /// The pairs of nodes of the wall x = 0, one of the solid and one of the gas. Then how the other nodes of the gas follow the node of the
 /// solid beside them: less and less towards x = `length`.
-pub fn followers(structure: &Structure<2>, mover: &MeshMover<2>, length: f64) -> (Vec<(usize, usize)>, Vec<Follower>) {
+pub fn followers<const D: usize>(
+    structure: &Structure<D>,
+    mover: &MeshMover<D>,
+    length: f64,
+) -> (Vec<(usize, usize)>, Vec<Follower>) {
     let x = structure.coordinates();
     let wall: Vec<usize> = (0..x.len()).filter(|node| x[*node][0] == 0.0).collect();
-    let beside = |y: f64| {
-        let distance = |node: &usize| (x[*node][1] - y).abs();
+    let beside = |at: &[f64; D]| {
+        let distance = |node: &usize| (1..D).map(|i| (x[*node][i] - at[i]).abs()).fold(0.0, f64::max);
         wall.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
     };
-    let follower = |(node, x): (usize, &[f64; 2])| Follower { solid: beside(x[1]), node, weight: 1.0 - x[0] / length };
+    let follower = |(node, x): (usize, &[f64; D])| Follower { solid: beside(x), node, weight: 1.0 - x[0] / length };
     let all = mover.positions().iter().enumerate().map(follower);
     let (on_wall, behind): (Vec<Follower>, Vec<Follower>) =
         all.filter(|follower| follower.weight != 0.0).partition(|follower| follower.weight == 1.0);

@@ -1,6 +1,7 @@
 //! A gas and an elastic bar that move each other.
 
 use elasticity::{Damping, Law};
+use navier_stokes::{Boundary, Compiled, NavierStokes};
 use newton_krylov::problem::NonlinearProblem;
 use verification::strip::{PRESSURE, Strip, coupled_energy};
 use verification::{Noise, relative_difference};
@@ -39,13 +40,17 @@ fn soft(law: Law) -> Strip {
 
 #[test]
 fn derivatives_of_gas_and_bar_match_differences() {
-    for law in [Law::Linear, Law::NeoHookean] {
-        derivatives_match_differences(&soft(law));
+    for law in [Law::Linear, Law::StVenantKirchhoff, Law::NeoHookean] {
+        derivatives_match_differences::<2, 4>(&soft(law));
+        derivatives_match_differences::<3, 5>(&Strip { order: 3, cells: [2, 2], ..soft(law) });
     }
 }
 
-fn derivatives_match_differences(strip: &Strip) {
-    let mut march = strip.march(|_| 0.0, |x| 0.1 * x);
+fn derivatives_match_differences<const D: usize, const M: usize>(strip: &Strip)
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
+{
+    let mut march = strip.march::<D, M>(|_| 0.0, |x| 0.1 * x);
     let interval = coupled::Interval { start: 0.0, end: 0.2, halvings: 0 };
     let state = march.state.clone();
     let (mut z, _) = march.solver.guess(&state, interval).unwrap();
@@ -66,7 +71,7 @@ fn derivatives_match_differences(strip: &Strip) {
     let difference: Vec<f64> = plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / 2e-5).collect();
     for range in [0..flow.start, flow] {
         let error = relative_difference(&product[range.clone()], &difference[range.clone()]);
-        assert!(error <= 1e-7, "{:?}, entries {range:?}: {error:e}", strip.law);
+        assert!(error <= 1e-7, "{D}-D, {:?}, entries {range:?}: {error:e}", strip.law);
     }
 }
 

@@ -109,7 +109,8 @@ fn the_line_search_keeps_the_state_admissible() {
 fn a_solve_whose_steps_stay_short_is_given_up() {
     let rule = Some(ShortSteps { steps: 4, left: 0.8 });
     let solve = |largest_step, short_steps| {
-        let mut problem = Small { largest_step, ..logarithm_problem() };
+        let mut problem = logarithm_problem();
+        problem.largest_step = largest_step;
         run(&mut problem, &mut [20.0], &Settings { short_steps, max_steps: 200, ..Settings::default() })
     };
     let error = solve(0.05, rule).unwrap_err();
