@@ -28,6 +28,25 @@
 //! | `any_mesh` | a mesh whose dimension is known only after it is read |
 //! | `memory` | available memory |
 //! | `excerpt`, `nearest` | a piece of a line with carets below it; the name that was probably meant |
+//!
+//! A case in memory. An error names the key and its value:
+//!
+//! ```
+//! use case::{AnyCase, Document};
+//!
+//! let text = r#"
+//!     mesh = { order = 2, generate.box = { lower = [0, 0], upper = [3, 1], cells = [3, 2], periodic = ["x", "y"] } }
+//!     flow = { order = 4, initial.uniform = { velocity = ["1 / 2", 0], pressure = 1 } }
+//!     time = { order = 1, end = 0.2, slabs = 2 }
+//! "#;
+//! let parse = |settings: &[String]| Document::parse("stream.toml".as_ref(), text.to_owned(), settings);
+//! let AnyCase::Plane(case) = AnyCase::check(&parse(&[])?)? else { return Err("not in the plane".into()) };
+//! assert_eq!((case.mesh.n_cells(), case.mesh.volume()), (6, 3.0));
+//!
+//! let Err(error) = AnyCase::check(&parse(&["flow.order=99".to_owned()])?) else { return Err("accepted".into()) };
+//! assert_eq!((error.key.as_str(), error.value.as_deref()), ("flow.order", Some("99")));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod any_mesh;
 mod boundary_motion;

@@ -1,4 +1,24 @@
 //! Mesh and flow as one nonlinear problem per slab, and the march from slab to slab; also of the mesh or of a structure alone.
+//!
+//! Slabs of equal length, and a length that follows the jump of the flow. At order 3 in time the jump grows with dt^3, so a jump of 8 times
+//! the tolerance asks for half the length, with a margin of 0.9:
+//!
+//! ```
+//! use coupled::{Schedule, State, StepControl};
+//!
+//! let schedule = Schedule::uniform(2.0, 8);
+//! let mut state = State::new(0.0, Vec::new(), Vec::new());
+//! let first = schedule.next(&state);
+//! assert_eq!((first.start, first.end), (0.0, 0.25));
+//!
+//! let control = StepControl { tolerance: 1e-4, smallest: 1e-3, largest: 1.0 };
+//! assert!(control.rejects(0.25, 8e-4));
+//! assert!((control.next(0.25, 8e-4, 3) - 0.9 * 0.125).abs() < 1e-15);
+//!
+//! let adaptive = Schedule { control: Some(control), ..schedule };
+//! assert!(adaptive.repeats(&mut state, first, 8e-4, 3));
+//! assert!((adaptive.next(&state).end - 0.1125).abs() < 1e-15);
+//! ```
 
 mod balance;
 pub mod block;

@@ -31,6 +31,27 @@
 //!
 //! Invariants: this crate contains no fluid and no source of the boundary motion. Results have the same bits for any number of
 //! threads. After a first call [`ElasticMesh::apply`] and [`ElasticSlab::residual`] allocate nothing.
+//!
+//! Waves in a unit square between frictionless walls. With mu = lambda = rho = 1 the slowest is a shear wave, omega = pi sqrt(2). Pressure
+//! waves along both axes follow, omega = pi sqrt(3):
+//!
+//! ```
+//! use elasticity::{Material, Structure, natural_modes};
+//! use mesh::{BoxMesh, Curving, NodeNumbering};
+//! use std::f64::consts::PI;
+//!
+//! let (lower, upper, curving) = ([0.0; 2], [1.0; 2], Curving::None);
+//! let square = BoxMesh { lower, upper, cells: [1; 2], order: 6, curving, periodic: [false; 2] };
+//! let mesh = square.build()?;
+//! let nodes = NodeNumbering::new(&mesh, mesh.order());
+//! let on_wall = |x: f64| x == 0.0 || x == 1.0;
+//! let fixed = nodes.positions(&mesh).iter().map(|x| x.map(on_wall)).collect();
+//! let body = Structure::new(mesh, nodes, Material::new(2.5, 0.25)?, 1.0, fixed)?;
+//! for (mode, exact) in natural_modes(&body, 3)?.iter().zip([2.0_f64, 3.0, 3.0]) {
+//!     assert!((mode.angular_frequency / (PI * exact.sqrt()) - 1.0).abs() < 1e-4, "{}", mode.angular_frequency);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cauchy;
 mod condensation;

@@ -23,6 +23,28 @@
 //! | `sampler` | values in cells on any grid of points: output, errors |
 //! | `linearisation` | blocks of the Jacobian of space, for preconditioners |
 //! | `low_order`, `sub_cells`, `two_point` | the operator of space on the control volumes of the nodes, for preconditioners |
+//!
+//! The values and the gradient of x y on a sheared cell of order 2, from the coefficients at the nine nodes of order 3:
+//!
+//! ```
+//! use basis::{Lagrange, gauss};
+//! use fem::Sampler;
+//!
+//! let x = |xi: f64, eta: f64| [2.0 * xi + 0.5 * eta, eta];
+//! let corners = [x(-1.0, -1.0), x(1.0, -1.0), x(-1.0, 1.0), x(1.0, 1.0)];
+//! let nodal: Vec<f64> = (0..2).flat_map(|i| corners.map(|corner| corner[i])).collect();
+//! let nodes = Lagrange::gauss_lobatto(3).nodes().to_vec();
+//! let at_node = |j: usize| x(nodes[j % 3], nodes[j / 3]);
+//! let u: Vec<f64> = (0..9).map(at_node).map(|[x, y]| x * y).collect();
+//!
+//! let sampler = Sampler::<2>::new(3, 2, &gauss(4).points);
+//! let (positions, gradient) = (sampler.positions(&nodal), sampler.gradients(&u, &nodal));
+//! let (x, y) = positions.split_at(sampler.points());
+//! for (q, u) in sampler.state(&u).into_iter().enumerate() {
+//!     assert!((u - x[q] * y[q]).abs() < 1e-13);
+//!     assert!((gradient[0][q] - y[q]).abs() < 1e-13 && (gradient[1][q] - x[q]).abs() < 1e-13);
+//! }
+//! ```
 
 mod artificial_viscosity;
 mod batches;

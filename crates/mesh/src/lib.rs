@@ -23,6 +23,26 @@
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
 //! | `gmsh` | meshes from Gmsh files |
+//!
+//! An annulus of curved cells. Its area is exact to the error of the interpolated circles, and each cell is proved to be valid:
+//!
+//! ```
+//! use mesh::ValidityCheck;
+//! use mesh::generate::AnnulusMesh;
+//! use std::f64::consts::PI;
+//!
+//! let circles = AnnulusMesh { inner_radius: 1.0, outer_radius: 2.0, first_cell: 0.2, cells: [12, 4], order: 6 };
+//! let mesh = circles.build()?;
+//! assert_eq!(mesh.n_cells(), 48);
+//! assert_eq!(mesh.boundary_names(), ["wall", "far"]);
+//! assert!((mesh.volume() - 3.0 * PI).abs() < 1e-8);
+//!
+//! let check = ValidityCheck::<2>::new(mesh.order(), &[0.0]);
+//! assert!((0..48).all(|cell| check.decide(mesh.cell_coordinates(cell)).is_valid()));
+//! let mirrored: Vec<f64> = mesh.cell_coordinates(0).chunks(2).flat_map(|x| [-x[0], x[1]]).collect();
+//! assert!(!check.decide(&mirrored).is_valid());
+//! # Ok::<(), mesh::MeshError>(())
+//! ```
 
 mod blocks;
 mod boundary;

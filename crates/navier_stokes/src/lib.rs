@@ -15,6 +15,35 @@
 //! * [`Boundary`] and its conditions.
 //! * [`WallForce`]: forces, power and heat of walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
+//!
+//! The numerical flux of a uniform stream through a facet is that of the stream. Through a facet that moves with the gas only the pressure
+//! acts:
+//!
+//! ```
+//! use fem::ConservationLaw;
+//! use navier_stokes::{Gas, NavierStokes, Primitive, Reference, Riemann, Source, Viscosity, VolumeFlux, WallFlux};
+//!
+//! let gas = Gas::new(1.4, 1.0, 0.72, Viscosity::Inviscid)?;
+//! let law = NavierStokes {
+//!     gas,
+//!     riemann: Riemann::Hllc,
+//!     reference: Reference::new(&gas, 1.2, 0.5, 2.0)?,
+//!     source: Source::<2>::Given,
+//!     volume_flux: VolumeFlux::Central,
+//!     shock_capturing: None,
+//!     wall_flux: WallFlux::Inside,
+//! };
+//! let stream = Primitive { density: 1.2, velocity: [0.5, 0.25], pressure: 2.0 };
+//! let u: [f64; 4] = stream.to_conserved(&gas).pack();
+//! assert!((Primitive::<f64, 2>::unpack(&gas, &u).pressure - 2.0).abs() < 1e-15);
+//!
+//! let flux = |v_n| law.numerical_flux(&u, &u, &[1.0, 0.0], v_n);
+//! let at_rest = [0.6, 0.6 * 0.5 + 2.0, 0.6 * 0.25, 0.5 * (u[3] + 2.0)];
+//! for (flux, exact) in [(flux(0.0), at_rest), (flux(0.5), [0.0, 2.0, 0.0, 0.5 * 2.0])] {
+//!     assert!(flux.iter().zip(exact).all(|(flux, exact)| (flux - exact).abs() < 1e-14), "{flux:?}");
+//! }
+//! # Ok::<(), navier_stokes::InvalidParameter>(())
+//! ```
 
 mod boundary;
 mod error;

@@ -19,6 +19,29 @@
 //! checkpoint closes the copy, forces it to the disk and renames it to `result.vtkhdf`, which is atomic. A killed run
 //! therefore leaves the complete result of its last checkpoint, and at most one unfinished copy, which the next run
 //! removes. A program that already reads the old file keeps reading the old file.
+//!
+//! # Example
+//!
+//! A history and a summary, written and read back. The directory is locked meanwhile:
+//!
+//! ```
+//! use output::{History, HistoryTable, RunDirectory, SUMMARY_FILE, Summary};
+//!
+//! let place = tempfile::tempdir()?;
+//! let directory = RunDirectory::open(place.path())?;
+//! assert!(RunDirectory::open(place.path()).is_err(), "another run holds it");
+//!
+//! let mut history = History::create(&directory, &["t".to_owned(), "lift".to_owned()], &[])?;
+//! history.push(&[0.5, 1e-3])?;
+//! history.push(&[1.0, -0.25])?;
+//! let table = HistoryTable::read(place.path())?;
+//! assert_eq!(table.column("lift"), Some(vec![1e-3, -0.25]));
+//!
+//! Summary { case: "foil".to_owned(), completed: true, slabs: 2, time: 1.0, ..Summary::default() }.write(&directory)?;
+//! let text = std::fs::read_to_string(place.path().join(SUMMARY_FILE))?;
+//! assert!(text.contains(r#""completed": true"#), "{text}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod checksum;
 mod cost;

@@ -14,6 +14,27 @@
 //! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
 //! | `comparison` | several runs on one page: `comparison.html` filled in |
 //! | `html` | texts and numbers in HTML |
+//!
+//! The page of a run that left only its history: curves, but no pictures.
+//!
+//! ```
+//! use output::{History, RunDirectory};
+//!
+//! let place = tempfile::tempdir()?;
+//! let directory = RunDirectory::open(place.path())?;
+//! let mut history = History::create(&directory, &["t", "dt", "foil_lift_coefficient"].map(str::to_owned), &[])?;
+//! history.push(&[0.5, 0.5, 0.75])?;
+//! history.push(&[1.0, 0.5, 1.25])?;
+//! drop(directory);
+//!
+//! let page = report::write(place.path())?;
+//! assert_eq!(page.path, place.path().join(report::REPORT_FILE));
+//! assert!(page.pictures.is_err(), "without a result file");
+//! let html = std::fs::read_to_string(&page.path)?;
+//! assert!(html.contains("foil_lift_coefficient") && html.contains("<svg"));
+//! assert!(report::write(&place.path().join("elsewhere")).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod axis;
 mod chart;

@@ -6,6 +6,31 @@
 //!    needs.
 //!
 //! The bits of a factorisation and of a solution do not depend on the number of threads.
+//!
+//! The deflection u of a loaded string, -u'' = 1, by second differences at n inner points with a distance of 1:
+//!
+//! ```
+//! use sparse::{BlockMatrix, Kind};
+//! use std::sync::Arc;
+//!
+//! let n = 9;
+//! let neighbours = (0..n).map(|i: usize| vec![i.saturating_sub(1), (i + 1).min(n - 1)]).collect();
+//! let mut matrix = BlockMatrix::new(Kind::Cholesky, 1, neighbours);
+//! for i in 0..n {
+//!     matrix.add(i, i, |_, _| 2.0);
+//!     if i > 0 {
+//!         matrix.add(i, i - 1, |_, _| -1.0);
+//!     }
+//! }
+//! let factors = matrix.factor(Arc::new(matrix.elimination_tree()?))?;
+//! let mut u = vec![1.0; n];
+//! factors.solve(&mut u, 1, &mut Vec::new());
+//! for (i, u) in u.iter().enumerate() {
+//!     let exact = 0.5 * ((i + 1) * (n - i)) as f64;
+//!     assert!((u - exact).abs() < 1e-12, "{u} at point {i}");
+//! }
+//! # Ok::<(), sparse::Error>(())
+//! ```
 
 mod block_matrix;
 mod dependency_schedule;

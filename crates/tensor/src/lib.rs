@@ -14,6 +14,21 @@
 //! [`Arch`] runs a kernel with the instructions of the machine.
 //!
 //! Nothing here loops over cells or allocates.
+//!
+//! The derivative of the speed of sound c = sqrt(gamma p / rho) along dp = 1, which is c / 2 p:
+//!
+//! ```
+//! use tensor::{Dual, Real};
+//!
+//! fn sound_speed<T: Real>(pressure: T, density: T) -> T {
+//!     (pressure / density * 1.4).sqrt()
+//! }
+//!
+//! let (p, rho) = (2.0, 1.2);
+//! let c = sound_speed(Dual::new(p, 1.0), Dual::new(rho, 0.0));
+//! assert_eq!(c.value, sound_speed(p, rho));
+//! assert!((c.derivative - c.value / (2.0 * p)).abs() < 1e-15);
+//! ```
 
 mod arch;
 mod counted;
