@@ -40,6 +40,11 @@ impl ClosedCurve {
         Ok(ClosedCurve { knots, points, bends })
     }
 
+    /// u of the points, followed by u of the first point after one period.
+    pub(super) fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
     /// The period of the parameter u, close to the length of the curve.
     pub fn length(&self) -> f64 {
         self.knots[self.points.len()]

@@ -9,6 +9,7 @@
 //! | `channel_flag` | a flag behind such a cylinder |
 //! | `rotating_box` | a square with a square hole |
 //! | `annulus`, `disc` | between two circles; within one |
+//! | `closed_body` | between a closed curve through points and a circle |
 //! | `ellipsoid` | between an ellipsoid and the far field, in three dimensions |
 //! | `airfoil` | a C-mesh around a symmetric NACA airfoil |
 //! | `profile`, `closed_curve`, `blade` | a row of turbine blades |
@@ -24,6 +25,7 @@ mod box_regions;
 mod channel;
 mod channel_cylinder;
 mod channel_flag;
+mod closed_body;
 mod closed_curve;
 mod curving;
 mod disc;
@@ -42,6 +44,7 @@ pub use box_regions::{BoxRegion, Segment};
 pub use channel::ChannelMesh;
 pub use channel_cylinder::ChannelCylinderMesh;
 pub use channel_flag::{ChannelFlagMesh, FlagCells};
+pub use closed_body::ClosedBodyMesh;
 pub use closed_curve::ClosedCurve;
 pub use curving::Curving;
 pub use disc::DiscMesh;
