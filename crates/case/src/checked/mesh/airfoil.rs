@@ -45,6 +45,8 @@ pub(super) fn build(checker: &Checker<'_>, given: &AirfoilGenerator, order: usiz
     };
     let mesh = match &contour {
         None => generator.build(),
+        // The same bits as by the thickness.
+        Some(Shape::Naca(airfoil)) if airfoil.camber == 0.0 => generator.build(),
         Some(Shape::Naca(airfoil)) => {
             let position = |sigma: f64| airfoil.position(&generator, sigma);
             let ends = [-1.0, airfoil.foremost(&generator), 1.0];

@@ -212,32 +212,95 @@ mod tests {
         (airfoil, symmetric, mesh)
     }
 
-    /// Every node of the wall is at the distance of the half thickness from the camber line, on its normal.
+    /// The nodes of the wall.
+    fn wall(mesh: &Mesh<2>) -> Vec<[f64; 2]> {
+        let wall = mesh.boundary_names().iter().position(|name| name == "airfoil").unwrap();
+        let facets = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall);
+        let nodes = |facet: &::mesh::BoundaryFacet| -> Vec<[f64; 2]> {
+            let x = mesh.cell_coordinates(facet.side.cell);
+            let nodes = ::mesh::face_nodes(2, mesh.order(), facet.side.face);
+            nodes.into_iter().map(|k| [x[2 * k], x[2 * k + 1]]).collect()
+        };
+        facets.flat_map(nodes).collect()
+    }
+
+    /// The distance of x from the contour: from the nearest of many samples by Newton's method, with tangents by differences.
+    fn distance(position: &dyn Fn(f64) -> [f64; 2], x: [f64; 2]) -> f64 {
+        let offset = |sigma: f64| {
+            let at = position(sigma);
+            [x[0] - at[0], x[1] - at[1]]
+        };
+        let off = |sigma: f64| offset(sigma)[0].hypot(offset(sigma)[1]);
+        let samples = (-1000..=1000).map(|k| 1e-3 * f64::from(k));
+        let nearest = samples.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
+        // The two sides are close to each other at the trailing edge: one start on each.
+        let from = |mut sigma: f64| {
+            for _ in 0..20 {
+                let (low, high) = ((sigma - 1e-6).max(-1.0), (sigma + 1e-6).min(1.0));
+                let (a, b, d) = (position(low), position(high), offset(sigma));
+                let tangent = [0, 1].map(|i| (b[i] - a[i]) / (high - low));
+                let step = (d[0] * tangent[0] + d[1] * tangent[1]) / (tangent[0].powi(2) + tangent[1].powi(2));
+                sigma = (sigma + step).clamp(-1.0, 1.0);
+            }
+            off(sigma)
+        };
+        from(nearest).min(from(-nearest))
+    }
+
+    /// On the contour, at every order, with every cell proved valid.
     #[test]
     fn nodes_of_the_wall_lie_on_the_airfoil() {
-        for digits in ["2412", "4415", "6409", "0012", "9520"] {
-            let (airfoil, symmetric, mesh) = mesh(digits, 5);
-            let wall = mesh.boundary_names().iter().position(|name| name == "airfoil").unwrap();
-            let facets: Vec<_> = mesh.boundary_facets().iter().filter(|facet| facet.boundary == wall).collect();
-            assert_eq!((facets.len(), mesh.n_cells()), (24, 528));
-            let nodes = |facet: &&::mesh::BoundaryFacet| -> Vec<[f64; 2]> {
-                let x = mesh.cell_coordinates(facet.side.cell);
-                let nodes = ::mesh::face_nodes(2, 5, facet.side.face);
-                nodes.into_iter().map(|k| [x[2 * k], x[2 * k + 1]]).collect()
-            };
-            for x in facets.iter().flat_map(nodes) {
-                let off = |sigma: f64| {
-                    let at = airfoil.position(&symmetric, sigma);
-                    (at[0] - x[0]).hypot(at[1] - x[1])
-                };
-                // At the trailing edge the other side is close.
-                let on_side = |side: f64| {
-                    let samples = (0..=200).map(|k| side * f64::from(k) / 200.0);
-                    let nearest = samples.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
-                    foremost(&off, [(nearest - 0.006).max(-1.0), (nearest + 0.006).min(1.0)])
-                };
-                let sigma = [-1.0, 1.0].map(on_side).into_iter().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
-                assert!(off(sigma) < 1e-7, "{digits}: {:e} at {x:?}", off(sigma));
+        for digits in ["2412", "4412", "6409", "0012", "9520"] {
+            for order in 2..=6 {
+                let (airfoil, symmetric, mesh) = mesh(digits, order);
+                let position = |sigma: f64| airfoil.position(&symmetric, sigma);
+                let nodes = wall(&mesh);
+                assert_eq!((nodes.len(), mesh.n_cells()), (24 * order, 528));
+                let worst = nodes.into_iter().map(|x| distance(&position, x)).fold(0.0, f64::max);
+                assert!(worst < 1e-12, "{digits} {order}: {worst:e}");
+                let check = ::mesh::ValidityCheck::<2>::new(order, &[0.0]);
+                let cells =
+                    check.decide_cells(mesh.n_cells(), |cell, x| x.copy_from_slice(mesh.cell_coordinates(cell)));
+                let worst = cells.iter().map(|cell| cell.bound().scaled_jacobian()).fold(1.0, f64::min);
+                assert!(worst > 0.01, "{digits} {order}: {worst}");
+            }
+        }
+    }
+
+    /// With wrong digits the nodes are off, so the distance is one.
+    #[test]
+    fn nodes_of_another_airfoil_are_off() {
+        let (_, symmetric, mesh) = mesh("2412", 3);
+        let other = FourDigits::of("2512").unwrap();
+        let position = |sigma: f64| other.position(&symmetric, sigma);
+        let worst = wall(&mesh).into_iter().map(|x| distance(&position, x)).fold(0.0, f64::max);
+        assert!(worst > 1e-3, "{worst:e}");
+    }
+
+    /// The formulas of NACA Report 460 at stations, with the last coefficient of a sharp trailing edge:
+    ///
+    /// ```text
+    /// y_t = t / 0.2 (0.2969 sqrt(x) - 0.126 x - 0.3516 x^2 + 0.2843 x^3 - 0.1036 x^4), normal to the camber line
+    /// y_c = m / p^2 (2 p x - x^2)  up to p,     m / (1 - p)^2 (1 - 2 p + 2 p x - x^2)  behind it
+    /// ```
+    #[test]
+    fn thickness_and_camber_follow_the_published_formulas() {
+        for (digits, m, p, t) in [("2412", 0.02, 0.4, 0.12), ("4412", 0.04, 0.4, 0.12), ("6409", 0.06, 0.4, 0.09)] {
+            let airfoil = FourDigits::of(digits).unwrap();
+            let symmetric = AirfoilMesh { thickness: t, ..AirfoilMesh::naca0012(3) };
+            for x in [0.0125_f64, 0.05, 0.1, 0.3, 0.4, 0.5, 0.7, 0.9, 0.95, 1.0] {
+                let polynomial =
+                    0.2969 * x.sqrt() - 0.126 * x - 0.3516 * x * x + 0.2843 * x.powi(3) - 0.1036 * x.powi(4);
+                let (half, front) = (t / 0.2 * polynomial, x < p);
+                let scale = if front { m / (p * p) } else { m / ((1.0 - p) * (1.0 - p)) };
+                let line = scale * (if front { 0.0 } else { 1.0 - 2.0 * p } + 2.0 * p * x - x * x);
+                let angle = (scale * (2.0 * p - 2.0 * x)).atan();
+                for side in [1.0, -1.0] {
+                    let expected = [x - side * half * angle.sin(), line + side * half * angle.cos()];
+                    let found = airfoil.position(&symmetric, side * x.sqrt());
+                    let off = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+                    assert!(off < 1e-14, "{digits} at {x}: {found:?} {expected:?}");
+                }
             }
         }
     }
