@@ -1,5 +1,6 @@
 //! `[mesh.generate]`
 
+use super::BodyPoints;
 use mesh::generate::{AirfoilMesh, BladeMesh, ChannelFlagMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ pub enum Generate {
     ChannelFlag(ChannelFlagGenerator),
     /// Cells between two circles around the origin. Its boundaries are wall, the inner one, and far.
     Annulus(AnnulusGenerator),
+    /// Cells between a closed blunt body and a circle around it. Its boundaries are wall and far.
+    ClosedBody(ClosedBodyGenerator),
     /// Cells between an ellipsoid around the origin and the far field, in three dimensions. Its boundaries are wall and far.
     Ellipsoid(EllipsoidGenerator),
     /// The inside of a circle around the origin. Its boundary is wall.
@@ -246,6 +249,23 @@ pub struct AnnulusGenerator {
     pub cells: [usize; 2],
 }
 
+/// Cells between a smooth closed curve and a circle around its centroid, growing by a constant factor outwards. Edges along the wall have
+/// equal lengths. Lines leave the wall at right angles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClosedBodyGenerator {
+    /// The points of the wall, clockwise or counter-clockwise, 5 to 2000: a list of `[x, y]`, or a text file, relative to the case file. A
+    /// periodic cubic spline goes through them; it rounds sharp corners. A file holds x and y of one point in each line, separated by
+    /// commas, semicolons, tabs or blanks. Lines before the first point may be names; # begins a comment.
+    pub points: BodyPoints,
+    /// The radius of the far field, more than the largest distance of the wall from its centroid.
+    pub outer_radius: f64,
+    /// The height of the cells at the wall.
+    pub first_cell: f64,
+    /// Cells around, at least 3, and from the wall to the far field.
+    pub cells: [usize; 2],
+}
+
 /// Six patches of cells, like the faces of a cube, in layers that end on ellipsoids with the foci of the wall. Far away these tend to
 /// spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -286,8 +306,9 @@ pub struct AirfoilGenerator {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub naca: Option<String>,
     /// Instead of the thickness: a text file, relative to the case file, with a point in each line, x and y. The points run from the trailing
-    /// edge over the upper side and the nose back to the trailing edge. The first line may be a name. A cubic spline goes through the points. The
-    /// chord from nose to trailing edge is scaled to 1 and moved, not turned: the trailing edge lies at (1, 0). A blunt one is closed.
+    /// edge over the upper side and the nose back to the trailing edge. Lines before the first point may be names. A cubic spline goes
+    /// through the points. The chord from nose to trailing edge is scaled to 1 and moved, not turned: the trailing edge lies at (1, 0). A blunt
+    /// one is closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<PathBuf>,
     /// The smallest distance of the far field.
@@ -372,7 +393,7 @@ pub enum Profile {
     /// A low-pressure turbine blade of chord 1, close to the T106.
     LowPressureTurbine,
     /// A smooth closed curve through the points of a text file, relative to the case file. The file has a line for each point
-    /// with its x and y, clockwise or counter-clockwise; # begins a comment.
+    /// with its x and y, clockwise or counter-clockwise. Lines before the first point may be names; # begins a comment.
     File(PathBuf),
 }
 

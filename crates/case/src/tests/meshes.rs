@@ -38,6 +38,9 @@ fn the_defaults_are_those_of_the_generators() {
     let given = |keys: &str| plane_mesh(&format!("order = 3\n{keys}"));
     assert_eq!(given("generate.rotating_box.cells_per_side = 5"), RotatingBoxMesh::unit(5, 3).build().unwrap());
     assert_eq!(given("generate.airfoil = {}"), AirfoilMesh::naca0012(3).build().unwrap());
+    // The symmetric airfoil of four digits is that of its thickness, bit for bit.
+    assert_eq!(given("generate.airfoil.naca = \"0012\""), AirfoilMesh::naca0012(3).build().unwrap());
+    assert_ne!(given("generate.airfoil.naca = \"0013\""), AirfoilMesh::naca0012(3).build().unwrap());
     assert_eq!(given("generate.turbine_blade = {}"), BladeMesh::low_pressure_turbine(3).unwrap().build().unwrap());
     let defaults = with_mesh("order = 2\ngenerate.airfoil.first_cell = 0.02").unwrap().about().defaults.clone();
     let of = |key: &str| defaults.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str());
@@ -62,11 +65,71 @@ fn every_generator_takes_its_parameters() {
     let space = mesh_in_space("order = 2\ngenerate.channel = { extent = [4, 1, 2], cells = [4, 2, 2] }");
     assert_eq!((space.n_cells(), space.volume()), (16, 8.0));
     assert!(!space.boundary_names().contains(&"front".to_owned()), "periodic along z");
+    assert_eq!(boundaries(&format!("generate.closed_body = {{ points = {DIAMOND}, {AROUND} }}")), ["wall", "far"]);
     let ellipsoid = mesh_in_space(&format!("order = 4\n{ELLIPSOID}"));
     assert_eq!(
         (ellipsoid.n_cells(), ellipsoid.boundary_names()),
         (2 * 11 * 4, &["wall".to_owned(), "far".to_owned()][..])
     );
+}
+
+/// Points of a rounded body.
+const DIAMOND: &str = "[[1, 0], [0.7, 0.7], [0, 1], [-0.7, 0.7], [-1, 0], [-0.7, -0.7], [0, -1], [0.7, -0.7]]";
+
+/// The other keys of a mesh around it.
+const AROUND: &str = "outer_radius = 5, first_cell = 0.1, cells = [16, 6]";
+
+/// The same mesh from a list and from a file, with a name and comments, whatever separates the numbers.
+#[test]
+fn a_closed_body_may_come_from_a_list_or_a_file() {
+    let directory = TempDir::new().unwrap();
+    let file = directory.path().join("body.csv");
+    let check = || {
+        let text = format!("{MOVED}order = 3\ngenerate.closed_body = {{ points = \"body.csv\", {AROUND} }}\n");
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    let list = plane_mesh(&format!("order = 3\ngenerate.closed_body = {{ points = {DIAMOND}, {AROUND} }}"));
+    assert_eq!(list.n_cells(), 16 * 6);
+    for separator in [",", "; ", "\t"] {
+        let points = ["1 0", "0.7 0.7", "0 1", "-0.7 0.7", "-1 0", "-0.7 -0.7", "0 -1", "0.7 -0.7"];
+        let lines: String = points.map(|point| format!("{}\n", point.replace(' ', separator))).concat();
+        std::fs::write(&file, format!("# a body\nx{separator}y\n\n{lines}")).unwrap();
+        let AnyCase::Plane(case) = check().unwrap_or_else(|error| panic!("{error}")) else { panic!("two dimensions") };
+        assert_eq!(case.mesh, list);
+    }
+    for (text, parts) in [
+        ("x,y\n1,0\n0,1,2\n", ["points = \"body.csv\"`", "body.csv:3: `0,1,2` is not a point"]),
+        ("1,0\n0,nan\n", ["points = \"body.csv\"`", "body.csv:2: `0,nan` is not a point"]),
+        ("x,y\n", ["points = \"body.csv\"`", "the number of points is 0"]),
+        ("1,0\n0,1\n".repeat(1001).as_str(), ["points = \"body.csv\"`", "accepted: at most 2000 points"]),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let message = check().unwrap_err().to_string();
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    }
+    std::fs::remove_file(&file).unwrap();
+    assert!(check().unwrap_err().to_string().contains("cannot read"));
+}
+
+#[test]
+fn what_is_wrong_with_a_closed_body_is_named_by_its_key() {
+    for (right, wrong, expected) in [
+        ("radius = 5", "radius = 0.9", ["closed_body.outer_radius = 0.9`", "a positive number"]),
+        ("cell = 0.1", "cell = 0", ["closed_body.first_cell = 0`", "a positive number"]),
+        ("cell = 0.1", "cell = 4.9", ["closed_body.first_cell = 4.9`", "at most the radius"]),
+        ("[16, 6]", "[2, 6]", ["closed_body.cells[0] = 2`", "at least 3"]),
+        ("[16, 6]", "[16, 0]", ["closed_body.cells[1] = 0`", "1 to 100000"]),
+        ("[16, 6]", "[100000, 100000]", ["closed_body.cells = [1", "fewer cells"]),
+        ("[0.7, 0.7], ", "[1, 0], ", ["closed_body.points", "a positive number"]),
+        ("[0.7, 0.7], ", "[0.7], ", ["closed_body.points[1]", "2 entries"]),
+        (DIAMOND, "3", ["closed_body.points = 3`", "the name of a file in quotes"]),
+        ("[0, 1], ", "[0, -0.9], ", ["`mesh.generate.closed_body", "does not cross itself"]),
+    ] {
+        let keys = format!("generate.closed_body = {{ points = {DIAMOND}, {AROUND} }}");
+        assert!(keys.contains(right));
+        let message = with_mesh(&format!("order = 3\n{}", keys.replace(right, wrong))).unwrap_err().to_string();
+        assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+    }
 }
 
 /// A valid mesh of the generator, which errors change in one number.

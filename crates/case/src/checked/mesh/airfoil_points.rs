@@ -1,9 +1,9 @@
 //! An airfoil by points of its contour.
 
 use super::camber::{Contour, foremost};
+use super::point_file;
 use crate::error::Cause;
 use crate::expression::{Ends, Table};
-use crate::input_file::{self, LARGEST_TABLE};
 use std::path::Path;
 
 /// What a file of points must hold.
@@ -28,26 +28,7 @@ impl Points {
     /// # Errors
     /// A file that cannot be read; or, inside, what is wrong with its points.
     pub(super) fn read(path: &Path) -> Result<Result<Self, String>, Box<Cause>> {
-        let text = input_file::read_text(path, LARGEST_TABLE);
-        let text = text.map_err(|error| Box::new(Cause::File { path: path.to_owned(), error }))?;
-        let mut points: Vec<[f64; 2]> = Vec::new();
-        for (index, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default();
-            let entries =
-                line.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|entry| !entry.is_empty());
-            let numbers: Result<Vec<f64>, _> = entries.map(str::parse).collect();
-            match numbers.as_deref() {
-                Ok([]) => {}
-                Ok(&[x, y]) if x.is_finite() && y.is_finite() => points.push([x, y]),
-                // The name of the airfoil.
-                _ if points.is_empty() && index == 0 => {}
-                _ => {
-                    let (path, found) = (path.to_owned(), line.trim().to_owned());
-                    return Err(Box::new(Cause::Coordinates { path, line: index + 1, found }));
-                }
-            }
-        }
-        Ok(Self::through(points))
+        Ok(Self::through(point_file::read(path)?))
     }
 
     /// The airfoil through points, or what is wrong with them.

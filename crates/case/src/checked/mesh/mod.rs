@@ -9,10 +9,12 @@ mod camber;
 mod channel;
 mod channel_cylinder;
 mod channel_flag;
+mod closed_body;
 mod disc;
 mod ellipsoid;
 mod family;
 mod gmsh;
+mod point_file;
 mod rotating_box;
 mod turbine_blade;
 
@@ -57,6 +59,7 @@ fn generated(checker: &Checker<'_>, raw: &Raw, generate: &Generate) -> Checked<A
         Generate::ChannelFlag(raw) => channel_flag::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::RotatingBox(raw) => rotating_box::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Annulus(raw) => annulus::build(checker, raw, order).map(AnyMesh::Plane),
+        Generate::ClosedBody(raw) => closed_body::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Ellipsoid(raw) => ellipsoid::build(checker, raw, order).map(AnyMesh::Space),
         Generate::Disc(raw) => disc::build(checker, raw, order).map(AnyMesh::Plane),
         Generate::Airfoil(raw) => airfoil::build(checker, raw, order).map(AnyMesh::Plane),

@@ -1,14 +1,12 @@
 //! `[mesh.generate.turbine_blade]`
 
 use super::family::Family;
+use super::point_file;
 use crate::checker::{Checked, Checker};
-use crate::error::Cause;
-use crate::input_file::{self, LARGEST_TABLE};
 use crate::key::Key;
 use crate::raw::{BladeCells, Profile, TurbineBladeGenerator};
 use ::mesh::generate::{BladeMesh, ClosedCurve, low_pressure_turbine_profile};
 use ::mesh::{Mesh, MeshError};
-use std::path::Path;
 
 const PARAMETERS: &[(&str, &str)] = &[
     ("the pitch", "pitch"),
@@ -65,28 +63,8 @@ fn profile(family: &Family<'_>, raw: &Profile) -> Checked<ClosedCurve> {
         Profile::LowPressureTurbine => low_pressure_turbine_profile().map_err(|error| family.refused_at(&key, error)),
         Profile::File(path) => {
             let (key, path) = (key.child("file"), family.checker.beside_case(path));
-            let points = points(&path).map_err(|cause| family.checker.error(&key, *cause))?;
+            let points = point_file::read(&path).map_err(|cause| family.checker.error(&key, *cause))?;
             ClosedCurve::through(&points).map_err(|error: MeshError| family.refused_at(&key, error))
         }
     }
-}
-
-/// The points of a text file: a line for each with two numbers; # begins a comment.
-fn points(path: &Path) -> Result<Vec<[f64; 2]>, Box<Cause>> {
-    let text = input_file::read_text(path, LARGEST_TABLE);
-    let text = text.map_err(|error| Box::new(Cause::File { path: path.to_owned(), error }))?;
-    let mut points = Vec::new();
-    for (index, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default();
-        let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
-        match numbers.as_deref() {
-            Ok([]) => {}
-            Ok(&[x, y]) => points.push([x, y]),
-            _ => {
-                let (path, found) = (path.to_owned(), line.trim().to_owned());
-                return Err(Box::new(Cause::Coordinates { path, line: index + 1, found }));
-            }
-        }
-    }
-    Ok(points)
 }
