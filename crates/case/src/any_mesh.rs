@@ -1,6 +1,18 @@
 //! A mesh whose dimension is known only after it is read.
 
-use mesh::{GmshError, Mesh, Simplices};
+use mesh::{GmshError, Mesh, Simplices, is_su2};
+
+/// The mesh of a file of Gmsh or SU2 in D dimensions.
+fn in_dimension<const D: usize>(
+    bytes: &[u8],
+    periodic: &[(String, String)],
+    simplices: Simplices,
+) -> Result<Mesh<D>, GmshError> {
+    match is_su2(bytes) {
+        true => Mesh::from_su2(bytes, periodic, simplices),
+        false => Mesh::from_gmsh_with(bytes, periodic, simplices),
+    }
+}
 
 /// A mesh in two or three dimensions.
 #[derive(Debug)]
@@ -12,21 +24,19 @@ pub enum AnyMesh {
 }
 
 impl AnyMesh {
-    /// The mesh of a Gmsh file, see [`Mesh::from_gmsh`]: three-dimensional if it has cells of volumes.
-    pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
-        Self::from_gmsh_with(bytes, periodic, Simplices::Refuse)
+    /// The mesh of a file of Gmsh or SU2, see [`Mesh::from_gmsh`]: three-dimensional if it has cells of volumes.
+    pub fn from_file(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
+        Self::from_file_with(bytes, periodic, Simplices::Refuse)
     }
 
-    /// The same, see [`Mesh::from_gmsh_with`].
-    pub fn from_gmsh_with(
+    /// The same, see [`Mesh::from_gmsh_with`] and [`Mesh::from_su2`].
+    pub fn from_file_with(
         bytes: &[u8],
         periodic: &[(String, String)],
         simplices: Simplices,
     ) -> Result<Self, GmshError> {
-        match Mesh::from_gmsh_with(bytes, periodic, simplices) {
-            Err(GmshError::Dimension { volume: 0, .. }) => {
-                Mesh::from_gmsh_with(bytes, periodic, simplices).map(AnyMesh::Plane)
-            }
+        match in_dimension(bytes, periodic, simplices) {
+            Err(GmshError::Dimension { volume: 0, .. }) => in_dimension(bytes, periodic, simplices).map(AnyMesh::Plane),
             read => read.map(AnyMesh::Space),
         }
     }

@@ -218,6 +218,33 @@ fn a_file_has_an_order_that_may_be_raised() {
     );
 }
 
+/// The two squares of [`TWO_CELLS`] as SU2 writes them.
+const TWO_CELLS_OF_SU2: &str =
+    "NDIME= 2\nNELEM= 2\n9 0 1 4 3\n9 1 2 5 4\nNPOIN= 6\n0 0\n1 0\n2 0\n0 1\n1 1\n2 1\nNMARK= 4
+MARKER_TAG= left\nMARKER_ELEMS= 1\n3 0 3\nMARKER_TAG= right\nMARKER_ELEMS= 1\n3 2 5
+MARKER_TAG= bottom\nMARKER_ELEMS= 2\n3 0 1\n3 1 2\nMARKER_TAG= top\nMARKER_ELEMS= 2\n3 3 4\n3 4 5\n";
+
+#[test]
+fn a_file_of_su2_gives_the_mesh_of_gmsh() {
+    let directory = TempDir::new().unwrap();
+    let check = |contents: &str, keys: &str| {
+        std::fs::write(directory.path().join("two.su2"), contents).unwrap();
+        let text = format!("{MOVED}file = \"two.su2\"\n{keys}");
+        AnyCase::check(&Document::parse(&directory.path().join("case.toml"), text, &[])?)
+    };
+    for keys in ["", "order = 4\nperiodic = [[\"left\", \"right\"]]"] {
+        let [AnyCase::Plane(su2), AnyCase::Plane(gmsh)] =
+            [TWO_CELLS_OF_SU2, TWO_CELLS].map(|contents| check(contents, keys).unwrap())
+        else {
+            panic!("two dimensions")
+        };
+        assert_eq!((su2.mesh.n_cells(), su2.mesh.volume()), (2, 2.0));
+        assert_eq!(su2.mesh, gmsh.mesh);
+    }
+    let message = check(&TWO_CELLS_OF_SU2.replace("3 0 3", "3 0 x"), "").unwrap_err().to_string();
+    assert!(message.contains("two.su2: line 15: expected a node of element 1 of 1 of marker left"), "{message}");
+}
+
 #[test]
 fn triangles_of_a_file_are_split_on_request() {
     let directory = TempDir::new().unwrap();

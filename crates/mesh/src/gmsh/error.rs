@@ -24,7 +24,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a Gmsh file gives no mesh. Elements and nodes have the numbers of the file.
+/// Why a file of Gmsh or SU2 gives no mesh. Elements and nodes have the numbers of the file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GmshError {
     /// The file cannot be read.
@@ -46,7 +46,7 @@ pub enum GmshError {
         found: String,
     },
     /// The file has another format.
-    #[error("this is {format}: save the mesh as a Gmsh file, MSH 4.1 or 2.2")]
+    #[error("this is {format}: save the mesh as a file of Gmsh, MSH 4.1 or 2.2, or of SU2")]
     Format {
         /// The format, with its article.
         format: &'static str,
@@ -188,6 +188,14 @@ pub enum GmshError {
         named: bool,
         /// The error.
         source: MeshError,
+    },
+    /// An error of an SU2 file, whose elements are named by their lines.
+    #[error("line {line}: {problem}")]
+    InLine {
+        /// The line, counted from 1.
+        line: u64,
+        /// The problem, with the remedy.
+        problem: String,
     },
     /// The cells do not form a mesh.
     #[error(transparent)]

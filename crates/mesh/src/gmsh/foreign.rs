@@ -16,8 +16,8 @@ pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {
     known.or_else(|| is_su2(bytes).then_some("an SU2 mesh"))
 }
 
-/// An SU2 file is a text with a line `NDIME= 2`, after comments and perhaps other keys.
-fn is_su2(bytes: &[u8]) -> bool {
+/// Whether a file is an SU2 mesh: a text with a line `NDIME= 2`, after comments and perhaps other keys.
+pub fn is_su2(bytes: &[u8]) -> bool {
     if bytes.trim_ascii_start().starts_with(b"$") {
         return false;
     }

@@ -1,5 +1,5 @@
-//! Meshes written by Gmsh: MSH 4.1 and 2.2, text and binary, quadrilaterals and hexahedra of degree 1 to 10. Triangles,
-//! tetrahedra and prisms may be split into them.
+//! Meshes of files. SU2 files have straight cells, see `su2`. Files of Gmsh are MSH 4.1 and 2.2, text and binary, with
+//! quadrilaterals and hexahedra of degree 1 to 10. Triangles, tetrahedra and prisms may be split into them.
 //!
 //! A file contributes its cells (elements of dimension D), the elements of dimension D - 1 that belong to a physical
 //! group, and the names of those groups: they become the boundaries. Physical groups of cells become regions; a boundary
@@ -14,6 +14,7 @@
 //! | `source` | numbers and lines of a file, in text or binary |
 //! | `file` | sections and versions; `version2`, `version4` the two layouts of nodes and elements |
 //! | `foreign` | files of other programs |
+//! | `su2` | SU2 files, read into the same lists |
 //! | `element`, `shape` | kinds of elements, their shapes and the order of their nodes |
 //! | `split` | pieces of triangles, tetrahedra and prisms |
 //! | `cells` | from elements to cells |
@@ -30,12 +31,14 @@ mod remedies;
 mod shape;
 mod source;
 mod split;
+mod su2;
 #[cfg(test)]
 mod tests;
 mod version2;
 mod version4;
 
 pub use error::{GmshError, Place};
+pub use foreign::is_su2;
 
 use crate::Mesh;
 use std::path::Path;
@@ -71,6 +74,12 @@ impl<const D: usize> Mesh<D> {
         simplices: Simplices,
     ) -> Result<Self, GmshError> {
         convert::mesh(&file::read(bytes)?, periodic, simplices)
+    }
+
+    /// The mesh in the SU2 file `bytes`, of order 2. Markers become boundaries. Else as [`Mesh::from_gmsh_with`]; errors
+    /// name the line.
+    pub fn from_su2(bytes: &[u8], periodic: &[(String, String)], simplices: Simplices) -> Result<Self, GmshError> {
+        convert::mesh(&su2::read(bytes)?, periodic, simplices).map_err(su2::in_file)
     }
 
     /// The mesh in the file `path`, see [`Mesh::from_gmsh`].

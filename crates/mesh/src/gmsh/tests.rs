@@ -7,6 +7,7 @@ mod drawing;
 mod foreign;
 mod sample;
 mod split;
+mod su2;
 mod written_by_gmsh;
 
 use super::{GmshError, Place};

@@ -9,7 +9,7 @@ use crate::raw;
 use ::mesh::{GmshError, Simplices};
 use std::path::Path;
 
-/// The mesh of a Gmsh file, in the order of the file.
+/// The mesh of a file of Gmsh or SU2, in the order of the file.
 pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Checked<AnyMesh> {
     let (key, path) = (Key::new("mesh.file"), checker.beside_case(file));
     let bytes =
@@ -23,7 +23,7 @@ pub(super) fn read(checker: &Checker<'_>, raw: &raw::Mesh, file: &Path) -> Check
         _ => checker.error(&key, Cause::MeshFile { path: path.clone(), error }),
     };
     let simplices = if raw.split_simplices == Some(true) { Simplices::Split } else { Simplices::Refuse };
-    let mesh = AnyMesh::from_gmsh_with(&bytes, &pairs, simplices).map_err(refused)?;
+    let mesh = AnyMesh::from_file_with(&bytes, &pairs, simplices).map_err(refused)?;
     check_names(checker, &key, &mesh)?;
     Ok(mesh)
 }
@@ -37,6 +37,6 @@ fn check_names(checker: &Checker<'_>, key: &Key, mesh: &AnyMesh) -> Checked<()> 
     let Some(name) = names.iter().find(|name| name.is_empty() || name.contains(char::is_control)) else {
         return Ok(());
     };
-    let problem = format!("the name of a physical group, {name:?}, is not a name that can be printed on one line");
+    let problem = format!("the name of a boundary, {name:?}, is not a name that can be printed on one line");
     Err(checker.combination(key, &problem, "names of printable characters"))
 }

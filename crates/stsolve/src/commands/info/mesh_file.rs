@@ -14,22 +14,26 @@ use std::path::Path;
 /// The beginning of a Gmsh file.
 const BEGINNING: &[u8] = b"$MeshFormat";
 
-/// Whether the file at `path` is, or should be, a Gmsh file.
+/// A file is searched for the keys of SU2 up to this length, in bytes.
+const SEARCHED: u64 = 1 << 16;
+
+/// Whether the file at `path` is, or should be, a file of Gmsh or SU2.
 pub(super) fn is_one(path: &Path) -> bool {
     let mut beginning = Vec::new();
     // A file that cannot be read is reported later.
-    let read = File::open(path).map(|file| file.take(BEGINNING.len() as u64).read_to_end(&mut beginning));
-    path.extension().is_some_and(|extension| extension == "msh") || matches!(read, Ok(Ok(_)) if beginning == BEGINNING)
+    let read = File::open(path).map(|file| file.take(SEARCHED).read_to_end(&mut beginning));
+    path.extension().is_some_and(|extension| extension == "msh" || extension == "su2")
+        || matches!(read, Ok(Ok(_)) if beginning.starts_with(BEGINNING) || mesh::is_su2(&beginning))
 }
 
-/// Describes the Gmsh file at `path`.
+/// Describes the file of Gmsh or SU2 at `path`.
 ///
 /// # Errors
 /// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
 pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     let in_file = |error: anyhow::Error| Failure::bad_input(anyhow::anyhow!("{}: {error}", path.display()));
     let bytes = mesh_file::read(path).map_err(|error| in_file(error.into()))?;
-    let tables = match AnyMesh::from_gmsh(&bytes, &[]).map_err(|error| in_file(error.into()))? {
+    let tables = match AnyMesh::from_file(&bytes, &[]).map_err(|error| in_file(error.into()))? {
         AnyMesh::Plane(mesh) => tables(path, &mesh),
         AnyMesh::Space(mesh) => tables(path, &mesh),
     };

@@ -1,0 +1,260 @@
+//! SU2 meshes: texts with lines `KEY= value`, each followed by its list. `%` begins a comment.
+//!
+//! Elements of a file have the number of their line, nodes count from 0. A marker becomes a group of dimension D - 1.
+
+use super::element::Kind;
+use super::file::{Element, File};
+use super::shape::Shape;
+use super::{GmshError, Place};
+use std::str::{FromStr, SplitWhitespace};
+
+/// Keys that do not belong to the mesh: angles of the flow, and periodic transformations of old versions.
+const IGNORED: [&str; 7] =
+    ["AOA", "AOS", "NPERIODIC", "PERIODIC_INDEX", "PERIODIC_CENTER", "PERIODIC_ROTATION", "PERIODIC_TRANSLATION"];
+
+/// The lines of a file that are not empty without their comments, with their numbers.
+struct Lines<'a> {
+    rest: std::iter::Peekable<Box<dyn Iterator<Item = (usize, &'a str)> + 'a>>,
+    /// The number of the last line of the file.
+    end: usize,
+}
+
+/// The lists of an SU2 file, as they are read.
+#[derive(Default)]
+struct Reader {
+    dimension: Option<usize>,
+    markers: Option<usize>,
+    /// The keys that occur once.
+    seen: Vec<&'static str>,
+    file: File,
+}
+
+/// The lists of an SU2 file.
+pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        unexpected(line, "a line of text", "bytes that are not UTF-8")
+    })?;
+    let (mut lines, mut reader) = (Lines::new(text), Reader::default());
+    while let Some((line, text)) = lines.rest.next() {
+        let (key, value) = text.split_once('=').ok_or_else(|| {
+            unexpected(line, "a key, such as NELEM= 4 (or the list before is longer than its count)", text)
+        })?;
+        match key.trim() {
+            // Boxes of free-form deformation end a file.
+            key if key.starts_with("FFD_") => break,
+            key => reader.list(line, key, value.trim(), &mut lines)?,
+        }
+    }
+    reader.finish(lines.end)
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        let bare = |(index, line): (usize, &'a str)| (index + 1, line.split('%').next().unwrap_or_default().trim());
+        let rest: Box<dyn Iterator<Item = _>> =
+            Box::new(text.lines().enumerate().map(bare).filter(|(_, line)| !line.is_empty()));
+        Lines { rest: rest.peekable(), end: text.lines().count().max(1) }
+    }
+
+    /// The words of the next line, which is one of a list.
+    fn words(&mut self, what: &str) -> Result<(usize, SplitWhitespace<'a>), GmshError> {
+        match self.rest.peek() {
+            None => Err(unexpected(self.end, what, "the end of the file")),
+            Some(&(line, text)) if text.contains('=') => Err(unexpected(line, what, text)),
+            Some(&(line, text)) => {
+                self.rest.next();
+                Ok((line, text.split_whitespace()))
+            }
+        }
+    }
+}
+
+impl Reader {
+    /// Reads the value of `key` and the list that follows it.
+    fn list(&mut self, line: usize, key: &str, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+        match key {
+            "NDIME" => self.dimension(line, value),
+            "NELEM" => self.cells(line, value, lines),
+            "NPOIN" => self.points(line, value, lines),
+            "NMARK" => {
+                self.once(line, "NMARK")?;
+                self.markers = Some(number(line, value, "the number of markers")?);
+                Ok(())
+            }
+            "MARKER_TAG" => self.marker(line, value, lines),
+            "NZONE" if value == "1" => Ok(()),
+            "NZONE" => Err(unexpected(line, "NZONE= 1: save every zone as a file of its own", value)),
+            "IZONE" => Ok(()),
+            key if IGNORED.contains(&key) => Ok(()),
+            key => Err(unexpected(line, "one of the keys NDIME, NELEM, NPOIN, NMARK and MARKER_TAG", key)),
+        }
+    }
+
+    fn once(&mut self, line: usize, key: &'static str) -> Result<(), GmshError> {
+        if self.seen.contains(&key) {
+            return Err(unexpected(line, &format!("one line {key}="), "a second one"));
+        }
+        self.seen.push(key);
+        Ok(())
+    }
+
+    fn dimension(&mut self, line: usize, value: &str) -> Result<(), GmshError> {
+        self.once(line, "NDIME")?;
+        let dimension = number(line, value, "the dimension, 2 or 3")?;
+        if ![2, 3].contains(&dimension) {
+            return Err(unexpected(line, "the dimension, 2 or 3", value));
+        }
+        self.dimension = Some(dimension);
+        Ok(())
+    }
+
+    /// D, which precedes every list.
+    fn required_dimension(&self, line: usize) -> Result<usize, GmshError> {
+        self.dimension.ok_or_else(|| unexpected(line, "NDIME= before every other key", "a list of unknown dimension"))
+    }
+
+    fn cells(&mut self, line: usize, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+        self.once(line, "NELEM")?;
+        let dimension = self.required_dimension(line)?;
+        let count: u64 = number(line, value, "the number of elements")?;
+        if count == 0 {
+            return Err(unexpected(line, "the number of elements, 1 or more", value));
+        }
+        for k in 1..=count {
+            let what = format!("element {k} of {count}");
+            self.element(dimension, None, lines, &what)?;
+        }
+        Ok(())
+    }
+
+    fn marker(&mut self, line: usize, name: &str, lines: &mut Lines) -> Result<(), GmshError> {
+        let dimension = self.required_dimension(line)? - 1;
+        let group = self.file.names.len() as i64 + 1;
+        self.file.names.insert((dimension, group), name.to_owned());
+        let what = format!("MARKER_ELEMS= with the number of elements of marker {name}");
+        let (line, text) = lines.rest.next().unwrap_or((lines.end, "the end of the file"));
+        let value = text.strip_prefix("MARKER_ELEMS").and_then(|rest| rest.trim_start().strip_prefix('='));
+        let count: usize = number(line, value.ok_or_else(|| unexpected(line, &what, text))?, &what)?;
+        for k in 1..=count {
+            self.element(dimension, Some(group), lines, &format!("element {k} of {count} of marker {name}"))?;
+        }
+        Ok(())
+    }
+
+    /// An element: its VTK type, its nodes, perhaps its index.
+    fn element(
+        &mut self,
+        dimension: usize,
+        group: Option<i64>,
+        lines: &mut Lines,
+        what: &str,
+    ) -> Result<(), GmshError> {
+        let (line, mut words) = lines.words(what)?;
+        let code = next(line, &mut words, &format!("the VTK type of {what}"))?;
+        let shape = shape(code, dimension).map_err(|expected| unexpected(line, &expected, &code.to_string()))?;
+        let kind = Kind { shape, degree: 1 };
+        let node = format!("a node of {what}");
+        let nodes = (0..kind.n_nodes()).map(|_| next(line, &mut words, &node)).collect::<Result<_, _>>()?;
+        end(line, words)?;
+        self.file.elements.push(Element { number: line as u64, kind, groups: group.into_iter().collect(), nodes });
+        Ok(())
+    }
+
+    /// The value is the number of points, in old versions followed by that without halos.
+    fn points(&mut self, line: usize, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+        self.once(line, "NPOIN")?;
+        let dimension = self.required_dimension(line)?;
+        let mut counts = value.split_whitespace();
+        let count: u64 = next(line, &mut counts, "the number of points")?;
+        end(line, counts)?;
+        for k in 0..count {
+            let what = format!("point {} of {count}", k + 1);
+            let (line, mut words) = lines.words(&what)?;
+            let mut position = [0.0; 3];
+            for x in &mut position[..dimension] {
+                *x = next(line, &mut words, &format!("a coordinate of {what}"))?;
+            }
+            end(line, words)?;
+            self.file.nodes.insert(k, position);
+        }
+        Ok(())
+    }
+
+    fn finish(self, end: usize) -> Result<File, GmshError> {
+        if let Some(key) = ["NDIME", "NELEM", "NPOIN"].into_iter().find(|key| !self.seen.contains(key)) {
+            return Err(unexpected(end, &format!("a line {key}="), "the end of the file"));
+        }
+        let found = self.file.names.len();
+        match self.markers {
+            Some(count) if count != found => {
+                Err(unexpected(end, &format!("{count} markers, as NMARK says"), &found.to_string()))
+            }
+            _ => Ok(self.file),
+        }
+    }
+}
+
+/// The shape with the VTK type `code`, or what was expected in place of it.
+fn shape(code: u64, dimension: usize) -> Result<Shape, String> {
+    let known = [
+        (3, Shape::Line),
+        (5, Shape::Triangle),
+        (9, Shape::Quadrilateral),
+        (10, Shape::Tetrahedron),
+        (12, Shape::Hexahedron),
+        (13, Shape::Prism),
+    ];
+    let found = known.iter().find(|(known, shape)| *known == code && shape.dimension() == dimension);
+    found.map(|(_, shape)| *shape).ok_or_else(|| {
+        let accepted = match dimension {
+            1 => "3 (a line)",
+            2 => "9 (a quadrilateral) or, to be split, 5 (a triangle)",
+            _ => "12 (a hexahedron) or, to be split, 10 (a tetrahedron) or 13 (a prism)",
+        };
+        format!("the VTK type {accepted}")
+    })
+}
+
+/// The next word as a number.
+fn next<T: FromStr>(line: usize, words: &mut SplitWhitespace, what: &str) -> Result<T, GmshError> {
+    number(line, words.next().unwrap_or("the end of the line"), what)
+}
+
+fn number<T: FromStr>(line: usize, word: &str, what: &str) -> Result<T, GmshError> {
+    word.trim().parse().map_err(|_| unexpected(line, what, word))
+}
+
+/// Nothing but an index may end a line of a list.
+fn end(line: usize, mut words: SplitWhitespace) -> Result<(), GmshError> {
+    if let Some(index) = words.next() {
+        number::<u64>(line, index, "an index or the end of the line")?;
+    }
+    words.next().map_or(Ok(()), |word| Err(unexpected(line, "the end of the line", word)))
+}
+
+fn unexpected(line: usize, expected: &str, found: &str) -> GmshError {
+    let found = if found.is_empty() { "nothing" } else { found };
+    let found = format!("`{}`", found.chars().take(60).collect::<String>());
+    GmshError::Syntax { place: Place::Line(line), expected: expected.to_owned(), found }
+}
+
+/// The error of the lists of an SU2 file, with its line and a remedy that does not speak of Gmsh.
+pub(super) fn in_file(error: GmshError) -> GmshError {
+    let (line, problem) = match error {
+        GmshError::Simplices { kind, count, element, .. } => {
+            let remedy = "use quadrilaterals or hexahedra, or set `mesh.split_simplices = true` in the case";
+            (element, format!("this is the first of {count} {kind}: {remedy}"))
+        }
+        GmshError::NoNode { element, node } => {
+            (element, format!("point {node} is not among those of NPOIN, which count from 0"))
+        }
+        GmshError::Stray { element, name } => {
+            (element, format!("the element of marker \"{name}\" is not a face of any cell"))
+        }
+        GmshError::Cell { element, source, .. } => (element, source.to_string()),
+        GmshError::Unnamed { element, source, .. } => (element, format!("{source}: list the face below a MARKER_TAG")),
+        other => return other,
+    };
+    GmshError::InLine { line, problem }
+}
