@@ -111,7 +111,7 @@ fn a_solve_whose_steps_stay_short_is_given_up() {
     let solve = |largest_step, short_steps| {
         let mut problem = logarithm_problem();
         problem.largest_step = largest_step;
-        run(&mut problem, &mut [20.0], &Settings { short_steps, max_steps: 200, ..Settings::default() })
+        run(&mut problem, &mut [20.0], &Settings { short_steps, max_steps: 1000, ..Settings::default() })
     };
     let error = solve(0.05, rule).unwrap_err();
     assert!(matches!(error, Error::ShortSteps { steps: 4, .. }) && error.report().steps.len() == 4, "{error}");
