@@ -37,6 +37,7 @@ fn check_names(checker: &Checker<'_>, key: &Key, mesh: &AnyMesh) -> Checked<()> 
     let Some(name) = names.iter().find(|name| name.is_empty() || name.contains(char::is_control)) else {
         return Ok(());
     };
-    let problem = format!("the name of a boundary, {name:?}, is not a name that can be printed on one line");
+    let problem =
+        format!("the name of a physical group or marker, {name:?}, is not a name that can be printed on one line");
     Err(checker.combination(key, &problem, "names of printable characters"))
 }
