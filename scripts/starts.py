@@ -15,21 +15,11 @@ import shutil
 import subprocess
 import sys
 
-from steady_starts import PROGRAM, ROOT, airfoil, channel, external, generator, passage
+from steady_starts import HEAD, PROGRAM, ROOT, airfoil, channel, external, generator, passage
 
-CASE = """title = "{title}"
-[mesh]
-order = 4
-[mesh.generate.{mesh}
-[flow]
-order = {order}
-gas = {{ gamma = 1.4, prandtl = 0.72, mach = {mach}, viscosity = {viscosity} }}
-initial = {{ uniform = {stream} }}
-{more}
-[flow.boundary]
-{boundary}
-{forces}
-[time]
+CASE = (
+    HEAD
+    + """[time]
 order = 2
 end = 0.5
 step = {step}
@@ -38,6 +28,7 @@ newton_tolerance = 1e-4
 [output]
 fields = []
 """
+)
 
 MOST_WASTED = 0.3
 

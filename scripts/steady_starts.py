@@ -25,7 +25,8 @@ PROGRAM = os.environ.get("STSOLVE", ROOT / "target/release/stsolve")
 AIRFOIL = """airfoil = { first_cell = FIRST, trailing_edge_cell = 0.02, surface_cells = 14, wake_cells = 8,
     near_wake = { extent = 2, cells = 6 }, normal_cells = 11, near_wall = { extent = 0.6, cells = 8 } }"""
 
-CASE = """title = "{title}"
+# A case up to its times; `more` are further keys of the flow.
+HEAD = """title = "{title}"
 [mesh]
 order = 4
 [mesh.generate.{mesh}
@@ -33,10 +34,15 @@ order = 4
 order = {order}
 gas = {{ gamma = 1.4, prandtl = 0.72, mach = {mach}, viscosity = {viscosity} }}
 initial = {{ uniform = {stream} }}
+{more}
 [flow.boundary]
 {boundary}
 {forces}
-[time]
+"""
+
+CASE = (
+    HEAD
+    + """[time]
 order = 1
 end = 0
 step = 1
@@ -44,6 +50,7 @@ step = 1
 [output]
 fields = []
 """
+)
 
 
 def stream(mach, degrees=0.0):
@@ -141,7 +148,7 @@ def run(directory, name, start, order, arguments):
     shutil.rmtree(place, ignore_errors=True)
     place.parent.mkdir(parents=True, exist_ok=True)
     case = place.with_suffix(".toml")
-    case.write_text(CASE.format(title=name, order=order, **start))
+    case.write_text(CASE.format(title=name, order=order, **{"more": "", **start}))
     changes = [part for change in arguments.set for part in ("--set", change)]
     command = [PROGRAM, "run", case, "--output", place, "--threads", str(arguments.threads), *changes]
     begun = time.monotonic()

@@ -19,7 +19,8 @@ pub enum Source<const D: usize> {
     Manufactured,
     /// Mass, momentum and energy per volume and time.
     Given(Box<PointData<D>>),
-    /// The acceleration of a body force and the strength of a sponge, 0 if there is none. The law holds the target of the sponge.
+    /// The acceleration of a body force and the strength of a sponge. Each is zero where the case gives none. The law holds the target of the
+    /// sponge.
     Forcing(Box<PointData<D>>),
 }
 
