@@ -207,10 +207,9 @@ impl<'a> Checker<'a> {
         self.program(key, formula, &self.names.with_time())
     }
 
-    /// A formula in position and time, and in two dimensions in the arc length s.
+    /// A formula in position, time and the arc length s.
     pub(super) fn formula_on_boundary<const D: usize>(&self, key: &Key, formula: &Formula) -> Checked<Program> {
-        let names = self.names.with_coordinates(D).with_time();
-        self.program(key, formula, &if D == 2 { names.with_arc_length() } else { names })
+        self.program(key, formula, &self.names.with_coordinates(D).with_time().with_arc_length())
     }
 
     /// A formula in position, time and the fields of a flow.

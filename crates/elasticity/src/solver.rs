@@ -36,7 +36,7 @@ pub struct Plan {
 
 /// A mesh is factored up to this many multiplications.
 const MAX_OPERATIONS: f64 = 1e11;
-/// A mesh is factored up to this many bytes. On an extruded mesh of thin cells multigrid takes as many, and far more time.
+/// A mesh is factored up to this many bytes.
 const MAX_BYTES: usize = 2 << 30;
 
 impl Plan {

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use elasticity::{ElasticMesh, Material, Solver, Stiffness};
-use mesh::generate::{AirfoilMesh, RotatingBoxMesh};
+use mesh::generate::{AirfoilMesh, BladeMesh, Extrusion, RotatingBoxMesh};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
+use std::f64::consts::PI;
 
 /// A mesh, its stiffness, and how its boundaries move.
 struct Case<'a, const D: usize> {
@@ -13,8 +14,8 @@ struct Case<'a, const D: usize> {
     boundary: &'a dyn Fn(&str, &[f64; D]) -> [f64; D],
 }
 
-/// The displacement to a relative residual, and the iterations.
-fn solution<const D: usize>(case: &Case<'_, D>, solver: Solver, tolerance: f64) -> (Vec<f64>, usize) {
+/// The mesh with its solver, and the displacement of its boundaries.
+fn prepared<const D: usize>(case: &Case<'_, D>, solver: Solver) -> (ElasticMesh<D>, Vec<f64>) {
     let mesh = &case.mesh;
     let numbering = NodeNumbering::new(mesh, mesh.order());
     let mut boundary_of = vec![None; numbering.count];
@@ -25,7 +26,13 @@ fn solution<const D: usize>(case: &Case<'_, D>, solver: Solver, tolerance: f64) 
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::with_solver(mesh, &numbering, material, case.stiffness, &constrained, solver).unwrap();
     let at_node = |(x, name): (&[f64; D], &Option<&String>)| name.map_or([0.0; D], |name| (case.boundary)(name, x));
-    let mut d: Vec<f64> = elastic.coordinates().iter().zip(&boundary_of).flat_map(at_node).collect();
+    let d = elastic.coordinates().iter().zip(&boundary_of).flat_map(at_node).collect();
+    (elastic, d)
+}
+
+/// The displacement to a relative residual, and the iterations.
+fn solution<const D: usize>(case: &Case<'_, D>, solver: Solver, tolerance: f64) -> (Vec<f64>, usize) {
+    let (elastic, mut d) = prepared(case, solver);
     let report = elastic.extend(&mut d, tolerance).unwrap();
     (d, report.iterations)
 }
@@ -125,6 +132,24 @@ fn cube() {
             assert_solvers(&Case { name, mesh, stiffness: Stiffness::Constant, boundary }, 46, 50);
         }
     }
+}
+
+/// A defect that was: the levels of thin cells that are extruded were nearly dense, and took minutes.
+#[test]
+fn extruded_boundary_layer() {
+    let extrusion = Extrusion { lower: 0.0, depth: 0.1, layers: 2, periodic: true };
+    let mesh = BladeMesh::low_pressure_turbine(4).unwrap().build().unwrap().extruded(&extrusion).unwrap();
+    let boundary = &|name: &str, x: &[f64; 3]| match name {
+        "blade" => [0.01 * (60.0 * x[0]).sin(), 0.01 * (20.0 * PI * x[2]).cos(), 0.0],
+        _ => [0.0; 3],
+    };
+    let case = Case { name: "blade".to_owned(), mesh, stiffness: Stiffness::InverseJacobian { power: 1.0 }, boundary };
+    let (elastic, mut d) = prepared(&case, Solver::Multigrid);
+    let iterations = elastic.extend(&mut d, 1e-10).unwrap().iterations;
+    let free = elastic.constrained().iter().filter(|constrained| !**constrained).count();
+    let bytes = elastic.solver_bytes() / free;
+    println!("blade: {iterations} iterations, {bytes} bytes per unknown");
+    assert!(iterations <= 85 && bytes <= 2000, "{iterations} iterations, {bytes} bytes per unknown");
 }
 
 /// Boundary-layer cells that are 10^5 times longer than high, and stiffer than the far field by ten orders of magnitude. One pass of the

@@ -1,8 +1,8 @@
-//! The geometry of a boundary at its C0 nodes: normals, axes, and arc length along a closed curve.
+//! The geometry of a boundary at its C0 nodes: normals and axes.
 
-use crate::facet::{axis_and_side, face_nodes, outward_sign, tangent_sign};
+use crate::facet::{axis_and_side, face_nodes, outward_sign};
 use crate::{BoundaryFacet, CellMap, Mesh, MeshError, NodeNumbering, Side};
-use basis::{Lagrange, gauss, gauss_lobatto};
+use basis::gauss_lobatto;
 use std::array::from_fn;
 use std::collections::BTreeMap;
 use tensor::{cofactor, norm};
@@ -76,87 +76,12 @@ impl<const D: usize> Mesh<D> {
         Ok(axes)
     }
 
-    /// In two dimensions, for every C0 node of a `boundary` that is one closed curve, the length of the curve up to the
-    /// node over its whole length, in [0, 1). The curve begins at the end of a facet with the largest x; among several,
-    /// at the one with the smallest y. The domain lies on its right, so it runs counter-clockwise around a body. `None`
-    /// if the boundary is not one closed curve.
-    pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
-        let (mut arcs, mut first) = (BTreeMap::new(), None::<([f64; D], usize)>);
-        for side in self.sides_of(boundary).filter(|_| D == 2) {
-            let arc = self.arc(numbering, side);
-            let before = |x: &[f64; D], y: &[f64; D]| (-x[0], x[1]) < (-y[0], y[1]);
-            if first.as_ref().is_none_or(|(position, _)| before(&arc.start, position)) {
-                first = Some((arc.start, arc.nodes[0]));
-            }
-            // Two facets that begin in one node do not form a curve.
-            if arcs.insert(arc.nodes[0], arc).is_some() {
-                return None;
-            }
-        }
-        follow(arcs, first?.1)
-    }
-
-    fn sides_of(&self, boundary: usize) -> impl Iterator<Item = Side> {
+    pub(crate) fn sides_of(&self, boundary: usize) -> impl Iterator<Item = Side> {
         self.boundary_facets
             .iter()
             .filter(move |facet| facet.boundary == boundary)
             .map(|&BoundaryFacet { side, .. }| side)
     }
-
-    /// The face `side` as a piece of a curve with the domain on its right.
-    fn arc(&self, numbering: &NodeNumbering, side: Side) -> Arc<D> {
-        let positions = self.face_positions(side);
-        let mut nodes = numbering.face::<D>(side);
-        let mut lengths = lengths(&positions, numbering.order());
-        let mut start = positions[0];
-        // The right of (t_x, t_y) is (t_y, -t_x); with the sign + it points out of the domain.
-        if tangent_sign(side.face) > 0.0 {
-            let whole = lengths[lengths.len() - 1];
-            nodes.reverse();
-            lengths.reverse();
-            lengths.iter_mut().for_each(|length| *length = whole - *length);
-            start = positions[positions.len() - 1];
-        }
-        Arc { nodes, lengths, start }
-    }
-}
-
-/// A face in two dimensions: its C0 nodes, the length of the curve up to each of them, and its first position.
-struct Arc<const D: usize> {
-    nodes: Vec<usize>,
-    lengths: Vec<f64>,
-    start: [f64; D],
-}
-
-/// The arcs, by their first nodes, joined from node `first` until it is reached again; as fractions of the whole.
-fn follow<const D: usize>(mut arcs: BTreeMap<usize, Arc<D>>, first: usize) -> Option<BTreeMap<usize, f64>> {
-    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first);
-    loop {
-        let Arc { nodes, lengths, .. } = arcs.remove(&node)?;
-        let last = nodes.len() - 1;
-        fractions.extend((0..last).map(|k| (nodes[k], length + lengths[k])));
-        (length, node) = (length + lengths[last], nodes[last]);
-        if node == first {
-            break;
-        }
-    }
-    fractions.values_mut().for_each(|fraction| *fraction /= length);
-    arcs.is_empty().then_some(fractions)
-}
-
-/// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.
-fn lengths<const D: usize>(positions: &[[f64; D]], n: usize) -> Vec<f64> {
-    let (lagrange, rule) = (Lagrange::gauss_lobatto(positions.len()), gauss(2 * positions.len()));
-    let up_to = |xi: f64| {
-        let half = 0.5 * (xi + 1.0);
-        let points: Vec<f64> = rule.points.iter().map(|point| half * (point + 1.0) - 1.0).collect();
-        let derivatives = lagrange.derivative_matrix(&points);
-        let speed = |q: usize| {
-            norm(&from_fn::<f64, D, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
-        };
-        (0..points.len()).map(|q| half * rule.weights[q] * speed(q)).sum()
-    };
-    gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
 }
 
 /// The outward normal of a face, where dx/dxi is `jacobian`: cof(dx/dxi) e_axis with the sign of the side. Its length is the area of the
@@ -268,7 +193,14 @@ mod tests {
             let x = places[&node];
             assert!((0..2).all(|i| (normal[i] + x[i]).abs() < 1e-7) && normal[2].abs() < 1e-14);
         }
-        assert_eq!(mesh.arc_fractions(&numbering, wall), None, "in space");
+        // The wall begins at its largest x and runs counter-clockwise, at every height.
+        let fractions = mesh.arc_fractions(&numbering, wall).unwrap();
+        assert_eq!(fractions.keys().copied().collect::<Vec<_>>(), numbering.on_boundary(&mesh, wall));
+        for (node, fraction) in fractions {
+            let [x, y, _] = places[&node];
+            let angle = y.atan2(x).rem_euclid(TAU) / TAU;
+            assert!((angle - fraction).abs() < 1e-7 || (angle - fraction).abs() > 1.0 - 1e-7, "{angle}, {fraction}");
+        }
     }
 
     #[test]

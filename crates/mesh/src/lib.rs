@@ -17,7 +17,8 @@
 //! | `numbering` | C0 numbering of nodes |
 //! | `geometry` | x(xi), its Jacobian, volumes |
 //! | `distance` | distances to curved boundaries |
-//! | `boundary` | normals and arc lengths at the nodes of a boundary |
+//! | `arcs` | arc lengths along closed curves and walls that are extruded ones |
+//! | `boundary` | normals at the nodes of a boundary |
 //! | `blocks` | the partition into blocks, and colours of the cells at its cuts |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
@@ -44,6 +45,7 @@
 //! # Ok::<(), mesh::MeshError>(())
 //! ```
 
+mod arcs;
 mod blocks;
 mod boundary;
 mod distance;

@@ -187,6 +187,10 @@ where
                 series.values.extend(values);
             }
             surfaces::write(directory, D, &series, rule, order.max(self.case.mesh.order()))?;
+            if let Some(averages) = &self.case.averages {
+                let interval = [averages.from, averages.to.unwrap_or(f64::INFINITY)];
+                surfaces::write_means(directory, D, &series, interval)?;
+            }
         }
         Ok(())
     }

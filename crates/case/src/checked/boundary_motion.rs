@@ -101,10 +101,10 @@ impl<'a, const D: usize> Boundaries<'a, D> {
         let normals = self.mesh.boundary_normals(numbering, boundary);
         let normals = normals.map_err(|error| self.checker.error(key, Cause::Mesh(error)))?;
         let arc = self.mesh.arc_fractions(numbering, boundary);
-        // In three dimensions formulas have no s.
-        if D == 2 && arc.is_none() && amount.contains(Variable::Coordinate(D)) {
+        if arc.is_none() && amount.contains(Variable::Coordinate(D)) {
             let problem = "`s` is the place along a closed curve, which this boundary is not";
-            return Err(self.checker.combination(key, problem, "a formula in x, y and t"));
+            let variables = if D == 2 { "a formula in x, y and t" } else { "a formula in x, y, z and t" };
+            return Err(self.checker.combination(key, problem, variables));
         }
         let arc = arc.unwrap_or_default();
         let with_arc = |(node, normal)| (node, (normal, arc.get(&node).copied().unwrap_or(0.0)));

@@ -158,8 +158,8 @@ pub enum BoundaryMotion {
     /// A rigid motion: a list of steps, applied in order. At the start the result must be no motion.
     Rigid(Vec<RigidStep>),
     /// A displacement along the unit normal at rest, which points out of the mesh: positive into the wall. It is a formula in the
-    /// position x, y, z at rest and the time t. In two dimensions on a closed curve it may contain s, the length along the curve as a
-    /// fraction of the whole. The length starts from 0 at the point with the largest x and increases with the mesh on the right,
+    /// position x, y, z at rest and the time t. On a closed curve, also on one that is extruded along z, it may contain s, the length along
+    /// the curve as a fraction of the whole. The length starts from 0 at the point with the largest x and increases with the mesh on the right,
     /// which is counter-clockwise around a body. At an edge or a corner the normal is the mean of the facets' normals. Zero at the
     /// start.
     Normal(Formula),

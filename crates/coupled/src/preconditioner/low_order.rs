@@ -94,10 +94,10 @@ impl<const D: usize, const M: usize, const W: usize> LowOrderPreconditioner for 
             return z.fill(0.0);
         }
         let between = Modes { modes: &self.modes, matrix: &self.matrix };
-        between.split(r, 1.0 / scale, &self.iteration.residual);
+        between.split(r, 1.0 / scale, &self.iteration.vector);
         let operator = sweeps::Operator::<D, M, W> { matrix: &self.matrix, walk: &self.walk, factor: &self.factor };
         self.iteration.run(&operator);
-        between.join(&self.iteration.solution, scale, z);
+        between.join(&self.iteration.vector, scale, z);
     }
 
     fn ordering(&self) -> &Ordering {

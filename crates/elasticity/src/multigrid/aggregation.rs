@@ -5,10 +5,12 @@
 //!
 //! ```text
 //! B = T B_c,     T^T T = I                                                                                 (tentative)
-//! P = (I - omega / lambda D^{-1} A) T,     omega = 4 / 3,     lambda = largest eigenvalue of D^{-1} A          (smoothed)
+//! P = (I - omega / lambda D^{-1} F) T,     omega = 4 / 3,     lambda = largest eigenvalue of D^{-1} F          (smoothed)
+//! F_ij = A_ij where i and j are strongly coupled,     F_ii = A_ii + sum of the other A_ij                       (filtered)
 //! ```
 //!
-//! B_c are the modes of the next level. Smoothing reduces the energy at the edges of aggregates.
+//! B_c are the modes of the next level. Smoothing reduces the energy at the edges of aggregates. With F in place of A functions do not
+//! spread along weak couplings, so that coarse levels stay sparse where cells are thin.
 
 use super::blocks::{Block, BlockRows, add_block_product, add_block_vector, square_norm};
 
@@ -125,7 +127,23 @@ fn orthonormalise<const R: usize, const B: usize>(nodes: &[usize], functions: &m
     factor
 }
 
-/// P by (smoothed), for the inverse blocks `inverses` of D, and `count` aggregates.
+/// F by (filtered).
+pub(crate) fn filtered<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> BlockRows<R, R> {
+    let strong = strong_neighbours(matrix, theta);
+    let mut filtered = BlockRows::new();
+    for row in 0..matrix.rows() {
+        let is_kept = |column: usize| column == row || strong.of(row).binary_search(&(column as u32)).is_ok();
+        let mut diagonal = [[0.0; R]; R];
+        for (_, block) in matrix.row(row).filter(|(column, _)| *column == row || !is_kept(*column)) {
+            diagonal.as_flattened_mut().iter_mut().zip(block.as_flattened()).for_each(|(sum, entry)| *sum += entry);
+        }
+        let kept = matrix.row(row).filter(|(column, _)| is_kept(*column));
+        filtered.push_row(kept.map(|(column, block)| (column as u32, if column == row { diagonal } else { *block })));
+    }
+    filtered
+}
+
+/// P by (smoothed), for the inverse blocks `inverses` of D, F in `matrix`, and `count` aggregates.
 pub(crate) fn smoothed<const R: usize, const B: usize>(
     matrix: &BlockRows<R, R>,
     inverses: &[Block<R, R>],

@@ -16,8 +16,9 @@ pub fn columns(dimension: usize) -> Vec<Column> {
     let scalar = |name| Column { name, components: 1, is_field: true };
     let vector = |name| Column { name, components: dimension, is_field: true };
     let hidden = |column: Column| Column { is_field: false, ..column };
-    // Only a curve has an arc.
-    let along: &[Column] = if dimension == 2 { &[hidden(scalar("s")), scalar("arc_length")] } else { &[] };
+    // Only a curve has a length; s is also that of a curve that is extruded.
+    let along = [hidden(scalar("s")), scalar("arc_length")];
+    let along = if dimension == 2 { &along[..] } else { &along[..1] };
     let others = [
         hidden(vector("")),
         vector("normal"),
@@ -58,7 +59,7 @@ mod tests {
     fn names_are_those_of_components() {
         let names = |dimension| columns(dimension).iter().flat_map(Column::names).collect::<Vec<_>>().join(",");
         assert!(names(2).starts_with("s,arc_length,x,y,normal_x,normal_y,area,pressure,"), "{}", names(2));
-        assert!(names(3).starts_with("x,y,z,normal_x,normal_y,normal_z,area,"), "{}", names(3));
+        assert!(names(3).starts_with("s,x,y,z,normal_x,normal_y,normal_z,area,"), "{}", names(3));
         assert_eq!(surface_name("a/b"), "surface_a_b");
     }
 }

@@ -134,7 +134,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
                 velocity: std::array::from_fn(moved),
             };
             let s = along_arc(nodes.iter().map(|node| fractions.get(node).copied()), of_mesh);
-            let along: &[f64] = if D == 2 { &[s, 0.0] } else { &[] };
+            let along: &[f64] = if D == 2 { &[s, 0.0] } else { &[s] };
             [along, &x[p], &self.values(&here, points.weights[p])].concat()
         };
         (0..points.weights.len()).map(at).collect()

@@ -7,12 +7,15 @@
 //! | `curve` | the facets of a wall in the plane, one after the other |
 //! | `columns` | the numbers of a point, and their names |
 //! | `files` | the files of a wall |
+//! | `mean` | means over time and span, and where the flow separates |
 
 mod columns;
 mod curve;
 mod distribution;
 mod files;
+mod mean;
 
 pub use columns::{Column, columns, surface_name};
 pub use distribution::{SurfaceFlow, physical};
 pub use files::write;
+pub use mean::write_means;

@@ -2,7 +2,7 @@
 
 use super::matrix::{BEYOND, NodeBlocks};
 use super::stencil::Step;
-use super::sweeps::add_product;
+use super::sweeps::{add_column, load};
 use super::vectors::columns;
 use super::walk::Walk;
 use basis::TemporalModes;
@@ -11,6 +11,8 @@ use half::bf16;
 use sparse::dependency_schedule;
 use std::ops::Range;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard};
+use tensor::Arch;
+use tensor::pulp::{Simd, WithSimd};
 
 /// D_i^-1 of all modes.
 pub(super) struct Factor {
@@ -66,13 +68,18 @@ impl Factor {
             let cell = ordering.cells[k];
             let mut inverses = self.inverses[cell].write().unwrap_or_else(PoisonError::into_inner);
             inverses.resize(matrix.layout.nodes * self.parts() * M * M + BEYOND, bf16::ZERO);
-            for &node in walk.nodes(cell) {
-                self.eliminate::<D, M, W>(matrix, walk, (cell, node as usize), &mut inverses);
-            }
+            Arch::new().dispatch(EliminateCell::<D, M, W> {
+                factor: self,
+                matrix,
+                walk,
+                cell,
+                inverses: &mut inverses,
+            });
         });
     }
 
     /// D_i^-1 of one node; those of earlier nodes are there.
+    #[inline(always)]
     fn eliminate<const D: usize, const M: usize, const W: usize>(
         &self,
         matrix: &NodeBlocks<D, M>,
@@ -91,6 +98,7 @@ impl Factor {
     }
 
     /// sum_(j before i) A_ij D_j^-1 A_ji, `[part][column][row]`.
+    #[inline(always)]
     fn fill<const D: usize, const M: usize, const W: usize>(
         &self,
         matrix: &NodeBlocks<D, M>,
@@ -121,6 +129,7 @@ impl Factor {
     }
 
     /// D_i = lambda + dt A_ii - dt^2 times the fill, which has one part or two.
+    #[inline(always)]
     fn diagonal<const M: usize, const W: usize>(
         &self,
         block: &[f32],
@@ -142,7 +151,29 @@ impl Factor {
     }
 }
 
+/// D_i^-1 of the nodes of a cell.
+struct EliminateCell<'a, const D: usize, const M: usize, const W: usize> {
+    factor: &'a Factor,
+    matrix: &'a NodeBlocks<D, M>,
+    walk: &'a Walk,
+    cell: usize,
+    inverses: &'a mut [bf16],
+}
+
+impl<const D: usize, const M: usize, const W: usize> WithSimd for EliminateCell<'_, D, M, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for &node in self.walk.nodes(self.cell) {
+            let place = (self.cell, node as usize);
+            self.factor.eliminate::<D, M, W>(self.matrix, self.walk, place, self.inverses);
+        }
+    }
+}
+
 /// Stores the real part of a block and, where there is room for it, the imaginary part.
+#[inline(always)]
 fn store(block: &[c64], stored: &mut [bf16]) {
     let (re, im) = stored.split_at_mut(block.len());
     re.iter_mut().zip(block).for_each(|(stored, entry)| *stored = bf16::from_f64(entry.re));
@@ -150,26 +181,26 @@ fn store(block: &[c64], stored: &mut [bf16]) {
 }
 
 /// sums += A_ij D_j^-1 A_ji for every part of D_j^-1.
+#[inline(always)]
 fn add_fill<const M: usize, const W: usize>(
     coupling: &[bf16],
     inverse: &[bf16],
     back: &[bf16],
     sums: &mut [[[f32; W]; M]],
 ) {
-    let mut columns = [[0.0; M]; M];
-    columns.as_flattened_mut().iter_mut().zip(back).for_each(|(x, stored)| *x = stored.to_f32());
+    let (coupling, back) = (load::<M, W>(coupling), load::<M, W>(back));
     for (part, sums) in sums.iter_mut().enumerate() {
-        let mut solved = [[0.0; W]; M];
-        add_product::<M, W>(&inverse[part * M * M..], columns.as_flattened(), &mut solved);
-        let mut rows = [[0.0; M]; M];
-        for (rows, solved) in rows.iter_mut().zip(&solved) {
-            rows.copy_from_slice(&solved[..M]);
+        let inverse = load::<M, W>(&inverse[part * M * M..]);
+        for (back, sum) in back.iter().zip(sums) {
+            let mut solved = [0.0; W];
+            add_column(&inverse, &back[..M], &mut solved);
+            add_column(&coupling, &solved[..M], sum);
         }
-        add_product::<M, W>(coupling, rows.as_flattened(), sums);
     }
 }
 
 /// The inverse of a small matrix `[column][row]` by Gauss-Jordan elimination with pivots from the rows below.
+#[inline(always)]
 fn inverse<const M: usize>(mut a: [[c64; M]; M]) -> [[c64; M]; M] {
     let mut b = [[c64::ZERO; M]; M];
     (0..M).for_each(|i| b[i][i] = c64::ONE);

@@ -44,7 +44,7 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
             dt,
             scales: operator.problem.kernels.scales(),
             inverse_roots: vec![0.0; (layout.cells + operator.share.ghosts.len()) * nodes],
-            diagonal: vec![0.0; blocks],
+            diagonal: vec![0.0; blocks + BEYOND],
             couplings: vec![bf16::ZERO; 2 * D * blocks + BEYOND],
             neighbours: Neighbours::of(operator),
             stencil: Stencil::new::<D>(order),
@@ -73,11 +73,11 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
         &self.couplings[start..start + M * M + BEYOND]
     }
 
-    /// dt A_ii.
+    /// dt A_ii, and what follows it.
     #[inline(always)]
     pub(super) fn diagonal(&self, cell: usize, node: usize) -> &[f32] {
         let start = (cell * self.layout.nodes + node) * M * M;
-        &self.diagonal[start..start + M * M]
+        &self.diagonal[start..start + M * M + BEYOND]
     }
 
     /// The factor that turns blocks into those of a slab of length `dt`.

@@ -3,7 +3,7 @@
 use super::factor::Factor;
 use super::matrix::{BEYOND, NodeBlocks};
 use super::stencil::Step;
-use super::vectors::{COLUMNS, Field};
+use super::vectors::{COLUMNS, Field, add_mode};
 use super::walk::Walk;
 use faer::c64;
 use half::bf16;
@@ -25,13 +25,29 @@ pub(super) struct Operator<'a, const D: usize, const M: usize, const W: usize> {
 /// The neighbours of a cell that are read, by face.
 pub(super) type Neighbours<'a> = [Option<RwLockReadGuard<'a, Vec<f32>>>; 6];
 
-/// Columns of a node, each padded to `W` numbers.
-type Rows<const W: usize> = [[f32; W]; COLUMNS];
+/// Numbers of a node: of each of at most `C` columns a row, padded to `W`.
+type Rows<const W: usize, const C: usize> = [[f32; W]; C];
+
+/// A block, its columns padded to `W` rows.
+type Block<const M: usize, const W: usize> = [[f32; W]; M];
+
+/// Runs a kernel that is compiled for each small number of columns. More than four columns share one of [`COLUMNS`].
+macro_rules! dispatch_columns {
+    ($columns:expr, $kernel:ident::<$D:ident, $M:ident, $W:ident> $fields:tt) => {
+        match $columns {
+            1 => Arch::new().dispatch($kernel::<$D, $M, $W, 1> $fields),
+            2 => Arch::new().dispatch($kernel::<$D, $M, $W, 2> $fields),
+            3 => Arch::new().dispatch($kernel::<$D, $M, $W, 3> $fields),
+            4 => Arch::new().dispatch($kernel::<$D, $M, $W, 4> $fields),
+            _ => Arch::new().dispatch($kernel::<$D, $M, $W, COLUMNS> $fields),
+        }
+    };
+}
 
 impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
     /// z = (node ilu)^-1 c.
     pub(super) fn sweep(&self, c: &Field, z: &Field) {
-        let (cells, ordering, arch) = (self.matrix.layout.cells, &self.walk.ordering, Arch::new());
+        let (cells, ordering) = (self.matrix.layout.cells, &self.walk.ordering);
         // Number k is position k of the forward sweep, or position 2 `cells` - 1 - k of the backward sweep.
         let place = |k: usize| if k < cells { k } else { 2 * cells - 1 - k };
         let number = |cell: usize, forward: bool| {
@@ -49,21 +65,21 @@ impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
             let mut neighbours: Neighbours = Default::default();
             self.neighbours_on(cell, forward).for_each(|(face, other)| neighbours[face] = Some(z.read(other)));
             let (c, mut z) = (c.read(cell), z.write(cell));
-            let (operator, neighbours) = (*self, &neighbours);
-            arch.dispatch(SweepCell { operator, cell, forward, neighbours, c: &c, z: &mut z });
+            let (operator, neighbours, c, z) = (*self, &neighbours, &c[..], &mut z[..]);
+            dispatch_columns!(self.columns(), SweepCell::<D, M, W> { operator, cell, forward, neighbours, c, z });
         });
     }
 
     /// w = (lambda + dt A) x.
     pub(super) fn multiply(&self, x: &Field, w: &Field) {
-        let arch = Arch::new();
         (0..self.matrix.layout.cells).into_par_iter().with_min_len(4).for_each(|cell| {
             let mut neighbours: Neighbours = Default::default();
             for (face, neighbour) in neighbours.iter_mut().enumerate().take(2 * D) {
                 *neighbour = self.matrix.cell_across(cell, face).map(|other| x.read(other));
             }
             let (x, mut w) = (x.read(cell), w.write(cell));
-            arch.dispatch(MultiplyCell { operator: *self, cell, neighbours: &neighbours, x: &x, w: &mut w });
+            let (operator, neighbours, x, w) = (*self, &neighbours, &x[..], &mut w[..]);
+            dispatch_columns!(self.columns(), MultiplyCell::<D, M, W> { operator, cell, neighbours, x, w });
         });
     }
 
@@ -74,30 +90,40 @@ impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
         (0..2 * D).filter_map(other).filter(move |(_, other)| walk.is_before(*other, cell) == before)
     }
 
-    /// y += sum over the faces for which `wanted` holds dt_0 A_ij x_j.
+    fn columns(&self) -> usize {
+        self.matrix.layout.time_order
+    }
+
+    /// The numbers of `node` in the columns of a cell `x`.
     #[inline(always)]
-    fn add_couplings(
+    fn of_node<'x>(&self, x: &'x [f32], node: usize) -> NodeNumbers<'x> {
+        NodeNumbers { x: &x[node * M..], column_len: self.matrix.layout.nodes * M }
+    }
+
+    /// y += sum over the faces for which `wanted` holds dt_0 A_ij x_j. The first axis comes last: its neighbour is the node just computed.
+    #[inline(always)]
+    fn add_couplings<const C: usize>(
         &self,
         (cell, node): (usize, usize),
         wanted: u8,
         x: &[f32],
         neighbours: &Neighbours,
-        y: &mut [[f32; W]],
+        y: &mut Rows<W, C>,
     ) {
-        let (nodes, len) = (self.matrix.layout.nodes, y.len() * M);
-        for (face, step) in self.matrix.stencil.of(node).iter().enumerate() {
-            let block = self.matrix.coupling(cell, node, face);
-            match *step {
-                Step::Inside(other) if wanted >> face & 1 == 1 => {
-                    add_product::<M, W>(block, &x[other as usize * len..][..len], y);
-                }
-                Step::Across(i) => {
-                    if let Some(x) = &neighbours[face] {
-                        let other = self.matrix.across(cell, face)[i as usize] as usize % nodes;
-                        add_product::<M, W>(block, &x[other * len..][..len], y);
-                    }
-                }
-                Step::Inside(_) => {}
+        let (nodes, columns) = (self.matrix.layout.nodes, count::<C>(self.columns()));
+        let steps = self.matrix.stencil.of(node);
+        for face in (0..2 * D).rev() {
+            let across = match steps[face] {
+                Step::Inside(other) if wanted >> face & 1 == 1 => Some((x, other as usize)),
+                Step::Across(i) => neighbours[face].as_ref().map(|x| {
+                    let other = self.matrix.across(cell, face)[i as usize] as usize % nodes;
+                    (&x[..], other)
+                }),
+                Step::Inside(_) => None,
+            };
+            if let Some((x, other)) = across {
+                let block = load::<M, W>(self.matrix.coupling(cell, node, face));
+                add_product(&block, self.of_node(x, other), 0..columns, y);
             }
         }
     }
@@ -108,45 +134,102 @@ impl<const D: usize, const M: usize, const W: usize> Operator<'_, D, M, W> {
     }
 }
 
-/// y += B x for all columns. B is `[column][row]` and may be read beyond its end.
+/// The number of columns: known to the compiler if there are few.
 #[inline(always)]
-pub(super) fn add_product<const M: usize, const W: usize>(block: &[bf16], x: &[f32], y: &mut [[f32; W]]) {
-    let block = &block[..M * M + BEYOND];
-    for j in 0..M {
-        let stored = &block[j * M..j * M + W];
-        let mut column = [0.0; W];
+const fn count<const C: usize>(columns: usize) -> usize {
+    if C < COLUMNS { C } else { columns }
+}
+
+/// The numbers of a node: those of column c begin at `c * column_len`.
+#[derive(Clone, Copy)]
+struct NodeNumbers<'a> {
+    x: &'a [f32],
+    column_len: usize,
+}
+
+/// A block `[column][row]`, which may be read beyond its end.
+#[inline(always)]
+pub(super) fn load<const M: usize, const W: usize>(stored: &[bf16]) -> Block<M, W> {
+    let (stored, mut block) = (&stored[..M * M + BEYOND], [[0.0; W]; M]);
+    for (j, column) in block.iter_mut().enumerate() {
+        let stored = &stored[j * M..j * M + W];
         for i in 0..W {
             column[i] = f32::from_bits(u32::from(stored[i].to_bits()) << 16);
         }
-        for (x, y) in x.chunks_exact(M).zip(y.iter_mut()) {
-            for i in 0..W {
-                y[i] += column[i] * x[j];
-            }
+    }
+    block
+}
+
+/// The same of a block in single precision.
+#[inline(always)]
+fn load_single<const M: usize, const W: usize>(stored: &[f32]) -> Block<M, W> {
+    let (stored, mut block) = (&stored[..M * M + BEYOND], [[0.0; W]; M]);
+    for (j, column) in block.iter_mut().enumerate() {
+        column.copy_from_slice(&stored[j * M..j * M + W]);
+    }
+    block
+}
+
+/// y += B x
+#[inline(always)]
+pub(super) fn add_column<const M: usize, const W: usize>(block: &Block<M, W>, x: &[f32], y: &mut [f32; W]) {
+    for (column, x) in block.iter().zip(x) {
+        for i in 0..W {
+            y[i] = column[i].mul_add(*x, y[i]);
         }
     }
 }
 
-/// y += D_i^-1 x for all modes.
+/// y += B x for some columns of a node.
 #[inline(always)]
-fn add_inverse<const M: usize, const W: usize>(
-    mut inverse: &[bf16],
-    modes: &[Range<usize>],
-    x: &[f32],
-    y: &mut [[f32; W]],
+fn add_product<const M: usize, const W: usize, const C: usize>(
+    block: &Block<M, W>,
+    node: NodeNumbers,
+    columns: Range<usize>,
+    y: &mut Rows<W, C>,
 ) {
+    for c in columns {
+        add_column(block, &node.x[c * node.column_len..][..M], &mut y[c]);
+    }
+}
+
+/// y += D_i^-1 x for all modes. Two columns are those of one complex mode.
+#[inline(always)]
+fn add_inverse<const M: usize, const W: usize, const C: usize>(
+    inverse: &[bf16],
+    modes: &[Range<usize>],
+    x: &Rows<W, C>,
+    y: &mut Rows<W, C>,
+) {
+    if C == 2 {
+        return add_complex_inverse::<M, W, C>(inverse, 0, x, y);
+    }
     for columns in modes {
-        let x = &x[columns.start * M..columns.end * M];
-        add_product::<M, W>(inverse, x, &mut y[columns.clone()]);
-        inverse = &inverse[M * M..];
-        if columns.len() == 2 {
-            let mut turned = [[0.0; W]; 2];
-            add_product::<M, W>(inverse, x, &mut turned);
-            for i in 0..W {
-                y[columns.start][i] -= turned[1][i];
-                y[columns.start + 1][i] += turned[0][i];
-            }
-            inverse = &inverse[M * M..];
+        let c = columns.start;
+        match columns.len() {
+            1 => add_column(&load::<M, W>(&inverse[c * M * M..]), &x[c][..M], &mut y[c]),
+            _ => add_complex_inverse::<M, W, C>(inverse, c, x, y),
         }
+    }
+}
+
+/// The same for the complex mode of column c and the next one.
+#[inline(always)]
+fn add_complex_inverse<const M: usize, const W: usize, const C: usize>(
+    inverse: &[bf16],
+    c: usize,
+    x: &Rows<W, C>,
+    y: &mut Rows<W, C>,
+) {
+    let (re, im) = (load::<M, W>(&inverse[c * M * M..]), load::<M, W>(&inverse[(c + 1) * M * M..]));
+    let mut turned = [[0.0; W]; 2];
+    for k in 0..2 {
+        add_column(&re, &x[c + k][..M], &mut y[c + k]);
+        add_column(&im, &x[c + k][..M], &mut turned[k]);
+    }
+    for i in 0..W {
+        y[c][i] -= turned[1][i];
+        y[c + 1][i] += turned[0][i];
     }
 }
 
@@ -155,7 +238,7 @@ fn add_inverse<const M: usize, const W: usize>(
 /// ```text
 /// z_i = D_i^-1 (c_i - sum_(j before i) dt A_ij z_j),   z_i -= D_i^-1 sum_(j after i) dt A_ij z_j
 /// ```
-struct SweepCell<'a, const D: usize, const M: usize, const W: usize> {
+struct SweepCell<'a, const D: usize, const M: usize, const W: usize, const C: usize> {
     operator: Operator<'a, D, M, W>,
     cell: usize,
     forward: bool,
@@ -164,40 +247,41 @@ struct SweepCell<'a, const D: usize, const M: usize, const W: usize> {
     z: &'a mut [f32],
 }
 
-impl<const D: usize, const M: usize, const W: usize> WithSimd for SweepCell<'_, D, M, W> {
+impl<const D: usize, const M: usize, const W: usize, const C: usize> WithSimd for SweepCell<'_, D, M, W, C> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let SweepCell { operator, cell, forward, neighbours, c, z } = self;
         let Operator { matrix, walk, factor } = operator;
-        let (columns, order) = (matrix.layout.time_order, walk.nodes(cell));
-        let (len, ratio, wanted) = (columns * M, factor.ratio as f32, operator.inside_on(cell, forward));
-        let (mut rows, mut images): (Rows<W>, Rows<W>) = ([[0.0; W]; COLUMNS], [[0.0; W]; COLUMNS]);
-        let mut right_side = [0.0_f32; COLUMNS * 8];
-        let inverses = factor.read(cell);
+        let (columns, order) = (count::<C>(operator.columns()), walk.nodes(cell));
+        let (column_len, ratio) = (matrix.layout.nodes * M, factor.ratio as f32);
+        let (wanted, inverses) = (operator.inside_on(cell, forward), factor.read(cell));
         for number in 0..order.len() {
             let node = order[if forward { number } else { order.len() - 1 - number }] as usize;
-            let rows = &mut rows[..columns];
-            rows.fill([0.0; W]);
-            operator.add_couplings((cell, node), wanted, z, neighbours, rows);
-            for (k, right_side) in right_side[..len].iter_mut().enumerate() {
-                let coupled = ratio * rows[k / M][k % M];
-                *right_side = if forward { c[node * len + k] - coupled } else { -coupled };
+            let mut rows: Rows<W, C> = [[0.0; W]; C];
+            operator.add_couplings((cell, node), wanted, z, neighbours, &mut rows);
+            for column in 0..columns {
+                let c = &c[column * column_len + node * M..][..M];
+                for i in 0..M {
+                    let given = if forward { c[i] } else { 0.0 };
+                    rows[column][i] = given - ratio * rows[column][i];
+                }
             }
-            let images = &mut images[..columns];
-            images.fill([0.0; W]);
-            add_inverse::<M, W>(factor.of_node::<M>(&inverses, node), &factor.columns, &right_side[..len], images);
-            for (k, z) in z[node * len..(node + 1) * len].iter_mut().enumerate() {
-                let image = images[k / M][k % M];
-                *z = if forward { image } else { *z + image };
+            let mut images: Rows<W, C> = [[0.0; W]; C];
+            add_inverse::<M, W, C>(factor.of_node::<M>(&inverses, node), &factor.columns, &rows, &mut images);
+            for column in 0..columns {
+                let z = &mut z[column * column_len + node * M..][..M];
+                for i in 0..M {
+                    z[i] = if forward { images[column][i] } else { z[i] + images[column][i] };
+                }
             }
         }
     }
 }
 
 /// A cell of w = (lambda + dt A) x.
-struct MultiplyCell<'a, const D: usize, const M: usize, const W: usize> {
+struct MultiplyCell<'a, const D: usize, const M: usize, const W: usize, const C: usize> {
     operator: Operator<'a, D, M, W>,
     cell: usize,
     neighbours: &'a Neighbours<'a>,
@@ -205,45 +289,36 @@ struct MultiplyCell<'a, const D: usize, const M: usize, const W: usize> {
     w: &'a mut [f32],
 }
 
-impl<const D: usize, const M: usize, const W: usize> WithSimd for MultiplyCell<'_, D, M, W> {
+impl<const D: usize, const M: usize, const W: usize, const C: usize> WithSimd for MultiplyCell<'_, D, M, W, C> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let MultiplyCell { operator, cell, neighbours, x, w } = self;
         let Operator { matrix, factor, .. } = operator;
-        let (columns, ratio) = (matrix.layout.time_order, factor.ratio as f32);
-        let (len, mut rows): (usize, Rows<W>) = (columns * M, [[0.0; W]; COLUMNS]);
+        let (columns, ratio) = (count::<C>(operator.columns()), factor.ratio as f32);
+        let column_len = matrix.layout.nodes * M;
         for node in 0..matrix.layout.nodes {
-            let rows = &mut rows[..columns];
-            rows.fill([0.0; W]);
-            operator.add_couplings((cell, node), u8::MAX, x, neighbours, rows);
-            let x = &x[node * len..(node + 1) * len];
-            let diagonal = matrix.diagonal(cell, node);
-            for (x, rows) in x.chunks_exact(M).zip(rows.iter_mut()) {
-                for (x, column) in x.iter().zip(diagonal.chunks_exact(M)) {
-                    rows.iter_mut().zip(column).for_each(|(y, a)| *y += a * x);
+            let mut rows: Rows<W, C> = [[0.0; W]; C];
+            operator.add_couplings((cell, node), u8::MAX, x, neighbours, &mut rows);
+            let diagonal = load_single::<M, W>(matrix.diagonal(cell, node));
+            add_product(&diagonal, operator.of_node(x, node), 0..columns, &mut rows);
+            for column in 0..columns {
+                let w = &mut w[column * column_len + node * M..][..M];
+                for i in 0..M {
+                    w[i] = ratio * rows[column][i];
                 }
             }
-            for (k, w) in w[node * len..(node + 1) * len].iter_mut().enumerate() {
-                *w = ratio * rows[k / M][k % M];
-            }
-            shift::<M>(factor, x, &mut w[node * len..(node + 1) * len]);
         }
+        shift(factor, column_len, x, w);
     }
 }
 
 /// w += lambda x, mode by mode.
 #[inline(always)]
-fn shift<const M: usize>(factor: &Factor, x: &[f32], w: &mut [f32]) {
+fn shift(factor: &Factor, len: usize, x: &[f32], w: &mut [f32]) {
     for (c64 { re, im }, columns) in factor.shifts.iter().zip(&factor.columns) {
-        let (re, im, first) = (*re as f32, *im as f32, columns.start * M);
-        for i in first..first + M {
-            w[i] += re * x[i];
-            if columns.len() == 2 {
-                w[i] -= im * x[i + M];
-                w[i + M] += im * x[i] + re * x[i + M];
-            }
-        }
+        let range = columns.start * len..columns.end * len;
+        add_mode([*re as f32, *im as f32], columns.len() == 2, &x[range.clone()], &mut w[range]);
     }
 }

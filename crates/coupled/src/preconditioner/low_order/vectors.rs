@@ -1,4 +1,4 @@
-//! Unknowns of the temporal modes, cell by cell, `[node][column][component]` in single precision. A complex mode has two columns, its real and
+//! Unknowns of the temporal modes, cell by cell, `[column][node][component]` in single precision. A complex mode has two columns, its real and
 //! its imaginary part.
 
 use super::matrix::NodeBlocks;
@@ -9,6 +9,7 @@ use newton_krylov::inner_product;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use tensor::Arch;
 
 /// The largest number of time nodes.
 pub(super) const COLUMNS: usize = 16;
@@ -60,78 +61,96 @@ pub(super) fn columns(modes: &TemporalModes) -> Vec<Range<usize>> {
     parts.scan(0, first).collect()
 }
 
-/// Vectors of one slab: `M` components in `columns` of the modes.
+/// Vectors of one slab in the columns of the modes.
 pub(super) struct Space<'a> {
-    pub(super) components: usize,
     pub(super) columns: &'a [Range<usize>],
     pub(super) share: &'a Share,
 }
 
 impl Space<'_> {
-    /// Numbers of a node.
-    fn node_len(&self) -> usize {
-        self.columns.last().map_or(0, |range| range.end) * self.components
-    }
-
-    /// The inner product of every mode, conjugate in x.
-    pub(super) fn dots(&self, x: &Field, y: &Field) -> Vec<c64> {
-        let of_cell = |cell: usize| -> [c64; COLUMNS] {
-            let (x, y, mut sums) = (x.read(cell), y.read(cell), [c64::ZERO; COLUMNS]);
-            for (x, y) in x.chunks_exact(self.node_len()).zip(y.chunks_exact(self.node_len())) {
-                for (sum, columns) in sums.iter_mut().zip(self.columns) {
-                    *sum += self.dot(columns, x, y);
-                }
-            }
-            sums
+    /// (x_k, y) of every mode, conjugate in x_k: `[k][mode]`.
+    pub(super) fn dots(&self, x: &[&Field], y: &Field) -> Vec<Vec<c64>> {
+        let of_cell = |cell: usize| -> Vec<c64> {
+            let y = y.read(cell);
+            let dots = x.iter().map(|x| self.dots_in_cell(&x.read(cell), &y));
+            dots.flatten().collect()
         };
-        let cells: Vec<_> = (0..x.own).into_par_iter().with_min_len(16).map(of_cell).collect();
-        let sum = |part: &dyn Fn(&[c64; COLUMNS]) -> f64| {
-            let of_cells = cells.iter().map(part).collect::<Vec<_>>();
+        let of_cells: Vec<Vec<c64>> = (0..y.own).into_par_iter().with_min_len(16).map(of_cell).collect();
+        let total = |number: usize, part: fn(&c64) -> f64| {
+            let of_cells: Vec<f64> = of_cells.iter().map(|dots| part(&dots[number])).collect();
             inner_product::sum_over_blocks(&of_cells, &self.share.ends, &self.share.sums)
         };
-        (0..self.columns.len()).map(|mode| c64::new(sum(&|cell| cell[mode].re), sum(&|cell| cell[mode].im))).collect()
+        let dot = |number: usize| c64::new(total(number, |dot| dot.re), total(number, |dot| dot.im));
+        let modes = self.columns.len();
+        (0..x.len()).map(|k| (k * modes..(k + 1) * modes).map(dot).collect()).collect()
     }
 
-    /// The same at one node for one mode.
-    fn dot(&self, columns: &Range<usize>, x: &[f32], y: &[f32]) -> c64 {
-        let (len, start) = (self.components, columns.start * self.components);
-        let (x, y) = (&x[start..], &y[start..]);
-        if columns.len() == 1 {
-            return c64::new(real_dot(&x[..len], &y[..len]), 0.0);
-        }
-        let ([x_re, x_im], [y_re, y_im]) = ([&x[..len], &x[len..2 * len]], [&y[..len], &y[len..2 * len]]);
-        c64::new(real_dot(x_re, y_re) + real_dot(x_im, y_im), real_dot(x_re, y_im) - real_dot(x_im, y_re))
+    fn dots_in_cell(&self, x: &[f32], y: &[f32]) -> Vec<c64> {
+        let mode = |columns: &Range<usize>| {
+            let range = self.range(columns, x.len());
+            Arch::new().dispatch(|| dot_of_mode(columns.len() == 2, &x[range.clone()], &y[range]))
+        };
+        self.columns.iter().map(mode).collect()
     }
 
-    /// y += factor x, mode by mode.
-    pub(super) fn add(&self, factors: &[c64], x: &Field, y: &Field) {
+    /// y += sum_k factor_k x_k, mode by mode; factors `[k][mode]`.
+    pub(super) fn add(&self, factors: &[Vec<c64>], x: &[&Field], y: &Field) {
         y.change(|cell, y| {
-            let x = x.read(cell);
-            for (x, y) in x.chunks_exact(self.node_len()).zip(y.chunks_exact_mut(self.node_len())) {
+            for (factors, x) in factors.iter().zip(x) {
+                let x = x.read(cell);
                 for (factor, columns) in factors.iter().zip(self.columns) {
-                    self.add_mode(*factor, columns, x, y);
+                    let (range, factor) = (self.range(columns, x.len()), [factor.re as f32, factor.im as f32]);
+                    let y = &mut y[range.clone()];
+                    Arch::new().dispatch(|| add_mode(factor, columns.len() == 2, &x[range.clone()], y));
                 }
             }
         });
     }
 
-    fn add_mode(&self, factor: c64, columns: &Range<usize>, x: &[f32], y: &mut [f32]) {
-        let (len, start) = (self.components, columns.start * self.components);
-        let (re, im) = (factor.re as f32, factor.im as f32);
-        for i in start..start + len {
-            if columns.len() == 1 {
-                y[i] += re * x[i];
-            } else {
-                let (x_re, x_im) = (x[i], x[i + len]);
-                y[i] += re * x_re - im * x_im;
-                y[i + len] += im * x_re + re * x_im;
-            }
-        }
+    /// Where some columns of a cell are.
+    fn range(&self, columns: &Range<usize>, len: usize) -> Range<usize> {
+        let column_len = len / self.columns.last().map_or(1, |columns| columns.end);
+        columns.start * column_len..columns.end * column_len
     }
 }
 
+/// The inner product of one mode, conjugate in x. A complex mode has a real and an imaginary half.
+#[inline(always)]
+fn dot_of_mode(is_complex: bool, x: &[f32], y: &[f32]) -> c64 {
+    if !is_complex {
+        return c64::new(real_dot(x, y), 0.0);
+    }
+    let ((x_re, x_im), (y_re, y_im)) = (x.split_at(x.len() / 2), y.split_at(x.len() / 2));
+    c64::new(real_dot(x_re, y_re) + real_dot(x_im, y_im), real_dot(x_re, y_im) - real_dot(x_im, y_re))
+}
+
+/// The sum of products, in eight sums that are added at the end.
+#[inline(always)]
 fn real_dot(x: &[f32], y: &[f32]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum()
+    let mut sums = [0.0; 8];
+    let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
+    for (x, y) in x.iter().zip(y) {
+        for i in 0..8 {
+            sums[i] += f64::from(x[i]) * f64::from(y[i]);
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// y += (re + i im) x for one mode. A complex mode has a real and an imaginary half.
+#[inline(always)]
+pub(super) fn add_mode([re, im]: [f32; 2], is_complex: bool, x: &[f32], y: &mut [f32]) {
+    if !is_complex {
+        return y.iter_mut().zip(x).for_each(|(y, x)| *y += re * x);
+    }
+    let ((x_re, x_im), (y_re, y_im)) = (x.split_at(x.len() / 2), y.split_at_mut(x.len() / 2));
+    for ((y, x_re), x_im) in y_re.iter_mut().zip(x_re).zip(x_im) {
+        *y += re * x_re - im * x_im;
+    }
+    for ((y, x_re), x_im) in y_im.iter_mut().zip(x_re).zip(x_im) {
+        *y += im * x_re + re * x_im;
+    }
 }
 
 /// Between vectors of the flow and scaled unknowns of the modes.
@@ -143,15 +162,20 @@ pub(super) struct Modes<'a, const D: usize, const M: usize> {
 impl<const D: usize, const M: usize> Modes<'_, D, M> {
     /// c = (Q^-1 W^-1 (x) M^(-1/2) S^-1) r, times `scale`.
     pub(super) fn split(&self, r: &[f64], scale: f64, c: &Field) {
-        let (layout, modes) = (self.matrix.layout, self.modes);
-        let columns = layout.time_order;
+        let (layout, matrix) = (self.matrix.layout, self.matrix);
         c.change(|cell, c| {
-            for (node, c) in c.chunks_exact_mut(columns * M).enumerate() {
-                for (number, c) in c.iter_mut().enumerate() {
-                    let (column, m) = (number / M, number % M);
-                    let at = |a: usize| modes.forward[(column, a)] * r[layout.index(cell, a, m, node)];
-                    let sum: f64 = (0..columns).map(at).sum();
-                    *c = (sum * scale * self.matrix.scale(cell, node, m)) as f32;
+            for (column, c) in c.chunks_exact_mut(layout.nodes * M).enumerate() {
+                let weights = (0..layout.time_order).map(|a| self.modes.forward[(column, a)] * scale);
+                let mut sums = vec![0.0; layout.nodes];
+                for m in 0..M {
+                    sums.fill(0.0);
+                    for (a, weight) in weights.clone().enumerate() {
+                        let start = layout.index(cell, a, m, 0);
+                        sums.iter_mut().zip(&r[start..]).for_each(|(sum, r)| *sum += weight * r);
+                    }
+                    for (node, (c, sum)) in c.chunks_exact_mut(M).zip(&sums).enumerate() {
+                        c[m] = (sum * matrix.scale(cell, node, m)) as f32;
+                    }
                 }
             }
         });
@@ -159,15 +183,18 @@ impl<const D: usize, const M: usize> Modes<'_, D, M> {
 
     /// z = (Q (x) M^(-1/2) S) c, times `scale`.
     pub(super) fn join(&self, c: &Field, scale: f64, z: &mut [f64]) {
-        let (layout, modes) = (self.matrix.layout, self.modes);
-        let columns = layout.time_order;
+        let (layout, matrix) = (self.matrix.layout, self.matrix);
         z.par_chunks_exact_mut(layout.cell_len()).enumerate().with_min_len(16).for_each(|(cell, z)| {
             let c = c.read(cell);
-            for (number, z) in z.iter_mut().enumerate() {
-                let (a, m, node) = (number / layout.time_len(), number / layout.nodes % M, number % layout.nodes);
-                let at = |column: usize| modes.backward[(a, column)] * f64::from(c[(node * columns + column) * M + m]);
-                let sum: f64 = (0..columns).map(at).sum();
-                *z = sum * scale * self.matrix.unknown(cell, node, m);
+            z.fill(0.0);
+            for (number, z) in z.chunks_exact_mut(layout.nodes).enumerate() {
+                let (a, m) = (number / M, number % M);
+                for (column, c) in c.chunks_exact(layout.nodes * M).enumerate() {
+                    let weight = self.modes.backward[(a, column)] * scale;
+                    let of_component = c.chunks_exact(M).map(|c| f64::from(c[m]));
+                    z.iter_mut().zip(of_component).for_each(|(z, c)| *z += weight * c);
+                }
+                z.iter_mut().enumerate().for_each(|(node, z)| *z *= matrix.unknown(cell, node, m));
             }
         });
     }

@@ -1,0 +1,129 @@
+//! Arc length along a closed curve, and along a wall whose cross-section is one.
+
+use crate::facet::tangent_sign;
+use crate::{CellMap, Mesh, NodeNumbering, Side, outward_area};
+use basis::{Lagrange, gauss, gauss_lobatto};
+use std::array::from_fn;
+use std::collections::BTreeMap;
+use tensor::norm;
+
+/// A face along a curve in the plane x, y. In space it is a strip of straight lines along z.
+struct Arc {
+    /// Its C0 nodes: rows along the curve, one in the plane, in space one for each height.
+    rows: Vec<Vec<usize>>,
+    /// The length of the curve up to the nodes of a row.
+    lengths: Vec<f64>,
+    /// Where it begins.
+    start: [f64; 2],
+    /// z of the lowest row.
+    height: f64,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// For every C0 node of a `boundary` that is one closed curve, the length of the curve up to the node over its whole length, in [0, 1).
+    /// The curve begins at the end of a facet with the largest x; among several, at the one with the smallest y. The domain lies on its
+    /// right, so it runs counter-clockwise around a body. In three dimensions the same for a wall that is such a curve extruded along z.
+    /// `None` for other boundaries.
+    pub fn arc_fractions(&self, numbering: &NodeNumbering, boundary: usize) -> Option<BTreeMap<usize, f64>> {
+        let arcs: Vec<Arc> = self.sides_of(boundary).map(|side| self.arc(numbering, side)).collect::<Option<_>>()?;
+        let lowest = arcs.iter().map(|arc| arc.height).fold(f64::INFINITY, f64::min);
+        let of_curve = follow(arcs.iter().filter(|arc| arc.height == lowest).collect())?;
+        let mut fractions = BTreeMap::new();
+        for arc in &arcs {
+            let of_row = of_curve.get(&place(arc.start))?;
+            for row in &arc.rows {
+                fractions.extend(row.iter().copied().zip(of_row.iter().copied()));
+            }
+        }
+        // The end of the last arc is the start of the first.
+        fractions.values_mut().filter(|fraction| **fraction >= 1.0).for_each(|fraction| *fraction = 0.0);
+        Some(fractions)
+    }
+
+    /// The face `side` with the domain on its right; None if it is not a strip along z.
+    fn arc(&self, numbering: &NodeNumbering, side: Side) -> Option<Arc> {
+        let (n, m) = (self.order, numbering.order());
+        let positions = self.face_positions(side);
+        // The axis of the lattice of the face that is along z: one of two.
+        let across = if D == 2 { 1 } else { (0..2).find(|&axis| is_along_z(&positions, n, axis))? };
+        let index = |n: usize, along: usize, row: usize| if across == 0 { row + n * along } else { along + n * row };
+        let curve: Vec<[f64; 2]> = (0..n).map(|k| from_fn(|i| positions[index(n, k, 0)][i])).collect();
+        let nodes = numbering.face::<D>(side);
+        let count = if D == 2 { 1 } else { m };
+        let mut rows: Vec<Vec<usize>> =
+            (0..count).map(|row| (0..m).map(|k| nodes[index(m, k, row)]).collect()).collect();
+        let (mut lengths, mut start) = (lengths(&curve, m), curve[0]);
+        if self.is_domain_left(side, [curve[0], curve[n - 1]]) {
+            let whole = lengths[m - 1];
+            rows.iter_mut().for_each(|row| row.reverse());
+            lengths.reverse();
+            lengths.iter_mut().for_each(|length| *length = whole - *length);
+            start = curve[n - 1];
+        }
+        let height = positions.iter().map(|x| if D == 2 { 0.0 } else { x[2] }).fold(f64::INFINITY, f64::min);
+        Some(Arc { rows, lengths, start, height })
+    }
+
+    /// Whether the domain is on the left of a face that runs between `ends` in the plane. The right of (t_x, t_y) is (t_y, -t_x).
+    fn is_domain_left(&self, side: Side, ends: [[f64; 2]; 2]) -> bool {
+        if D == 2 {
+            return tangent_sign(side.face) > 0.0;
+        }
+        let middle = CellMap::on_grid(self.order, &[0.0]);
+        let outward = outward_area(&middle.jacobians(self.cell_coordinates(side.cell))[0], side.face);
+        let tangent: [f64; 2] = from_fn(|i| ends[1][i] - ends[0][i]);
+        tangent[1] * outward[0] - tangent[0] * outward[1] > 0.0
+    }
+}
+
+/// Whether x and y of a lattice of `n` x `n` positions do not change along `axis`.
+fn is_along_z<const D: usize>(positions: &[[f64; D]], n: usize, axis: usize) -> bool {
+    let first = |k: usize| if axis == 0 { k / n * n } else { k % n };
+    (0..positions.len()).all(|k| positions[k][..2] == positions[first(k)][..2])
+}
+
+/// A position as a key: positions of the same curve at several heights are the same numbers.
+fn place(x: [f64; 2]) -> [u64; 2] {
+    // Zero has two signs.
+    x.map(|x| (x + 0.0).to_bits())
+}
+
+/// The fractions along the nodes of arcs that form one closed curve, by the places where the arcs begin.
+fn follow(arcs: Vec<&Arc>) -> Option<BTreeMap<[u64; 2], Vec<f64>>> {
+    let before = |a: &&&Arc, b: &&&Arc| (-a.start[0], a.start[1]).partial_cmp(&(-b.start[0], b.start[1]));
+    let first = *arcs.iter().min_by(|a, b| before(a, b).unwrap_or(std::cmp::Ordering::Equal))?;
+    let mut by_node: BTreeMap<usize, &Arc> = BTreeMap::new();
+    for arc in arcs {
+        // Two facets that begin in one node do not form a curve.
+        if by_node.insert(arc.rows[0][0], arc).is_some() {
+            return None;
+        }
+    }
+    let (mut fractions, mut length, mut node) = (BTreeMap::new(), 0.0, first.rows[0][0]);
+    loop {
+        let arc = by_node.remove(&node)?;
+        let row: Vec<f64> = arc.lengths.iter().map(|along| length + along).collect();
+        (length, node) = (row[row.len() - 1], arc.rows[0][row.len() - 1]);
+        fractions.insert(place(arc.start), row);
+        if node == first.rows[0][0] {
+            break;
+        }
+    }
+    fractions.values_mut().flatten().for_each(|fraction| *fraction /= length);
+    by_node.is_empty().then_some(fractions)
+}
+
+/// int_{-1}^{xi_k} |dx/dxi| dxi at the Gauss-Lobatto nodes xi_k of order `n`, for the curve through the nodes `positions`.
+fn lengths(positions: &[[f64; 2]], n: usize) -> Vec<f64> {
+    let (lagrange, rule) = (Lagrange::gauss_lobatto(positions.len()), gauss(2 * positions.len()));
+    let up_to = |xi: f64| {
+        let half = 0.5 * (xi + 1.0);
+        let points: Vec<f64> = rule.points.iter().map(|point| half * (point + 1.0) - 1.0).collect();
+        let derivatives = lagrange.derivative_matrix(&points);
+        let speed = |q: usize| {
+            norm(&from_fn::<f64, 2, _>(|i| derivatives.row(q).iter().zip(positions).map(|(l, x)| l * x[i]).sum()))
+        };
+        (0..points.len()).map(|q| half * rule.weights[q] * speed(q)).sum()
+    };
+    gauss_lobatto(n).points.iter().map(|&xi| up_to(xi)).collect()
+}

@@ -1,0 +1,234 @@
+//! Means over time of the distribution along a wall, and where the mean flow separates from it.
+//!
+//! ```text
+//! <q>(s) = sum_k sum_j area_j q_j(t_k) / sum_k sum_j area_j,    over the rows j with the same s and the times t_k of the averages      (mean)
+//! c_s = c_f . t,    t along increasing s, with the gas on the right                                                (skin friction)
+//! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the times                                        (error)
+//! ```
+//!
+//! A wall that is a curve extruded along z has many rows with the same s: the mean is also one over the span. The flow separates where <c_s>
+//! falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s> goes from
+//! minus to plus, as at a stagnation point. The error is that of 95 %, if the parts are longer than the memory of the flow.
+
+use super::columns::{Column, columns};
+use output::{OutputError, Series, write_atomically};
+use std::fmt::Write;
+use std::ops::Range;
+use std::path::Path;
+
+/// Rows of one time are the same point of the cross-section if their s differ by less.
+const SAME: f64 = 1e-9;
+
+/// The parts of the times for (error), and Student's factor of 95 % for so many.
+const PARTS: usize = 8;
+const STUDENT: f64 = 2.365;
+
+/// The columns of the file after the place, by the names of the distribution.
+const QUANTITIES: [&str; 6] =
+    ["pressure", "pressure_coefficient", "skin_friction", "friction_coefficient", "heat_flux", "y_plus"];
+
+/// The mean at a point of a wall.
+#[derive(Clone, Debug, PartialEq)]
+struct Row {
+    /// s, or the length along a wall that is no closed curve.
+    place: f64,
+    /// Mean x and y.
+    position: [f64; 2],
+    means: [f64; QUANTITIES.len()],
+    errors: [f64; QUANTITIES.len()],
+}
+
+/// A zero of the mean skin friction.
+#[derive(Clone, Debug, PartialEq)]
+struct Zero {
+    kind: &'static str,
+    place: f64,
+    position: [f64; 2],
+}
+
+/// Writes `surface_NAME_mean.csv` and `surface_NAME_separation.csv` of the `series` of a wall over the times in `interval`, if there are any.
+/// In three dimensions only for walls that are extruded curves.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval: [f64; 2]) -> Result<(), OutputError> {
+    let width: usize = columns(dimension).iter().map(|column| column.components).sum();
+    let is_inside = |time: &f64| interval[0] <= *time && *time <= interval[1];
+    let snapshots = series.times.iter().zip(series.values.chunks_exact(series.array.len()));
+    let wanted: Vec<&[f64]> = snapshots.filter(|(time, _)| is_inside(time)).map(|(_, values)| values).collect();
+    let Some(groups) = wanted.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
+    let rows: Vec<Row> = groups.iter().map(|group| row(dimension, &wanted, width, group)).collect();
+    let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
+    write_atomically(&file("mean"), table(&rows).as_bytes())?;
+    write_atomically(&file("separation"), list(&zeros(&rows, is_closed(&wanted))).as_bytes())
+}
+
+/// The rows of a time that are the same point of the cross-section, point after point.
+fn groups(dimension: usize, values: &[f64], width: usize) -> Option<Vec<Vec<usize>>> {
+    let count = values.len() / width;
+    if dimension == 2 {
+        return Some((0..count).map(|row| vec![row]).collect());
+    }
+    let s = |row: &usize| values[row * width];
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| s(a).total_cmp(&s(b)));
+    (!s(&0).is_nan()).then(|| order.chunk_by(|a, b| s(b) - s(a) < SAME).map(<[usize]>::to_vec).collect())
+}
+
+/// Whether the wall has s.
+fn is_closed(snapshots: &[&[f64]]) -> bool {
+    snapshots.first().is_some_and(|values| !values[0].is_nan())
+}
+
+fn row(dimension: usize, snapshots: &[&[f64]], width: usize, group: &[usize]) -> Row {
+    let first = |name: &str| -> usize {
+        columns(dimension).iter().take_while(|column| column.name != name).map(|column| column.components).sum()
+    };
+    let (area, position, normal) = (first("area"), first(""), first("normal"));
+    let place = usize::from(dimension == 2 && !is_closed(snapshots));
+    let along = |row: &[f64]| {
+        let friction = &row[first("skin_friction")..];
+        friction[0] * row[normal + 1] - friction[1] * row[normal]
+    };
+    let quantity = |row: &[f64], name: &str| if name == "skin_friction" { along(row) } else { row[first(name)] };
+    let mean = |times: Range<usize>, of: &dyn Fn(&[f64]) -> f64| {
+        let rows = snapshots[times].iter().flat_map(|values| group.iter().map(|row| &values[row * width..][..width]));
+        let (sum, weight) = rows.fold((0.0, 0.0), |(sum, weight), row| (sum + row[area] * of(row), weight + row[area]));
+        sum / weight
+    };
+    let count = snapshots.len();
+    let means = QUANTITIES.map(|name| mean(0..count, &|row| quantity(row, name)));
+    let of_part =
+        |name: &str, part: usize| mean(part * count / PARTS..(part + 1) * count / PARTS, &|row| quantity(row, name));
+    let errors = QUANTITIES.map(|name| {
+        if count < PARTS {
+            f64::NAN
+        } else {
+            half_width(&(0..PARTS).map(|part| of_part(name, part)).collect::<Vec<_>>())
+        }
+    });
+    Row {
+        place: mean(0..count, &|row| row[place]),
+        position: [0, 1].map(|i| mean(0..count, &|row| row[position + i])),
+        means,
+        errors,
+    }
+}
+
+/// (error)
+fn half_width(means: &[f64]) -> f64 {
+    let count = means.len() as f64;
+    let centre = means.iter().sum::<f64>() / count;
+    let square = means.iter().map(|mean| (mean - centre).powi(2)).sum::<f64>() / (count - 1.0);
+    STUDENT * (square / count).sqrt()
+}
+
+/// Where the mean skin friction changes its sign between neighbouring rows, by linear interpolation.
+fn zeros(rows: &[Row], is_closed: bool) -> Vec<Zero> {
+    let friction = |row: &Row| row.means[2];
+    let next = |k: usize| rows.get(k + 1).or(if is_closed { rows.first() } else { None });
+    let zero = |(k, row): (usize, &Row)| {
+        let next = next(k)?;
+        let (here, there) = (friction(row), friction(next));
+        let part = here / (here - there);
+        let between = |a: f64, b: f64| a + part * (b - a);
+        let end = if next.place < row.place { next.place + 1.0 } else { next.place };
+        let place = between(row.place, end);
+        (here * there < 0.0).then(|| Zero {
+            kind: if here > 0.0 { "separation" } else { "attachment" },
+            place: if is_closed { place.rem_euclid(1.0) } else { place },
+            position: [0, 1].map(|i| between(row.position[i], next.position[i])),
+        })
+    };
+    rows.iter().enumerate().filter_map(zero).collect()
+}
+
+fn table(rows: &[Row]) -> String {
+    let errors = QUANTITIES.map(|name| format!("{name}_error"));
+    let mut text = format!("s,x,y,{},{}\n", QUANTITIES.join(","), errors.join(","));
+    for Row { place, position, means, errors } in rows {
+        let numbers = [&[*place][..], position, means, errors].concat();
+        let line = numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{line}");
+    }
+    text
+}
+
+fn list(zeros: &[Zero]) -> String {
+    let mut text = "kind,s,x,y\n".to_owned();
+    for Zero { kind, place, position: [x, y] } in zeros {
+        let _ = writeln!(text, "{kind},{place},{x},{y}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use output::ArraySpec;
+    use std::f64::consts::TAU;
+
+    /// A circle of radius 1 in a flow from the left: friction along increasing angle is -`amplitude` sin(angle), around 1 +- 0.1 in time.
+    fn circle(dimension: usize) -> Series {
+        let count = 40;
+        let width: usize = columns(dimension).iter().map(|column| column.components).sum();
+        let spans = if dimension == 2 { 1 } else { 3 };
+        let array = ArraySpec::new("surface_wall", &[("facet", count), ("point", spans), ("column", width)]);
+        let at = |time: f64, number: usize| -> Vec<f64> {
+            let (s, span) = (((number % count) as f64 + 0.5) / count as f64, number / count);
+            let (sin, cos) = (TAU * s).sin_cos();
+            let friction = -sin * (1.0 + 0.1 * (TAU * time).sin());
+            let mut row = if dimension == 2 { vec![s, TAU * s, cos, sin] } else { vec![s, cos, sin, span as f64] };
+            // The normal out of the gas points to the centre; the tangent is (-sin, cos).
+            row.extend([-cos, -sin].into_iter().chain((dimension == 3).then_some(0.0)));
+            row.extend([1.0 + span as f64, 5.0 + span as f64, cos]);
+            row.extend([0.0, 0.0].into_iter().chain((dimension == 3).then_some(0.0)));
+            row.extend([-sin * friction, cos * friction].into_iter().chain((dimension == 3).then_some(0.0)));
+            row.extend([friction.abs(), 0.0, 1.0]);
+            row
+        };
+        let times: Vec<f64> = (0..=32).map(|k| f64::from(k) / 8.0).collect();
+        let values =
+            times.iter().flat_map(|&time| (0..spans * count).flat_map(move |number| at(time, number))).collect();
+        Series { array, times, values }
+    }
+
+    fn lines(directory: &Path, file: &str) -> Vec<String> {
+        let text = std::fs::read_to_string(directory.join(file)).unwrap();
+        text.lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn means_over_time_and_span_have_zeros_where_the_flow_attaches_and_separates() {
+        for dimension in [2, 3] {
+            let directory = tempfile::tempdir().unwrap();
+            // Whole periods without their last instant.
+            write_means(directory.path(), dimension, &circle(dimension), [1.0, 3.99]).unwrap();
+            let mean = lines(directory.path(), "surface_wall_mean.csv");
+            assert_eq!(mean.len(), 41);
+            assert!(mean[0].starts_with("s,x,y,pressure,pressure_coefficient,skin_friction,"), "{}", mean[0]);
+            for line in &mean[1..] {
+                let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+                let pressure = if dimension == 2 { 5.0 } else { (5.0 + 2.0 * 6.0 + 3.0 * 7.0) / 6.0 };
+                assert!((row[3] - pressure).abs() < 1e-12 && (row[4] - (TAU * row[0]).cos()).abs() < 1e-12, "{line}");
+                assert!((row[5] + (TAU * row[0]).sin()).abs() < 1e-12, "{line}");
+            }
+            let zeros = lines(directory.path(), "surface_wall_separation.csv");
+            assert_eq!(zeros.len(), 3, "{zeros:?}");
+            let parts: Vec<Vec<&str>> = zeros[1..].iter().map(|line| line.split(',').collect()).collect();
+            // Wind from the left: it attaches at the angle pi, and leaves at 0, where s begins.
+            assert_eq!([parts[0][0], parts[1][0]], ["attachment", "separation"]);
+            let s: f64 = parts[0][1].parse().unwrap();
+            assert!((s - 0.5).abs() < 1e-12, "{s}");
+        }
+    }
+
+    #[test]
+    fn errors_need_eight_times_and_vanish_for_a_steady_flow() {
+        assert_eq!(half_width(&[2.0; PARTS]), 0.0);
+        let spread = half_width(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]);
+        assert!((spread - STUDENT * (8.0_f64 / 7.0 / 8.0).sqrt()).abs() < 1e-14);
+    }
+}
