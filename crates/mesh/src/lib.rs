@@ -23,7 +23,7 @@
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
-//! | `gmsh` | meshes from files of Gmsh and SU2 |
+//! | `gmsh` | meshes from files of Gmsh and SU2, and from lists of nodes and elements |
 //!
 //! An annulus of curved cells. Its area is exact to the error of the interpolated circles, and each cell is proved to be valid:
 //!
@@ -76,7 +76,7 @@ pub use facet::{
 };
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
-pub use gmsh::{GmshError, Place, Simplices, is_su2};
+pub use gmsh::{GmshError, ListedElement, MeshLists, Numbers, Place, Shape, Simplices, Span, is_su2};
 pub use locate::locate_in_cell;
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;

@@ -39,6 +39,12 @@ impl Kind {
         })
     }
 
+    /// The kind, if it is supported.
+    pub(super) fn known(shape: Shape, degree: usize) -> Option<Kind> {
+        let codes = FAMILIES.iter().find(|(known, _)| *known == shape).map_or(0, |(_, codes)| codes.len());
+        (1..=codes).contains(&degree).then_some(Kind { shape, degree })
+    }
+
     /// The type number.
     #[cfg(test)]
     pub(super) fn code(self) -> i64 {

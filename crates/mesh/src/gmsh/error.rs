@@ -24,7 +24,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a file of Gmsh or SU2 gives no mesh. Elements and nodes have the numbers of the file.
+/// Why a file of Gmsh or SU2, or the lists of another file, give no mesh. Elements and nodes have the numbers of the file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GmshError {
     /// The file cannot be read.
@@ -46,7 +46,7 @@ pub enum GmshError {
         found: String,
     },
     /// The file has another format.
-    #[error("this is {format}: save the mesh as a file of Gmsh, MSH 4.1 or 2.2, or of SU2")]
+    #[error("this is {format}: save the mesh as a file of Gmsh, MSH 4.1 or 2.2, of SU2, or of CGNS in HDF5")]
     Format {
         /// The format, with its article.
         format: &'static str,
@@ -189,11 +189,11 @@ pub enum GmshError {
         /// The error.
         source: MeshError,
     },
-    /// An error of an SU2 file, whose elements are named by their lines.
-    #[error("line {line}: {problem}")]
-    InLine {
-        /// The line, counted from 1.
-        line: u64,
+    /// An error of a file whose elements are not known by a number alone.
+    #[error("{place}: {problem}")]
+    At {
+        /// The line, or the section with the number of the element.
+        place: String,
         /// The problem, with the remedy.
         problem: String,
     },

@@ -15,6 +15,8 @@
 //! | `file` | sections and versions; `version2`, `version4` the two layouts of nodes and elements |
 //! | `foreign` | files of other programs |
 //! | `su2` | SU2 files, read into the same lists |
+//! | `lists` | lists that another crate has read from its file |
+//! | `places` | messages about elements that are known by their place |
 //! | `element`, `shape` | kinds of elements, their shapes and the order of their nodes |
 //! | `split` | pieces of triangles, tetrahedra and prisms |
 //! | `cells` | from elements to cells |
@@ -27,6 +29,8 @@ mod element;
 mod error;
 mod file;
 mod foreign;
+mod lists;
+mod places;
 mod remedies;
 mod shape;
 mod source;
@@ -39,6 +43,9 @@ mod version4;
 
 pub use error::{GmshError, Place};
 pub use foreign::is_su2;
+pub use lists::{ListedElement, MeshLists};
+pub use places::{Numbers, Span};
+pub use shape::Shape;
 
 use crate::Mesh;
 use std::path::Path;
@@ -80,6 +87,15 @@ impl<const D: usize> Mesh<D> {
     /// name the line.
     pub fn from_su2(bytes: &[u8], periodic: &[(String, String)], simplices: Simplices) -> Result<Self, GmshError> {
         convert::mesh(&su2::read(bytes)?, periodic, simplices).map_err(su2::in_file)
+    }
+
+    /// The mesh of `lists`. Else as [`Mesh::from_gmsh_with`]; errors name the places that `lists` gives.
+    pub fn from_lists(
+        lists: MeshLists,
+        periodic: &[(String, String)],
+        simplices: Simplices,
+    ) -> Result<Self, GmshError> {
+        lists::mesh(lists, periodic, simplices)
     }
 
     /// The mesh in the file `path`, see [`Mesh::from_gmsh`].

@@ -3,13 +3,20 @@
 /// A shape: a product of simplices. A simplex of dimension d has the reference coordinates x_a >= 0 with a sum of at
 /// most 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Shape {
+pub enum Shape {
+    /// One node.
     Point,
+    /// A line.
     Line,
+    /// A simplex of dimension 2.
     Triangle,
+    /// A product of two lines.
     Quadrilateral,
+    /// A simplex of dimension 3.
     Tetrahedron,
+    /// The product of a triangle and a line.
     Prism,
+    /// A product of three lines.
     Hexahedron,
 }
 
@@ -75,7 +82,8 @@ impl Shape {
         }
     }
 
-    pub(super) fn dimension(self) -> usize {
+    /// The dimension of the shape.
+    pub fn dimension(self) -> usize {
         self.factors().iter().sum()
     }
 

@@ -4,6 +4,7 @@
 
 use super::element::Kind;
 use super::file::{Element, File};
+use super::places::Words;
 use super::shape::Shape;
 use super::{GmshError, Place};
 use std::str::{FromStr, SplitWhitespace};
@@ -241,20 +242,12 @@ fn unexpected(line: usize, expected: &str, found: &str) -> GmshError {
 
 /// The error of the lists of an SU2 file, with its line and a remedy that does not speak of Gmsh.
 pub(super) fn in_file(error: GmshError) -> GmshError {
-    let (line, problem) = match error {
-        GmshError::Simplices { kind, count, element, .. } => {
-            let remedy = "use quadrilaterals or hexahedra, or set `mesh.split_simplices = true` in the case";
-            (element, format!("this is the first of {count} {kind}: {remedy}"))
-        }
-        GmshError::NoNode { element, node } => {
-            (element, format!("point {node} is not among those of NPOIN, which count from 0"))
-        }
-        GmshError::Stray { element, name } => {
-            (element, format!("the element of marker \"{name}\" is not a face of any cell"))
-        }
-        GmshError::Cell { element, source, .. } => (element, source.to_string()),
-        GmshError::Unnamed { element, source, .. } => (element, format!("{source}: list the face below a MARKER_TAG")),
-        other => return other,
+    let words = Words {
+        element: &|line| format!("line {line}"),
+        node: &|node| format!("point {node}"),
+        nodes: "those of NPOIN, which count from 0",
+        boundary: "marker",
+        name_it: "list the face below a MARKER_TAG",
     };
-    GmshError::InLine { line, problem }
+    words.tell(error)
 }

@@ -1,0 +1,1 @@
+//! Damaged files give an error, or a mesh, and never a panic.
