@@ -3,11 +3,13 @@
 
     python -m pip install gmsh
     scripts/make_gmsh_meshes.py DIRECTORY
-    STSOLVE_GMSH_MESHES=DIRECTORY cargo test -p mesh gmsh
+    STSOLVE_GMSH_MESHES=DIRECTORY cargo test -p mesh -p cgns gmsh
 
 Each shape is written in every degree that Gmsh has (tetrahedra up to 6), as MSH 2.2 and 4.1, as text and binary:
 
     SHAPE_DIMENSION_pDEGREE_vVERSION_ENCODING.msh
+
+and up to degree 4, prisms up to 2, as CGNS, SHAPE_DIMENSION_pDEGREE.cgns:
 
 quarter   a quarter of the annulus 1 < r < 2, 3 x 4 quadrilaterals in a pattern; in space 0 < z < 1 in two layers.
           Boundaries "inner", "outer", "right" (y = 0), "left" (x = 0), "front", "back"
@@ -154,6 +156,9 @@ def write(directory, shape, dimension, degree):
             gmsh.option.setNumber("Mesh.MshFileVersion", version)
             gmsh.option.setNumber("Mesh.Binary", binary)
             gmsh.write(str(directory / f"{shape}_{dimension}_p{degree}_v{version}_{encoding}.msh"))
+    # Gmsh writes prisms as CGNS up to degree 2.
+    if degree <= (2 if dimension == 3 and shape in ("prisms", "mixed") else 4):
+        gmsh.write(str(directory / f"{shape}_{dimension}_p{degree}.cgns"))
 
 
 def main():

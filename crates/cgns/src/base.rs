@@ -1,5 +1,6 @@
 //! From the tree of a file to lists.
 
+use crate::condition::Families;
 use crate::lists::Lists;
 use crate::node::Node;
 use crate::{CgnsError, condition, join, structured, unstructured};
@@ -20,8 +21,9 @@ pub(crate) fn read(root: &Node) -> Result<MeshLists, CgnsError> {
     if zones.is_empty() {
         return Err(base.error("there is no zone: save the mesh, not the geometry or the solution alone"));
     }
+    let families = condition::families(&base)?;
     for zone in &zones {
-        read_zone(&mut lists, zone)?;
+        read_zone(&mut lists, zone, &families)?;
     }
     join::join(&mut lists);
     Ok(lists.lists)
@@ -39,10 +41,9 @@ fn base(root: &Node) -> Result<Node, CgnsError> {
     }
 }
 
-fn read_zone(lists: &mut Lists, zone: &Node) -> Result<(), CgnsError> {
-    let conditions = condition::of_zone(zone)?;
-    let family = zone.text_of("FamilyName_t")?;
-    let cell_names: Vec<usize> = family.iter().map(|family| lists.name(family)).collect();
+fn read_zone(lists: &mut Lists, zone: &Node, families: &Families) -> Result<(), CgnsError> {
+    let conditions = condition::of_zone(zone, families)?;
+    let cell_names = lists.names(&condition::family_names(zone, families)?);
     match zone.text_of("ZoneType_t")?.as_deref() {
         Some("Structured") => structured::read(lists, zone, &conditions, &cell_names),
         Some("Unstructured") => unstructured::read(lists, zone, &conditions, &cell_names),

@@ -2,11 +2,14 @@
 
 use crate::CgnsError;
 use crate::node::Node;
+use std::collections::BTreeMap;
 
-/// A boundary: a name and what it consists of.
+/// A boundary: its names and what it consists of.
 pub(crate) struct Condition {
-    /// The family, or else the name of the boundary condition.
-    pub(crate) name: String,
+    /// The families, or else the name of the boundary condition.
+    pub(crate) names: Vec<String>,
+    /// Whether it is a periodic interface: faces of other conditions do not belong to it.
+    pub(crate) is_interface: bool,
     pub(crate) path: String,
     pub(crate) location: Location,
     pub(crate) points: Points,
@@ -17,8 +20,33 @@ pub(crate) struct Condition {
 pub(crate) enum Location {
     /// Vertices: the condition consists of the outer faces between them.
     Vertex,
-    /// Faces: elements of dimension D - 1, or in a lattice faces normal to an axis, if it is known.
-    Face(Option<usize>),
+    /// Elements of a section, or in a lattice faces normal to an axis, if it is known.
+    Element(Option<usize>),
+    /// Elements of a section.
+    Cell,
+}
+
+/// For each family the families to which it belongs.
+pub(crate) type Families = BTreeMap<String, Vec<String>>;
+
+/// The families of a base.
+pub(crate) fn families(base: &Node) -> Result<Families, CgnsError> {
+    let parents = |family: Node| {
+        let parents = family.of_label("FamilyName_t")?.iter().map(Node::text).collect::<Result<_, _>>()?;
+        Ok((family.name, parents))
+    };
+    base.of_label("Family_t")?.into_iter().map(parents).collect()
+}
+
+/// The names that a zone or a boundary condition has by its family.
+pub(crate) fn family_names(node: &Node, families: &Families) -> Result<Vec<String>, CgnsError> {
+    let Some(family) = node.text_of("FamilyName_t")?.filter(|family| !family.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    match families.get(&family) {
+        Some(parents) if !parents.is_empty() => Ok(parents.clone()),
+        _ => Ok(vec![family]),
+    }
 }
 
 pub(crate) enum Points {
@@ -27,20 +55,19 @@ pub(crate) enum Points {
     Range(Vec<[i64; 2]>),
 }
 
-/// The conditions of a zone.
-pub(crate) fn of_zone(zone: &Node) -> Result<Vec<Condition>, CgnsError> {
+/// The conditions of a zone, periodic interfaces last.
+pub(crate) fn of_zone(zone: &Node, families: &Families) -> Result<Vec<Condition>, CgnsError> {
     let mut conditions = Vec::new();
     for list in zone.of_label("ZoneBC_t")? {
         for node in list.of_label("BC_t")? {
-            let family = node.text_of("FamilyName_t")?.filter(|family| !family.is_empty());
-            conditions.push(read(&node, family)?);
+            conditions.push(read(&node, family_names(&node, families)?, false)?);
         }
     }
     for interfaces in zone.of_label("ZoneGridConnectivity_t")? {
         for node in interfaces.children()? {
             check_interface(&node)?;
             if is_periodic(&node)? {
-                conditions.push(read(&node, None)?);
+                conditions.push(read(&node, Vec::new(), true)?);
             }
         }
     }
@@ -65,10 +92,13 @@ fn is_periodic(node: &Node) -> Result<bool, CgnsError> {
     }
 }
 
-fn read(node: &Node, family: Option<String>) -> Result<Condition, CgnsError> {
+fn read(node: &Node, mut names: Vec<String>, is_interface: bool) -> Result<Condition, CgnsError> {
     let (points, is_old) = points(node)?;
-    let location = if is_old { Location::Face(None) } else { location(node)? };
-    Ok(Condition { name: family.unwrap_or_else(|| node.name.clone()), path: node.path.clone(), location, points })
+    let location = if is_old { Location::Element(None) } else { location(node)? };
+    if names.is_empty() {
+        names.push(node.name.clone());
+    }
+    Ok(Condition { names, is_interface, path: node.path.clone(), location, points })
 }
 
 /// The numbers of a condition, and whether they are those of elements by the rule of old files.
@@ -99,10 +129,11 @@ fn ends(range: &Node) -> Result<Vec<[i64; 2]>, CgnsError> {
 fn location(node: &Node) -> Result<Location, CgnsError> {
     match node.text_of("GridLocation_t")?.as_deref() {
         None | Some("Vertex") => Ok(Location::Vertex),
-        Some("FaceCenter" | "EdgeCenter") => Ok(Location::Face(None)),
-        Some("IFaceCenter") => Ok(Location::Face(Some(0))),
-        Some("JFaceCenter") => Ok(Location::Face(Some(1))),
-        Some("KFaceCenter") => Ok(Location::Face(Some(2))),
+        Some("FaceCenter" | "EdgeCenter") => Ok(Location::Element(None)),
+        Some("IFaceCenter") => Ok(Location::Element(Some(0))),
+        Some("JFaceCenter") => Ok(Location::Element(Some(1))),
+        Some("KFaceCenter") => Ok(Location::Element(Some(2))),
+        Some("CellCenter") => Ok(Location::Cell),
         Some(other) => {
             Err(node.error(format!("its GridLocation is {other}: expected Vertex, FaceCenter or EdgeCenter")))
         }

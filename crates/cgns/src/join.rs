@@ -4,9 +4,9 @@
 //! same positions. So zones are joined to each other and, at the cut of a C-mesh or an O-mesh, to themselves, while the two
 //! sides of a thin plate, which have names, stay apart.
 
-use crate::faces::{self, Face, Key};
+use crate::faces::{self, Face};
 use crate::lists::Lists;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Positions are the same up to this times the shortest edge of a face there.
 const TOLERANCE: f64 = 1e-4;
@@ -44,11 +44,8 @@ pub(crate) fn join(lists: &mut Lists) {
 /// The corners of outer faces without a name, along [`DIRECTION`].
 fn candidates(lists: &Lists) -> Vec<Candidate> {
     let elements = &lists.lists.elements;
-    let is_named = |element: &&mesh::ListedElement| element.shape.dimension() < lists.dimension;
-    let named: BTreeSet<Key> =
-        elements.iter().filter(is_named).map(|element| faces::key(&faces::corners(element))).collect();
     let mut shortest: BTreeMap<usize, f64> = BTreeMap::new();
-    for face in faces::outer(elements, lists.dimension).iter().filter(|face| !named.contains(&faces::key(face))) {
+    for face in faces::outer(elements, lists.dimension).iter().filter(|face| !lists.named.contains(&faces::key(face))) {
         let edge = shortest_edge(&lists.lists.nodes, face);
         for &vertex in face {
             let length = shortest.entry(vertex).or_insert(edge);

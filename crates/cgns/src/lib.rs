@@ -26,7 +26,7 @@
 //! | `base` | from the file to lists |
 //! | `lists` | the lists while they are made |
 //! | `unstructured` | zones of sections |
-//! | `section` | elements of a section |
+//! | `section`, `numbered` | elements of a section; elements of a zone by their numbers |
 //! | `structured` | zones that are lattices |
 //! | `condition` | boundary conditions, and periodic interfaces, which become boundaries |
 //! | `faces` | faces of elements, outer faces |
@@ -40,6 +40,7 @@ mod join;
 mod kind;
 mod lists;
 mod node;
+mod numbered;
 mod order;
 mod section;
 mod structured;

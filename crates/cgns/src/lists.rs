@@ -1,20 +1,25 @@
 //! The lists while they are made.
 
 use crate::CgnsError;
+use crate::condition::Condition;
+use crate::faces::{self, Face, Key};
 use mesh::{ListedElement, MeshLists, Numbers, Span};
+use std::collections::BTreeSet;
 
 /// Lists that grow zone by zone.
 pub(crate) struct Lists {
     pub(crate) lists: MeshLists,
     /// The dimension D of the cells.
     pub(crate) dimension: usize,
+    /// The faces in the lists.
+    pub(crate) named: BTreeSet<Key>,
     /// The number of the last element, if it has one.
     last: Option<i64>,
 }
 
 impl Lists {
     pub(crate) fn new(dimension: usize) -> Lists {
-        Lists { lists: MeshLists::default(), dimension, last: None }
+        Lists { lists: MeshLists::default(), dimension, named: BTreeSet::new(), last: None }
     }
 
     /// Appends the vertices of a zone; the index of the first one.
@@ -36,6 +41,9 @@ impl Lists {
 
     /// Appends an element to the list that was begun last.
     pub(crate) fn push(&mut self, element: ListedElement) {
+        if element.shape.dimension() < self.dimension {
+            self.named.insert(faces::key(&faces::corners(&element)));
+        }
         self.lists.elements.push(element);
     }
 
@@ -52,6 +60,23 @@ impl Lists {
         }
         self.last = Some(number);
         self.push(element);
+    }
+
+    /// Appends the faces of a condition. A periodic interface leaves faces that have a name.
+    pub(crate) fn push_faces(&mut self, condition: &Condition, faces: &[Face]) {
+        let is_new = |face: &&Face| !condition.is_interface || !self.named.contains(&faces::key(face));
+        let faces: Vec<&Face> = faces.iter().filter(is_new).collect();
+        if faces.is_empty() {
+            return;
+        }
+        let names = self.names(&condition.names);
+        self.begin(format!("{}, face", condition.path), Numbers::From(1));
+        faces.into_iter().for_each(|face| self.push(faces::element(face, names.clone())));
+    }
+
+    /// The indices of names.
+    pub(crate) fn names(&mut self, names: &[String]) -> Vec<usize> {
+        names.iter().map(|name| self.name(name)).collect()
     }
 
     /// The index of a name.

@@ -8,7 +8,8 @@ use crate::{faces, order};
 use mesh::{ListedElement, Shape};
 use std::collections::BTreeMap;
 
-/// A zone as its sections see it.
+/// The vertices of a zone.
+#[derive(Clone, Copy)]
 pub(crate) struct Vertices {
     /// The index of the first one in the lists.
     pub(crate) first: usize,

@@ -1,11 +1,12 @@
 //! Zones that are lattices of vertices.
 
+use crate::CgnsError;
 use crate::base::{count, read_vertices};
 use crate::condition::{Condition, Location, Points};
+use crate::faces::Face;
 use crate::lists::Lists;
 use crate::node::Node;
-use crate::unstructured::push_faces_between;
-use crate::{CgnsError, faces};
+use crate::unstructured;
 use mesh::{ListedElement, Numbers, Shape};
 
 /// A lattice of vertices, the first axis fastest. It has length 1 along missing axes.
@@ -75,7 +76,7 @@ impl Lattice {
     }
 
     /// The corners of the face normal to `axis` with the lowest vertex `low`, around it.
-    fn face(&self, low: [usize; 3], axis: usize) -> Vec<usize> {
+    fn face(&self, low: [usize; 3], axis: usize) -> Face {
         let moved = |axes: &[usize]| {
             let mut vertex = low;
             axes.iter().for_each(|&axis| vertex[axis] += 1);
@@ -96,16 +97,22 @@ fn read_condition(
     condition: &Condition,
 ) -> Result<(), CgnsError> {
     match (&condition.points, condition.location) {
+        (_, Location::Cell) => {
+            Err(condition.error("its GridLocation is CellCenter: in a structured zone save vertices or faces"))
+        }
         (Points::Range(ends), location) => {
             let (axis, ends) = faces_of_range(lattice, condition, ends, location)?;
-            push_faces(lists, lattice, condition, axis, ends);
+            lists.push_faces(condition, &faces_between(lattice, axis, ends));
             Ok(())
         }
         (Points::List(numbers), Location::Vertex) => {
             let vertices = numbers.chunks(lattice.dimension).map(|indices| listed_vertex(lattice, condition, indices));
-            push_faces_between(lists, condition, first_cell, vertices.collect::<Result<_, _>>()?)
+            let chosen = vertices.collect::<Result<_, _>>()?;
+            let faces = unstructured::faces_between(lists, condition, first_cell, &chosen)?;
+            lists.push_faces(condition, &faces);
+            Ok(())
         }
-        (Points::List(_), Location::Face(_)) => {
+        (Points::List(_), Location::Element(_)) => {
             Err(condition.error("a PointList of faces in a structured zone is not supported: save a PointRange"))
         }
     }
@@ -139,9 +146,9 @@ fn faces_of_range(
     }
     let constant: Vec<usize> = (0..dimension).filter(|&axis| ends[axis][0] == ends[axis][1]).collect();
     let axis = match (location, &constant[..]) {
-        (Location::Face(Some(axis)), _) if constant.contains(&axis) => axis,
-        (Location::Face(None) | Location::Vertex, &[axis]) => axis,
-        (Location::Face(None), [_, _, ..]) => {
+        (Location::Element(Some(axis)), _) if constant.contains(&axis) => axis,
+        (Location::Element(None) | Location::Vertex, &[axis]) => axis,
+        (Location::Element(None), [_, _, ..]) => {
             return Err(wrong("has two constant indices: set GridLocation to IFaceCenter, JFaceCenter or KFaceCenter"));
         }
         _ => return Err(wrong("is no face: one index must be constant")),
@@ -158,15 +165,12 @@ fn faces_of_range(
     Ok((axis, vertices))
 }
 
-fn push_faces(lists: &mut Lists, lattice: &Lattice, condition: &Condition, axis: usize, ends: [[usize; 2]; 3]) {
-    let name = lists.name(&condition.name);
+/// The faces normal to `axis` between the lowest and the highest vertices `ends`.
+fn faces_between(lattice: &Lattice, axis: usize, ends: [[usize; 2]; 3]) -> Vec<Face> {
     let low = ends.map(|[low, _]| low);
     let high = std::array::from_fn(|other| match other {
         _ if other == axis || other >= lattice.dimension => low[other] + 1,
         _ => ends[other][1],
     });
-    lists.begin(format!("{}, face", condition.path), Numbers::From(1));
-    for vertex in boxes(low, high) {
-        lists.push(faces::element(&lattice.face(vertex, axis), vec![name]));
-    }
+    boxes(low, high).map(|vertex| lattice.face(vertex, axis)).collect()
 }

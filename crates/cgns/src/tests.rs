@@ -9,6 +9,7 @@ mod messages;
 mod plane;
 mod structured;
 mod writer;
+mod written_by_gmsh;
 
 use crate::{CgnsError, read};
 use mesh::{Mesh, MeshLists, Simplices};

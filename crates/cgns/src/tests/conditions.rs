@@ -58,6 +58,36 @@ fn families_name_boundaries_and_regions() {
     assert_eq!((plane.regions().len(), plane.regions()[0].name.as_str()), (1, "gas"));
 }
 
+/// As Gmsh writes them: numbers of elements at CellCenter, groups as families of families, cells as a condition too, and
+/// interfaces that repeat the conditions.
+#[test]
+fn conditions_of_gmsh() {
+    let plane: Mesh<2> = mesh(|file| {
+        let base = file.base(2, 2);
+        let zone = base.unstructured("Zone", 2, &SQUARES);
+        zone.section("S_1", 7, 7, 2, &[1, 2, 5, 4, 2, 3, 6, 5]);
+        zone.section("L_1", 3, 1, 6, &[1, 2, 2, 3, 6, 5, 5, 4, 4, 1, 3, 6]);
+        let conditions = zone.node("ZoneBC", "ZoneBC_t");
+        for (name, range, group) in [("L_1", [1, 6], "wall"), ("S_1", [7, 8], "gas")] {
+            let condition = conditions.condition(name, "PointRange", &range, Some("CellCenter"));
+            condition.text("FamilyName", "FamilyName_t", name);
+            base.node(name, "Family_t").text(group, "FamilyName_t", group);
+        }
+        let interfaces = zone.node("ZoneGridConnectivity", "ZoneGridConnectivity_t");
+        for (name, vertices) in [("side", vec![1, 4]), ("corner", vec![1])] {
+            let interface = interfaces.text(name, "GridConnectivity_t", "Zone");
+            interface.text("GridConnectivityType", "GridConnectivityType_t", "Abutting1to1");
+            interface.integers("PointList", "IndexArray_t", &vertices);
+            interface.node("GridConnectivityProperty", "GridConnectivityProperty_t").node("Periodic", "Periodic_t");
+        }
+    });
+    assert_eq!(boundaries(&plane), [("wall".into(), 6)]);
+    assert_eq!(
+        (plane.regions().len(), plane.regions()[0].cells.len(), plane.regions()[0].name.as_str()),
+        (1, 2, "gas")
+    );
+}
+
 /// Two zones of a cube each, which share a face; a third face is named in both.
 #[test]
 fn two_zones_of_hexahedra() {

@@ -42,7 +42,7 @@ fn sections() {
         (of_section(17, 1, 1, &CELLS), "/cells: elements HEXA_8 are volumes"),
         (of_section(3, 1, 4, &CELLS), ": it has no cells of dimension 2: save sections of quadrilaterals"),
         (of_section(7, 1, 2, &[1, 2, 4, 5, 2, 3, 6, 5]), "/cells, element 1: "),
-        (of_section(7, 1, 2, &CELLS), "/cells, element 1: face 0 of cell 0"),
+        (of_section(7, 1, 2, &CELLS), "/cells, element 1: face 2 of cell 0 at [0.5, 0.0] has no neighbour"),
     ];
     for (message, expected) in cases {
         assert!(message.starts_with(&format!("/Base/Zone{expected}")), "{expected}: {message}");
@@ -66,13 +66,13 @@ fn conditions() {
         of_condition(move |conditions| drop(conditions.condition("wall", points, values, Some(location))))
     };
     let cases = [
-        (with("PointList", &[1], "EdgeCenter"), ": element 1 is no face in a section"),
-        (with("PointRange", &[3, i64::MAX], "EdgeCenter"), ": element 4 is no face"),
-        (with("PointRange", &[i64::MIN, 3], "EdgeCenter"), ": element -9223372036854775808 is no face"),
+        (with("PointList", &[4], "EdgeCenter"), ": no section of the zone has an element 4"),
+        (with("PointRange", &[3, i64::MAX], "EdgeCenter"), ": no section of the zone has an element 4"),
+        (with("PointRange", &[i64::MIN, 3], "CellCenter"), ": no section of the zone has an element -922"),
         (with("PointList", &[7], "Vertex"), ": there is no vertex 7"),
         (with("PointRange", &[1, i64::MAX], "Vertex"), ": there is no vertex 9223372036854775807"),
         (with("PointList", &[1, 6], "Vertex"), ": there is no outer face between its 2 vertices"),
-        (with("PointList", &[1], "CellCenter"), ": its GridLocation is CellCenter"),
+        (with("PointList", &[1], "Nowhere"), ": its GridLocation is Nowhere"),
         (of_condition(|list| drop(list.node("wall", "BC_t"))), ": it has neither PointList nor PointRange"),
     ];
     for (message, expected) in cases {

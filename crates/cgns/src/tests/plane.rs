@@ -20,7 +20,7 @@ fn two_squares() {
     let plane: Mesh<2> = mesh(squares);
     assert_eq!((plane.order(), plane.n_cells()), (2, 2));
     assert!((plane.volume() - 2.0).abs() < 1e-14);
-    assert_eq!(boundaries(&plane), [("ends".into(), 2), ("wall".into(), 4)]);
+    assert_eq!(boundaries(&plane), [("wall".into(), 4), ("ends".into(), 2)]);
     let lists = lists(squares).unwrap();
     assert_eq!(lists.dimension(), 2);
     assert_eq!(lists.element_place(1), "/Base/Zone/cells, element 2");
@@ -60,7 +60,7 @@ fn mixed_sections_are_split_on_request() {
     let split = Mesh::<2>::from_lists(lists, &[], Simplices::Split).unwrap();
     assert_eq!(split.n_cells(), 3 + 3 + 2);
     assert!((split.volume() - 2.0).abs() < 1e-14);
-    assert_eq!(boundaries(&split), [("all".into(), 12)]);
+    assert_eq!(boundaries(&split), [("all".into(), 10)]);
     let refused = message::<2>(write);
     assert!(refused.starts_with("/Base/Zone/all, element 1: this is the first of 2 triangles"), "{refused}");
     assert!(refused.contains("split_simplices"));
@@ -97,4 +97,15 @@ fn periodic_boundaries() {
     let plane = Mesh::<2>::from_lists(lists.unwrap(), &pairs, Simplices::Refuse).unwrap();
     assert_eq!(plane.interior_facets().len(), 2);
     assert_eq!(plane.boundary_facets().len(), 4);
+}
+
+/// The two squares with boundary conditions.
+pub(super) fn squares_with_conditions(file: &File) {
+    let zone = file.base(2, 2).unstructured("Zone", 2, &SQUARES);
+    zone.section("cells", 7, 1, 2, &[1, 2, 5, 4, 2, 3, 6, 5]);
+    zone.section("faces", 3, 3, 4, &[1, 2, 2, 3, 6, 5, 5, 4]);
+    let conditions = zone.node("ZoneBC", "ZoneBC_t");
+    conditions.condition("wall", "PointRange", &[3, 6], Some("EdgeCenter"));
+    conditions.condition("left", "PointList", &[1, 4], Some("Vertex"));
+    conditions.condition("right", "PointList", &[3, 6], None).text("FamilyName", "FamilyName_t", "exit");
 }
