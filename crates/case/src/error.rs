@@ -213,8 +213,8 @@ pub enum Cause {
     MeshFile {
         /// The file.
         path: PathBuf,
-        /// The error, with its line or byte.
-        error: mesh::GmshError,
+        /// The error, with its place in the file.
+        error: crate::MeshFileError,
     },
     /// A table that does not define a function.
     #[error("{0}")]

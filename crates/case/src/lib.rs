@@ -75,7 +75,7 @@ mod state;
 mod tests;
 mod vector;
 
-pub use any_mesh::AnyMesh;
+pub use any_mesh::{AnyMesh, MeshFileError};
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
 pub use continuation::{Difference, Differences, differences};

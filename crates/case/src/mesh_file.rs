@@ -7,16 +7,25 @@ use std::path::Path;
 /// A lower bound of the bytes in memory per byte of the file: the file, its lists and the mesh.
 const PER_BYTE: u64 = 4;
 
-/// The bytes of the file at `path`.
+/// Refuses a file at `path` that is no regular file or whose mesh does not fit into memory.
 ///
 /// # Errors
-/// If it is no regular file, its mesh does not fit into memory, or it cannot be read.
-pub fn read(path: &Path) -> Result<Vec<u8>> {
+/// The reason.
+pub fn check(path: &Path) -> Result<()> {
     let needed = input_file::require_regular(path)?.len().saturating_mul(PER_BYTE);
     match memory::shortage(needed) {
         Some(shortage) => {
             Err(Error::new(ErrorKind::FileTooLarge, format!("its mesh does not fit into memory: {shortage}")))
         }
-        None => input_file::read(path, u64::MAX),
+        None => Ok(()),
     }
+}
+
+/// The bytes of the file at `path`.
+///
+/// # Errors
+/// If [`check`] refuses it, or it cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    check(path)?;
+    input_file::read(path, u64::MAX)
 }

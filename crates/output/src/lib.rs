@@ -1,6 +1,6 @@
 //! Results on disk: VTKHDF, exact coefficients, checkpoint, history, summary.
 //!
-//! This crate is the only link to libhdf5. It stores arrays and computes nothing. `FORMAT.md` beside this crate's
+//! This crate and `cgns` are the only links to libhdf5. It stores arrays and computes nothing. `FORMAT.md` beside this crate's
 //! manifest documents the contents of `result.vtkhdf`.
 //!
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;

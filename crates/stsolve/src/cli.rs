@@ -36,7 +36,7 @@ pub enum Command {
         #[arg(long, value_enum, default_value_t = Probe::Auto, value_name = "WHEN")]
         probe: Probe,
     },
-    /// Describe a result file or a mesh file of Gmsh or SU2.
+    /// Describe a result file or a mesh file of Gmsh, SU2 or CGNS.
     Info {
         /// The file.
         file: PathBuf,

@@ -44,17 +44,17 @@ fn contains(folder: &Path, words: &[&str]) -> bool {
 }
 
 #[test]
-fn a_library_of_files_ranks_or_the_terminal_has_one_user() {
-    for (library, user) in [
-        ("toml", "case"),
-        ("hdf5", "output"),
-        ("mpi", "message_passing"),
-        ("clap", "stsolve"),
-        ("clap_complete", "stsolve"),
-        ("indicatif", "stsolve"),
-        ("signal-hook", "stsolve"),
+fn a_library_of_files_ranks_or_the_terminal_has_few_users() {
+    for (library, users) in [
+        ("toml", &["case"][..]),
+        ("hdf5", &["cgns", "output"]),
+        ("mpi", &["message_passing"]),
+        ("clap", &["stsolve"]),
+        ("clap_complete", &["stsolve"]),
+        ("indicatif", &["stsolve"]),
+        ("signal-hook", &["stsolve"]),
     ] {
-        assert_eq!(crates(|folder| depends_on(folder, library)), [user], "{library}");
+        assert_eq!(crates(|folder| depends_on(folder, library)), users, "{library}");
     }
 }
 

@@ -15,9 +15,9 @@ pub struct Mesh {
     pub order: Option<usize>,
     /// The generator of the mesh.
     pub generate: Option<Generate>,
-    /// A file of Gmsh, MSH 4.1 or 2.2, or of SU2, relative to the case file: quadrilaterals or hexahedra. In a Gmsh file physical
-    /// groups of curves (in three dimensions surfaces) are the boundaries, those of surfaces (volumes) the regions. In an SU2
-    /// file markers are the boundaries. For triangles, tetrahedra and prisms see `split_simplices`.
+    /// A file of Gmsh, MSH 4.1 or 2.2, of SU2, or of CGNS in HDF5, relative to the case file: quadrilaterals or hexahedra. In a
+    /// Gmsh file physical groups of curves (in three dimensions surfaces) are the boundaries, those of surfaces (volumes) the
+    /// regions. In an SU2 file markers are the boundaries, in a CGNS file boundary conditions by their families. For triangles, tetrahedra and prisms see `split_simplices`.
     pub file: Option<PathBuf>,
     /// Pairs of boundaries of the file, by name, that are translates of each other: they are joined and lose their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -249,6 +249,21 @@ fn a_file_of_su2_gives_the_mesh_of_gmsh() {
     assert!(message.contains("two.su2: line 15: expected a node of element 1 of 1 of marker left"), "{message}");
 }
 
+/// A file of CGNS is recognised by its ending, or by the first bytes of HDF5. Its contents are tests of the crate `cgns`.
+#[test]
+fn files_of_cgns_are_told_apart() {
+    let directory = TempDir::new().unwrap();
+    let check = |name: &str, contents: &[u8]| {
+        std::fs::write(directory.path().join(name), contents).unwrap();
+        let text = format!("{MOVED}file = \"{name}\"\n");
+        let document = Document::parse(&directory.path().join("case.toml"), text, &[]).unwrap();
+        AnyCase::check(&document).unwrap_err().to_string()
+    };
+    assert!(check("two.cgns", b"$MeshFormat").contains("two.cgns: this is no HDF5 file"));
+    assert!(check("two.cgns", b"@(#)ADF Database Version").contains("cgnsconvert -h"));
+    assert!(check("two.msh", b"\x89HDF\r\n\x1a\n").contains("two.msh: /: the HDF5 library cannot read this part"));
+}
+
 #[test]
 fn triangles_of_a_file_are_split_on_request() {
     let directory = TempDir::new().unwrap();

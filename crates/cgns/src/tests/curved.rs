@@ -64,6 +64,9 @@ fn numbers_of_the_standard() {
     let middle =
         [21, 54, 55, 56, 24, 83, 99, 100, 101, 63, 82, 106, 107, 102, 64, 81, 105, 104, 103, 65, 30, 74, 73, 72, 27];
     assert_eq!(numbers(Shape::Hexahedron, 4)[25..50], middle);
+    let middle =
+        [22, 61, 62, 57, 25, 84, 108, 109, 110, 70, 89, 115, 116, 111, 71, 88, 114, 113, 112, 66, 31, 75, 80, 79, 28];
+    assert_eq!(numbers(Shape::Hexahedron, 4)[50..75], middle);
 }
 
 /// det J of the mapping at a point, by differences that are exact to 1e-9.

@@ -54,7 +54,7 @@ fn a_box() {
 }
 
 /// Two zones side by side. The axes of the second one are exchanged, so that its cells are left-handed.
-fn two_zones(file: &File) {
+pub(super) fn two_zones(file: &File) {
     let base = file.base(2, 2);
     let first = plane_zone(&base, "A", [3, 3], |[i, j]| [0.5 * i, 0.1 * j]);
     let second = plane_zone(&base, "B", [3, 4], |[i, j]| [1.0 + 0.25 * j, 0.1 * i]);

@@ -3,8 +3,7 @@
 use crate::commands::print;
 use crate::commands::table::Table;
 use case::AnyMesh;
-use case::mesh_file;
-use mesh::{Mesh, ValidityCheck};
+use mesh::{Mesh, Simplices, ValidityCheck};
 use serde_json::{Map, Value};
 use simulation::Failure;
 use std::fs::File;
@@ -14,26 +13,30 @@ use std::path::Path;
 /// The beginning of a Gmsh file.
 const BEGINNING: &[u8] = b"$MeshFormat";
 
-/// A file is searched for the keys of SU2 up to this length, in bytes.
+/// A file is searched for the keys of SU2 and for a name of CGNS up to this length, in bytes.
 const SEARCHED: u64 = 1 << 16;
 
-/// Whether the file at `path` is, or should be, a file of Gmsh or SU2.
+/// Whether the file at `path` is, or should be, a file of Gmsh, SU2 or CGNS.
 pub(super) fn is_one(path: &Path) -> bool {
     let mut beginning = Vec::new();
     // A file that cannot be read is reported later.
     let read = File::open(path).map(|file| file.take(SEARCHED).read_to_end(&mut beginning));
-    path.extension().is_some_and(|extension| extension == "msh" || extension == "su2")
-        || matches!(read, Ok(Ok(_)) if beginning.starts_with(BEGINNING) || mesh::is_su2(&beginning))
+    path.extension().is_some_and(|extension| extension == "msh" || extension == "su2" || extension == "cgns")
+        || matches!(read, Ok(Ok(_)) if is_mesh(&beginning))
 }
 
-/// Describes the file of Gmsh or SU2 at `path`.
+/// Whether a file with these first bytes holds a mesh.
+fn is_mesh(beginning: &[u8]) -> bool {
+    beginning.starts_with(BEGINNING) || mesh::is_su2(beginning) || cgns::is_cgns(beginning)
+}
+
+/// Describes the file of Gmsh, SU2 or CGNS at `path`.
 ///
 /// # Errors
-/// If the file cannot be read or holds no mesh; the line, byte, element or cell is named.
+/// If the file cannot be read or holds no mesh; the line, byte, node, element or cell is named.
 pub(super) fn info(path: &Path, json: bool) -> Result<(), Failure> {
     let in_file = |error: anyhow::Error| Failure::bad_input(anyhow::anyhow!("{}: {error}", path.display()));
-    let bytes = mesh_file::read(path).map_err(|error| in_file(error.into()))?;
-    let tables = match AnyMesh::from_file(&bytes, &[]).map_err(|error| in_file(error.into()))? {
+    let tables = match AnyMesh::read(path, &[], Simplices::Refuse).map_err(|error| in_file(error.into()))? {
         AnyMesh::Plane(mesh) => tables(path, &mesh),
         AnyMesh::Space(mesh) => tables(path, &mesh),
     };

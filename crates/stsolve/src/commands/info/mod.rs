@@ -14,8 +14,8 @@ use std::path::Path;
 /// The beginning of an HDF5 file.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Describes the file at `path`: a mesh file of Gmsh or SU2, by its contents or its ending .msh or .su2, or a result file. For a
-/// directory, it describes the result file in it.
+/// Describes the file at `path`: a mesh file of Gmsh, SU2 or CGNS, by its contents or its ending .msh, .su2 or .cgns, or a result
+/// file. For a directory, it describes the result file in it.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged or neither.
@@ -45,7 +45,7 @@ fn other_kind(path: &Path) -> Option<String> {
         Err(error) => Some(format!("cannot be read: {error}")),
         Ok(_) if beginning == SIGNATURE || named("vtkhdf") => None,
         Ok(_) if named("toml") => Some(format!("is a case; `stsolve check {}` explains it", path.display())),
-        Ok(_) => Some(format!("is neither the result of a run, `{RESULT_FILE}`, nor a mesh file of Gmsh or SU2")),
+        Ok(_) => Some(format!("is neither the result of a run, `{RESULT_FILE}`, nor a mesh file of Gmsh, SU2 or CGNS")),
     }
 }
 
