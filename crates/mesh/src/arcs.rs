@@ -70,7 +70,7 @@ impl<const D: usize> Mesh<D> {
             return tangent_sign(side.face) > 0.0;
         }
         let middle = CellMap::on_grid(self.order, &[0.0]);
-        let outward = outward_area(&middle.jacobians(self.cell_coordinates(side.cell))[0], side.face);
+        let outward: [f64; D] = outward_area(&middle.jacobians(self.cell_coordinates(side.cell))[0], side.face);
         let tangent: [f64; 2] = from_fn(|i| ends[1][i] - ends[0][i]);
         tangent[1] * outward[0] - tangent[0] * outward[1] > 0.0
     }
