@@ -59,8 +59,10 @@ pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval
     let Some(groups) = wanted.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
     let rows: Vec<Row> = groups.iter().map(|group| row(dimension, &wanted, width, group)).collect();
     let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
-    write_atomically(&file("mean"), table(&rows).as_bytes())?;
-    write_atomically(&file("separation"), list(&zeros(&rows, is_closed(&wanted))).as_bytes())
+    let is_closed = is_closed(&wanted);
+    let place = if is_closed { "s" } else { "arc_length" };
+    write_atomically(&file("mean"), table(place, &rows).as_bytes())?;
+    write_atomically(&file("separation"), list(place, &zeros(&rows, is_closed)).as_bytes())
 }
 
 /// The rows of a time that are the same point of the cross-section, point after point.
@@ -143,9 +145,9 @@ fn zeros(rows: &[Row], is_closed: bool) -> Vec<Zero> {
     rows.iter().enumerate().filter_map(zero).collect()
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(place: &str, rows: &[Row]) -> String {
     let errors = QUANTITIES.map(|name| format!("{name}_error"));
-    let mut text = format!("s,x,y,{},{}\n", QUANTITIES.join(","), errors.join(","));
+    let mut text = format!("{place},x,y,{},{}\n", QUANTITIES.join(","), errors.join(","));
     for Row { place, position, means, errors } in rows {
         let numbers = [&[*place][..], position, means, errors].concat();
         let line = numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
@@ -155,8 +157,8 @@ fn table(rows: &[Row]) -> String {
     text
 }
 
-fn list(zeros: &[Zero]) -> String {
-    let mut text = "kind,s,x,y\n".to_owned();
+fn list(place: &str, zeros: &[Zero]) -> String {
+    let mut text = format!("kind,{place},x,y\n");
     for Zero { kind, place, position: [x, y] } in zeros {
         let _ = writeln!(text, "{kind},{place},{x},{y}");
     }

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Loss, force, mass flow and separation of flows through a blade row, with error bars.
+
+    scripts/turbine_blade.py --from TIME RUN [RUN...]
+
+RUN is the directory of a run with an inflow `inflow`, an outflow `outflow` and a wall `blade`. Prints a table with a row for each run: means over
+the time from TIME to the end. The loss coefficient is (p01 - p02) / (p02 - p2) of the mean states. An error is that of 95 %: the means over eight
+parts of the time, and Student's factor. Points of separation are those of `surface_blade_separation.csv`, in chords along x.
+"""
+
+import argparse
+import csv
+import pathlib
+import statistics
+
+PARTS = 8
+STUDENT = 2.365
+
+
+def columns(path):
+    """The columns of a table of numbers, by name."""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: [float(row[name]) for row in rows] for name in rows[0]}
+
+
+def mean(history, name, rows):
+    """The mean of a column over slabs, weighted by their lengths."""
+    lengths = [history["t"][row] - history["t"][row - 1] for row in rows]
+    return sum(history[name][row] * length for row, length in zip(rows, lengths)) / sum(lengths)
+
+
+def loss(history, rows):
+    """(p01 - p02) / (p02 - p2)."""
+    before, after = (mean(history, f"{name}_total_pressure", rows) for name in ("inflow", "outflow"))
+    return (before - after) / (after - mean(history, "outflow_pressure", rows))
+
+
+def with_error(quantity, rows):
+    """A quantity over all rows, and its error."""
+    count = len(rows)
+    parts = [quantity(rows[count * k // PARTS : count * (k + 1) // PARTS]) for k in range(PARTS)]
+    return quantity(rows), STUDENT * statistics.stdev(parts) / PARTS**0.5
+
+
+def separation(run):
+    """Points of separation on the suction side, which is above the chord of the blade's ends."""
+    path = run / "surface_blade_separation.csv"
+    if not path.exists():
+        return "-"
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    return ", ".join(f"{row['kind'][0]} {float(row['x']):.3f}" for row in rows)
+
+
+def main():
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--from", dest="start", type=float, required=True, help="the time at which means begin")
+    parser.add_argument("runs", type=pathlib.Path, nargs="+")
+    options = parser.parse_args()
+    print("| run | loss | force x | force y | mass flow | zeros of the skin friction: s separation, a attachment |")
+    print("|---|---|---|---|---|---|")
+    for run in options.runs:
+        history = columns(run / "history.csv")
+        rows = [row for row, t in enumerate(history["t"]) if row > 0 and history["t"][row - 1] >= options.start - 1e-9]
+        quantities = [
+            lambda rows: loss(history, rows),
+            lambda rows: mean(history, "blade_force_x", rows),
+            lambda rows: mean(history, "blade_force_y", rows),
+            lambda rows: mean(history, "outflow_mass_flow", rows),
+        ]
+        values = [with_error(quantity, rows) for quantity in quantities]
+        numbers = " | ".join(f"{value:.5f} +- {error:.5f}" for value, error in values)
+        print(f"| {run.name} | {numbers} | {separation(run)} |")
+
+
+if __name__ == "__main__":
+    main()
