@@ -43,9 +43,11 @@ pub(crate) fn family_names(node: &Node, families: &Families) -> Result<Vec<Strin
     let Some(family) = node.text_of("FamilyName_t")?.filter(|family| !family.is_empty()) else {
         return Ok(Vec::new());
     };
-    match families.get(&family) {
+    // A family of another base has a path.
+    let family = family.rsplit('/').next().unwrap_or_default();
+    match families.get(family) {
         Some(parents) if !parents.is_empty() => Ok(parents.clone()),
-        _ => Ok(vec![family]),
+        _ => Ok(vec![family.to_owned()]),
     }
 }
 

@@ -43,9 +43,8 @@ pub(crate) fn join(lists: &mut Lists) {
 
 /// The corners of outer faces without a name, along [`DIRECTION`].
 fn candidates(lists: &Lists) -> Vec<Candidate> {
-    let elements = &lists.lists.elements;
     let mut shortest: BTreeMap<usize, f64> = BTreeMap::new();
-    for face in faces::outer(elements, lists.dimension).iter().filter(|face| !lists.named.contains(&faces::key(face))) {
+    for face in lists.outer_faces(0).iter().filter(|face| !lists.named.contains(&faces::key(face))) {
         let edge = shortest_edge(&lists.lists.nodes, face);
         for &vertex in face {
             let length = shortest.entry(vertex).or_insert(edge);

@@ -72,10 +72,12 @@ impl Kind {
             12 | 13 | 21 | 31..=33 | 48..=50 => {
                 "pyramids are not supported: mesh all volumes with tetrahedra and prisms, or all with hexahedra".into()
             }
-            22 | 23 => "elements of the kinds NGON_n and NFACE_n (polygons and polyhedra) are not supported: save quadrilaterals \
-                        or hexahedra as sections of QUAD_4, HEXA_8 or their kinds of higher order"
+            22 | 23 => "elements of the kinds NGON_n and NFACE_n (polygons and polyhedra) are not supported: save \
+                        sections of QUAD_4, HEXA_8 or their kinds of higher order"
                 .into(),
-            _ => format!("elements of type {code} are not supported: use quadrilaterals or hexahedra with all inner nodes"),
+            _ => format!(
+                "elements of type {code} are not supported: use quadrilaterals or hexahedra with all inner nodes"
+            ),
         })
     }
 
@@ -83,7 +85,7 @@ impl Kind {
     pub(crate) fn check_cell(self) -> Result<Kind, String> {
         match self.is_lattice {
             true => Ok(self),
-            false if self.n_nodes >= 15 && self.degree == 4 && self.shape != Shape::Quadrilateral => Err(format!(
+            false if self.degree == 4 && [15, 35, 75].contains(&self.n_nodes) => Err(format!(
                 "elements of the kind {}, whose inner nodes are not evenly spaced, are not supported: save triangles, \
                  tetrahedra and prisms of degree 3 or less",
                 self.name

@@ -63,15 +63,20 @@ impl Lists {
     }
 
     /// Appends the faces of a condition. A periodic interface leaves faces that have a name.
-    pub(crate) fn push_faces(&mut self, condition: &Condition, faces: &[Face]) {
+    pub(crate) fn push_faces<'a>(&mut self, condition: &Condition, faces: impl IntoIterator<Item = &'a Face>) {
         let is_new = |face: &&Face| !condition.is_interface || !self.named.contains(&faces::key(face));
-        let faces: Vec<&Face> = faces.iter().filter(is_new).collect();
+        let faces: Vec<&Face> = faces.into_iter().filter(is_new).collect();
         if faces.is_empty() {
             return;
         }
         let names = self.names(&condition.names);
         self.begin(format!("{}, face", condition.path), Numbers::From(1));
         faces.into_iter().for_each(|face| self.push(faces::element(face, names.clone())));
+    }
+
+    /// The faces of one of the cells from `first` on.
+    pub(crate) fn outer_faces(&self, first: usize) -> Vec<Face> {
+        faces::outer(&self.lists.elements[first..], self.dimension)
     }
 
     /// The indices of names.

@@ -2,7 +2,7 @@
 
 use crate::CgnsError;
 use hdf5::types::{FixedAscii, TypeDescriptor};
-use hdf5::{Dataset, File, Group, H5Type};
+use hdf5::{Dataset, File, Group, H5Type, LocationType};
 use std::path::Path;
 
 /// The data set of a node.
@@ -38,22 +38,31 @@ impl Node {
         // What begins with a blank belongs to the node itself.
         names.retain(|name| !name.starts_with(' '));
         names.sort_unstable();
-        names.into_iter().map(|name| self.open(name)).collect()
+        names.into_iter().filter_map(|name| self.open(name).transpose()).collect()
     }
 
-    fn open(&self, name: String) -> Result<Node, CgnsError> {
+    /// The child `name`; `None` if it is no node of CGNS, which other programs may add.
+    fn open(&self, name: String) -> Result<Option<Node>, CgnsError> {
         let path = format!("{}/{name}", self.path);
         let read = || {
+            if self.group.loc_type_by_name(&name)? != LocationType::Group {
+                return Ok(None);
+            }
             let group = self.group.group(&name)?;
-            let (kind, label) = (text_attribute(&group, "type")?, text_attribute(&group, "label")?);
-            Ok((group, kind, label))
+            // A list of the attributes would panic at some damaged bytes.
+            let texts = ["name", "type", "label"].map(|attribute| text_attribute(&group, attribute));
+            match texts {
+                [Err(_), Err(_), Err(_)] => Ok(None),
+                [_, kind, label] => Ok(Some((group, kind?, label?))),
+            }
         };
         match read().map_err(|error| CgnsError::damaged(&path, &error))? {
-            (_, kind, _) if kind == "LK" => {
+            None => Ok(None),
+            Some((_, kind, _)) if kind == "LK" => {
                 let problem = "this is a link to another node or file: expand all links by `cgnsconvert -h -l`";
                 Err(CgnsError::at(path, problem))
             }
-            (group, _, label) => Ok(Node { group, name, path, label, length: self.length }),
+            Some((group, _, label)) => Ok(Some(Node { group, name, path, label, length: self.length })),
         }
     }
 
@@ -69,7 +78,7 @@ impl Node {
 
     /// The child `name`.
     pub(crate) fn child(&self, name: &str) -> Result<Option<Node>, CgnsError> {
-        if self.group.link_exists(name) { self.open(name.to_owned()).map(Some) } else { Ok(None) }
+        if self.group.link_exists(name) { self.open(name.to_owned()) } else { Ok(None) }
     }
 
     /// The child `name`, which must exist.

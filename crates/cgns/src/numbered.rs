@@ -74,7 +74,7 @@ impl Numbered {
         names: &[usize],
     ) -> Result<(), CgnsError> {
         if let Some(face) = self.faces.get_mut(&number) {
-            if !(condition.is_interface && !face.element.names.is_empty()) {
+            if !condition.is_interface || face.element.names.is_empty() {
                 face.element.names.extend(names);
             }
             return Ok(());

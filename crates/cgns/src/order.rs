@@ -1,8 +1,9 @@
 //! The order of the nodes of elements in CGNS.
 //!
 //! The standard, SIDS section "Unstructured grid element numbering conventions", lists corners, then the inside of edges,
-//! faces and the element. The inside of a square is listed ring by ring from the outside, each ring from the corner near
-//! the origin along the first axis; the inside of a hexahedron or prism plane by plane along the last axis.
+//! faces and the element. The inside of a square is listed ring by ring from the outside. Each ring begins at the corner
+//! near the origin and follows the first axis. The inside of a hexahedron or prism is listed plane by plane along the last
+//! axis.
 
 use mesh::Shape;
 

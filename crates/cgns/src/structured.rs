@@ -108,8 +108,8 @@ fn read_condition(
         (Points::List(numbers), Location::Vertex) => {
             let vertices = numbers.chunks(lattice.dimension).map(|indices| listed_vertex(lattice, condition, indices));
             let chosen = vertices.collect::<Result<_, _>>()?;
-            let faces = unstructured::faces_between(lists, condition, first_cell, &chosen)?;
-            lists.push_faces(condition, &faces);
+            let outer = lists.outer_faces(first_cell);
+            lists.push_faces(condition, unstructured::faces_between(&outer, condition, &chosen)?);
             Ok(())
         }
         (Points::List(_), Location::Element(_)) => {

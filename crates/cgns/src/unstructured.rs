@@ -1,5 +1,6 @@
 //! Zones of sections.
 
+use crate::CgnsError;
 use crate::base::{count, read_vertices};
 use crate::condition::{Condition, Location};
 use crate::faces::Face;
@@ -7,7 +8,6 @@ use crate::lists::Lists;
 use crate::node::Node;
 use crate::numbered::Numbered;
 use crate::section::{SectionReader, Vertices};
-use crate::{CgnsError, faces};
 use std::collections::BTreeSet;
 
 /// Appends a zone.
@@ -34,10 +34,12 @@ pub(crate) fn read(
         numbered.name(lists, condition)?;
     }
     numbered.push_named_faces(lists, &sections);
-    for condition in conditions.iter().filter(|condition| condition.location == Location::Vertex) {
+    let of_vertices: Vec<_> = conditions.iter().filter(|condition| condition.location == Location::Vertex).collect();
+    let outer = if of_vertices.is_empty() { Vec::new() } else { lists.outer_faces(first_cell) };
+    for condition in of_vertices {
         let numbers = condition.numbers("vertex", vertices.count)?;
         let chosen = numbers.into_iter().map(|number| first_vertex + number - 1).collect();
-        lists.push_faces(condition, &faces_between(lists, condition, first_cell, &chosen)?);
+        lists.push_faces(condition, faces_between(&outer, condition, &chosen)?);
     }
     Ok(())
 }
@@ -66,18 +68,16 @@ fn read_sections(
     Ok(numbered)
 }
 
-/// The outer faces of the cells from `first_cell` on all of whose corners are in `chosen`.
-pub(crate) fn faces_between(
-    lists: &Lists,
+/// Those of the outer faces all of whose corners are in `chosen`.
+pub(crate) fn faces_between<'a>(
+    outer: &'a [Face],
     condition: &Condition,
-    first_cell: usize,
     chosen: &BTreeSet<usize>,
-) -> Result<Vec<Face>, CgnsError> {
-    let mut outer = faces::outer(&lists.lists.elements[first_cell..], lists.dimension);
-    outer.retain(|face| face.iter().all(|vertex| chosen.contains(vertex)));
-    if outer.is_empty() && !condition.is_interface {
+) -> Result<Vec<&'a Face>, CgnsError> {
+    let within: Vec<&Face> = outer.iter().filter(|face| face.iter().all(|vertex| chosen.contains(vertex))).collect();
+    if within.is_empty() && !condition.is_interface {
         let problem = format!("there is no outer face between its {} vertices: check its GridLocation", chosen.len());
         return Err(condition.error(problem));
     }
-    Ok(outer)
+    Ok(within)
 }

@@ -3,6 +3,7 @@
 use super::plane::SQUARES;
 use super::writer::{File, Node};
 use super::{lists, message};
+use crate::kind::Kind;
 use crate::{CgnsError, is_cgns, read};
 
 /// A zone of two squares, to which a test adds what is wrong.
@@ -162,4 +163,23 @@ fn other_formats() {
     File::create(&path).base(2, 2);
     assert!(is_cgns(&std::fs::read(&path).unwrap()));
     assert!(!is_cgns(b"\x89HDF\r\n\x1a\n"));
+}
+
+/// What other programs add to a file.
+#[test]
+fn nodes_without_a_label_are_ignored() {
+    let lists = lists(|file| {
+        let zone = squares(file);
+        zone.section("cells", 7, 1, 2, &CELLS);
+        zone.section("sides", 3, 3, 6, &[1, 2, 2, 3, 6, 5, 5, 4, 4, 1, 3, 6]);
+        zone.foreign("notes");
+    });
+    assert_eq!(lists.unwrap().elements.len(), 8);
+}
+
+#[test]
+fn complete_kinds() {
+    let complete = |code: &i64| Kind::from_code(*code).is_ok_and(|kind| kind.check_cell().is_ok());
+    let codes: Vec<i64> = (0..60).filter(complete).collect();
+    assert_eq!(codes, [2, 3, 4, 5, 6, 7, 9, 10, 11, 14, 16, 17, 19, 24, 26, 28, 30, 36, 39, 40, 44, 56]);
 }

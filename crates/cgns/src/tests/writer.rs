@@ -54,6 +54,12 @@ impl Node {
         node
     }
 
+    /// A group and a data set that are no nodes of CGNS.
+    pub(super) fn foreign(&self, name: &str) {
+        self.0.create_group(name).unwrap();
+        self.0.new_dataset_builder().with_data(&[1.0]).create("values").unwrap();
+    }
+
     pub(super) fn integers(&self, name: &str, label: &str, values: &[i64]) -> Node {
         self.array(name, label, "I8", values)
     }
