@@ -8,11 +8,21 @@ use std::collections::BTreeMap;
 pub(crate) struct Condition {
     /// The families, or else the name of the boundary condition.
     pub(crate) names: Vec<String>,
-    /// Whether it is a periodic interface: faces of other conditions do not belong to it.
-    pub(crate) is_interface: bool,
+    pub(crate) role: Role,
     pub(crate) path: String,
     pub(crate) location: Location,
     pub(crate) points: Points,
+}
+
+/// The part that the faces of a condition play, in the order in which conditions are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Role {
+    /// Faces that are joined to others. They belong to no boundary.
+    Interface,
+    /// A boundary, or cells of a region.
+    Boundary,
+    /// A periodic interface: faces without a boundary.
+    Periodic,
 }
 
 /// What the numbers of a condition count.
@@ -25,6 +35,9 @@ pub(crate) enum Location {
     /// Elements of a section.
     Cell,
 }
+
+/// Labels of interfaces.
+const LABELS: [&str; 2] = ["GridConnectivity1to1_t", "GridConnectivity_t"];
 
 /// For each family the families to which it belongs.
 pub(crate) type Families = BTreeMap<String, Vec<String>>;
@@ -57,22 +70,23 @@ pub(crate) enum Points {
     Range(Vec<[i64; 2]>),
 }
 
-/// The conditions of a zone, periodic interfaces last.
+/// The conditions of a zone in the order of their roles.
 pub(crate) fn of_zone(zone: &Node, families: &Families) -> Result<Vec<Condition>, CgnsError> {
     let mut conditions = Vec::new();
     for list in zone.of_label("ZoneBC_t")? {
         for node in list.of_label("BC_t")? {
-            conditions.push(read(&node, family_names(&node, families)?, false)?);
+            conditions.push(read(&node, family_names(&node, families)?, Role::Boundary)?);
         }
     }
     for interfaces in zone.of_label("ZoneGridConnectivity_t")? {
-        for node in interfaces.children()? {
-            check_interface(&node)?;
-            if is_periodic(&node)? {
-                conditions.push(read(&node, Vec::new(), true)?);
-            }
+        for node in interfaces.children()?.iter().filter(|node| LABELS.contains(&node.label.as_str())) {
+            check_interface(node)?;
+            let role = if is_periodic(node)? { Role::Periodic } else { Role::Interface };
+            // Zones are joined by positions, with or without the numbers of this node.
+            conditions.extend(read(node, Vec::new(), role));
         }
     }
+    conditions.sort_by_key(|condition| condition.role);
     Ok(conditions)
 }
 
@@ -94,13 +108,13 @@ fn is_periodic(node: &Node) -> Result<bool, CgnsError> {
     }
 }
 
-fn read(node: &Node, mut names: Vec<String>, is_interface: bool) -> Result<Condition, CgnsError> {
+fn read(node: &Node, mut names: Vec<String>, role: Role) -> Result<Condition, CgnsError> {
     let (points, is_old) = points(node)?;
     let location = if is_old { Location::Element(None) } else { location(node)? };
     if names.is_empty() {
         names.push(node.name.clone());
     }
-    Ok(Condition { names, is_interface, path: node.path.clone(), location, points })
+    Ok(Condition { names, role, path: node.path.clone(), location, points })
 }
 
 /// The numbers of a condition, and whether they are those of elements by the rule of old files.

@@ -1,7 +1,7 @@
 //! The lists while they are made.
 
 use crate::CgnsError;
-use crate::condition::Condition;
+use crate::condition::{Condition, Role};
 use crate::faces::{self, Face, Key};
 use mesh::{ListedElement, MeshLists, Numbers, Span};
 use std::collections::BTreeSet;
@@ -11,6 +11,8 @@ pub(crate) struct Lists {
     pub(crate) lists: MeshLists,
     /// The dimension D of the cells.
     pub(crate) dimension: usize,
+    /// Faces of interfaces, which are joined to others.
+    pub(crate) joined: BTreeSet<Key>,
     /// The faces in the lists.
     pub(crate) named: BTreeSet<Key>,
     /// The number of the last element, if it has one.
@@ -19,7 +21,7 @@ pub(crate) struct Lists {
 
 impl Lists {
     pub(crate) fn new(dimension: usize) -> Lists {
-        Lists { lists: MeshLists::default(), dimension, named: BTreeSet::new(), last: None }
+        Lists { lists: MeshLists::default(), dimension, joined: BTreeSet::new(), named: BTreeSet::new(), last: None }
     }
 
     /// Appends the vertices of a zone; the index of the first one.
@@ -62,16 +64,26 @@ impl Lists {
         self.push(element);
     }
 
-    /// Appends the faces of a condition. A periodic interface leaves faces that have a name.
+    /// Appends the faces of a condition, or notes that they are joined to others.
     pub(crate) fn push_faces<'a>(&mut self, condition: &Condition, faces: impl IntoIterator<Item = &'a Face>) {
-        let is_new = |face: &&Face| !condition.is_interface || !self.named.contains(&faces::key(face));
-        let faces: Vec<&Face> = faces.into_iter().filter(is_new).collect();
+        if condition.role == Role::Interface {
+            self.joined.extend(faces.into_iter().map(|face| faces::key(face)));
+            return;
+        }
+        let belongs = |face: &&Face| self.may_name(condition.role, &faces::key(face));
+        let faces: Vec<&Face> = faces.into_iter().filter(belongs).collect();
         if faces.is_empty() {
             return;
         }
         let names = self.names(&condition.names);
         self.begin(format!("{}, face", condition.path), Numbers::From(1));
         faces.into_iter().for_each(|face| self.push(faces::element(face, names.clone())));
+    }
+
+    /// Whether a condition names a face: a boundary leaves faces that are joined, a periodic interface also those that have a
+    /// name.
+    pub(crate) fn may_name(&self, role: Role, face: &Key) -> bool {
+        !self.joined.contains(face) && (role == Role::Boundary || !self.named.contains(face))
     }
 
     /// The faces of one of the cells from `first` on.

@@ -18,7 +18,7 @@ pub(crate) struct Node {
     pub(crate) name: String,
     /// The names from the root.
     pub(crate) path: String,
-    label: String,
+    pub(crate) label: String,
     /// The length of the file in bytes.
     length: u64,
 }

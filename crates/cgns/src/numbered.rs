@@ -1,9 +1,9 @@
 //! The elements of a zone by their numbers.
 
-use crate::CgnsError;
-use crate::condition::{Condition, Points};
+use crate::condition::{Condition, Points, Role};
 use crate::lists::Lists;
 use crate::node::Node;
+use crate::{CgnsError, faces};
 use mesh::ListedElement;
 use std::collections::BTreeMap;
 
@@ -74,14 +74,18 @@ impl Numbered {
         names: &[usize],
     ) -> Result<(), CgnsError> {
         if let Some(face) = self.faces.get_mut(&number) {
-            if !condition.is_interface || face.element.names.is_empty() {
-                face.element.names.extend(names);
+            match condition.role {
+                Role::Interface => drop(lists.joined.insert(faces::key(&faces::corners(&face.element)))),
+                Role::Periodic if !face.element.names.is_empty() => {}
+                _ => face.element.names.extend(names),
             }
             return Ok(());
         }
         let run = self.cells.range(..=number).next_back();
         if let Some((first, (index, _))) = run.filter(|(first, (_, count))| number - **first < *count as i64) {
-            lists.lists.elements[index + (number - first) as usize].names.extend(names);
+            if condition.role == Role::Boundary {
+                lists.lists.elements[index + (number - first) as usize].names.extend(names);
+            }
             return Ok(());
         }
         match self.ranges.iter().any(|[first, last]| (*first..=*last).contains(&number)) {
@@ -96,6 +100,9 @@ impl Numbered {
     /// Appends the faces with a name to the lists.
     pub(crate) fn push_named_faces(self, lists: &mut Lists, sections: &[Node]) {
         for (number, face) in self.faces.into_iter().filter(|(_, face)| !face.element.names.is_empty()) {
+            if lists.joined.contains(&faces::key(&faces::corners(&face.element))) {
+                continue;
+            }
             lists.push_numbered(&sections[face.section].path, number, face.element);
         }
     }

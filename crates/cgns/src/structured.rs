@@ -2,7 +2,7 @@
 
 use crate::CgnsError;
 use crate::base::{count, read_vertices};
-use crate::condition::{Condition, Location, Points};
+use crate::condition::{Condition, Location, Points, Role};
 use crate::faces::Face;
 use crate::lists::Lists;
 use crate::node::Node;
@@ -35,7 +35,11 @@ pub(crate) fn read(
     for cell in boxes([0; 3], cells.map(|length| length.max(1))) {
         lists.push(lattice.cell(cell, cell_names));
     }
-    conditions.iter().try_for_each(|condition| read_condition(lists, &lattice, first_cell, condition))
+    conditions.iter().try_for_each(|condition| match read_condition(lists, &lattice, first_cell, condition) {
+        // An interface may be a single vertex or an edge.
+        Err(_) if condition.role != Role::Boundary => Ok(()),
+        read => read,
+    })
 }
 
 /// The numbers of vertices along the axes.

@@ -2,7 +2,7 @@
 
 use crate::CgnsError;
 use crate::base::{count, read_vertices};
-use crate::condition::{Condition, Location};
+use crate::condition::{Condition, Location, Role};
 use crate::faces::Face;
 use crate::lists::Lists;
 use crate::node::Node;
@@ -27,21 +27,26 @@ pub(crate) fn read(
         let kinds = if lists.dimension == 2 { "quadrilaterals" } else { "hexahedra" };
         return Err(zone.error(format!("it has no cells of dimension {}: save sections of {kinds}", lists.dimension)));
     }
-    if conditions.is_empty() {
+    if conditions.iter().all(|condition| condition.role != Role::Boundary) {
         numbered.name_by_section(lists, &sections);
     }
-    for condition in conditions.iter().filter(|condition| condition.location != Location::Vertex) {
+    let (of_vertices, of_elements): (Vec<_>, Vec<_>) =
+        conditions.iter().partition(|condition| condition.location == Location::Vertex);
+    for condition in of_elements {
         numbered.name(lists, condition)?;
     }
-    numbered.push_named_faces(lists, &sections);
-    let of_vertices: Vec<_> = conditions.iter().filter(|condition| condition.location == Location::Vertex).collect();
     let outer = if of_vertices.is_empty() { Vec::new() } else { lists.outer_faces(first_cell) };
-    for condition in of_vertices {
+    let (interfaces, others): (Vec<_>, Vec<_>) =
+        of_vertices.into_iter().partition(|condition| condition.role == Role::Interface);
+    let push_faces = |lists: &mut Lists, condition: &Condition| {
         let numbers = condition.numbers("vertex", vertices.count)?;
         let chosen = numbers.into_iter().map(|number| first_vertex + number - 1).collect();
         lists.push_faces(condition, faces_between(&outer, condition, &chosen)?);
-    }
-    Ok(())
+        Ok(())
+    };
+    interfaces.into_iter().try_for_each(|condition| push_faces(lists, condition))?;
+    numbered.push_named_faces(lists, &sections);
+    others.into_iter().try_for_each(|condition| push_faces(lists, condition))
 }
 
 /// Appends the cells of all sections, in the order of their names.
@@ -75,7 +80,7 @@ pub(crate) fn faces_between<'a>(
     chosen: &BTreeSet<usize>,
 ) -> Result<Vec<&'a Face>, CgnsError> {
     let within: Vec<&Face> = outer.iter().filter(|face| face.iter().all(|vertex| chosen.contains(vertex))).collect();
-    if within.is_empty() && !condition.is_interface {
+    if within.is_empty() && condition.role == Role::Boundary {
         let problem = format!("there is no outer face between its {} vertices: check its GridLocation", chosen.len());
         return Err(condition.error(problem));
     }

@@ -66,6 +66,11 @@ pub(super) fn two_zones(file: &File) {
     conditions.condition("right", "PointRange", &[1, 4, 3, 4], None);
     conditions.condition("wall", "PointRange", &[1, 1, 1, 4], None);
     conditions.condition("upper", "PointRange", &[3, 1, 3, 3], Some("IFaceCenter"));
+    // Gmsh writes the interface both as such and as a boundary condition.
+    conditions.condition("between", "PointRange", &[1, 1, 3, 1], None);
+    let interface =
+        second.node("ZoneGridConnectivity", "ZoneGridConnectivity_t").text("AB", "GridConnectivity1to1_t", "A");
+    interface.integers("PointRange", "IndexRange_t", &[1, 1, 3, 1]);
 }
 
 #[test]
