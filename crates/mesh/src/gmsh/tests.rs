@@ -5,6 +5,7 @@ mod contents;
 mod damaged;
 mod drawing;
 mod foreign;
+mod lists;
 mod sample;
 mod split;
 mod su2;
