@@ -27,7 +27,7 @@ impl Numbered {
     /// The cell that was just appended to the lists has the number `number`.
     pub(crate) fn push_cell(&mut self, number: i64, index: usize) {
         match self.cells.last_entry() {
-            Some(mut run) if *run.key() + run.get().1 as i64 == number => run.get_mut().1 += 1,
+            Some(mut run) if run.key().checked_add(run.get().1 as i64) == Some(number) => run.get_mut().1 += 1,
             _ => drop(self.cells.insert(number, (index, 1))),
         }
     }

@@ -165,6 +165,18 @@ fn other_formats() {
     assert!(!is_cgns(b"\x89HDF\r\n\x1a\n"));
 }
 
+/// Elements with the highest numbers that there are.
+#[test]
+fn high_numbers() {
+    let lists = lists(|file| {
+        let zone = squares(file);
+        zone.section("a", 7, i64::MAX, 1, &CELLS[..4]);
+        zone.section("b", 7, 1, 1, &CELLS[4..]);
+        zone.section("sides", 3, 3, 6, &[1, 2, 2, 3, 6, 5, 5, 4, 4, 1, 3, 6]);
+    });
+    assert_eq!(lists.unwrap().element_place(0), "/Base/Zone/a, element 9223372036854775807");
+}
+
 /// What other programs add to a file.
 #[test]
 fn nodes_without_a_label_are_ignored() {
