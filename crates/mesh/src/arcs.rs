@@ -9,7 +9,7 @@ use tensor::norm;
 
 /// A face along a curve in the plane x, y. In space it is a strip of straight lines along z.
 struct Arc {
-    /// Its C0 nodes: rows along the curve, one in the plane, in space one for each height.
+    /// Its C0 nodes: rows along the curve, one in the plane, in space one for each height, the lowest first.
     rows: Vec<Vec<usize>>,
     /// The length of the curve up to the nodes of a row.
     lengths: Vec<f64>,
@@ -60,7 +60,11 @@ impl<const D: usize> Mesh<D> {
             lengths.iter_mut().for_each(|length| *length = whole - *length);
             start = curve[n - 1];
         }
-        let height = positions.iter().map(|x| if D == 2 { 0.0 } else { x[2] }).fold(f64::INFINITY, f64::min);
+        let height = |row: usize| positions[index(n, 0, row)][D - 1];
+        if D == 3 && height(n - 1) < height(0) {
+            rows.reverse();
+        }
+        let height = if D == 2 { 0.0 } else { height(0).min(height(n - 1)) };
         Some(Arc { rows, lengths, start, height })
     }
 
