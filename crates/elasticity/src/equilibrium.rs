@@ -25,6 +25,9 @@ const BOUNDARY_ACCURACY: f64 = 1e-9;
 /// The accuracy, relative to the node spacing, below which rounding ends the solve.
 const ROUND_OFF: f64 = 1e-9;
 
+/// A boundary that moves by less, in units of the rounding of a position, is at rest.
+const AT_REST: f64 = 8.0;
+
 /// The accuracy of the equilibrium of a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
@@ -37,7 +40,7 @@ pub struct Accuracy {
 /// The cost of the equilibrium of a slab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Newton steps; 1 for a linear law.
+    /// Newton steps; 1 for a linear law, 0 at rest.
     pub steps: usize,
     /// Solves with K for all time nodes.
     pub solves: usize,
@@ -50,7 +53,7 @@ pub type Guard<'a> = &'a (dyn Fn(&[f64]) -> Result<(), Inadmissible> + 'a);
 
 impl<const D: usize> ElasticSlab<'_, D> {
     /// Replaces the guess `v` by the velocities for which the mesh equations with the data `bottom` and `g` of [`Self::residual`] hold.
-    /// `guard` is called only for a nonlinear law; a guess that it refuses is replaced by rest.
+    /// `guard` is called only for a nonlinear law; a guess that it refuses is replaced by rest. Where the boundary rests, so does the mesh.
     ///
     /// # Errors
     /// As [`crate::ElasticMesh::solve`]; [`ElasticityError::Newton`] if the equilibrium is not found.
@@ -62,6 +65,10 @@ impl<const D: usize> ElasticSlab<'_, D> {
         accuracy: Accuracy,
         guard: Guard<'_>,
     ) -> Result<Work, ElasticityError> {
+        if self.boundary_rests(bottom, g) {
+            v.fill(0.0);
+            return Ok(Work::default());
+        }
         if self.mesh.law().is_linear() {
             let (mut r, mut w) = (vec![0.0; v.len()], vec![0.0; v.len()]);
             self.residual(bottom, g, v, &mut r)?;
@@ -77,6 +84,18 @@ impl<const D: usize> ElasticSlab<'_, D> {
         let report = newton::solve(&mut problem, v, Some(&[1.0]), &settings, &mut Workspace::default())
             .map_err(|error| ElasticityError::Newton { tolerance: accuracy.position, source: Box::new(error) })?;
         Ok(Work { steps: report.steps.len(), ..problem.work })
+    }
+
+    /// Whether the boundary stays where `bottom` has it, up to rounding. Then so does the mesh: it is in equilibrium, with a residual that no
+    /// solve could reduce by its tolerance.
+    fn boundary_rests(&self, bottom: &[f64], g: &[f64]) -> bool {
+        let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let size = largest(self.mesh.coordinates().as_flattened()) + largest(bottom);
+        let rests = |g: &[f64]| {
+            let mut entries = self.mesh.constrained().iter().zip(bottom).zip(g);
+            entries.all(|((constrained, d), g)| !constrained || (g - d).abs() <= AT_REST * f64::EPSILON * size)
+        };
+        g.chunks_exact(bottom.len()).all(rests)
     }
 }
 

@@ -10,7 +10,7 @@
 //! falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s> goes from
 //! minus to plus, as at a stagnation point. The error is that of 95 %, if the parts are longer than the memory of the flow.
 
-use super::columns::{Column, columns};
+use super::columns::columns;
 use output::{OutputError, Series, write_atomically};
 use std::fmt::Write;
 use std::ops::Range;
