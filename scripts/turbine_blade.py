@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Loss, force, mass flow and separation of flows through a blade row, with error bars.
 
-    scripts/turbine_blade.py --from TIME RUN [RUN...]
+    scripts/turbine_blade.py --from TIME RUN [RUN...] [--plot FILE]
 
 RUN is the directory of a run with an inflow `inflow`, an outflow `outflow` and a wall `blade`. Prints a table with a row for each run: means over
 the time from TIME to the end. The loss coefficient is (p01 - p02) / (p02 - p2) of the mean states. An error is that of 95 %: the means over eight
 parts of the time, and Student's factor. Points of separation are those of `surface_blade_separation.csv`, in chords along x.
+
+--plot draws the mean pressure and skin friction of `surface_blade_mean.csv` along the blade. It needs the packages of scripts/requirements.txt.
 """
 
 import argparse
@@ -44,7 +46,7 @@ def with_error(quantity, rows):
 
 
 def separation(run):
-    """Points of separation on the suction side, which is above the chord of the blade's ends."""
+    """The zeros of the mean skin friction along the blade, each with its first letter."""
     path = run / "surface_blade_separation.csv"
     if not path.exists():
         return "-"
@@ -53,10 +55,33 @@ def separation(run):
     return ", ".join(f"{row['kind'][0]} {float(row['x']):.3f}" for row in rows)
 
 
+def plot(runs, path):
+    """Draws c_p and c_f along the blade with their errors; s runs over the suction side first."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(2, 1, sharex=True, figsize=(7, 6), layout="constrained")
+    for run in runs:
+        means = columns(run / "surface_blade_mean.csv")
+        for axis, name in zip(axes, ("pressure_coefficient", "skin_friction")):
+            low, high = ([value + sign * error for value, error in zip(means[name], means[f"{name}_error"])] for sign in (-1, 1))
+            (line,) = axis.plot(means["s"], means[name], label=run.name, linewidth=1)
+            axis.fill_between(means["s"], low, high, color=line.get_color(), alpha=0.25, linewidth=0)
+    axes[0].set_ylabel("c_p")
+    axes[1].set_ylabel("c_f along s")
+    axes[1].axhline(0, color="black", linewidth=0.5)
+    axes[1].set_xlabel("s: trailing edge, suction side, leading edge, pressure side")
+    axes[0].legend()
+    figure.savefig(path, dpi=110)
+
+
 def main():
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--from", dest="start", type=float, required=True, help="the time at which means begin")
+    parser.add_argument("--plot", type=pathlib.Path, help="a picture of the means along the blade")
     parser.add_argument("runs", type=pathlib.Path, nargs="+")
     options = parser.parse_args()
     print("| run | loss | force x | force y | mass flow | zeros of the skin friction: s separation, a attachment |")
@@ -73,6 +98,8 @@ def main():
         values = [with_error(quantity, rows) for quantity in quantities]
         numbers = " | ".join(f"{value:.5f} +- {error:.5f}" for value, error in values)
         print(f"| {run.name} | {numbers} | {separation(run)} |")
+    if options.plot:
+        plot(options.runs, options.plot)
 
 
 if __name__ == "__main__":
