@@ -179,7 +179,7 @@ fn a_mesh_file_is_told_about_and_moved() {
     resumed.expect(2, &["another case"]);
     std::fs::write(directory.path().join("plate.msh"), text.replace("\"top\"", "\"to\tp\"")).unwrap();
     stsolve(directory.path(), &["motion", "plate.toml"])
-        .expect(2, &["the name of a physical group or marker, \"to\\tp\","]);
+        .expect(2, &["the name of a physical group, marker or boundary condition, \"to\\tp\","]);
     for (spoilt, expected) in [("6 x 1 0\n", "plate.msh: line 18: expected"), ("6 3 1 0\n", "plate.msh: element ")] {
         std::fs::write(directory.path().join("plate.msh"), text.replace("6 1 1 0\n", spoilt)).unwrap();
         for arguments in [&["info", "plate.msh"][..], &["motion", "plate.toml"]] {
