@@ -9,7 +9,7 @@ mod blocks;
 
 use crate::ElasticityError;
 use crate::pool::Pool;
-use aggregation::{aggregates, filtered, smoothed, tentative};
+use aggregation::{aggregates, filtered, smoothed, strong_neighbours, tentative};
 use blocks::{Block, BlockRows, add_block_vector, inverse};
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::array::from_fn;
@@ -181,9 +181,10 @@ impl<const R: usize, const B: usize> Level<R, B> {
     /// The level of a matrix, and the matrix and near-kernel of the next level.
     fn new(matrix: BlockRows<R, R>, modes: &[Block<R, B>], theta: f64) -> (Self, BlockRows<B, B>, Vec<Block<B, B>>) {
         let inverses: Vec<_> = (0..matrix.rows()).map(|row| inverse(&diagonal(&matrix, row))).collect();
-        let (aggregate, count) = aggregates(&matrix, theta);
+        let strong = strong_neighbours(&matrix, theta);
+        let (aggregate, count) = aggregates(&strong);
         let (functions, coarse_modes) = tentative(&aggregate, count, modes);
-        let smoother = if B == IN_SPACE { Cow::Owned(filtered(&matrix, theta)) } else { Cow::Borrowed(&matrix) };
+        let smoother = if B == IN_SPACE { Cow::Owned(filtered(&matrix, &strong)) } else { Cow::Borrowed(&matrix) };
         let prolongation = smoothed(&smoother, &inverses, &functions, count);
         let coarse = prolongation.transpose(count).product(&matrix.product(&prolongation, count), count);
         (Level { matrix, inverses, prolongation }, regular(coarse), coarse_modes)

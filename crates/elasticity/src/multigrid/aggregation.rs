@@ -21,13 +21,13 @@ const POWER_ITERATIONS: usize = 12;
 /// A mode is dropped on an aggregate if less than this fraction of its norm is independent of the other modes.
 const INDEPENDENT: f64 = 1e-9;
 
-/// The aggregate of every node, and their number. Nodes i and j are strongly coupled if |A_ij| > theta sqrt(|A_ii| |A_jj|).
-pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> (Vec<usize>, usize) {
-    let strong = strong_neighbours(matrix, theta);
-    let mut aggregate = vec![None; matrix.rows()];
+/// The aggregate of every node, and their number.
+pub(crate) fn aggregates(strong: &Strong) -> (Vec<usize>, usize) {
+    let rows = strong.starts.len() - 1;
+    let mut aggregate = vec![None; rows];
     let mut count = 0;
     // A node without an aggregated neighbour starts an aggregate with all its neighbours.
-    for node in 0..matrix.rows() {
+    for node in 0..rows {
         let neighbours = strong.of(node);
         if aggregate[node].is_none() && neighbours.iter().all(|&other| aggregate[other as usize].is_none()) {
             aggregate[node] = Some(count);
@@ -37,13 +37,13 @@ pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -
     }
     // The others join the neighbour with the strongest coupling.
     let first = aggregate.clone();
-    for node in (0..matrix.rows()).filter(|&node| first[node].is_none()) {
+    for node in (0..rows).filter(|&node| first[node].is_none()) {
         let couplings = strong.of(node).iter().zip(strong.strengths(node));
         let joined = couplings.filter_map(|(&other, strength)| first[other as usize].map(|joined| (strength, joined)));
         aggregate[node] = joined.max_by(|a, b| a.0.total_cmp(b.0)).map(|(_, joined)| joined);
     }
     // The remaining nodes have only neighbours without an aggregate.
-    for node in 0..matrix.rows() {
+    for node in 0..rows {
         if aggregate[node].is_none() {
             aggregate[node] = Some(count);
             let left = strong.of(node).iter().map(|&other| other as usize);
@@ -55,7 +55,7 @@ pub(crate) fn aggregates<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -
 }
 
 /// The strongly coupled neighbours of each node, and the strength.
-struct Strong {
+pub(crate) struct Strong {
     starts: Vec<usize>,
     nodes: Vec<u32>,
     strengths: Vec<f64>,
@@ -70,7 +70,8 @@ impl Strong {
     }
 }
 
-fn strong_neighbours<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> Strong {
+/// Nodes i and j are strongly coupled if |A_ij| > theta sqrt(|A_ii| |A_jj|).
+pub(crate) fn strong_neighbours<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> Strong {
     let diagonal = |row: usize| matrix.row(row).find(|(column, _)| *column == row).map_or(0.0, |(_, b)| square_norm(b));
     let norms: Vec<f64> = (0..matrix.rows()).map(|row| diagonal(row).sqrt()).collect();
     let mut strong = Strong { starts: vec![0], nodes: Vec::new(), strengths: Vec::new() };
@@ -128,8 +129,7 @@ fn orthonormalise<const R: usize, const B: usize>(nodes: &[usize], functions: &m
 }
 
 /// F by (filtered).
-pub(crate) fn filtered<const R: usize>(matrix: &BlockRows<R, R>, theta: f64) -> BlockRows<R, R> {
-    let strong = strong_neighbours(matrix, theta);
+pub(crate) fn filtered<const R: usize>(matrix: &BlockRows<R, R>, strong: &Strong) -> BlockRows<R, R> {
     let mut filtered = BlockRows::new();
     for row in 0..matrix.rows() {
         let is_kept = |column: usize| column == row || strong.of(row).binary_search(&(column as u32)).is_ok();
