@@ -182,7 +182,9 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
 
 /// The state at the top of the slab in which the flow is `u`, laid out at one time.
 pub fn at_top(layout: Layout, u: &[f64]) -> Vec<f64> {
-    (0..layout.cells).flat_map(|cell| u[layout.cell_at(cell, layout.time_order - 1)].iter().copied()).collect()
+    let mut top = Vec::with_capacity(layout.at_one_time().len());
+    (0..layout.cells).for_each(|cell| top.extend_from_slice(&u[layout.cell_at(cell, layout.time_order - 1)]));
+    top
 }
 
 /// S: the sums of the flow's residual by component, in the order of its entries.

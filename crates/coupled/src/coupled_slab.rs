@@ -243,6 +243,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
     /// The settings of Newton's method on top of `state`. Where the start may still be made easier, little is spent on it as it is.
     fn settings(&self, state: &State) -> newton::Settings {
         let mut settings = self.newton;
+        settings.krylov.precision = self.system.krylov_precision();
         if state.slab == 0 && self.start_layer.is_untried() {
             settings.short_steps = Some(SHORT_FIRST_STEP);
             settings.krylov.max_iterations = settings.krylov.max_iterations.min(FIRST_ITERATIONS);

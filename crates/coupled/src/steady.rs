@@ -20,6 +20,7 @@ use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use crate::system::System;
 use fem::FluxesAt;
+use newton_krylov::fgmres;
 use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use newton_krylov::pseudo_time;
@@ -58,7 +59,8 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;
     let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
-    let settings = newton::Settings { absolute_tolerance, pseudo_time, ..*settings };
+    let krylov = fgmres::Settings { precision: problem.krylov_precision(), ..settings.krylov };
+    let settings = newton::Settings { absolute_tolerance, pseudo_time, krylov, ..*settings };
     let mut z = u.to_vec();
     let solved = newton::solve(problem, &mut z, Some(&references), &settings, &mut Workspace::default());
     u.copy_from_slice(&z);

@@ -19,6 +19,7 @@ use crate::mesh_mover::MeshMover;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use fem::{Share, SlabOperator};
+use newton_krylov::fgmres::Precision;
 use newton_krylov::inner_product::{InnerProduct, Parts, Weighted};
 use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
 use std::ops::Range;
@@ -94,6 +95,13 @@ impl<const D: usize, const M: usize> System<D, M> {
     pub fn mesh_len(&self) -> usize {
         self.mesh_range().len()
     }
+
+    /// How Krylov vectors are stored: in single precision, like the numbers inside the preconditioner of the flow. Bodies are solved in double
+    /// precision, and so are their vectors. Without bodies the mesh is solved ahead, and its part of the vectors is zero up to round-off.
+    pub fn krylov_precision(&self) -> Precision {
+        if self.bodies.is_empty() { Precision::Single } else { Precision::Double }
+    }
+
     /// The part of z that body number `body` has.
     pub fn body_range(&self, body: usize) -> Range<usize> {
         self.ranges[body].clone()

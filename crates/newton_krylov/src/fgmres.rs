@@ -6,21 +6,42 @@
 //! ```
 //!
 //! The preconditioner acts from the right, so the true residual is minimised. It may change in every iteration.
+//!
+//! V and Z may be stored in single precision ([`Precision`]). The products A z_j and all sums are in double precision, and z_j is rounded before
+//! the product, so that (fgmres) minimises the true residual as before. Rounding of v_j limits what a cycle can reduce to some 1e-6; more cycles
+//! follow where more is wanted.
 
 mod least_squares;
 
-use crate::inner_product::{InnerProduct, add_combination, copy, scale, scaled_copy, xpay};
+use crate::inner_product::{
+    InnerProduct, Stored, add_combination, add_combination_and_norm, copy, dots, scale, store, xpay,
+};
 use crate::operator::LinearSystem;
 use least_squares::LeastSquares;
 
 /// The recursive estimate of a converged residual is trusted while it is more than this fraction of the residual at the start of its
-/// cycle. The basis is orthogonal to some 1e-14, which does not affect the digits of such an estimate. Below, one more product
-/// computes the residual.
-const TRUSTED: f64 = 1e-6;
+/// cycle. The basis is orthogonal to some 1e-14 in double precision and 1e-6 in single precision, which does not affect the digits of such an
+/// estimate. Below, one more product computes the residual.
+fn trusted(precision: Precision) -> f64 {
+    match precision {
+        Precision::Double => 1e-6,
+        Precision::Single => 1e-3,
+    }
+}
 
 /// A vector is orthogonalised once more if this fraction of it, or less, is left. Otherwise the rest is orthogonal to ten times the
 /// round-off. The usual threshold is 1 / sqrt(2), but a good preconditioner leaves less than that in most iterations.
 const CANCELLED: f64 = 0.1;
+
+/// How v_j and z_j are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// In 8 bytes per number.
+    #[default]
+    Double,
+    /// In 4 bytes per number. It suits a preconditioner that works in single precision itself, and moderate tolerances.
+    Single,
+}
 
 /// The settings of [`solve`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +56,20 @@ pub struct Settings {
     pub max_iterations: usize,
     /// A cycle that leaves more than this fraction of the residual is stagnation.
     pub stagnation: f64,
+    /// How v_j and z_j are stored.
+    pub precision: Precision,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { relative_tolerance: 1e-6, absolute_tolerance: 0.0, restart: 60, max_iterations: 300, stagnation: 0.999 }
+        Self {
+            relative_tolerance: 1e-6,
+            absolute_tolerance: 0.0,
+            restart: 60,
+            max_iterations: 300,
+            stagnation: 0.999,
+            precision: Precision::Double,
+        }
     }
 }
 
@@ -85,45 +115,68 @@ impl Error {
 /// allocate.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
+    double: Columns<f64>,
+    single: Columns<f32>,
+    work: Work,
+}
+
+/// The stored vectors of a cycle.
+#[derive(Clone, Debug, Default)]
+struct Columns<S> {
     /// v_j, orthonormal.
-    basis: Vec<Vec<f64>>,
+    basis: Vec<Vec<S>>,
     /// z_j = P_j^-1 v_j.
-    preconditioned: Vec<Vec<f64>>,
-    residual: Vec<f64>,
-    least_squares: LeastSquares,
+    preconditioned: Vec<Vec<S>>,
+}
+
+/// What is at work in double precision.
+#[derive(Clone, Debug, Default)]
+struct Work {
+    /// The residual, then v_j, then A z_j.
+    w: Vec<f64>,
+    /// z_j
+    z: Vec<f64>,
     /// Sums of chunks.
     partial: Vec<f64>,
+    least_squares: LeastSquares,
     history: Vec<f64>,
 }
 
 impl Workspace {
     /// |b - A x| at the start and its recursive estimate after every iteration of the last solve.
     pub fn history(&self) -> &[f64] {
-        &self.history
+        &self.work.history
+    }
+
+    /// A vector that is free between two solves.
+    pub(crate) fn spare(&mut self, length: usize) -> &mut Vec<f64> {
+        self.work.z.resize(length, 0.0);
+        &mut self.work.z
     }
 
     /// Allocates memory for a solve of the given length.
     fn prepare(&mut self, length: usize) {
-        self.residual.resize(length, 0.0);
-        self.history.clear();
-        self.prepare_columns(0);
+        self.work.w.resize(length, 0.0);
+        self.work.z.resize(length, 0.0);
+        self.work.history.clear();
     }
+}
 
+impl<S: Stored> Columns<S> {
     /// Allocates z_j and v_j up to the given number of iterations, since most solves need few.
-    fn prepare_columns(&mut self, iterations: usize) {
-        let length = self.residual.len();
+    fn prepare(&mut self, iterations: usize, length: usize) {
         resize_columns(&mut self.basis, iterations + 1, length);
         resize_columns(&mut self.preconditioned, iterations, length);
     }
 }
 
 /// Makes the first `count` columns vectors of the given length.
-fn resize_columns(columns: &mut Vec<Vec<f64>>, count: usize, length: usize) {
+fn resize_columns<S: Stored>(columns: &mut Vec<Vec<S>>, count: usize, length: usize) {
     if columns.len() < count {
         columns.resize_with(count, Vec::new);
     }
     for column in &mut columns[..count] {
-        column.resize(length, 0.0);
+        column.resize(length, S::default());
     }
 }
 
@@ -141,23 +194,27 @@ pub fn solve(
 ) -> Result<Report, Error> {
     let _timed = tracing::trace_span!(target: "cost", "orthogonalisation").entered();
     workspace.prepare(b.len());
+    let Workspace { double, single, work } = workspace;
     let target = settings.absolute_tolerance.max(settings.relative_tolerance * system.inner_product().norm(b));
     let mut report = Report::default();
-    report.initial_norm = true_residual(system, b, x, workspace, &mut report);
+    report.initial_norm = true_residual(system, b, x, &mut work.w, &mut report);
     report.final_norm = report.initial_norm;
-    workspace.history.push(report.initial_norm);
+    work.history.push(report.initial_norm);
     for restarts in 0.. {
         if report.final_norm <= target {
             break;
         }
         report.restarts = restarts;
         let before = report.final_norm;
-        let finite = cycle(system, settings, target, workspace, &mut report);
-        update(x, workspace);
-        let estimate = workspace.history.last().copied().filter(|estimate| *estimate <= target);
-        report.final_norm = match estimate.filter(|estimate| finite && *estimate > TRUSTED * before) {
+        let finite = match settings.precision {
+            Precision::Double => cycle(system, settings, target, x, double, work, &mut report),
+            Precision::Single => cycle(system, settings, target, x, single, work, &mut report),
+        };
+        let estimate = work.history.last().copied().filter(|estimate| *estimate <= target);
+        let trusted = trusted(settings.precision) * before;
+        report.final_norm = match estimate.filter(|estimate| finite && *estimate > trusted) {
             Some(estimate) => estimate,
-            None => true_residual(system, b, x, workspace, &mut report),
+            None => true_residual(system, b, x, &mut work.w, &mut report),
         };
         check(settings, target, before, finite, report)?;
     }
@@ -179,53 +236,65 @@ fn check(settings: &Settings, target: f64, before: f64, finite: bool, report: Re
     }
 }
 
-/// r := b - A x; returns |r|. For x = 0 no product is computed.
+/// w := b - A x; returns |w|. For x = 0 no product is computed.
 fn true_residual(
     system: &mut (impl LinearSystem + ?Sized),
     b: &[f64],
     x: &[f64],
-    workspace: &mut Workspace,
+    w: &mut [f64],
     report: &mut Report,
 ) -> f64 {
-    let r = &mut workspace.residual;
     if x.iter().all(|&x_i| x_i == 0.0) {
-        copy(b, r);
+        copy(b, w);
     } else {
-        system.multiply(x, r);
+        system.multiply(x, w);
         report.products += 1;
-        xpay(b, -1.0, r);
+        xpay(b, -1.0, w);
     }
-    system.inner_product().norm(r)
+    system.inner_product().norm(w)
 }
 
-/// One cycle of (arnoldi), from the residual in the workspace. Returns false if a vector is not finite.
-fn cycle(
+/// One cycle: (arnoldi) from the residual w, then (fgmres). Returns false if a vector is not finite.
+fn cycle<S: Stored>(
     system: &mut (impl LinearSystem + ?Sized),
     settings: &Settings,
     target: f64,
-    workspace: &mut Workspace,
+    x: &mut [f64],
+    columns: &mut Columns<S>,
+    work: &mut Work,
+    report: &mut Report,
+) -> bool {
+    let finite = build_basis(system, settings, target, columns, work, report);
+    add_combination(work.least_squares.solve(), &columns.preconditioned, x);
+    finite
+}
+
+/// (arnoldi) from the residual w. Returns false if a vector is not finite.
+fn build_basis<S: Stored>(
+    system: &mut (impl LinearSystem + ?Sized),
+    settings: &Settings,
+    target: f64,
+    columns: &mut Columns<S>,
+    work: &mut Work,
     report: &mut Report,
 ) -> bool {
     let beta = report.final_norm;
-    workspace.least_squares.start(beta);
+    work.least_squares.start(beta);
     if !beta.is_finite() {
         return false;
     }
-    scaled_copy(1.0 / beta, &workspace.residual, &mut workspace.basis[0]);
+    scale(1.0 / beta, &mut work.w);
     for j in 0..settings.restart.min(settings.max_iterations - report.iterations) {
-        workspace.prepare_columns(j + 1);
-        let (v, w) = workspace.basis.split_at_mut(j + 1);
-        let (z, w) = (&mut workspace.preconditioned[j], &mut w[0]);
-        system.precondition(&v[j], z);
-        system.multiply(z, w);
+        columns.prepare(j + 1, work.w.len());
+        store(&mut work.w, &mut columns.basis[j]);
+        system.precondition(&work.w, &mut work.z);
+        store(&mut work.z, &mut columns.preconditioned[j]);
+        system.multiply(&work.z, &mut work.w);
         report.iterations += 1;
         report.products += 1;
-        let (least_squares, partial) = (&mut workspace.least_squares, &mut workspace.partial);
-        let Some(norm) = orthonormalise(system.inner_product(), v, w, least_squares, partial) else {
-            return false;
-        };
-        let estimate = workspace.least_squares.rotate(norm);
-        workspace.history.push(estimate);
+        let Some(norm) = orthonormalise(system.inner_product(), &columns.basis[..=j], work) else { return false };
+        let estimate = work.least_squares.rotate(norm);
+        work.history.push(estimate);
         if estimate <= target || norm == 0.0 {
             break;
         }
@@ -238,18 +307,13 @@ fn cycle(
 ///
 /// Classical Gram-Schmidt, repeated after strong cancellation (Daniel, Gragg, Kaufman & Stewart, Math. Comp. 30, 1976),
 /// see [`CANCELLED`].
-fn orthonormalise(
-    inner_product: &dyn InnerProduct,
-    v: &[Vec<f64>],
-    w: &mut [f64],
-    least_squares: &mut LeastSquares,
-    partial: &mut Vec<f64>,
-) -> Option<f64> {
+fn orthonormalise<S: Stored>(inner_product: &dyn InnerProduct, v: &[Vec<S>], work: &mut Work) -> Option<f64> {
+    let Work { w, partial, least_squares, .. } = work;
     let (mut initial, mut norm) = (0.0, 0.0);
     for pass in 0..2 {
         let mut before = 0.0;
-        let minus_h = least_squares.subtract_from_column(|h| before = inner_product.dots(v, w, partial, h));
-        norm = inner_product.add_combination_and_norm(minus_h, v, w, partial);
+        let minus_h = least_squares.subtract_from_column(|h| before = dots(inner_product, v, w, partial, h));
+        norm = add_combination_and_norm(inner_product, minus_h, v, w, partial);
         if pass == 0 {
             initial = before;
         }
@@ -257,17 +321,11 @@ fn orthonormalise(
             break;
         }
     }
-    if norm <= f64::EPSILON * initial {
+    if norm <= S::EPSILON * initial {
         return Some(0.0);
     }
     scale(1.0 / norm, w);
     norm.is_finite().then_some(norm)
-}
-
-/// (fgmres): x := x + Z y
-fn update(x: &mut [f64], workspace: &mut Workspace) {
-    let y = workspace.least_squares.solve();
-    add_combination(y, &workspace.preconditioned, x);
 }
 
 #[cfg(test)]

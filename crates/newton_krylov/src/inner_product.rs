@@ -4,26 +4,25 @@
 //! so the result has the same bits for any number of threads. Where a vector is distributed over ranks, each [`Parts`] of it has a tree of its
 //! own, and the bits do not depend on the number of ranks either.
 
+mod columns;
+
+pub use columns::{AT_ONCE, Stored, add_combination_and_norm, dots};
+pub(crate) use columns::{add_combination, store};
+
+use columns::dots_in_chunk;
 use ranks::Sums;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
-use tensor::Arch;
 
 /// The number of entries that one thread sums or updates at a time.
 pub const CHUNK: usize = 4096;
 
-/// The number of partial sums within a chunk. They are independent, so that they vectorise.
-const LANES: usize = 8;
-
-/// The number of columns that are read at the same time: several streams give more memory bandwidth than one.
-pub const AT_ONCE: usize = 4;
-
 /// An inner product (x, y) of vectors, possibly with weights that make several fields comparable.
 pub trait InnerProduct: Sync {
-    /// sums_j := (x_j, y) for parts of one to [`AT_ONCE`] vectors that begin at entry `start` and are as long as y, at most a
-    /// chunk.
-    fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]);
+    /// w_i >= 0, one per entry of the vectors; None if all are one.
+    fn weights(&self) -> Option<&[f64]> {
+        None
+    }
 
     /// How vectors are distributed over ranks; None where this rank has all of them.
     fn parts(&self) -> Option<&Parts> {
@@ -35,7 +34,7 @@ pub trait InnerProduct: Sync {
         let of_part = |part: Range<usize>| {
             tree_sum(part, &|chunk| {
                 let mut sum = [0.0];
-                self.dots_in_chunk(chunk.start, &[&x[chunk.clone()]], &y[chunk], &mut sum);
+                dots_in_chunk(self.weights(), chunk.start, &[&x[chunk.clone()]], &y[chunk], &mut sum);
                 sum[0]
             })
         };
@@ -46,44 +45,6 @@ pub trait InnerProduct: Sync {
         };
         let sums: Vec<f64> = parts.ranges.iter().map(|part| of_part(common(part))).collect();
         parts.total(&sums, 1)[0]
-    }
-
-    /// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`Self::dot`]; returns |y|. y is read once
-    /// for all of them. `partial` holds the sums of the chunks.
-    fn dots(&self, columns: &[Vec<f64>], y: &[f64], partial: &mut Vec<f64>, products: &mut [f64]) -> f64 {
-        let (count, chunks) = (products.len(), Chunks { parts: self.parts(), len: y.len() });
-        partial.resize((count + 1) * chunks.count(), 0.0);
-        partial.par_chunks_mut(count + 1).enumerate().for_each(|(chunk, partial)| {
-            let range = chunks.range(chunk);
-            let (groups, y) = (columns[..count].chunks(AT_ONCE), &y[range.clone()]);
-            for (columns, partial) in groups.zip(partial.chunks_mut(AT_ONCE)) {
-                let mut x: [&[f64]; AT_ONCE] = [y; AT_ONCE];
-                x.iter_mut().zip(columns).for_each(|(x, column)| *x = &column[range.clone()]);
-                self.dots_in_chunk(range.start, &x[..columns.len()], y, &mut partial[..columns.len()]);
-            }
-            self.dots_in_chunk(range.start, &[y], y, &mut partial[count..]);
-        });
-        let mut square = 0.0;
-        chunks.totals(partial, count + 1, |j, sum| if j < count { products[j] = sum } else { square = sum });
-        square.sqrt()
-    }
-
-    /// y := y + sum_j c_j x_j for as many columns x_j as there are coefficients; returns |y|. y is read once for both.
-    fn add_combination_and_norm(&self, c: &[f64], columns: &[Vec<f64>], y: &mut [f64], partial: &mut Vec<f64>) -> f64 {
-        let chunks = Chunks { parts: self.parts(), len: y.len() };
-        partial.resize(chunks.count(), 0.0);
-        let update = |(chunk, (y, square)): (usize, (&mut [f64], &mut f64))| {
-            let start = chunks.range(chunk).start;
-            add_combination_from(start, c, columns, y);
-            self.dots_in_chunk(start, &[y], y, std::slice::from_mut(square));
-        };
-        match self.parts() {
-            None => y.par_chunks_mut(CHUNK).zip(&mut *partial).enumerate().for_each(update),
-            Some(_) => chunks.split(y).into_par_iter().zip(&mut *partial).enumerate().for_each(update),
-        }
-        let mut square = 0.0;
-        chunks.totals(partial, 1, |_, sum| square = sum);
-        square.sqrt()
     }
 
     /// (x, y)
@@ -106,11 +67,7 @@ pub trait InnerProduct: Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Euclidean;
 
-impl InnerProduct for Euclidean {
-    fn dots_in_chunk(&self, _: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
-        Arch::new().dispatch(|| chunk_dots(None, x, y, sums));
-    }
-}
+impl InnerProduct for Euclidean {}
 
 /// (x, y) = sum_i w_i x_i y_i
 #[derive(Clone, Debug, Default)]
@@ -205,9 +162,8 @@ impl InnerProduct for Weighted {
         self.parts.as_ref()
     }
 
-    fn dots_in_chunk(&self, start: usize, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
-        let weights = &self.weights[start..start + y.len()];
-        Arch::new().dispatch(|| chunk_dots(Some(weights), x, y, sums));
+    fn weights(&self) -> Option<&[f64]> {
+        Some(&self.weights)
     }
 }
 
@@ -250,68 +206,6 @@ fn tree_sum_of_chunks(chunks: Range<usize>, sum: &impl Fn(usize) -> f64) -> f64 
     }
 }
 
-/// sums_j := sum_i w_i x_ij y_i over a chunk; without weights all w_i are one.
-#[inline(always)]
-fn chunk_dots(weights: Option<&[f64]>, x: &[&[f64]], y: &[f64], sums: &mut [f64]) {
-    match *x {
-        [a] => sums.copy_from_slice(&group_dots(weights, [a], y)),
-        [a, b] => sums.copy_from_slice(&group_dots(weights, [a, b], y)),
-        [a, b, c] => sums.copy_from_slice(&group_dots(weights, [a, b, c], y)),
-        [a, b, c, d] => sums.copy_from_slice(&group_dots(weights, [a, b, c, d], y)),
-        _ => unreachable!("groups have one to {AT_ONCE} columns"),
-    }
-}
-
-/// [`chunk_dots`] for C columns. The remainder of a chunk after whole packs is padded with zeros.
-#[inline(always)]
-fn group_dots<const C: usize>(weights: Option<&[f64]>, x: [&[f64]; C], y: &[f64]) -> [f64; C] {
-    let whole = y.len() / LANES;
-    let mut sums = [[0.0; LANES]; C];
-    for pack in 0..whole {
-        let at = |vector: &[f64]| -> [f64; LANES] {
-            let mut numbers = [0.0; LANES];
-            numbers.copy_from_slice(&vector[pack * LANES..(pack + 1) * LANES]);
-            numbers
-        };
-        add_products(weights.map(at), x, at, at(y), &mut sums);
-    }
-    let last = |vector: &[f64]| -> [f64; LANES] {
-        let (mut numbers, rest) = ([0.0; LANES], &vector[whole * LANES..]);
-        numbers[..rest.len()].copy_from_slice(rest);
-        numbers
-    };
-    if whole * LANES < y.len() {
-        add_products(weights.map(last), x, last, last(y), &mut sums);
-    }
-    let mut totals = [0.0; C];
-    for c in 0..C {
-        totals[c] = sums[c].iter().sum();
-    }
-    totals
-}
-
-/// sums_c += w y x_c for one pack, which `at` takes from a vector.
-#[inline(always)]
-fn add_products<const C: usize>(
-    weights: Option<[f64; LANES]>,
-    x: [&[f64]; C],
-    at: impl Fn(&[f64]) -> [f64; LANES],
-    mut y: [f64; LANES],
-    sums: &mut [[f64; LANES]; C],
-) {
-    if let Some(weights) = weights {
-        for l in 0..LANES {
-            y[l] *= weights[l];
-        }
-    }
-    for c in 0..C {
-        let x = at(x[c]);
-        for l in 0..LANES {
-            sums[c][l] += y[l] * x[l];
-        }
-    }
-}
-
 /// y := update(x, y) entry by entry, chunks in parallel.
 fn update(x: &[f64], y: &mut [f64], rule: &(impl Fn(f64, f64) -> f64 + Sync)) {
     if y.len() <= CHUNK {
@@ -324,49 +218,6 @@ fn update(x: &[f64], y: &mut [f64], rule: &(impl Fn(f64, f64) -> f64 + Sync)) {
     let (x_low, x_high) = x.split_at(middle);
     let (y_low, y_high) = y.split_at_mut(middle);
     rayon::join(|| update(x_low, y_low, rule), || update(x_high, y_high, rule));
-}
-
-/// y := y + sum_j c_j x_j, for as many columns x_j as there are coefficients.
-pub(crate) fn add_combination(c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
-    add_combination_from(0, c, columns, y);
-}
-
-/// [`add_combination`] for the part of the vectors that begins at `start` and is held in `y`.
-fn add_combination_from(start: usize, c: &[f64], columns: &[Vec<f64>], y: &mut [f64]) {
-    if y.len() <= CHUNK {
-        return Arch::new().dispatch(|| {
-            for (c, x) in c.chunks(AT_ONCE).zip(columns.chunks(AT_ONCE)) {
-                let x = |j: usize| &x[j][start..];
-                match *c {
-                    [a] => add_group([a], [x(0)], y),
-                    [a, b] => add_group([a, b], [x(0), x(1)], y),
-                    [a, b, c] => add_group([a, b, c], [x(0), x(1), x(2)], y),
-                    [a, b, c, d] => add_group([a, b, c, d], [x(0), x(1), x(2), x(3)], y),
-                    _ => unreachable!("groups have one to {AT_ONCE} columns"),
-                }
-            }
-        });
-    }
-    let middle = middle(y.len());
-    let (low, high) = y.split_at_mut(middle);
-    rayon::join(
-        || add_combination_from(start, c, columns, low),
-        || add_combination_from(start + middle, c, columns, high),
-    );
-}
-
-/// y := y + sum_j c_j x_j, added one by one.
-#[inline(always)]
-fn add_group<const C: usize>(c: [f64; C], x: [&[f64]; C], y: &mut [f64]) {
-    let mut columns = x;
-    for j in 0..C {
-        columns[j] = &x[j][..y.len()];
-    }
-    for (i, y) in y.iter_mut().enumerate() {
-        for j in 0..C {
-            *y += c[j] * columns[j][i];
-        }
-    }
 }
 
 /// y := a y
@@ -402,109 +253,4 @@ pub fn copy(x: &[f64], y: &mut [f64]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::test_problems::{bits, scattered, with_threads};
-
-    /// Longer than one chunk, and a multiple neither of a chunk nor of a pack.
-    const LENGTH: usize = 100_003;
-
-    #[test]
-    fn sums_of_small_integers_are_exact() {
-        let x: Vec<f64> = (0..LENGTH).map(|i| (i % 7) as f64).collect();
-        let w: Vec<f64> = (0..LENGTH).map(|i| (i % 3) as f64).collect();
-        let squares: u64 = (0..LENGTH as u64).map(|i| (i % 7).pow(2)).sum();
-        let weighted: u64 = (0..LENGTH as u64).map(|i| (i % 3) * (i % 7).pow(2)).sum();
-        let within: u64 = (5_000..70_001_u64).map(|i| (i % 7).pow(2)).sum();
-        assert_eq!(Euclidean.dot(&x, &x), squares as f64);
-        assert_eq!(Euclidean.dot_on(5_000..70_001, &x, &x), within as f64);
-        assert_eq!(Weighted::new(w.clone()).dot(&x, &x), weighted as f64);
-        let (columns, mut products) = (vec![x.clone(), w.clone(), x.clone()], vec![0.0; 3]);
-        let norm = Weighted::new(w).dots(&columns, &x, &mut Vec::new(), &mut products);
-        let cubes: u64 = (0..LENGTH as u64).map(|i| (i % 3).pow(2) * (i % 7)).sum();
-        assert_eq!((products, norm), (vec![weighted as f64, cubes as f64, weighted as f64], (weighted as f64).sqrt()));
-    }
-
-    #[test]
-    fn padding_of_weight_zero_does_not_count() {
-        let inner_product = Weighted::new(vec![1.0, 0.0, 2.0]);
-        assert_eq!(inner_product.dot(&[1.0, 5.0, 3.0], &[2.0, 7.0, 1.0]), 8.0);
-        assert_eq!(inner_product.norm(&[0.0, 5.0, 0.0]), 0.0);
-    }
-
-    #[test]
-    fn a_sum_is_as_accurate_as_its_tree_is_deep() {
-        let tenths = vec![0.1; 1 << 22];
-        let ones = vec![1.0; 1 << 22];
-        let exact = 0.1 * (1 << 22) as f64;
-        assert!((Euclidean.dot(&tenths, &ones) - exact).abs() <= 1e-13 * exact);
-    }
-
-    #[test]
-    fn many_products_at_once_are_those_one_by_one_bit_by_bit() {
-        let of = |length: usize, count: u8| {
-            let x = scattered(length);
-            let column = |j| x.iter().map(|x_i| (f64::from(j) * x_i).sin()).collect();
-            let columns: Vec<Vec<f64>> = (1..=count).map(column).collect();
-            (x, columns)
-        };
-        for (length, count) in [(1, 5), (7, 3), (CHUNK, 0), (CHUNK + 1, 4), (3 * CHUNK, 8), (LENGTH, 6)] {
-            let (x, columns) = of(length, count);
-            let mut products = vec![f64::NAN; columns.len()];
-            Euclidean.dots(&columns, &x, &mut Vec::new(), &mut products);
-            let single: Vec<f64> = columns.iter().map(|column| Euclidean.dot(column, &x)).collect();
-            assert_eq!(bits(&products), bits(&single), "{length}");
-            let weighted = Weighted::new(x.iter().map(|x_i| x_i.abs()).collect());
-            let norm = weighted.dots(&columns, &x, &mut Vec::new(), &mut products);
-            let single: Vec<f64> = columns.iter().map(|column| weighted.dot(column, &x)).collect();
-            assert_eq!(bits(&products), bits(&single), "{length}");
-            assert_eq!(norm.to_bits(), weighted.norm(&x).to_bits(), "{length}");
-            let (mut together, mut apart) = (x.clone(), x.clone());
-            let norm = weighted.add_combination_and_norm(&products, &columns, &mut together, &mut Vec::new());
-            add_combination(&products, &columns, &mut apart);
-            assert_eq!(bits(&together), bits(&apart), "{length}");
-            assert_eq!(norm.to_bits(), weighted.norm(&apart).to_bits(), "{length}");
-        }
-    }
-
-    #[test]
-    fn every_operation_has_the_same_bits_on_one_two_and_three_threads() {
-        let x = scattered(LENGTH);
-        let run = || {
-            let columns = vec![x.clone(), x.iter().map(|x_i| x_i.sin()).collect()];
-            let mut y = x.iter().map(|x_i| x_i.cos()).collect::<Vec<_>>();
-            axpy(0.3, &x, &mut y);
-            xpay(&x, -0.7, &mut y);
-            scale(1.1, &mut y);
-            add_combination(&[0.2, 1.0 / 3.0], &columns, &mut y);
-            let weighted = Weighted::new(x.iter().map(|x_i| x_i.abs()).collect());
-            let mut numbers = vec![0.0; 2];
-            let norm = weighted.dots(&columns, &y, &mut Vec::new(), &mut numbers);
-            numbers.push(norm);
-            numbers.push(weighted.add_combination_and_norm(&[0.1, 0.7], &columns, &mut y, &mut Vec::new()));
-            numbers.extend([Euclidean.dot(&x, &y), weighted.norm(&y)]);
-            (bits(&y), bits(&numbers))
-        };
-        let one = with_threads(1, run);
-        assert_eq!(one, with_threads(2, run));
-        assert_eq!(one, with_threads(3, run));
-    }
-
-    #[test]
-    fn updates_are_those_of_their_names() {
-        let x: Vec<f64> = (0..LENGTH).map(|i| i as f64).collect();
-        let y = vec![2.0; LENGTH];
-        let after = |rule: &dyn Fn(&mut [f64])| {
-            let mut y = y.clone();
-            rule(&mut y);
-            (y[1], y[LENGTH - 1])
-        };
-        let last = (LENGTH - 1) as f64;
-        assert_eq!(after(&|y| axpy(3.0, &x, y)), (5.0, 2.0 + 3.0 * last));
-        assert_eq!(after(&|y| xpay(&x, 3.0, y)), (7.0, last + 6.0));
-        assert_eq!(after(&|y| scaled_copy(3.0, &x, y)), (3.0, 3.0 * last));
-        assert_eq!(after(&|y| copy(&x, y)), (1.0, last));
-        assert_eq!(after(&|y| scale(3.0, y)), (6.0, 6.0));
-        assert_eq!(after(&|y| add_combination(&[1.0, 2.0], &[x.clone(), x.clone()], y)), (5.0, 2.0 + 3.0 * last));
-    }
-}
+mod tests;

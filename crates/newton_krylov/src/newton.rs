@@ -103,15 +103,14 @@ impl Default for Settings {
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     residual: Vec<f64>,
-    /// -R
-    right_side: Vec<f64>,
     increment: Vec<f64>,
-    /// T dz
+    /// T dz, while fields are damped.
     pseudo_term: Vec<f64>,
-    trial: Vec<f64>,
+    /// -R while the linear system is solved, then R at the trial.
     trial_residual: Vec<f64>,
-    /// G
+    /// G, while fields are damped.
     merit: Vec<f64>,
+    /// Of the linear solver; between two solves its spare vector holds the trial.
     krylov: fgmres::Workspace,
 }
 
@@ -123,17 +122,20 @@ impl Workspace {
 
     /// Makes room for a problem of the given length.
     fn prepare(&mut self, length: usize) {
-        for vector in [
-            &mut self.residual,
-            &mut self.right_side,
-            &mut self.increment,
-            &mut self.pseudo_term,
-            &mut self.trial,
-            &mut self.trial_residual,
-            &mut self.merit,
-        ] {
+        for vector in [&mut self.residual, &mut self.increment, &mut self.trial_residual] {
             vector.resize(length, 0.0);
         }
+        // A workspace may serve problems of several lengths.
+        self.pseudo_term.clear();
+        self.merit.clear();
+    }
+
+    /// Makes room for the damping, and forgets T dz.
+    fn prepare_damping(&mut self) {
+        let length = self.residual.len();
+        self.pseudo_term.clear();
+        self.pseudo_term.resize(length, 0.0);
+        self.merit.resize(length, 0.0);
     }
 }
 

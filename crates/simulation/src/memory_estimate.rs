@@ -21,7 +21,7 @@ const PROGRAM: usize = 32_000_000;
 
 /// The number of vectors as long as the unknowns of the flow in a slab, without those of the linear solver: states, residuals and
 /// increments of Newton's method, traces of the operator.
-const VECTORS: usize = 26;
+const VECTORS: usize = 23;
 
 /// The same for the unknowns of an elastic mesh, in addition to every mesh.
 const VECTORS_OF_MESH: usize = 6;
@@ -67,7 +67,9 @@ impl MemoryEstimate {
     fn of_flow<const D: usize>(case: &Case<D>) -> Self {
         let flow = case.flow_unknowns();
         let mesh = case.mesh_unknowns().unwrap_or(0);
-        let vector = 8 * (flow + mesh);
+        // See coupled::System::krylov_precision.
+        let of_bodies = !case.bodies.is_empty() || case.structure.is_some();
+        let vector = if of_bodies { 8 } else { 4 } * (flow + mesh);
         let restart = case.solver.krylov_restart.min(case.solver.krylov_iterations);
         let newton = 8 * (flow * VECTORS + mesh * VECTORS_OF_MESH);
         let vectors = newton + vector * krylov_vectors(restart.min(typical_iterations(case)));

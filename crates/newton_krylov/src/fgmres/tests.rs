@@ -10,6 +10,7 @@ const TIGHT: Settings = Settings {
     restart: 60,
     max_iterations: 300,
     stagnation: 0.999,
+    precision: Precision::Double,
 };
 
 /// Solves from zero in the Euclidean norm.
@@ -204,10 +205,47 @@ fn a_vector_that_nearly_depends_on_the_basis_is_made_orthogonal_to_round_off() {
     scale(1.0 / length, &mut v);
     scale(1e-12, &mut w);
     axpy(1.0, &v, &mut w);
-    let mut least_squares = LeastSquares::default();
-    least_squares.start(1.0);
-    let norm =
-        orthonormalise(&Euclidean, std::slice::from_ref(&v), &mut w, &mut least_squares, &mut Vec::new()).unwrap();
-    assert!(Euclidean.dot(&v, &w).abs() <= 1e-15);
-    assert!((Euclidean.norm(&w) - 1.0).abs() <= 1e-15 && norm < 1e-11);
+    let mut work = Work { w, ..Work::default() };
+    work.least_squares.start(1.0);
+    let norm = orthonormalise(&Euclidean, std::slice::from_ref(&v), &mut work).unwrap();
+    assert!(Euclidean.dot(&v, &work.w).abs() <= 1e-15);
+    assert!((Euclidean.norm(&work.w) - 1.0).abs() <= 1e-15 && norm < 1e-11);
+}
+
+const SINGLE: Settings = Settings { precision: Precision::Single, ..TIGHT };
+
+#[test]
+fn a_basis_in_single_precision_costs_no_iteration_at_moderate_tolerances() {
+    let (mut a, b) = (unsymmetric(40), scattered(40));
+    for relative_tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let iterations = [SINGLE, TIGHT].map(|settings| {
+            let (_, result, _) = run(&mut a, &mut Identity, &b, &Settings { relative_tolerance, ..settings });
+            result.unwrap().iterations
+        });
+        assert_eq!(iterations[0], iterations[1], "{relative_tolerance}");
+    }
+}
+
+#[test]
+fn a_basis_in_single_precision_reaches_double_precision_in_more_cycles() {
+    let (mut a, b) = (unsymmetric(40), scattered(40));
+    let (x, result, workspace) = run(&mut a, &mut Identity, &b, &SINGLE);
+    let report = result.unwrap();
+    assert!(distance(&x, &a.solve(&b)) <= 1e-11);
+    assert!((1..=2).contains(&report.restarts), "{report:?}");
+    assert!(workspace.double.basis.is_empty() && workspace.single.basis[0].len() == 40);
+}
+
+/// z_j is rounded before the product, so that the estimate is that of the vector stored.
+#[test]
+fn the_norm_is_that_of_the_true_residual_in_single_precision() {
+    let (mut a, b) = (unsymmetric(40), scattered(40));
+    for (relative_tolerance, error) in [(1e-2, 1e-4), (1e-5, 0.0)] {
+        let (x, result, _) = run(&mut a, &mut Identity, &b, &Settings { relative_tolerance, ..SINGLE });
+        let mut r = vec![0.0; 40];
+        a.apply(&x, &mut r);
+        xpay(&b, -1.0, &mut r);
+        let (report, norm) = (result.unwrap(), Euclidean.norm(&r));
+        assert!((report.final_norm - norm).abs() <= error * norm, "{} is not {norm}", report.final_norm);
+    }
 }

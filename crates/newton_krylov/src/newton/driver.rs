@@ -176,14 +176,15 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// (newton-step): dz, starting from the problem's guess.
     fn solve_linear(&mut self, forcing: f64) -> Result<fgmres::Report, fgmres::Error> {
         let w = &mut *self.workspace;
-        scaled_copy(-1.0, &w.residual, &mut w.right_side);
-        self.problem.guess_increment(&w.right_side, &mut w.increment);
+        let right_side = &mut w.trial_residual;
+        scaled_copy(-1.0, &w.residual, right_side);
+        self.problem.guess_increment(right_side, &mut w.increment);
         // eta |R|, even if the guess has reduced the residual already.
         let norm = self.report.final_norm();
         let absolute_tolerance = forcing * norm;
         let settings = fgmres::Settings { relative_tolerance: 0.0, absolute_tolerance, ..self.settings.krylov };
         let mut system = Linearised { problem: &mut *self.problem, damped: self.pseudo_time.is_active() };
-        let result = fgmres::solve(&mut system, &w.right_side, &mut w.increment, &settings, &mut w.krylov);
+        let result = fgmres::solve(&mut system, right_side, &mut w.increment, &settings, &mut w.krylov);
         let report = *result.as_ref().unwrap_or_else(fgmres::Error::report);
         self.report.krylov_iterations += report.iterations;
         self.report.jacobian_products += report.products;
@@ -195,8 +196,8 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     fn search(&mut self, z: &[f64]) -> Result<line_search::Report, line_search::Error> {
         let (problem, w) = (&mut *self.problem, &mut *self.workspace);
         let (initial, damped) = (problem.merit(&w.residual), self.pseudo_time.is_active());
-        w.pseudo_term.fill(0.0);
         if damped {
+            w.prepare_damping();
             problem.add_pseudo_time(&w.increment, &mut w.pseudo_term);
         }
         let largest = problem.largest_step(z, &w.increment);
@@ -204,15 +205,17 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
         let problem = RefCell::new(problem);
         let round_off = || tolerances.floor(|| problem.borrow_mut().round_off(z));
         let merit_norm = |a: f64| {
-            copy(z, &mut w.trial);
-            axpy(a, &w.increment, &mut w.trial);
+            let trial = w.krylov.spare(z.len());
+            copy(z, trial);
+            axpy(a, &w.increment, trial);
             *evaluations += 1;
             let mut problem = problem.borrow_mut();
-            problem.residual(&w.trial, &mut w.trial_residual)?;
-            copy(&w.trial_residual, &mut w.merit);
-            if damped {
-                axpy(a, &w.pseudo_term, &mut w.merit);
+            problem.residual(trial, &mut w.trial_residual)?;
+            if !damped {
+                return Ok(problem.merit(&w.trial_residual));
             }
+            copy(&w.trial_residual, &mut w.merit);
+            axpy(a, &w.pseudo_term, &mut w.merit);
             Ok(problem.merit(&w.merit))
         };
         line_search::search(&self.settings.line_search, initial, largest, round_off, merit_norm)
@@ -221,7 +224,7 @@ impl<'a, P: NonlinearProblem + ?Sized> Driver<'a, P> {
     /// Moves to the state in the workspace.
     fn accept(&mut self, z: &mut [f64], forcing: f64, rejections: usize, attempt: &Attempt) -> Result<(), Error> {
         let w = &mut *self.workspace;
-        copy(&w.trial, z);
+        copy(w.krylov.spare(z.len()), z);
         std::mem::swap(&mut w.residual, &mut w.trial_residual);
         self.tolerances.forget_rounding();
         let (residual_norm, field_norms) = norms(self.problem, &w.residual);
