@@ -223,6 +223,11 @@ impl<'a> Checker<'a> {
         self.programs(key, formulas, &self.names.with_coordinates(D).with_time())
     }
 
+    /// A formula in the position for each axis.
+    pub(super) fn formulas_of_position<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
+        self.programs(key, formulas, &self.names.with_coordinates(D))
+    }
+
     /// A formula in time for each axis.
     pub(super) fn formulas_of_time<const D: usize>(&self, key: &Key, formulas: &[Formula]) -> Checked<Vector<D>> {
         self.programs(key, formulas, &self.names.with_time())

@@ -79,7 +79,7 @@ pub enum OutputError {
         name: String,
     },
     /// HDF5 refused to write (a full disk, for instance).
-    #[error("cannot write `{path}`: {source}")]
+    #[error("cannot write `{path}`: {}", refusal(&.source.to_string()))]
     Hdf5 {
         /// The file written.
         path: PathBuf,
@@ -99,7 +99,7 @@ pub enum OutputError {
         expected: usize,
     },
     /// The system refused to read or write a file.
-    #[error("cannot access `{path}`: {source}")]
+    #[error("cannot access `{path}`: {}", refusal(&.source.to_string()))]
     File {
         /// The file concerned.
         path: PathBuf,
@@ -108,6 +108,30 @@ pub enum OutputError {
     },
 }
 
+/// The words of the system for a refusal, which HDF5 quotes among addresses of memory, and the remedy for a full disk.
+fn refusal(error: &str) -> String {
+    let quoted = error.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
+    let reason = quoted.map_or(error, |(reason, _)| reason);
+    if reason.contains("No space left") || reason.contains("quota exceeded") {
+        return format!("{reason}; free some of it and continue with `--resume`: what was written before is whole");
+    }
+    reason.to_owned()
+}
+
 fn who(owner: &Option<LockOwner>) -> String {
     owner.as_ref().map_or_else(|| "another process".to_owned(), LockOwner::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::refusal;
+
+    #[test]
+    fn a_refusal_of_hdf5_is_told_in_the_words_of_the_system() {
+        let error = "H5Dwrite(): can't write data: file write failed: time = Tue\n, errno = 28, error message = 'No space left on device', \
+                     buf = 0x7f0d4caaa060, offset = 0";
+        let told = refusal(error);
+        assert!(told.starts_with("No space left on device; free some") && !told.contains("0x7f"), "{told}");
+        assert_eq!(refusal("Permission denied (os error 13)"), "Permission denied (os error 13)");
+    }
 }

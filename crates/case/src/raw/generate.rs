@@ -1,6 +1,6 @@
 //! `[mesh.generate]`
 
-use super::BodyPoints;
+use super::{BodyPoints, Formula};
 use mesh::generate::{AirfoilMesh, BladeMesh, ChannelFlagMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -59,6 +59,11 @@ pub struct BoxGenerator {
     /// `upper`, and have together as many cells as `cells` says.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub segments: BTreeMap<Axis, Vec<Segment>>,
+    /// The mesh as the image of the box: the position of the point (x, y, z) of the box, a formula in x, y and z along each axis. Half of an annulus,
+    /// a nozzle or a bump need no mesh file this way. Sizes, segments and regions are those of the box. Periodic sides must be translates of
+    /// each other on the mesh too; sides that coincide are joined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<Vec<Formula>>,
     /// Boxes in the box, by name, whose cells are a region: a solid, for instance. All other cells are the region "rest". Before curving,
     /// faces of a region lie on lines between cells.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

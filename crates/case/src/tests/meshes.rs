@@ -504,3 +504,22 @@ fn airfoils_with_camber_are_meshes() {
     let message = case("profile = \"airfoil.dat\"").unwrap_err().to_string();
     assert!(message.contains("3 points define no airfoil") && message.contains("accepted: points from"), "{message}");
 }
+
+/// Formulas of the position move the nodes of a box.
+#[test]
+fn a_map_bends_a_box_to_half_a_ring() {
+    let half_ring = |map: &str| {
+        format!("order = 7\ngenerate.box = {{ lower = [1, 0], upper = [2, 3.141592653589793], cells = [2, 8], map = {map} }}")
+    };
+    let mesh = plane_mesh(&half_ring("[\"x*cos(y)\", \"x*sin(y)\"]"));
+    assert!((mesh.volume() - 1.5 * std::f64::consts::PI).abs() < 1e-8);
+    for (map, parts) in [
+        ("[\"x*cos(y)\", \"-x*sin(y)\"]", ["mesh.generate.box.map", "det J"]),
+        ("[\"x*cos(y)\"]", ["mesh.generate.box.map", "2"]),
+        ("[\"x*cos(y)\", \"x*t\"]", ["mesh.generate.box.map[1]", "`t`"]),
+        ("[\"x*cos(y)\", \"1/(x - 1)\"]", ["node", "finite"]),
+    ] {
+        let message = with_mesh(&half_ring(map)).unwrap_err().to_string();
+        parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
+    }
+}

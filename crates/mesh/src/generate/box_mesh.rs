@@ -7,6 +7,9 @@ use crate::{Mesh, MeshError, ORDERS, PeriodicPair, Region, Side};
 use basis::gauss_lobatto;
 use std::array::from_fn;
 
+/// The position of a point of a box on a mapped mesh.
+pub type PositionMap<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
+
 /// Names of the boundaries of a box, at the index of the face: x low, x high, y low, y high, z low, z high.
 pub const BOX_BOUNDARIES: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
 
@@ -44,20 +47,23 @@ impl<const D: usize> BoxMesh<D> {
     /// The mesh, with the ends of the cells along axis a at `breakpoints[a]`, a partition of [0, 1], and with names for
     /// the six faces. The parameters must have been checked.
     pub(super) fn build_on(&self, breakpoints: &[Vec<f64>; D], names: [&str; 6]) -> Result<Mesh<D>, MeshError> {
-        self.build_regions_on(breakpoints, names, Vec::new())
+        self.build_regions_on(breakpoints, names, Vec::new(), &|x| *x)
     }
 
-    /// The same with regions.
+    /// The same with regions, and with the nodes where `map` has them.
     pub(super) fn build_regions_on(
         &self,
         breakpoints: &[Vec<f64>; D],
         names: [&str; 6],
         regions: Vec<Region>,
+        map: PositionMap<'_, D>,
     ) -> Result<Mesh<D>, MeshError> {
         let corners = (0..self.n_cells()).flat_map(|cell| self.corners(cell)).collect();
         let boundaries = (0..2 * D).map(|face| (names[face].to_owned(), self.boundary(face))).collect();
-        let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis)).collect();
-        Mesh::of_regions(self.order, corners, self.coordinates(breakpoints), boundaries, periodic, regions)
+        let periodic = (0..D).filter(|&axis| self.periodic[axis]).map(|axis| self.periodic_pair(axis, map)).collect();
+        let box_coordinates = self.coordinates(breakpoints);
+        let coordinates = box_coordinates.as_chunks::<D>().0.iter().flat_map(map).collect();
+        Mesh::of_regions(self.order, corners, coordinates, boundaries, periodic, regions)
     }
 
     /// Whether order, extents, cells and ratios are possible.
@@ -116,10 +122,12 @@ impl<const D: usize> BoxMesh<D> {
         (0..self.n_cells()).filter(|&cell| self.place(cell)[axis] == layer).map(|cell| Side { cell, face }).collect()
     }
 
-    fn periodic_pair(&self, axis: usize) -> PeriodicPair<D> {
-        let mut translation = [0.0; D];
-        translation[axis] = self.upper[axis] - self.lower[axis];
-        PeriodicPair { minus: 2 * axis + 1, plus: 2 * axis, translation: translation.map(|t| -t) }
+    /// The sides along `axis`, with the translation from one to the other where `map` has them.
+    fn periodic_pair(&self, axis: usize, map: PositionMap<'_, D>) -> PeriodicPair<D> {
+        let mut end = self.lower;
+        end[axis] = self.upper[axis];
+        let (from, to) = (map(&self.lower), map(&end));
+        PeriodicPair { minus: 2 * axis + 1, plus: 2 * axis, translation: from_fn(|i| from[i] - to[i]) }
     }
 
     /// x = lower + (upper - lower) (r + d(r)) at the Gauss-Lobatto nodes.

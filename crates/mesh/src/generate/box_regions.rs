@@ -1,7 +1,7 @@
 //! Regions of a box, and lines between its cells at their faces.
 
 use super::BOX_BOUNDARIES;
-use super::box_mesh::graded;
+use super::box_mesh::{PositionMap, graded};
 use crate::{BoxMesh, Mesh, MeshError, Region};
 use std::array::from_fn;
 
@@ -32,6 +32,7 @@ const TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> BoxMesh<D> {
     /// The mesh, with `segments[a]` along axis a, together as many cells as `cells[a]`, and with `regions` whose faces lie between cells.
+    /// `map` then moves the nodes. Periodic sides of the mapped box must be translates of each other; they may coincide.
     ///
     /// # Errors
     /// [`MeshError::Segments`] or [`MeshError::Unaligned`], and those of [`Self::build`].
@@ -39,12 +40,13 @@ impl<const D: usize> BoxMesh<D> {
         &self,
         segments: &[Vec<Segment>; D],
         regions: &[BoxRegion<D>],
+        map: PositionMap<'_, D>,
     ) -> Result<Mesh<D>, MeshError> {
         self.check(&[1.0; D])?;
         (0..D).try_for_each(|axis| self.check_segments(axis, &segments[axis]))?;
         let breakpoints = from_fn(|axis| self.breakpoints(axis, &segments[axis]));
         let regions = regions.iter().map(|region| self.region(&breakpoints, region)).collect::<Result<_, _>>()?;
-        let mesh = self.build_regions_on(&breakpoints, BOX_BOUNDARIES, regions)?;
+        let mesh = self.build_regions_on(&breakpoints, BOX_BOUNDARIES, regions, map)?;
         mesh.region_of_cells()?;
         Ok(mesh)
     }
@@ -122,6 +124,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::{Curving, REST};
+    use std::f64::consts::PI;
+    use tensor::norm;
 
     fn segment(end: f64, cells: usize, ratio: f64) -> Segment {
         Segment { end, cells, ratio }
@@ -139,7 +143,7 @@ mod tests {
     #[test]
     fn regions_are_the_cells_in_their_boxes() {
         let (mesh, segments, regions) = flap(Curving::None);
-        let mesh = mesh.build_in_regions(&segments, &regions).unwrap();
+        let mesh = mesh.build_in_regions(&segments, &regions, &|x| *x).unwrap();
         let (flap, fluid) = (mesh.part(&["flap"]).unwrap(), mesh.part_without(&["flap"]).unwrap());
         assert_eq!((flap.mesh.n_cells(), fluid.mesh.n_cells()), (12, 22 * 13 - 12));
         assert!((flap.mesh.volume() - 0.1).abs() < 1e-13 && (fluid.mesh.volume() - 23.9).abs() < 1e-12);
@@ -153,7 +157,7 @@ mod tests {
     #[test]
     fn regions_of_a_curved_box_are_those_before_curving() {
         let (mesh, segments, regions) = flap(Curving::Smooth { amplitude: 1e-3 });
-        let mesh = mesh.build_in_regions(&segments, &regions).unwrap();
+        let mesh = mesh.build_in_regions(&segments, &regions, &|x| *x).unwrap();
         assert_eq!(mesh.part(&["flap"]).unwrap().cells.len(), 12);
     }
 
@@ -162,7 +166,7 @@ mod tests {
         let refused = |spoil: fn(&mut [Vec<Segment>; 2], &mut [BoxRegion<2>; 1])| {
             let (mesh, mut segments, mut regions) = flap(Curving::None);
             spoil(&mut segments, &mut regions);
-            mesh.build_in_regions(&segments, &regions).unwrap_err()
+            mesh.build_in_regions(&segments, &regions, &|x| *x).unwrap_err()
         };
         let error = refused(|_, regions| regions[0].upper[1] = 0.95);
         assert_eq!(error, MeshError::Unaligned { name: "flap".to_owned(), axis: 1, value: 0.95, nearest: 1.0 });
@@ -182,6 +186,42 @@ mod tests {
         }
         let (mesh, segments, [flap]) = flap(Curving::None);
         let twin = BoxRegion { name: "twin".to_owned(), ..flap.clone() };
-        assert!(matches!(mesh.build_in_regions(&segments, &[flap, twin]), Err(MeshError::TwoRegions { .. })));
+        assert!(matches!(mesh.build_in_regions(&segments, &[flap, twin], &|x| *x), Err(MeshError::TwoRegions { .. })));
+    }
+
+    /// x = r cos(phi), y = r sin(phi): rings between the radii 1 and 2.
+    fn ring(x: &[f64; 2]) -> [f64; 2] {
+        [x[0] * x[1].cos(), x[0] * x[1].sin()]
+    }
+
+    fn mapped(upper: f64, periodic: bool) -> Mesh<2> {
+        let mesh = BoxMesh {
+            lower: [1.0, 0.0],
+            upper: [2.0, upper],
+            cells: [3, 8],
+            order: 9,
+            curving: Curving::None,
+            periodic: [false, periodic],
+        };
+        let segments = from_fn(|axis| vec![Segment { end: mesh.upper[axis], cells: mesh.cells[axis], ratio: 1.0 }]);
+        mesh.build_in_regions(&segments, &[], &ring).unwrap()
+    }
+
+    #[test]
+    fn a_map_makes_half_a_ring_of_a_box() {
+        let mesh = mapped(PI, false);
+        assert!((mesh.volume() - 1.5 * PI).abs() < 1e-12);
+        assert_eq!(mesh.boundary_names(), ["left", "right", "bottom", "top"]);
+        for facet in mesh.boundary_facets().iter().filter(|facet| facet.boundary == 0) {
+            assert!(mesh.face_positions(facet.side).iter().all(|x| (norm(x) - 1.0).abs() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn sides_that_coincide_after_the_map_are_joined() {
+        let mesh = mapped(2.0 * PI, true);
+        assert!((mesh.volume() - 3.0 * PI).abs() < 1e-10);
+        assert_eq!(mesh.boundary_names(), ["left", "right"]);
+        assert_eq!(mesh.interior_facets().len(), 3 * 8 + 2 * 8);
     }
 }

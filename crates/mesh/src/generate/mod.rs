@@ -39,7 +39,7 @@ mod smoothing;
 pub use airfoil::{AirfoilMesh, NearPart};
 pub use annulus::AnnulusMesh;
 pub use blade::{BladeCells, BladeMesh};
-pub use box_mesh::{BOX_BOUNDARIES, BoxMesh};
+pub use box_mesh::{BOX_BOUNDARIES, BoxMesh, PositionMap};
 pub use box_regions::{BoxRegion, Segment};
 pub use channel::ChannelMesh;
 pub use channel_cylinder::ChannelCylinderMesh;

@@ -35,12 +35,12 @@ fn box_mesh<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, order: usiz
     }
     let periodic = checker.axes(&key.child("periodic"), &raw.periodic)?;
     let generator = BoxMesh { lower, upper, cells, order, curving: curving(raw.curving), periodic };
-    // Corners and cells are valid here, so any error is caused by the curving.
-    let key = curving_key(key, raw.curving);
-    if raw.segments.is_empty() && raw.regions.is_empty() {
-        return generator.build_graded(ratios).map_err(|error| family.refused_at(&key, error));
+    // Corners and cells are valid here, so any error is caused by the curving or the map.
+    let curved_by = if raw.map.is_some() { key.child("map") } else { curving_key(key, raw.curving) };
+    if raw.segments.is_empty() && raw.regions.is_empty() && raw.map.is_none() {
+        return generator.build_graded(ratios).map_err(|error| family.refused_at(&curved_by, error));
     }
-    box_regions::build(family, raw, &generator, ratios, &key)
+    box_regions::build(family, raw, &generator, ratios, &curved_by)
 }
 
 /// The largest ratio of cell sizes: beyond it, det J of thin cells is lost in round-off.

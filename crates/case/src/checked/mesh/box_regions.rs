@@ -1,21 +1,22 @@
-//! Segments and regions of `[mesh.generate.box]`
+//! Segments, regions and the map of `[mesh.generate.box]`
 
 use super::family::Family;
 use crate::checker::Checked;
 use crate::error::CaseError;
 use crate::key::Key;
-use crate::raw::{Axis, BoxGenerator};
+use crate::raw::{Axis, BoxGenerator, Formula};
+use crate::vector::Vector;
 use ::mesh::generate::{BoxRegion, Segment};
 use ::mesh::{BoxMesh, Mesh, MeshError, REST};
 
 /// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. The error of an
-/// inverted cell names the key `curving`.
+/// inverted cell is one at the key `curved_by`.
 pub(super) fn build<const D: usize>(
     family: &Family<'_>,
     raw: &BoxGenerator,
     generator: &BoxMesh<D>,
     ratios: [f64; D],
-    curving: &Key,
+    curved_by: &Key,
 ) -> Checked<Mesh<D>> {
     let mut segments: [Vec<Segment>; D] = std::array::from_fn(|axis| {
         vec![Segment { end: generator.upper[axis], cells: generator.cells[axis], ratio: ratios[axis] }]
@@ -27,7 +28,10 @@ pub(super) fn build<const D: usize>(
         segments[number] = pieces.iter().map(segment).collect();
     }
     let regions = raw.regions.keys().map(|name| region(family, raw, name)).collect::<Checked<Vec<_>>>()?;
-    generator.build_in_regions(&segments, &regions).map_err(|error| refused(family, raw, curving, error))
+    let formulas_of = |formulas: &Vec<Formula>| family.checker.formulas_of_position(&family.key.child("map"), formulas);
+    let map: Option<Vector<D>> = raw.map.as_ref().map(formulas_of).transpose()?;
+    let position = |x: &[f64; D]| map.as_ref().map_or(*x, |map| map.evaluate(x, 0.0));
+    generator.build_in_regions(&segments, &regions, &position).map_err(|error| refused(family, raw, curved_by, error))
 }
 
 /// The number of an axis with segments: it is one of the box, and has no size ratio beside them.
@@ -58,7 +62,7 @@ fn region<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, name: &str) -
 }
 
 /// The error of the generator at the key that it is about.
-fn refused(family: &Family<'_>, raw: &BoxGenerator, curving: &Key, error: MeshError) -> Box<CaseError> {
+fn refused(family: &Family<'_>, raw: &BoxGenerator, curved_by: &Key, error: MeshError) -> Box<CaseError> {
     let of_region = |name: &str| family.key.child("regions").child(name);
     let key = match &error {
         MeshError::Segments { axis, segment, .. } => key_of_segments(family, *axis).entry(*segment),
@@ -67,7 +71,7 @@ fn refused(family: &Family<'_>, raw: &BoxGenerator, curving: &Key, error: MeshEr
             of_region(name).child(if is_lower { "lower" } else { "upper" }).entry(*axis)
         }
         MeshError::EmptyRegion { name } | MeshError::TwoRegions { second: name, .. } => of_region(name),
-        _ => curving.clone(),
+        _ => curved_by.clone(),
     };
     family.refused_at(&key, error)
 }
