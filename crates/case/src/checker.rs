@@ -7,6 +7,7 @@ use super::key::Key;
 use super::magnitude::{self, is_computable};
 use super::raw::{Axis, Field, Formula};
 use super::vector::Vector;
+use crate::checked::Control;
 use crate::expression::{Names, Program, Table};
 use navier_stokes::InvalidParameter;
 use serde::Serialize;
@@ -21,18 +22,23 @@ pub(super) type Checked<T> = Result<T, Box<CaseError>>;
 pub(super) struct Checker<'a> {
     document: &'a Document,
     names: Names,
+    controls: Vec<Control>,
     defaults: RefCell<Vec<(String, String)>>,
 }
 
 /// The name for all boundaries that are not named.
 const OTHERS: &str = "others";
 
+/// Where formulas may contain controls.
+const CONTROLLED: [&str; 2] = ["flow.source", "flow.boundary"];
+
 const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
 impl<'a> Checker<'a> {
     /// A checker of `document` with its `constants`.
     pub(super) fn new(document: &'a Document, constants: &BTreeMap<String, Formula>) -> Checked<Self> {
-        let mut checker = Checker { document, names: Names::constants_only(), defaults: RefCell::default() };
+        let mut checker =
+            Checker { document, names: Names::constants_only(), controls: Vec::new(), defaults: RefCell::default() };
         let table = Key::new("constants");
         // In the order of the text, so that a constant may use those above it.
         let mut ordered: Vec<_> = constants.iter().map(|(name, formula)| (table.child(name), name, formula)).collect();
@@ -53,6 +59,21 @@ impl<'a> Checker<'a> {
             return Ok(());
         }
         Err(self.combination(key, &format!("a table cannot be called `{name}`"), FREE_NAME))
+    }
+
+    /// Makes `control` known to the formulas that may contain one.
+    pub(super) fn define_control(&mut self, control: Control) -> Checked<()> {
+        if self.names.is_free(&control.name) {
+            self.controls.push(control);
+            return Ok(());
+        }
+        let (key, problem) = (Key::new("controls").child(&control.name), "a control cannot have this name");
+        Err(self.combination(&key, problem, FREE_NAME))
+    }
+
+    /// The controls.
+    pub(super) fn controls(&self) -> &[Control] {
+        &self.controls
     }
 
     /// Whether the mesh is an elastic body, or is moved as one.
@@ -202,6 +223,11 @@ impl<'a> Checker<'a> {
         self.program(key, formula, &self.names.with_coordinates(D).with_time())
     }
 
+    /// A formula in what a control measures, its value and the time.
+    pub(super) fn formula_of_control(&self, key: &Key, formula: &Formula) -> Checked<Program> {
+        self.program(key, formula, &self.names.with_fields(["measured", "value"].into_iter()).with_time())
+    }
+
     /// A formula in time.
     pub(super) fn formula_of_time(&self, key: &Key, formula: &Formula) -> Checked<Program> {
         self.program(key, formula, &self.names.with_time())
@@ -249,8 +275,11 @@ impl<'a> Checker<'a> {
         match formula {
             Formula::Number(value) => Ok(Program::constant(*value)),
             Formula::Text(text) => {
+                let may_be_controlled = CONTROLLED.iter().any(|section| key.to_string().starts_with(section));
+                let controls = self.controls.iter().filter(|_| may_be_controlled);
+                let names = names.with_controls(controls.map(|control| (control.name.clone(), control.value.clone())));
                 let program =
-                    Program::compile(text, names).map_err(|error| self.error(key, Cause::Expression(error)))?;
+                    Program::compile(text, &names).map_err(|error| self.error(key, Cause::Expression(error)))?;
                 // Where a formula has no value, the place where one is needed is told.
                 let constant = program.as_constant().filter(|value| value.is_finite());
                 self.computable(key, "the formula", constant.unwrap_or(0.0))?;

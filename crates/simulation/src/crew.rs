@@ -15,7 +15,7 @@ mod parts;
 
 pub use orders::Orders;
 
-use super::{build, checkpoint};
+use super::{build, checkpoint, controls};
 use case::{AnyCase, Case, Flow, State};
 use coupled::{FlowMarch, MarchError, MeshMover, SlabReport};
 use fem::{Blocks, Bottom, Share, SlabOperator, StateField};
@@ -96,7 +96,7 @@ where
             let stored = checkpoint::store(&self.state, None, false);
             self.restore(case, &stored, march);
         }
-        self.orders.give(Order::Advance, None);
+        self.orders.give(Order::Advance, controls::told(case).as_ref());
         let report = march.advance();
         if report.is_ok() {
             parts::join_state(march, &mut self.state);
@@ -180,8 +180,13 @@ where
                 let build = |flow| march(case, flow, &blocks(case).ok()?, communicator).ok();
                 own = case.flow.as_ref().and_then(build);
             }
-            (Order::Restore, Some(march)) => restore(case, &orders::decode(&state), march),
+            (Order::Restore, Some(march)) => {
+                let stored = orders::decode(&state);
+                controls::set_for_preconditioner(case, Some(&stored));
+                restore(case, &stored, march);
+            }
             (Order::Advance, Some(march)) => {
+                controls::hear(case, &orders::decode(&state));
                 if march.advance().is_ok() {
                     parts::join_state(march, &mut coupled::State::new(0.0, Vec::new(), Vec::new()));
                 }

@@ -2,6 +2,7 @@
 
 use super::checkpoint;
 use super::context::{RunContext, Stop};
+use super::controls;
 use super::crew::Orders;
 use super::cuts;
 use super::failure::{self, FailureReport, Finding};
@@ -246,7 +247,7 @@ fn begin<const D: usize, const M: usize>(
     let averages = &context.statistics.averages;
     recorder.step(&Snapshot { time, displacement, velocities: &velocities, flow: &flow, structure, averages })?;
     if let Some(row) = row {
-        recorder.history.push(&row)?;
+        recorder.history.push(&[row, controls::values(recorder.case())].concat())?;
         recorder.checkpoint(run.store(), &context.statistics)?;
     }
     run.cut(directory, true)?;
@@ -259,10 +260,13 @@ fn restore<const D: usize>(
     stored: Option<&SolverState>,
     case: &Case<D>,
 ) -> Result<RunStatistics, Failure> {
+    controls::set_for_preconditioner(case, stored);
     let Some(stored) = stored else { return Ok(RunStatistics::default()) };
     run.restore(stored).ok_or_else(checkpoint::incomplete)?;
-    RunStatistics::from_arrays(&stored.arrays, case.flow.as_ref().map_or(0, |flow| flow.walls.len()))
-        .ok_or_else(checkpoint::incomplete)
+    let walls = case.flow.as_ref().map_or(0, |flow| flow.walls.len());
+    let statistics = RunStatistics::from_arrays(&stored.arrays, walls).ok_or_else(checkpoint::incomplete)?;
+    controls::set_present(case, &statistics);
+    Ok(statistics)
 }
 
 /// Runs the remaining slabs; returns why it stopped before its end, if it did.
@@ -292,7 +296,9 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     recorder: &mut Recorder<D, M>,
     (context, directory): (&mut RunContext, &Path),
 ) -> Result<(), Failure> {
-    recorder.history.push(&run.enter(report, context))?;
+    let row = [run.enter(report, context), controls::values(case)].concat();
+    recorder.history.push(&row)?;
+    controls::update(case, &row, &mut context.statistics)?;
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
     if let Some(Past { v: velocities, u: flow, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())

@@ -15,7 +15,7 @@ use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
 use super::surfaces::{self, SurfaceFlow};
 use super::walls::felt;
-use super::{build, checkpoint, cuts, history, restart, summary};
+use super::{build, checkpoint, controls, cuts, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::memory_estimate::require_memory;
@@ -50,6 +50,7 @@ where
 {
     let begun = Instant::now();
     require_memory(case)?;
+    controls::check(case)?;
     let (march, crew) = Crew::<D, M>::build(case, flow, orders).map_err(Failure::bad_input)?;
     let origin = match destination.is_resumed() {
         true => None,

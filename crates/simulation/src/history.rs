@@ -60,6 +60,7 @@ pub fn columns<const D: usize>(case: &Case<D>) -> Vec<String> {
     columns.extend(opening_states::columns(case));
     columns.extend(probes::columns(case));
     columns.extend(case.output.integrals.iter().map(|integral| integral_name(*integral).to_owned()));
+    columns.extend(case.controls.iter().map(|control| format!("control_{}", control.name)));
     columns
 }
 
@@ -68,6 +69,9 @@ fn integral_name(integral: Integral) -> &'static str {
         Integral::KineticEnergy => "kinetic_energy",
         Integral::Enstrophy => "enstrophy",
         Integral::Entropy => "entropy",
+        Integral::MomentumX => "momentum_x",
+        Integral::MomentumY => "momentum_y",
+        Integral::MomentumZ => "momentum_z",
     }
 }
 

@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! K = int rho v . v / 2 dx,     E = int rho omega . omega / 2 dx,     S = int rho ln(p / rho^gamma) dx                (integrals)
+//! P = int rho v dx
 //! ```
 //!
-//! The kinetic energy K, the enstrophy E of the vorticity omega, and the entropy S. They are integrated by Gauss points, three for two
+//! The kinetic energy K, the enstrophy E of the vorticity omega, the entropy S, and the momentum P. They are integrated by Gauss points, three for two
 //! nodes. `inner_product::sum` adds the cells, so the sums have the same bits for any number of threads.
 
 use case::{Field, Integral};
@@ -64,6 +65,9 @@ impl<const D: usize> FlowIntegrals<'_, D> {
                     Integral::KineticEnergy => 0.5 * tensor::dot(&velocity, &velocity),
                     Integral::Enstrophy => 0.5 * vorticity[p],
                     Integral::Entropy => pressure.ln() - self.gas.gamma() * density.ln(),
+                    Integral::MomentumX => velocity[0],
+                    Integral::MomentumY => velocity[1],
+                    Integral::MomentumZ => velocity.get(2).copied().unwrap_or(0.0),
                 }
         };
         let integral = |integral: &Integral| {

@@ -61,6 +61,7 @@ mod build;
 mod checkpoint;
 pub mod clock;
 mod context;
+mod controls;
 mod crew;
 mod cuts;
 mod destination;
@@ -96,6 +97,7 @@ mod time;
 mod walls;
 
 pub use build::{PrescribedNode, elasticity_plan, march, mover, prescribed_nodes, structure_march};
+pub use controls::check as check_controls;
 pub use crew::serve;
 pub use destination::{Destination, Existing};
 pub use drive::{motion, run, run_on};

@@ -53,6 +53,10 @@ pub struct RunStatistics {
     pub structure: EnergyBalance,
     /// The mass flow out through every boundary at the time reached.
     pub mass_flows: Vec<f64>,
+    /// The values of the controls at the time reached, and those for which the preconditioner was made.
+    pub controls: Vec<f64>,
+    /// See `controls`.
+    pub controls_of_preconditioner: Vec<f64>,
     /// The observations at inflows and outflows.
     pub openings: Vec<Record>,
     /// What bodies have done.
@@ -238,6 +242,8 @@ impl RunStatistics {
             ("tally.totals_at_start".into(), self.totals_at_start.clone()),
             ("tally.start_layer".into(), self.start_layer.into_iter().collect()),
             ("tally.left".into(), self.left.clone()),
+            ("tally.controls".into(), self.controls.clone()),
+            ("tally.controls_of_preconditioner".into(), self.controls_of_preconditioner.clone()),
             ("tally.impulses".into(), self.impulses.concat()),
             ("tally.forces".into(), self.forces.concat()),
             ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
@@ -309,6 +315,8 @@ impl RunStatistics {
             structure: EnergyBalance { energy_at_start, load_work, support_work, dissipation },
             mass_flows: get("mass_flows")?.clone(),
             openings: get("openings")?.as_chunks().0.iter().map(Record::from_numbers).collect::<Option<_>>()?,
+            controls: get("controls").cloned().unwrap_or_default(),
+            controls_of_preconditioner: get("controls_of_preconditioner").cloned().unwrap_or_default(),
             averages: AverageSums::from_arrays(arrays)?,
         })
     }

@@ -4,6 +4,7 @@ mod averages;
 mod bodies;
 mod boundary_data;
 mod boundary_motion;
+mod controls;
 mod displacement;
 mod flow;
 mod forces;
@@ -40,6 +41,7 @@ pub use super::raw::{
 pub use averages::{Averages, Phases};
 pub use bodies::{FollowingMesh, Freedom, RigidBody};
 pub use boundary_data::{BoundaryData, Data};
+pub use controls::Control;
 pub use flow::Flow;
 pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
@@ -87,6 +89,8 @@ pub struct Case<const D: usize> {
     pub bodies: Vec<RigidBody<D>>,
     /// The structure. Without a part of its own it fills the mesh, and there is neither motion nor flow.
     pub structure: Option<Structure<D>>,
+    /// Numbers in formulas that the run changes after every slab.
+    pub controls: Vec<Control>,
     /// The time to cover.
     pub time: Time,
     /// The result, or its directory, from which the run starts instead of the initial state.
@@ -211,6 +215,14 @@ impl<const D: usize> Case<D> {
         sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
         check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
         parallel::check(checker, &raw.parallel, flow.as_ref().map(|_| mesh.n_cells()))?;
+        if let (Some(control), None) = (raw.controls.keys().next(), &flow) {
+            let key = Key::new("controls").child(control);
+            return Err(checker.combination(
+                &key,
+                "only formulas of a flow contain controls",
+                "this section together with [flow]",
+            ));
+        }
         if raw.restart.is_some() && flow.is_none() {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
@@ -222,6 +234,7 @@ impl<const D: usize> Case<D> {
             flow,
             bodies,
             structure,
+            controls: checker.controls().to_vec(),
             time,
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
@@ -337,6 +350,10 @@ fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a
     let tables = collected(raw.tables.iter().map(table))?;
     for (name, table) in raw.tables.keys().zip(tables) {
         checker.define_table(&key.child(name), name, table)?;
+    }
+    for (name, raw) in &raw.controls {
+        let control = controls::check(&checker, name, raw)?;
+        checker.define_control(control)?;
     }
     Ok(checker)
 }

@@ -15,9 +15,11 @@
 //! | `names` | the meaning of names: variables, constants, functions |
 //! | `parser` | tokens to a program, by the grammar above |
 //! | `program` | the program and its evaluation |
+//! | `control` | numbers that a run changes between slabs |
 //! | `table` | functions given by tables: cubic splines |
 //! | `error` | errors of a formula, and their places |
 
+mod control;
 mod error;
 mod lexer;
 mod names;
@@ -27,6 +29,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use control::ControlValue;
 pub use error::{ExpressionError, Problem};
 pub use names::{Names, Variable};
 pub use program::Program;

@@ -1,5 +1,6 @@
 //! The meaning of names in formulas.
 
+use super::control::ControlValue;
 use super::lexer;
 use super::table::Table;
 use std::collections::BTreeMap;
@@ -22,6 +23,7 @@ pub struct Names {
     time: bool,
     constants: BTreeMap<String, f64>,
     tables: BTreeMap<String, Arc<Table>>,
+    controls: BTreeMap<String, ControlValue>,
 }
 
 /// Functions of one argument.
@@ -56,6 +58,7 @@ pub(super) enum Callable {
 pub(super) enum Meaning {
     Variable(Variable),
     Constant(f64),
+    Control(ControlValue),
     Callable(Callable),
 }
 
@@ -100,6 +103,7 @@ impl Names {
             time: false,
             constants: BTreeMap::from([("pi".to_owned(), std::f64::consts::PI)]),
             tables: BTreeMap::new(),
+            controls: BTreeMap::new(),
         }
     }
 
@@ -149,12 +153,18 @@ impl Names {
         free
     }
 
+    /// These names and those of `controls`.
+    pub fn with_controls(&self, controls: impl Iterator<Item = (String, ControlValue)>) -> Self {
+        Names { controls: controls.collect(), ..self.clone() }
+    }
+
     /// The tables, by name.
     pub fn tables(&self) -> impl Iterator<Item = (&str, &Table)> {
         self.tables.iter().map(|(name, table)| (name.as_str(), table.as_ref()))
     }
 
-    fn is_free(&self, name: &str) -> bool {
+    /// Whether `name` is a valid name, and has no meaning in this or another formula.
+    pub fn is_free(&self, name: &str) -> bool {
         let variable = name == "t" || name == ARC_LENGTH || COORDINATES.contains(&name);
         !variable && self.meaning(name).is_none() && lexer::is_name(name)
     }
@@ -169,6 +179,9 @@ impl Names {
         if let Some(value) = self.constants.get(name) {
             return Some(Meaning::Constant(*value));
         }
+        if let Some(value) = self.controls.get(name) {
+            return Some(Meaning::Control(value.clone()));
+        }
         if let Some(table) = self.tables.get(name) {
             return Some(Meaning::Callable(Callable::Table(table.clone())));
         }
@@ -178,7 +191,7 @@ impl Names {
     /// Every name, variables first, then constants and tables.
     pub(super) fn known(&self) -> Vec<String> {
         let variables = self.position.iter().copied().chain(self.time.then_some("t"));
-        let constants = self.constants.keys().chain(self.tables.keys()).map(String::as_str);
+        let constants = self.constants.keys().chain(self.controls.keys()).chain(self.tables.keys()).map(String::as_str);
         let callables = CALLABLES.iter().map(|(name, _)| *name);
         variables.chain(constants).chain(callables).map(str::to_owned).collect()
     }

@@ -149,6 +149,10 @@ impl Parser<'_> {
                 self.next += 1;
                 self.emit(Instruction::Constant(value))
             }
+            Meaning::Control(value) => {
+                self.next += 1;
+                self.emit(Instruction::Control(value))
+            }
         }
     }
 

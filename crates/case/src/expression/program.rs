@@ -1,5 +1,6 @@
 //! The compiled formula: instructions of a stack machine, run on any number type.
 
+use super::control::ControlValue;
 use super::names::{Function, Variable};
 use super::table::Table;
 use std::sync::Arc;
@@ -24,6 +25,7 @@ pub(super) enum Comparison {
 pub(super) enum Instruction {
     Constant(f64),
     Variable(Variable),
+    Control(ControlValue),
     Negate,
     Apply(Function),
     /// The function of a table.
@@ -50,7 +52,7 @@ impl Instruction {
     pub(super) fn arguments(&self) -> usize {
         use Instruction::*;
         match self {
-            Constant(_) | Variable(_) => 0,
+            Constant(_) | Variable(_) | Control(_) => 0,
             Negate | Apply(_) | Interpolate(_) | IntegerPower(_) | RealPower(_) => 1,
             Add | Subtract | Multiply | Divide | Power | Min | Max | Compare(_) => 2,
             Select => 3,
@@ -79,7 +81,9 @@ impl Program {
 
     /// The value of a formula without variables.
     pub fn as_constant(&self) -> Option<f64> {
-        let varies = self.instructions.iter().any(|instruction| matches!(instruction, Instruction::Variable(_)));
+        let varies =
+            |instruction: &Instruction| matches!(instruction, Instruction::Variable(_) | Instruction::Control(_));
+        let varies = self.instructions.iter().any(varies);
         (!varies).then(|| self.evaluate(&[], 0.0))
     }
 
@@ -114,6 +118,7 @@ fn step<T: Transcendental>(instruction: &Instruction, a: &[T], x: &[T], t: T) ->
         Instruction::Constant(value) => T::from(*value),
         Instruction::Variable(Variable::Coordinate(axis)) => x.get(*axis).copied().unwrap_or(T::from(0.0)),
         Instruction::Variable(Variable::Time) => t,
+        Instruction::Control(value) => T::from(value.get()),
         Instruction::Negate => -a[0],
         Instruction::Apply(function) => apply(*function, a[0]),
         Instruction::Interpolate(table) => table.evaluate(a[0]),

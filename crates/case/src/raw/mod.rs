@@ -3,6 +3,7 @@
 //! These doc comments are the reference of the case file: `stsolve schema` prints them.
 
 mod bodies;
+mod control;
 mod flow;
 mod formula;
 mod generate;
@@ -17,6 +18,7 @@ mod structure;
 mod table;
 
 pub use bodies::*;
+pub use control::Control;
 pub use flow::*;
 pub use formula::Formula;
 pub use generate::*;
@@ -55,6 +57,9 @@ pub struct Case {
     /// splines, so that velocities are continuous.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tables: BTreeMap<String, Table>,
+    /// Numbers in formulas that the run changes after every slab, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub controls: BTreeMap<String, Control>,
     /// The mesh at rest.
     pub mesh: Mesh,
     /// The motion of the mesh. Without it the mesh rests.

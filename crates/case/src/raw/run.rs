@@ -166,6 +166,12 @@ pub enum Integral {
     Enstrophy,
     /// The entropy, int rho ln(p / rho^gamma) dx.
     Entropy,
+    /// The momentum along x, int rho v_x dx.
+    MomentumX,
+    /// The momentum along y.
+    MomentumY,
+    /// The momentum along z; zero in two dimensions.
+    MomentumZ,
 }
 
 /// A point at which the flow is observed.

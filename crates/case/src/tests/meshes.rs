@@ -509,7 +509,9 @@ fn airfoils_with_camber_are_meshes() {
 #[test]
 fn a_map_bends_a_box_to_half_a_ring() {
     let half_ring = |map: &str| {
-        format!("order = 7\ngenerate.box = {{ lower = [1, 0], upper = [2, 3.141592653589793], cells = [2, 8], map = {map} }}")
+        format!(
+            "order = 7\ngenerate.box = {{ lower = [1, 0], upper = [2, 3.141592653589793], cells = [2, 8], map = {map} }}"
+        )
     };
     let mesh = plane_mesh(&half_ring("[\"x*cos(y)\", \"x*sin(y)\"]"));
     assert!((mesh.volume() - 1.5 * std::f64::consts::PI).abs() < 1e-8);

@@ -1,0 +1,93 @@
+//! Numbers in formulas that the run changes after every slab, see [`case::Control`].
+//!
+//! A control keeps its value during a slab, and the Jacobian does not know it. The value goes into checkpoints, and so does the one for which the
+//! preconditioner was made: a resumed run makes the same preconditioner again.
+
+use super::history;
+use super::statistics::RunStatistics;
+use crate::error::Failure;
+use case::{Case, Control};
+use output::SolverState;
+
+/// The names of the arrays of a checkpoint.
+const NOW: &str = "controls";
+const OF_PRECONDITIONER: &str = "controls_of_preconditioner";
+
+/// Whether what is measured is a column of history.csv.
+///
+/// # Errors
+/// A control that measures something else, with the columns that there are.
+pub fn check<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    let columns = history::columns(case);
+    let Some(unknown) = case.controls.iter().find(|control| !columns.contains(&control.measure)) else { return Ok(()) };
+    let Control { name, measure, .. } = unknown;
+    let accepted = columns.join(", ");
+    Err(Failure::bad_input(anyhow::anyhow!(
+        "`controls.{name}.measure`: history.csv has no column \"{measure}\"; accepted: one of {accepted}"
+    )))
+}
+
+/// The values, a part of the row of history.csv.
+pub fn values<const D: usize>(case: &Case<D>) -> Vec<f64> {
+    case.controls.iter().map(|control| control.value.get()).collect()
+}
+
+/// Gives every control its value, or without values the initial one.
+fn set<const D: usize>(case: &Case<D>, values: Option<&Vec<f64>>) {
+    let values = values.filter(|values| values.len() == case.controls.len());
+    for (number, control) in case.controls.iter().enumerate() {
+        control.value.set(values.map_or(control.initial, |values| values[number]));
+    }
+}
+
+/// The values after the slab that has entered `row` into history.csv: (control).
+///
+/// # Errors
+/// A value that is no number.
+pub fn update<const D: usize>(case: &Case<D>, row: &[f64], statistics: &mut RunStatistics) -> Result<(), Failure> {
+    if case.controls.is_empty() {
+        return Ok(());
+    }
+    let columns = history::columns(case);
+    let column = |name: &str| columns.iter().position(|column| column == name).map_or(f64::NAN, |number| row[number]);
+    if column("preconditioner_builds") > 0.0 {
+        statistics.controls_of_preconditioner = values(case);
+    }
+    let next = |control: &Control| control.next(column(&control.measure), column("t"), column("dt"));
+    let values: Vec<f64> = case.controls.iter().map(next).collect();
+    if let Some(wrong) = values.iter().position(|value| !value.is_finite()) {
+        let Control { name, measure, .. } = &case.controls[wrong];
+        let measured = column(measure);
+        return Err(Failure::solve(anyhow::anyhow!(
+            "the control `{name}` is {} after {measure} = {measured}: `controls.{name}.rate` must be a finite number",
+            values[wrong]
+        )));
+    }
+    set(case, Some(&values));
+    statistics.controls = values;
+    Ok(())
+}
+
+/// Sets the controls for which the preconditioner of the state `stored` was made, or the initial ones.
+pub fn set_for_preconditioner<const D: usize>(case: &Case<D>, stored: Option<&SolverState>) {
+    set(case, stored.and_then(|stored| stored.arrays.get(&format!("tally.{OF_PRECONDITIONER}"))));
+}
+
+/// Sets the controls where the run stands, or the initial ones.
+pub fn set_present<const D: usize>(case: &Case<D>, statistics: &RunStatistics) {
+    set(case, Some(&statistics.controls));
+}
+
+/// What the other ranks need before a slab; None without controls.
+pub fn told<const D: usize>(case: &Case<D>) -> Option<SolverState> {
+    let mut state = SolverState::default();
+    state.arrays.insert(NOW.to_owned(), values(case));
+    (!case.controls.is_empty()).then_some(state)
+}
+
+/// Sets what [`told`] has told.
+pub fn hear<const D: usize>(case: &Case<D>, told: &SolverState) {
+    if let Some(values) = told.arrays.get(NOW) {
+        set(case, Some(values));
+    }
+}
