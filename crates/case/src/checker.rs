@@ -25,7 +25,7 @@ pub(super) struct Checker<'a> {
 }
 
 /// The name for all boundaries that are not named.
-const OTHERS: &str = "others";
+pub(super) const OTHERS: &str = "others";
 
 const FREE_NAME: &str = "another name, of letters, digits and _; not x, y, z, s, t, pi, a function or a constant";
 
