@@ -74,7 +74,7 @@ def wrong(directory):
     text = (directory / "report.html").read_text(encoding="utf-8")
     data = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL).group(1)
     pictures = json.loads(data)["pictures"]
-    pane = pictures["windows"][-1]
+    pane = next(window for window in pictures["windows"] if window["label"] == "whole domain")
     window, size = (*pane["lower"], *pane["upper"]), (pane["width"], pane["height"])
     reader, times = open_result(str(directory / "result.vtkhdf"))
     frames = sorted({0, len(pictures["times"]) // 2, len(pictures["times"]) - 1})

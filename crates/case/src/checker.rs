@@ -27,7 +27,7 @@ pub(super) struct Checker<'a> {
 }
 
 /// The name for all boundaries that are not named.
-const OTHERS: &str = "others";
+pub(super) const OTHERS: &str = "others";
 
 /// Where formulas may contain controls.
 const CONTROLLED: [&str; 2] = ["flow.source", "flow.boundary"];

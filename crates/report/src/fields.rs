@@ -215,3 +215,31 @@ pub fn equidistant<const D: usize>(flow_order: usize, mesh_order: usize) -> (Sam
     let n = flow_order.max(mesh_order);
     (Sampler::new(flow_order, mesh_order, &basis::equidistant_points(n)), n)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Q of a flow of density 1 with velocity gradient `g` = d_i v_j, at one point.
+    fn q_of<const D: usize, const M: usize>(g: [[f64; D]; D]) -> f64 {
+        let state: Vec<f64> = (0..M).map(|m| if m == 0 { 1.0 } else { 0.5 * m as f64 }).collect();
+        let component = |i: usize, m: usize| if (1..=D).contains(&m) { g[i][m - 1] } else { 0.0 };
+        let gradients: Vec<Vec<f64>> = (0..D).map(|i| (0..M).map(|m| component(i, m)).collect()).collect();
+        let sample = CellSample { state: &state, gradients: &gradients, ..CellSample::of_points(1) };
+        let gas = Gas::new(1.4, 1.0, 1.0, navier_stokes::Viscosity::Inviscid).ok();
+        let mut q = Vec::new();
+        values::<D, M>(Field::QCriterion, gas.map(Medium::gas).as_ref(), &sample, &mut q);
+        q[0]
+    }
+
+    /// Solid-body rotation has Q = omega^2, shear 0, pure strain with rate a along two axes -a^2.
+    #[test]
+    fn q_is_the_square_of_a_rotation_and_zero_in_shear() {
+        let omega = 3.0;
+        assert_eq!(q_of::<2, 4>([[0.0, omega], [-omega, 0.0]]), omega * omega);
+        assert_eq!(q_of::<3, 5>([[0.0, 0.0, 0.0], [0.0, 0.0, omega], [0.0, -omega, 0.0]]), omega * omega);
+        assert_eq!(q_of::<2, 4>([[0.0, 0.0], [7.0, 0.0]]), 0.0);
+        assert_eq!(q_of::<3, 5>([[0.0, 0.0, 2.0], [0.0, 0.0, 5.0], [0.0, 0.0, 0.0]]), 0.0);
+        assert_eq!(q_of::<2, 4>([[2.0, 0.0], [0.0, -2.0]]), -4.0);
+    }
+}

@@ -7,7 +7,7 @@
 //! | `fields` | fields for display, in the result file and the pictures |
 //! | `simplices` | cells cut into simplices, and these by a surface |
 //! | `run_files` | the files of a run so far |
-//! | `pictures` | fields and mesh at some of the steps, from the exact coefficients |
+//! | `pictures` | fields, mesh and vortices at some of the steps, from the exact coefficients; movies of all steps |
 //! | `groups` | groups of history columns that share a chart |
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
@@ -49,6 +49,7 @@ mod run_files;
 pub mod simplices;
 
 use output::{HISTORY_FILE, OutputError};
+pub use pictures::Scenario;
 use run_files::RunFiles;
 use std::path::{Path, PathBuf};
 
@@ -70,6 +71,9 @@ pub enum ReportError {
         /// The directory.
         directory: PathBuf,
     },
+    /// A movie that cannot be made.
+    #[error("no movie: {0}")]
+    NoMovie(String),
     /// A file of the run that cannot be read, or the page that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -91,15 +95,56 @@ pub struct Page {
 /// # Errors
 /// A directory without a run; a page that cannot be written.
 pub fn write(directory: &Path) -> Result<Page, ReportError> {
+    write_at(directory, None)
+}
+
+/// The same with surfaces of the Q criterion at the level `q_level`, if it is given.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_at(directory: &Path, q_level: Option<f64>) -> Result<Page, ReportError> {
     let run = RunFiles::read(directory)?;
     let pictures = match &run.result {
-        Ok(reader) => pictures::draw(reader).map_err(|error| error.to_string()),
+        Ok(reader) => pictures::draw(reader, q_level).map_err(|error| error.to_string()),
         Err(reason) => Err(reason.clone()),
     };
     let page = page::page(&run, &pictures);
     let path = directory.join(REPORT_FILE);
     output::write_atomically(&path, page.as_bytes())?;
     Ok(Page { path, bytes: page.len(), pictures: pictures.map(|pictures| pictures.frames.len()) })
+}
+
+/// A movie that was written.
+#[derive(Clone, Debug)]
+pub struct MovieFile {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: usize,
+    /// The number of its frames, one for every step of the result file.
+    pub frames: usize,
+    /// The window that it shows.
+    pub window: String,
+}
+
+/// Writes a movie of the run in `directory`, as the animated PNG `FIELD.png` there, or `FIELD_WINDOW.png` if the window is named.
+///
+/// # Errors
+/// A directory without a run or without a result, an unknown field or window, a file that cannot be written.
+pub fn write_movie(directory: &Path, scenario: &Scenario) -> Result<MovieFile, ReportError> {
+    let run = RunFiles::read(directory)?;
+    let reader = run.result.as_ref().map_err(|reason| ReportError::NoMovie(reason.clone()))?;
+    let movie = pictures::movie(reader, scenario).map_err(|error| ReportError::NoMovie(error.to_string()))?;
+    let path = directory.join(movie_name(scenario.field, scenario.window));
+    output::write_atomically(&path, &movie.bytes)?;
+    Ok(MovieFile { path, bytes: movie.bytes.len(), frames: movie.frames, window: movie.window })
+}
+
+/// The name of the file of a movie.
+fn movie_name(field: &str, window: Option<&str>) -> String {
+    let word =
+        |name: &str| name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect::<Vec<_>>().join("_");
+    window.map_or_else(|| format!("{field}.png"), |window| format!("{field}_{}.png", word(window)))
 }
 
 /// Writes one page of the runs in `directories`, with their curves over each other, into the first of them.
@@ -121,4 +166,16 @@ fn names(directories: &[PathBuf], runs: &[RunFiles]) -> Vec<String> {
     let name =
         |(directory, run): (&PathBuf, &RunFiles)| if alike(run) { path(directory) } else { run.directory.clone() };
     directories.iter().zip(runs).map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_of_a_movie_has_the_name_of_its_field_and_window() {
+        assert_eq!(movie_name("mach", None), "mach.png");
+        assert_eq!(movie_name("mach", Some("moving with the walls")), "mach_moving_with_the_walls.png");
+        assert_eq!(movie_name("mach", Some("vortices, along y")), "mach_vortices_along_y.png");
+    }
 }

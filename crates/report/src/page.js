@@ -146,7 +146,7 @@
     slider.setAttribute("aria-valuetext", `t = ${time}`);
     const values = extremes ? `from ${extremes[0]} to ${extremes[1]}` : "not seen here";
     element("field").alt = `${quantity.label} at t = ${time}, ${pane.label}: ${values}`;
-    element("caption").textContent = `In this picture: ${quantity.label} ${values}.`;
+    element("caption").textContent = `In this picture: ${quantity.label} ${values}. ${pane.note}`;
     markTime(t);
   }
 
@@ -204,7 +204,8 @@
       view.y -= event.movementY / box.height;
       place();
     }
-    const { lower, upper, shifts } = pictures.windows[chosen("window")];
+    const { lower, upper, shifts, in_space } = pictures.windows[chosen("window")];
+    if (in_space) return;
     const shift = shifts ? shifts[slider.value] : [0, 0];
     const [px, py] = parts(event);
     const x = shift[0] + lower[0] + ((view.x + px) / view.zoom) * (upper[0] - lower[0]);

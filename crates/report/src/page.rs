@@ -1,7 +1,7 @@
 //! The page: the data of a run, inserted into the template.
 
 use super::html::{escaped, legend_texts, script_json, short, with_digits};
-use super::pictures::{ColourMap, Encoded, Pictures, Quantity, Range};
+use super::pictures::{ColourMap, Encoded, Pictures, Quantity, Range, css};
 use super::run_files::{FailedRun, RunFiles, Status};
 use super::{axis, chart, figures, groups};
 use base64::Engine;
@@ -116,16 +116,12 @@ fn picture_panel(pictures: &Pictures) -> String {
     let quantities = pictures.quantities.iter().enumerate();
     let quantity =
         |(i, (quantity, _)): (usize, &(Quantity, Range))| radio("quantity", i, quantity.label(pictures.dimension));
-    let windows = pictures.windows.iter().enumerate().map(|(i, window)| radio("window", i, window.label));
-    let plane = pictures.height.map_or_else(String::new, |height| {
-        format!("Shown is the cut of the three-dimensional domain with the plane z = {}. ", short(height))
-    });
+    let windows = pictures.windows.iter().enumerate().map(|(i, window)| radio("window", i, &window.label));
     fill(include_str!("pictures.html"), |key| match key {
         "quantities" => quantities.clone().map(quantity).collect(),
         "windows" => windows.clone().collect(),
         "one_window" => if pictures.windows.len() == 1 { "hidden" } else { "" }.to_owned(),
         "last" => (pictures.frames.len() - 1).to_string(),
-        "plane" => plane.clone(),
         _ => String::new(),
     })
 }
@@ -166,7 +162,7 @@ fn picture_data(pictures: &Pictures) -> Value {
         json!({
             "label": quantity.label(pictures.dimension), "lower": range.lower, "upper": range.upper,
             "colours": ColourMap::css(quantity.colours()), "ticks": ticks.iter().zip(&texts).map(tick).collect::<Vec<_>>(),
-            "ground": quantity.ground(),
+            "ground": quantity.ground().map(css),
         })
     };
     let window = |(w, window): (usize, &super::pictures::Window)| {
@@ -176,7 +172,8 @@ fn picture_data(pictures: &Pictures) -> Value {
             "lower": window.extent.lower, "upper": window.extent.upper,
             "mesh": views.iter().map(|view| &view.mesh).collect::<Vec<_>>(),
             "outline": views.iter().map(|view| &view.outline).collect::<Vec<_>>(),
-            "shifts": window.follows.then(|| views.iter().map(|view| view.shift).collect::<Vec<_>>()),
+            "note": window.note, "in_space": window.camera.is_some(),
+            "shifts": window.follows.is_some().then(|| views.iter().map(|view| view.shift).collect::<Vec<_>>()),
             "pictures": (0..pictures.quantities.len()).map(|q| of_quantity(&views, q)).collect::<Vec<_>>(),
         })
     };

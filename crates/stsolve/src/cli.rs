@@ -50,6 +50,15 @@ pub enum Command {
         /// The directory of the run, or those of several.
         #[arg(required = true)]
         directories: Vec<PathBuf>,
+        /// Write no page but a movie of this field, as an animated PNG in the directory: `mach`, `vorticity`, `pressure`, `q_criterion`, ...
+        #[arg(long, value_name = "FIELD")]
+        movie: Option<String>,
+        /// The window of the movie, by its name in the page, for instance "whole domain" [default: the first one].
+        #[arg(long, value_name = "WINDOW", requires = "movie")]
+        window: Option<String>,
+        /// The Q of the surfaces that show vortices in three dimensions [default: four fifths of the integral of positive Q lie above it].
+        #[arg(long, value_name = "Q")]
+        q_level: Option<f64>,
     },
     /// Print what differs between two runs: keys of their cases, figures, curves.
     Compare {

@@ -59,7 +59,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Compare { first, second, json } => commands::compare(first, second, *json),
-        Command::Report { directories } => commands::report(directories),
+        Command::Report { directories, movie: Some(field), window, q_level } => {
+            commands::movies(directories, &report::Scenario { field, window: window.as_deref(), q_level: *q_level })
+        }
+        Command::Report { directories, q_level, .. } => commands::report(directories, *q_level),
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),

@@ -252,3 +252,34 @@ fn what_is_no_run_is_refused() {
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
     stsolve(directory.path(), &["report", "nowhere"]).expect(2, &["`nowhere` is not the directory of a run"]);
 }
+
+/// Two walls along a channel: each has a window. A movie has a frame for every step.
+#[test]
+fn every_wall_has_a_window_and_a_movie_every_step() {
+    let directory = TempDir::new().unwrap();
+    let text = r#"
+        mesh = { order = 2, generate.box = { lower = [0, 0], upper = [4, 1], cells = [4, 2] } }
+        time = { order = 1, end = 0.2, slabs = 2 }
+        [flow]
+        order = 2
+        initial.uniform = { velocity = [0.1, 0], pressure = 1 }
+        boundary = { bottom = "slip_wall", top = "slip_wall", others = { outflow = { pressure = 1 } } }
+    "#;
+    fs::write(directory.path().join("channel.toml"), text).unwrap();
+    let outcome = stsolve(directory.path(), &["run", "channel.toml", "--output", "run", "--quiet"]);
+    outcome.expect(0, &[]);
+    let page = page(directory.path());
+    let windows = data(&page)["pictures"]["windows"].clone();
+    let labels: Vec<&str> = windows.as_array().unwrap().iter().map(|w| w["label"].as_str().unwrap()).collect();
+    assert_eq!(labels, ["whole domain", "near bottom", "near top"]);
+    let outcome = stsolve(directory.path(), &["report", "run", "--movie", "mach", "--window", "near top"]);
+    outcome.expect(0, &[]);
+    assert!(outcome.stdout.starts_with("run/mach_near_top.png: ") && outcome.stdout.contains(" 3 frames, near top"));
+    let movie = fs::read(directory.path().join("run/mach_near_top.png")).unwrap();
+    // The chunk acTL: the number of frames, and for ever.
+    let control = movie.windows(4).position(|name| name == b"acTL").unwrap() + 4;
+    assert_eq!(movie[control..control + 8], [0, 0, 0, 3, 0, 0, 0, 0]);
+    stsolve(directory.path(), &["report", "run", "--movie", "much"]).expect(2, &["no pictures of `much`", "mach"]);
+    let nowhere = ["report", "run", "--movie", "mach", "--window", "nowhere"];
+    stsolve(directory.path(), &nowhere).expect(2, &["no window `nowhere`", "near bottom"]);
+}

@@ -47,7 +47,7 @@ pub use forces::Wall;
 pub use motion::{Motion, Stiffness};
 pub use parts::SolidPart;
 pub use probes::{Line, Observed, Probe, Slice};
-pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of};
+pub use resolved::{gas_of, motion_of, ratio_of_specific_heats_of, reference_pressure_of, title_of, walls_of};
 pub use sliding_mesh::{Held, constrained};
 pub use source::Source;
 pub use structure::{Largest, Structure, Support};

@@ -2,6 +2,7 @@
 
 use super::movers::Movers;
 use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
+use crate::checker::OTHERS;
 use crate::document::Document;
 use crate::error::CaseError;
 use crate::raw;
@@ -24,6 +25,21 @@ pub fn ratio_of_specific_heats_of(resolved: &str) -> Result<Option<f64>, String>
     let gamma = flow.get("gas").and_then(|gas| gas.get("gamma")).and_then(toml::Value::as_float);
     gamma.map(Some).ok_or_else(|| "it has no number `flow.gas.gamma`".to_owned())
 }
+
+/// The names among `boundaries` that are walls in a resolved case: no-slip or slip walls, no planes of symmetry. Empty without a flow.
+pub fn walls_of<'b>(resolved: &str, boundaries: &'b [String]) -> Vec<&'b str> {
+    let case: toml::Table = resolved.parse().unwrap_or_default();
+    let Some(conditions) = case.get("flow").and_then(|flow| flow.get("boundary")) else { return Vec::new() };
+    let is_wall = |name: &&str| match conditions.get(*name).or_else(|| conditions.get(OTHERS)) {
+        Some(toml::Value::String(condition)) => WALLS.contains(&&condition[..]),
+        Some(condition) => WALLS.iter().any(|wall| condition.get(wall).is_some()),
+        None => false,
+    };
+    boundaries.iter().map(String::as_str).filter(is_wall).collect()
+}
+
+/// The conditions of walls, as in [`raw::Condition`].
+const WALLS: [&str; 3] = ["adiabatic_wall", "isothermal_wall", "slip_wall"];
 
 /// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
 ///
@@ -86,5 +102,13 @@ mod tests {
         assert_eq!((title_of("[mesh]"), ratio_of_specific_heats_of("[mesh]")), (None, Ok(None)));
         assert_eq!(title_of("="), None);
         assert!(ratio_of_specific_heats_of("[flow]").is_err() && ratio_of_specific_heats_of("=").is_err());
+    }
+
+    #[test]
+    fn walls_are_told_from_other_boundaries() {
+        let text = "[flow.boundary]\nin = { inflow = {} }\nside = \"symmetry\"\nplate = \"slip_wall\"\nothers = { adiabatic_wall = {} }\n";
+        let names = ["in", "side", "plate", "blade"].map(str::to_owned);
+        assert_eq!(walls_of(text, &names), ["plate", "blade"]);
+        assert!(walls_of("[mesh]", &names).is_empty() && walls_of("=", &names).is_empty());
     }
 }

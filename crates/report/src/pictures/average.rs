@@ -44,6 +44,11 @@ pub fn present(arrays: &[&str]) -> impl Iterator<Item = Average> {
 }
 
 impl Average {
+    /// Its name: that of its array, or `turbulent_kinetic_energy`.
+    pub fn name(&self) -> &'static str {
+        if self.made_as == Made::HalfSum { "turbulent_kinetic_energy" } else { self.arrays[0] }
+    }
+
     /// Its values at the nodes of a cell, from the coefficients of the cell in each of its arrays, `[component][node]`.
     pub fn at_nodes(&self, coefficients: &[&[f64]], nodes: usize) -> Vec<f64> {
         let at = |node: usize| {

@@ -3,6 +3,11 @@
 /// A colour, red, green and blue.
 pub type Colour = [u8; 3];
 
+/// A colour as CSS.
+pub fn css([r, g, b]: Colour) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
 /// A colour map: colours at equal distances, linear in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColourMap {
@@ -63,7 +68,7 @@ impl ColourMap {
 
     /// As a CSS gradient from left to right.
     pub fn css(self) -> String {
-        let stops: Vec<String> = self.stops().iter().map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")).collect();
+        let stops: Vec<String> = self.stops().iter().copied().map(css).collect();
         format!("linear-gradient(to right,{})", stops.join(","))
     }
 }

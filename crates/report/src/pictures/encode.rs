@@ -1,6 +1,6 @@
 //! Pictures as PNG in data URIs.
 
-use super::colour::ColourMap;
+use super::colour::{Colour, ColourMap};
 use super::lines::Lines;
 use super::quantity::Range;
 use base64::Engine;
@@ -8,6 +8,12 @@ use base64::prelude::BASE64_STANDARD;
 
 /// Number of colours. A step is below what the eye can distinguish, and the files are small.
 pub const COLOURS: usize = 240;
+
+/// The number of the colour of walls in pictures of surfaces in space.
+pub const WALL: u8 = COLOURS as u8 + 1;
+
+/// The colour of walls.
+const WALL_COLOUR: Colour = [176, 176, 176];
 
 /// Colour numbers of values, `[row][column]`. 0 is transparent; 1 ..= [`COLOURS`] go from the low to the high end of the
 /// range. Values beyond the range are clamped.
@@ -22,27 +28,31 @@ pub fn colour_numbers(values: impl Iterator<Item = f32>, range: Range) -> Vec<u8
     values.map(number).collect()
 }
 
+/// The colours by their numbers. The first one is transparent.
+pub fn palette(map: ColourMap) -> Vec<Colour> {
+    let colour = |number: usize| map.at((number as f64 + 0.5) / COLOURS as f64);
+    [[0; 3]].into_iter().chain((0..COLOURS).map(colour)).chain([WALL_COLOUR]).collect()
+}
+
 /// A picture of colour numbers.
 ///
 /// # Errors
 /// Errors of the encoder; none is known to occur in memory.
 pub fn picture(width: usize, height: usize, numbers: &[u8], map: ColourMap) -> Result<String, png::EncodingError> {
-    let colour = |number: usize| map.at((number as f64 + 0.5) / COLOURS as f64);
-    let palette = [[0; 3]].into_iter().chain((0..COLOURS).map(colour)).flatten().collect();
-    uri(width, height, png::BitDepth::Eight, palette, vec![0], numbers)
+    uri(width, height, png::BitDepth::Eight, palette(map).concat(), vec![0], numbers)
 }
 
-/// Lines of one colour; thin lines are more transparent.
+/// Lines of one colour; thin lines are more transparent. `strongest` is the largest coverage.
 ///
 /// # Errors
 /// As [`picture`].
-pub fn line_layer(lines: &Lines, colour: [u8; 3]) -> Result<String, png::EncodingError> {
-    let level = |coverage: &f32| (coverage * 15.0).round() as u8;
+pub fn line_layer(lines: &Lines, colour: Colour, strongest: f64) -> Result<String, png::EncodingError> {
+    let level = |coverage: &f32| (f64::from(*coverage) / strongest * 15.0).round() as u8;
     // Two pixels per byte, the left one in the upper half; a row begins with a new byte.
     let row =
         |row: &[f32]| row.chunks(2).map(|two| level(&two[0]) << 4 | two.get(1).map_or(0, level)).collect::<Vec<_>>();
     let packed: Vec<u8> = lines.coverage.chunks_exact(lines.width).flat_map(row).collect();
-    let transparency = (0..16).map(|level| 17 * level).collect();
+    let transparency = (0..16).map(|level| (17.0 * f64::from(level) * strongest).round() as u8).collect();
     uri(lines.width, lines.height, png::BitDepth::Four, colour.repeat(16), transparency, &packed)
 }
 
@@ -99,7 +109,10 @@ mod tests {
     #[test]
     fn a_layer_is_transparent_where_no_line_is() {
         let lines = Lines { width: 3, height: 1, coverage: vec![0.0, 1.0, 0.2] };
-        let (_, pixels) = decoded(&line_layer(&lines, [1, 2, 3]).unwrap());
+        let (_, pixels) = decoded(&line_layer(&lines, [1, 2, 3], 1.0).unwrap());
         assert_eq!(pixels, [1, 2, 3, 0, 1, 2, 3, 255, 1, 2, 3, 51]);
+        let shadows = Lines { coverage: vec![0.0, 0.6, 0.12], ..lines };
+        let (_, pixels) = decoded(&line_layer(&shadows, [1, 2, 3], 0.6).unwrap());
+        assert_eq!(pixels, [1, 2, 3, 0, 1, 2, 3, 153, 1, 2, 3, 31]);
     }
 }

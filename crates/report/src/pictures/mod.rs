@@ -1,17 +1,25 @@
 //! Pictures of the fields at some of the steps of a result file, drawn from the exact coefficients.
 
 mod average;
+mod canvas;
 mod colour;
+
+mod drawn;
 mod encode;
 mod lines;
+mod movie;
+mod near_walls;
 mod quantity;
 mod raster;
 mod snapshot;
+mod space;
 mod surface;
+mod track;
 mod view;
 mod window;
 
-pub use colour::ColourMap;
+pub use colour::{ColourMap, css};
+pub use movie::{Movie, Scenario, movie};
 pub use quantity::{Quantity, Range};
 pub use window::Window;
 
@@ -36,6 +44,22 @@ pub enum PictureError {
     /// The file cannot be read.
     #[error(transparent)]
     Output(#[from] output::OutputError),
+    /// A field without pictures.
+    #[error("there are no pictures of `{name}`; accepted: {}", accepted.join(", "))]
+    NoField {
+        /// The name.
+        name: String,
+        /// The names of all fields with pictures.
+        accepted: Vec<&'static str>,
+    },
+    /// A window that the pictures do not have.
+    #[error("there is no window `{name}`; accepted: {}", accepted.join(", "))]
+    NoWindow {
+        /// The name.
+        name: String,
+        /// The names of all windows.
+        accepted: Vec<String>,
+    },
     /// A picture cannot be encoded.
     #[error("a picture cannot be encoded: {0}")]
     Png(#[from] png::EncodingError),
@@ -54,8 +78,6 @@ const PREVIEW_PIXELS: f64 = 12e3;
 pub struct Pictures {
     /// 2 or 3.
     pub dimension: usize,
-    /// In three dimensions the height z of the plane that is shown.
-    pub height: Option<f64>,
     /// The quantities, and the ranges of their colours.
     pub quantities: Vec<(Quantity, Range)>,
     /// The displayed parts of the plane.
@@ -100,37 +122,37 @@ impl Encoded {
     }
 }
 
-/// Draws the pictures of a result file.
+/// Draws the pictures of a result file, with surfaces of the Q criterion at `q_level`, if it is given.
 ///
 /// # Errors
 /// A file without the data for pictures.
-pub fn draw(reader: &ResultReader) -> Result<Pictures, PictureError> {
+pub fn draw(reader: &ResultReader, q_level: Option<f64>) -> Result<Pictures, PictureError> {
     if reader.times.is_empty() {
         return Err(PictureError::NoStep);
     }
     match reader.layout.grid.dimension {
-        2 => draw_in::<2, 4>(reader),
-        _ => draw_in::<3, 5>(reader),
+        2 => draw_in::<2, 4>(reader, q_level),
+        _ => draw_in::<3, 5>(reader, q_level),
     }
 }
 
-fn draw_in<const D: usize, const M: usize>(reader: &ResultReader) -> Result<Pictures, PictureError> {
+fn draw_in<const D: usize, const M: usize>(
+    reader: &ResultReader,
+    q_level: Option<f64>,
+) -> Result<Pictures, PictureError> {
     let scheme = Scheme::<D>::new(reader, gas(reader)?).ok_or(PictureError::NoMesh)?;
     let steps = chosen(reader.times.len(), MOST_STEPS);
     let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
-    let view = View::<D>::new(reader, &snapshots);
+    let view = View::<D>::new::<M>(reader, &snapshots, q_level);
     let quantities = ranges::<D, M>(scheme.quantities(), &view, &snapshots);
-    let draw = |(k, snapshot): (usize, &Snapshot<D>)| {
-        let at = |window: &Window| {
-            let (window, shift) = view.window(window, k);
-            view.encode::<M>(snapshot, (&window, shift), &quantities)
-        };
-        view.windows.iter().map(at).collect()
+    let draw = |snapshot: &Snapshot<D>| {
+        let drawn = view.draw::<M>(snapshot, &view.windows, &quantities);
+        drawn.iter().map(|(drawn, shift)| drawn.encode(&quantities, *shift)).collect()
     };
-    let views = snapshots.par_iter().enumerate().map(draw).collect::<Result<Vec<Vec<Encoded>>, _>>()?;
+    let views = snapshots.par_iter().map(draw).collect::<Result<Vec<Vec<Encoded>>, _>>()?;
     let frame = |(&step, views)| Frame { step, time: reader.times[step], views };
     let frames = thinned(steps.iter().zip(views).map(frame).collect());
-    Ok(Pictures { dimension: D, height: view.height, quantities, windows: view.windows, frames })
+    Ok(Pictures { dimension: D, quantities, windows: view.windows, frames })
 }
 
 /// `most` of `count` steps at equal distances, the first and the last among them.

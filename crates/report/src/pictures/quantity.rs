@@ -1,7 +1,7 @@
 //! The quantities of the pictures, and their colours.
 
 use super::average::{self, Average};
-use super::colour::ColourMap;
+use super::colour::{Colour, ColourMap};
 use case::Field;
 
 /// A displayed quantity.
@@ -43,6 +43,22 @@ impl Quantity {
         present.chain(average::present(arrays).map(Quantity::Average)).collect()
     }
 
+    /// The quantities of movies: those of the page, and fields that take too much of its room.
+    pub fn of_movies(has_flow: bool, arrays: &[&str]) -> Vec<Quantity> {
+        let more = [Field::QCriterion, Field::Entropy, Field::TotalPressure].map(Quantity::Flow);
+        Quantity::of(has_flow, arrays).into_iter().chain(more.into_iter().filter(|_| has_flow)).collect()
+    }
+
+    /// Its name on the command line: that of the field in a case or of the average in the result file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Flow(field) => field.components(2)[0],
+            Quantity::Jacobian => "jacobian",
+            Quantity::ScaledJacobian => "scaled_jacobian",
+            Quantity::Average(average) => average.name(),
+        }
+    }
+
     /// Its name in the page.
     pub fn label(self, dimension: usize) -> &'static str {
         match self {
@@ -77,8 +93,8 @@ impl Quantity {
     }
 
     /// The colour behind its picture, if the page's own looks like a colour of the picture.
-    pub fn ground(self) -> Option<&'static str> {
-        (self.colours() == ColourMap::Diverging).then_some("#a9b1b8")
+    pub fn ground(self) -> Option<Colour> {
+        (self.colours() == ColourMap::Diverging).then_some([0xa9, 0xb1, 0xb8])
     }
 
     /// The range of colours for the values in the pictures. A few values at the ends are left out, so that one corner does
@@ -132,5 +148,17 @@ mod tests {
         assert!(upper - lower > 3.9e-5, "{lower} {upper}");
         let Range { lower, upper } = Quantity::Flow(Field::Mach).range(vec![]);
         assert!((lower + 1e-10).abs() < 1e-20 && (upper - 1e-10).abs() < 1e-20, "{lower} {upper}");
+    }
+
+    #[test]
+    fn names_on_the_command_line_are_distinct() {
+        let arrays = ["mean_velocity", "reynolds_stress_xx", "reynolds_stress_xy", "rms_pressure"];
+        let mut names: Vec<&str> = Quantity::of_movies(true, &arrays).into_iter().map(Quantity::name).collect();
+        let count = names.len();
+        assert!(names.contains(&"mach") && names.contains(&"q_criterion") && names.contains(&"mean_velocity"));
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count, "{names:?}");
+        assert!(Quantity::of_movies(false, &[]).into_iter().all(|quantity| quantity.name().contains("jacobian")));
     }
 }

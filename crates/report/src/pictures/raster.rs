@@ -105,7 +105,7 @@ fn within(b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Twice the signed area of a triangle.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+pub fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 

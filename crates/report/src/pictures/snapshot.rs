@@ -5,7 +5,7 @@ use super::quantity::Quantity;
 use crate::fields::{self, CellSample, Medium};
 use case::Field;
 use fem::Sampler;
-use navier_stokes::Gas;
+use navier_stokes::{Gas, Primitive};
 use output::{OutputError, ResultReader};
 
 /// Numbers of parts into which the reference cell may be cut along each axis.
@@ -92,6 +92,16 @@ impl<const D: usize> Scheme<D> {
         &self.quantities
     }
 
+    /// The same scheme with other quantities.
+    pub fn showing(self, quantities: Vec<Quantity>) -> Self {
+        Scheme { quantities, ..self }
+    }
+
+    /// Whether `cell` is one of the flow.
+    fn has_flow(&self, cell: usize) -> bool {
+        self.flow.is_some() && (cell + 1) * D * self.mesh_nodes <= self.rest.len()
+    }
+
     fn nodes<'b>(&self, positions: &'b [f64], cell: usize) -> &'b [f64] {
         &positions[cell * D * self.mesh_nodes..][..D * self.mesh_nodes]
     }
@@ -113,6 +123,67 @@ impl<const D: usize> Snapshot<'_, D> {
     /// The entry of [`PARTS`] for a cell of length `pixels`.
     pub fn fineness(pixels: f64) -> usize {
         PARTS.iter().position(|&parts| parts as f64 * PIXELS_PER_PART >= pixels).unwrap_or(PARTS.len() - 1)
+    }
+
+    /// The number of cells.
+    pub fn cells(&self) -> usize {
+        self.position.len() / (D * self.scheme.mesh_nodes)
+    }
+
+    /// The number of displayed quantities.
+    pub fn quantities(&self) -> usize {
+        self.scheme.quantities.len()
+    }
+
+    /// The largest sum of velocity and speed of sound at a node of the flow.
+    pub fn fastest_wave<const M: usize>(&self) -> f64 {
+        let gas = &self.scheme.gas;
+        let speed = |u: &[f64; M]| {
+            let at = Primitive::<f64, D>::unpack(gas, u);
+            tensor::norm(&at.velocity) + gas.sound_speed(at.density, at.pressure)
+        };
+        let nodes = self.scheme.flow.map_or(1, |(nodes, _)| nodes);
+        let of_cell = |u: &[f64]| {
+            let at = |node: usize| speed(&std::array::from_fn(|m| u[m * nodes + node]));
+            (0..nodes).map(at).fold(0.0, f64::max)
+        };
+        (0..self.cells()).filter_map(|cell| self.state(cell)).map(of_cell).fold(0.0, f64::max)
+    }
+
+    /// The first entry of [`PARTS`] with as many parts as a cell has nodes per direction.
+    pub fn fineness_of_order(&self) -> usize {
+        Self::with_parts(self.order())
+    }
+
+    /// The finest entry of [`PARTS`] for pictures, whatever their pixels. In three dimensions a cell of 64 parts has more than a million
+    /// tetrahedra, so it has at most the fewest parts that are four for each node.
+    pub fn finest(&self) -> usize {
+        if D == 2 { PARTS.len() - 1 } else { Self::with_parts(4 * self.order()) }
+    }
+
+    fn with_parts(least: usize) -> usize {
+        PARTS.iter().position(|&parts| parts >= least).unwrap_or(PARTS.len() - 1)
+    }
+
+    /// Nodes per direction of the flow, or of the mesh if there is none.
+    fn order(&self) -> usize {
+        let nodes = self.scheme.flow.map_or(0, |(nodes, _)| nodes).max(self.scheme.mesh_nodes);
+        (nodes as f64).powf(1.0 / D as f64).round() as usize
+    }
+
+    /// The Q criterion at the points of a cell, from the coefficients of the flow; `None` for a cell without a flow. M = D + 2.
+    pub fn q_criterion<const M: usize>(&self, cell: usize, fineness: usize) -> Option<Vec<f64>> {
+        let (scheme, sampler) = (self.scheme, &self.scheme.samplers[fineness]);
+        let u = self.state(cell).filter(|_| scheme.has_flow(cell))?;
+        let gradients = sampler.gradients(u, scheme.nodes(&self.position, cell));
+        let state = &sampler.state(u)[..];
+        let sample = CellSample { state, gradients: &gradients, ..CellSample::of_points(sampler.points()) };
+        Some(of_flow::<D, M>(Quantity::Flow(Field::QCriterion), &scheme.gas, &sample))
+    }
+
+    /// det J at the points of a cell.
+    pub fn determinants(&self, cell: usize, fineness: usize) -> Vec<f64> {
+        self.scheme.samplers[fineness].determinants(self.scheme.nodes(&self.position, cell))
     }
 
     /// The positions of a cell, cut into `PARTS[fineness]` parts along each axis.
@@ -163,7 +234,7 @@ impl<const D: usize> Snapshot<'_, D> {
     fn state(&self, cell: usize) -> Option<&[f64]> {
         let (nodes, per_cell) = self.scheme.flow?;
         let last = (D + 2) * nodes;
-        Some(&self.flow[(cell + 1) * per_cell - last..][..last])
+        self.flow.get((cell + 1) * per_cell - last..)?.get(..last)
     }
 }
 

@@ -1,17 +1,18 @@
 //! The view of a run: its windows, and the pictures in them.
 
-use super::encode::{colour_numbers, line_layer, picture};
+use super::drawn::{Drawn, extremes};
+use super::encode::colour_numbers;
 use super::lines::Lines;
+use super::near_walls::{Wall, windows};
 use super::quantity::{Quantity, Range};
 use super::raster::Raster;
 use super::snapshot::{PARTS, Snapshot};
+use super::space::Space;
 use super::surface::{face_lines, surface};
-use super::window::{Extent, Window, bodies, following, windows};
-use super::{Encoded, Picture};
+use super::window::{Extent, Window};
+use crate::html::short;
 use output::ResultReader;
 
-/// Edges of cells.
-const MESH_COLOUR: [u8; 3] = [0, 0, 0];
 /// Boundaries: visible on light and on dark backgrounds.
 const OUTLINE_COLOUR: [u8; 3] = [110, 110, 110];
 
@@ -23,55 +24,44 @@ const OUTLINE: f64 = 1.8;
 /// black.
 const WIDE_CELL: f64 = 14.0;
 
-/// Bodies that move by less than this part of their length do not need a window that moves with them.
-const VISIBLE: f64 = 0.02;
-
 /// The view of a run.
 pub struct View<const D: usize> {
     /// The windows.
     pub windows: Vec<Window>,
     /// In three dimensions: the plane z = height that is shown.
     pub height: Option<f64>,
-    /// The translation of the bodies at each snapshot, since the first.
-    shifts: Vec<[f64; 2]>,
     /// The faces of each cell that lie on a boundary.
     boundary_faces: Vec<Vec<usize>>,
+    /// The pictures of surfaces in space, if there are some.
+    space: Option<Space>,
 }
 
 impl<const D: usize> View<D> {
-    /// Chooses the windows such that they show all snapshots.
-    pub fn new(reader: &ResultReader, snapshots: &[Snapshot<D>]) -> Self {
+    /// Chooses the windows such that they show all snapshots. `q_level` is the Q of the surfaces in space, if it is given.
+    pub fn new<const M: usize>(reader: &ResultReader, snapshots: &[Snapshot<D>], q_level: Option<f64>) -> Self {
         let mesh = &reader.metadata.mesh;
         let cells = reader.layout.grid.cells;
         let mut boundary_faces = vec![Vec::new(); cells];
-        let mut boundaries = vec![Extent::EMPTY; mesh.boundary_names.len()];
-        let facets: Vec<[usize; 3]> = mesh.boundary_facets.iter().map(|facet| facet.map(|i| i as usize)).collect();
-        for &[cell, face, boundary] in &facets {
-            boundary_faces[cell].push(face);
-            for snapshot in snapshots {
-                boundaries[boundary] = boundaries[boundary].union(face_box(snapshot, cell, face));
-            }
-        }
+        mesh.boundary_facets.iter().for_each(|&[cell, face, _]| boundary_faces[cell as usize].push(face as usize));
         let corners = |snapshot: &Snapshot<D>| (0..cells).flat_map(|cell| snapshot.cell_box(cell)).collect::<Vec<_>>();
         let corners: Vec<[f64; D]> = snapshots.iter().flat_map(corners).collect();
         let domain = Extent::of(corners.iter().map(|x| [x[0], x[1]]));
-        let bodies = bodies(domain, &boundaries);
-        let near = bodies.iter().fold(Extent::EMPTY, |near, &body| near.union(boundaries[body]));
-        let facets: Vec<[usize; 2]> = facets
-            .iter()
-            .filter(|[.., boundary]| bodies.contains(boundary))
-            .map(|&[cell, face, _]| [cell, face])
-            .collect();
-        let (shifts, following) = follow(snapshots, &facets);
-        let mut windows = windows(domain, near);
-        let whole = windows.len() - 1;
-        windows.splice(whole..whole, following);
-        View { windows, shifts, height: middle(&corners), boundary_faces }
+        let height = middle(&corners);
+        let (walls, known) = walls(reader, snapshots, height);
+        let mut windows = windows(domain, &walls, known, snapshots);
+        if let Some(height) = height {
+            let note =
+                format!("Shown is the cut of the three-dimensional domain with the plane z = {}.", short(height));
+            windows.iter_mut().for_each(|window| window.note.clone_from(&note));
+        }
+        let space = Space::new::<D, M>(reader, snapshots, q_level);
+        windows.extend(space.iter().flat_map(|space| space.windows.iter().cloned()));
+        View { windows, height, boundary_faces, space }
     }
 
     /// A window at a snapshot, and how far it has moved.
-    pub fn window(&self, window: &Window, snapshot: usize) -> (Window, [f64; 2]) {
-        let by = if window.follows { self.shifts[snapshot] } else { [0.0; 2] };
+    fn window(&self, window: &Window, snapshot: &Snapshot<D>) -> (Window, [f64; 2]) {
+        let by = window.follows.as_ref().map_or([0.0; 2], |track| track.shift(snapshot));
         (window.shifted(by), by)
     }
 
@@ -87,29 +77,43 @@ impl<const D: usize> View<D> {
         raster.unwrap_or_else(|| Raster::new(window, 1))
     }
 
-    /// The pictures in a window.
-    ///
-    /// # Errors
-    /// As [`picture`].
-    pub fn encode<const M: usize>(
+    /// The pictures of the plane in a window.
+    fn draw_plane<const M: usize>(
         &self,
         snapshot: &Snapshot<D>,
-        (window, shift): (&Window, [f64; 2]),
+        window: &Window,
         quantities: &[(Quantity, Range)],
-    ) -> Result<Encoded, png::EncodingError> {
+    ) -> Drawn {
         let raster = self.raster::<M>(snapshot, window);
-        let encode = |(q, (quantity, range)): (usize, &(Quantity, Range))| -> Result<Picture, png::EncodingError> {
-            let numbers = colour_numbers(raster.of(q), *range);
-            let uri = picture(raster.width, raster.height, &numbers, quantity.colours())?;
-            Ok(Picture { uri, extremes: extremes(raster.of(q)) })
-        };
+        let numbers = |(q, (_, range)): (usize, &(Quantity, Range))| colour_numbers(raster.of(q), *range);
         let (mesh, outline) = self.lines(snapshot, window);
-        Ok(Encoded {
-            pictures: quantities.iter().enumerate().map(encode).collect::<Result<_, _>>()?,
-            mesh: line_layer(&mesh, MESH_COLOUR)?,
-            outline: line_layer(&outline, OUTLINE_COLOUR)?,
-            shift,
-        })
+        Drawn {
+            numbers: quantities.iter().enumerate().map(numbers).collect(),
+            extremes: (0..quantities.len()).map(|q| extremes(raster.of(q))).collect(),
+            mesh,
+            outline,
+            outline_colour: OUTLINE_COLOUR,
+            strongest: 1.0,
+        }
+    }
+
+    /// The pictures of a snapshot in some of the windows, and how far each window has moved. M = D + 2.
+    pub fn draw<const M: usize>(
+        &self,
+        snapshot: &Snapshot<D>,
+        windows: &[Window],
+        quantities: &[(Quantity, Range)],
+    ) -> Vec<(Drawn, [f64; 2])> {
+        let in_space = windows.iter().any(|window| window.camera.is_some());
+        let scene = self.space.as_ref().filter(|_| in_space).map(|space| space.scene::<D, M>(snapshot));
+        let draw = |window: &Window| match (&window.camera, &scene) {
+            (Some(camera), Some(scene)) => (scene.draw(window, camera, quantities), [0.0; 2]),
+            _ => {
+                let (window, shift) = self.window(window, snapshot);
+                (self.draw_plane::<M>(snapshot, &window, quantities), shift)
+            }
+        };
+        windows.iter().map(draw).collect()
     }
 
     /// The edges of the cells, and the edges on a boundary.
@@ -140,30 +144,10 @@ impl<const D: usize> View<D> {
             let in_plane = |z: f64| lower[D - 1] - bulge <= z && z <= upper[D - 1] + bulge;
             let inside = !cell_box.grown([bulge; 2]).intersection(window.extent).is_empty();
             (inside && self.height.is_none_or(in_plane))
-                .then(|| (cell, Snapshot::<D>::fineness(cell_box.length() * window.scale())))
+                .then(|| (cell, Snapshot::<D>::fineness(cell_box.length() * window.scale()).min(snapshot.finest())))
         };
         (0..self.boundary_faces.len()).filter_map(seen).collect()
     }
-}
-
-/// How far the faces of bodies have moved at each snapshot, and a window that moves with them, if they move visibly.
-fn follow<const D: usize>(snapshots: &[Snapshot<D>], facets: &[[usize; 2]]) -> (Vec<[f64; 2]>, Option<Window>) {
-    let boxes =
-        |snapshot: &Snapshot<D>| facets.iter().map(|&[cell, face]| face_box(snapshot, cell, face)).collect::<Vec<_>>();
-    let centre = |boxes: &[Extent]| {
-        let sum = |i: usize| boxes.iter().map(|face| 0.5 * (face.lower[i] + face.upper[i])).sum::<f64>();
-        [0, 1].map(|i| sum(i) / boxes.len() as f64)
-    };
-    let boxes: Vec<Vec<Extent>> = snapshots.iter().map(boxes).collect();
-    let centres: Vec<[f64; 2]> = boxes.iter().map(|boxes| centre(boxes)).collect();
-    let shifts: Vec<[f64; 2]> = centres.iter().map(|c| [c[0] - centres[0][0], c[1] - centres[0][1]]).collect();
-    let back = |(faces, by): (&Vec<Extent>, &[f64; 2])| {
-        faces.iter().fold(Extent::EMPTY, |all, face| all.union(face.shifted([-by[0], -by[1]])))
-    };
-    let at_first = boxes.iter().zip(&shifts).map(back).fold(Extent::EMPTY, Extent::union);
-    let farthest = shifts.iter().map(|by| by[0].hypot(by[1])).fold(0.0, f64::max);
-    let moves = !facets.is_empty() && farthest > VISIBLE * at_first.length();
-    (shifts, moves.then(|| following(at_first)))
 }
 
 /// In three dimensions the middle of the z of `corners`, slightly shifted. On the faces of cells it would be arbitrary which
@@ -174,10 +158,18 @@ fn middle<const D: usize>(corners: &[[f64; D]]) -> Option<f64> {
     (D == 3).then_some(lower + 0.501 * (upper - lower))
 }
 
-/// The box around a face.
-fn face_box<const D: usize>(snapshot: &Snapshot<D>, cell: usize, face: usize) -> Extent {
-    let points = snapshot.points(cell, 0);
-    Extent::of(mesh::face_nodes(D, PARTS[0] + 1, face).into_iter().map(|node| [points[node][0], points[node][1]]))
+/// The walls that the plane z = `height` meets, or all boundaries if the case does not tell the walls; whether it does.
+fn walls<const D: usize>(reader: &ResultReader, snapshots: &[Snapshot<D>], height: Option<f64>) -> (Vec<Wall>, bool) {
+    let metadata = &reader.metadata;
+    let names = &metadata.mesh.boundary_names;
+    let known = case::walls_of(&metadata.case_text, names);
+    let chosen = |index: &usize| known.is_empty() || known.contains(&&names[*index][..]);
+    let facets = |index: usize| -> Vec<[usize; 2]> {
+        let of_wall = metadata.mesh.boundary_facets.iter().filter(|facet| facet[2] as usize == index);
+        of_wall.map(|&[cell, face, _]| [cell as usize, face as usize]).collect()
+    };
+    let wall = |index: usize| Wall::new(&names[index], facets(index), snapshots, height);
+    ((0..names.len()).filter(chosen).map(wall).collect(), !known.is_empty())
 }
 
 /// The smallest distance between the centres of opposite faces, projected to the plane.
@@ -195,12 +187,4 @@ fn thickness<const D: usize>(points: &[[f64; D]]) -> f64 {
     let distances = (0..D).map(distance);
     let longest = distances.clone().fold(0.0, f64::max);
     distances.filter(|distance| *distance > 1e-6 * longest).fold(longest, f64::min)
-}
-
-fn extremes(values: impl Iterator<Item = f32>) -> Option<[f32; 2]> {
-    let extend = |range: Option<[f32; 2]>, value: f32| {
-        let [lower, upper] = range.unwrap_or([value; 2]);
-        Some([lower.min(value), upper.max(value)])
-    };
-    values.filter(|value| value.is_finite()).fold(None, extend)
 }

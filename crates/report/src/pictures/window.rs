@@ -1,5 +1,8 @@
 //! Windows: the displayed part of the plane, and its number of pixels.
 
+use super::space::Camera;
+use super::track::Track;
+
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
@@ -42,6 +45,11 @@ impl Extent {
         [self.upper[0] - self.lower[0], self.upper[1] - self.lower[1]]
     }
 
+    /// The point in the middle.
+    pub fn centre(&self) -> [f64; 2] {
+        [0, 1].map(|i| 0.5 * (self.lower[i] + self.upper[i]))
+    }
+
     /// The longer edge.
     pub fn length(&self) -> f64 {
         self.size()[0].max(self.size()[1])
@@ -70,15 +78,19 @@ impl Extent {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
     /// Its name in the page.
-    pub label: &'static str,
-    /// The part of the plane.
+    pub label: String,
+    /// The part of the plane, or of the plane of projection of `camera`.
     pub extent: Extent,
     /// Pixels per row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Whether it moves with the bodies; then `extent` is that of the first picture.
-    pub follows: bool,
+    /// The faces that it moves with; then `extent` is that of the first picture.
+    pub follows: Option<Track>,
+    /// The direction of a picture of surfaces in space; `None` for a picture of the plane.
+    pub camera: Option<Camera>,
+    /// What its pictures show, as a sentence for the page.
+    pub note: String,
 }
 
 /// The largest ratio of width and height of a picture, either way.
@@ -86,8 +98,8 @@ const MOST_ELONGATED: f64 = 3.0;
 
 impl Window {
     /// A window on `extent` of about `pixels` pixels, widened if it would be too elongated.
-    pub fn new(label: &'static str, extent: Extent, pixels: f64) -> Self {
-        let centre = [0, 1].map(|i| 0.5 * (extent.lower[i] + extent.upper[i]));
+    pub fn new(label: &str, extent: Extent, pixels: f64) -> Self {
+        let centre = extent.centre();
         let least = extent.length().max(f64::MIN_POSITIVE) / MOST_ELONGATED;
         let size = extent.size().map(|edge| edge.max(least));
         let pixel = (size[0] * size[1] / pixels).sqrt();
@@ -97,7 +109,8 @@ impl Window {
             lower: [centre[0] - half[0], centre[1] - half[1]],
             upper: [centre[0] + half[0], centre[1] + half[1]],
         };
-        Window { label, extent, width: width as usize, height: height as usize, follows: false }
+        let (label, note) = (label.to_owned(), String::new());
+        Window { label, extent, width: width as usize, height: height as usize, follows: None, camera: None, note }
     }
 
     /// The same window elsewhere.
@@ -107,7 +120,8 @@ impl Window {
 
     /// The same part of the plane in about `pixels` pixels.
     pub fn with_pixels(&self, pixels: f64) -> Self {
-        Window::new(self.label, self.extent, pixels)
+        let Window { extent, width, height, .. } = Window::new(&self.label, self.extent, pixels);
+        Window { extent, width, height, ..self.clone() }
     }
 
     /// Pixels per length.
@@ -122,68 +136,9 @@ impl Window {
     }
 }
 
-/// Pixels of a picture of the bodies, of the whole domain beside it, and of the domain if there are no bodies.
-const PIXELS: [f64; 3] = [420e3, 160e3, 420e3];
-
-/// A boundary shorter than this fraction of the domain is a body in it.
-const BODY: f64 = 0.5;
-
-/// The margins around the bodies as fractions of their length; larger at the sides, because screens are wide.
-const MARGIN: [f64; 2] = [0.9, 0.45];
-
-/// The boundaries that are bodies in a domain, given their boxes.
-pub fn bodies(domain: Extent, boundaries: &[Extent]) -> Vec<usize> {
-    let is_body = |boundary: &Extent| !boundary.is_empty() && boundary.length() < BODY * domain.length();
-    let bodies: Vec<usize> = (0..boundaries.len()).filter(|&boundary| is_body(&boundaries[boundary])).collect();
-    let all = bodies.iter().fold(Extent::EMPTY, |all, &body| all.union(boundaries[body]));
-    if all.length() > BODY * domain.length() { Vec::new() } else { bodies }
-}
-
-/// The windows on a domain with bodies in the box `near`: close to them, if there are some, and the whole.
-pub fn windows(domain: Extent, near: Extent) -> Vec<Window> {
-    if near.is_empty() {
-        return vec![Window::new("whole domain", domain, PIXELS[2])];
-    }
-    let near = around(near).intersection(domain);
-    vec![Window::new("near the walls", near, PIXELS[0]), Window::new("whole domain", domain, PIXELS[1])]
-}
-
-/// The window that moves with bodies in the box `bodies` at the first picture.
-pub fn following(bodies: Extent) -> Window {
-    Window { follows: true, ..Window::new("moving with the walls", around(bodies), PIXELS[0]) }
-}
-
-fn around(bodies: Extent) -> Extent {
-    bodies.grown(MARGIN.map(|part| part * bodies.length()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn of(domain: Extent, boundaries: &[Extent]) -> Vec<Window> {
-        let near = bodies(domain, boundaries).into_iter().fold(Extent::EMPTY, |all, body| all.union(boundaries[body]));
-        windows(domain, near)
-    }
-
-    fn square(half: f64) -> Extent {
-        Extent { lower: [-half; 2], upper: [half; 2] }
-    }
-
-    #[test]
-    fn a_body_in_a_wide_domain_is_not_a_dot() {
-        let body = Extent { lower: [0.0, -0.06], upper: [1.0, 0.06] };
-        let found = of(square(100.0), &[square(100.0), body]);
-        assert_eq!(found.iter().map(|window| window.label).collect::<Vec<_>>(), ["near the walls", "whole domain"]);
-        let [chord, total] = [1.0 * found[0].scale(), found[0].width as f64];
-        assert!(chord > 0.3 * total, "{chord} of {total} pixels");
-    }
-
-    #[test]
-    fn walls_around_the_domain_are_no_bodies() {
-        let bottom = Extent { lower: [-1.0, -1.0], upper: [1.0, -1.0] };
-        assert_eq!(of(square(1.0), &[bottom, square(1.0)]).len(), 1);
-    }
 
     #[test]
     fn pixels_are_square_and_a_strip_is_widened() {

@@ -11,7 +11,7 @@ mod table;
 pub use check::check;
 pub use compare::compare;
 pub use info::info;
-pub use report::report;
+pub use report::{movies, report};
 pub use run::{motion, run};
 
 use crate::cli::Arguments;

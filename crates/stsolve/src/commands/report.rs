@@ -1,27 +1,46 @@
 //! `stsolve report`
 
 use super::print;
-use report::ReportError;
+use report::{ReportError, Scenario};
 use simulation::Failure;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Writes the page of the run in a directory, or that of the runs in several `directories`, and prints its path.
+/// Writes the page of the run in a directory, with surfaces of the Q criterion at a level if it is given, or that of the runs in several
+/// `directories`, and prints its path.
 ///
 /// # Errors
 /// A directory without a run; a page that cannot be written.
-pub fn report(directories: &[PathBuf]) -> Result<(), Failure> {
+pub fn report(directories: &[PathBuf], q_level: Option<f64>) -> Result<(), Failure> {
     let page = match directories {
-        [directory] => report::write(directory),
+        [directory] => report::write_at(directory, q_level),
         several => report::write_comparison(several),
     };
-    let page = page.map_err(|error| match error {
-        ReportError::Output(error) => error.into(),
-        error @ ReportError::NoRun { .. } => Failure::bad_input(error),
-    })?;
+    let page = page.map_err(failure)?;
     let shown = match &page.pictures {
         Ok(steps) => format!("pictures at {steps} of the steps"),
         Err(_) if directories.len() > 1 => format!("the curves of {} runs", directories.len()),
         Err(reason) => format!("no pictures: {reason}"),
     };
     print(&format!("{}: {:.1} MB, {shown}", page.path.display(), page.bytes as f64 / 1e6))
+}
+
+/// Writes a movie into the directory of each run, and prints its path.
+///
+/// # Errors
+/// A directory without a run or a result; an unknown field or window; a movie that cannot be written.
+pub fn movies(directories: &[PathBuf], scenario: &Scenario) -> Result<(), Failure> {
+    directories.iter().try_for_each(|directory| movie(directory, scenario))
+}
+
+fn movie(directory: &Path, scenario: &Scenario) -> Result<(), Failure> {
+    let movie = report::write_movie(directory, scenario).map_err(failure)?;
+    let size = movie.bytes as f64 / 1e6;
+    print(&format!("{}: {size:.1} MB, {} frames, {}", movie.path.display(), movie.frames, movie.window))
+}
+
+fn failure(error: ReportError) -> Failure {
+    match error {
+        ReportError::Output(error) => error.into(),
+        error @ (ReportError::NoRun { .. } | ReportError::NoMovie(_)) => Failure::bad_input(error),
+    }
 }
