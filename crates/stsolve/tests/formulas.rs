@@ -243,3 +243,73 @@ fn a_sponge_absorbs_a_pulse_of_sound() {
     println!("reflected part of the pulse: {hard:.3} without a sponge, {soft:.2e} with it");
     assert!((hard - 1.0).abs() < 0.05 && soft < 1e-2 * hard, "{hard}, {soft:e}");
 }
+
+/// A channel at rest in which a control makes the mean velocity 1. The force then is 3 mu u / h^2 with mu = 0.01 and h = 1.
+const DRIVEN: &str = r#"
+[mesh]
+order = 2
+generate.channel = { extent = [1, 2], cells = [1, 3], periodic = true }
+[flow]
+order = 4
+source = { acceleration = ["force", 0] }
+initial = { expression = { density = 1, velocity = [0, 0], pressure = "100/1.4" } }
+reference = { density = 1, speed = 1, pressure = "100/1.4", length = 1 }
+gas = { gamma = 1.4, prandtl = 0.72, gas_constant = "100/1.4", viscosity = { constant = 0.01 } }
+[flow.boundary]
+bottom = { isothermal_wall = { temperature = 1 } }
+top = { isothermal_wall = { temperature = 1 } }
+[controls.force]
+measure = "momentum_x"
+rate = "0.1*(2 - measured)"
+[output]
+integrals = ["momentum_x"]
+[time]
+order = 2
+end = 400
+step = 0.5
+"#;
+
+#[test]
+fn a_control_finds_the_force_of_a_mass_flow() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), DRIVEN, &[], "run");
+    let last = |name: &str| *column(&directory.path().join("run"), name).last().unwrap();
+    let (momentum, force) = (last("momentum_x"), last("control_force"));
+    assert!((momentum - 2.0).abs() < 1e-3 && (force - 0.03).abs() < 3e-4, "{momentum} {force}");
+}
+
+#[test]
+fn a_control_has_the_same_bits_after_a_resume() {
+    let directory = TempDir::new().unwrap();
+    run(directory.path(), DRIVEN, &["time.end=40"], "whole");
+    run(directory.path(), DRIVEN, &["time.end=17"], "parts");
+    let resumed = ["run", "case.toml", "--quiet", "--output", "parts", "--resume", "--set", "time.end=40"];
+    stsolve(directory.path(), &resumed).expect(0, &[]);
+    let history = |run: &str| std::fs::read_to_string(directory.path().join(run).join("history.csv")).unwrap();
+    assert_eq!(history("whole"), history("parts"));
+}
+
+/// Two controls give the outflow the pressure of a wave that leaves.
+#[test]
+fn controls_let_a_pulse_of_sound_leave() {
+    let directory = TempDir::new().unwrap();
+    let controls = "[controls.now]\nmeasure = \"right_mass_flow\"\nrate = \"(measured - value)/0.2\"\n[controls.slow]\nmeasure = \
+                    \"right_mass_flow\"\nrate = \"(measured - value)/20\"\n";
+    let set = ["flow.boundary.right={ outflow = { pressure = \"p + (now - slow)/0.5\" } }"];
+    run(directory.path(), &format!("{PULSE}{controls}"), &set, "run");
+    let [t, pressure] = ["t", "behind_pressure"].map(|name| column(&directory.path().join("run"), name));
+    let late = t.iter().zip(pressure).filter(|(t, _)| **t > 8.0);
+    let returned = late.map(|(_, p)| (1.4 * p - 1.0).abs() / 1.4e-3).fold(0.0, f64::max);
+    println!("reflected part of the pulse with controls: {returned:.3}");
+    assert!(returned < 0.1, "{returned}");
+}
+
+#[test]
+fn a_control_of_an_unknown_column_is_refused() {
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), DRIVEN).unwrap();
+    for command in ["check", "run"] {
+        let arguments = [command, "case.toml", "--set", "controls.force.measure=\"flow_rate\""];
+        stsolve(directory.path(), &arguments).expect(2, &["controls.force.measure", "flow_rate", "momentum_x"]);
+    }
+}

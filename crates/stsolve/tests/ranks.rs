@@ -201,3 +201,14 @@ fn a_full_disk_ends_all_ranks_with_the_same_message_and_the_last_good_state() {
     run(1, 1, "vortex", &changes(&VORTEX), &directory.path().join("whole"), Existing::Keep);
     assert_same_bits(&directory.path().join("whole"), &directory.path().join("3"), "resumed after a full disk");
 }
+
+/// All ranks hear the number of a control before each slab.
+#[test]
+fn a_control_has_the_same_bits_on_any_number_of_ranks() {
+    let controlled = [
+        "flow.source={acceleration=[\"force\",0]}",
+        "controls.force={measure=\"momentum_x\",rate=\"0.5 - measured\"}",
+        "output.integrals=[\"momentum_x\"]",
+    ];
+    assert_ranks_leave_no_trace("vortex", &[&VORTEX[..], &controlled].concat());
+}

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 mod bad_input;
 mod bodies;
 mod continuation;
+mod controls;
 mod meshes;
 mod motions;
 mod tables;

@@ -10,8 +10,9 @@
 //! falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s> goes from
 //! minus to plus, as at a stagnation point. The error is that of 95 %, if the parts are longer than the memory of the flow.
 
-use super::columns::columns;
+use super::columns::{Column, columns};
 use output::{OutputError, Series, write_atomically};
+use std::array::from_fn;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
@@ -26,6 +27,9 @@ const STUDENT: f64 = 2.365;
 /// The columns of the file after the place, by the names of the distribution.
 const QUANTITIES: [&str; 6] =
     ["pressure", "pressure_coefficient", "skin_friction", "friction_coefficient", "heat_flux", "y_plus"];
+
+/// The number of the skin friction in [`QUANTITIES`].
+const SKIN_FRICTION: usize = 2;
 
 /// The mean at a point of a wall.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,12 +56,13 @@ struct Zero {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_means(directory: &Path, dimension: usize, series: &Series, interval: [f64; 2]) -> Result<(), OutputError> {
-    let width: usize = columns(dimension).iter().map(|column| column.components).sum();
+    let width = columns(dimension).iter().map(|column| column.components).sum();
     let is_inside = |time: &f64| interval[0] <= *time && *time <= interval[1];
     let snapshots = series.times.iter().zip(series.values.chunks_exact(series.array.len()));
     let wanted: Vec<&[f64]> = snapshots.filter(|(time, _)| is_inside(time)).map(|(_, values)| values).collect();
     let Some(groups) = wanted.first().and_then(|values| groups(dimension, values, width)) else { return Ok(()) };
-    let rows: Vec<Row> = groups.iter().map(|group| row(dimension, &wanted, width, group)).collect();
+    let snapshots = Snapshots::new(dimension, &wanted);
+    let rows: Vec<Row> = groups.iter().map(|group| snapshots.row(group)).collect();
     let file = |end: &str| directory.join(format!("{}_{end}.csv", series.array.name));
     let is_closed = is_closed(&wanted);
     let place = if is_closed { "s" } else { "arc_length" };
@@ -82,38 +87,75 @@ fn is_closed(snapshots: &[&[f64]]) -> bool {
     snapshots.first().is_some_and(|values| !values[0].is_nan())
 }
 
-fn row(dimension: usize, snapshots: &[&[f64]], width: usize, group: &[usize]) -> Row {
-    let first = |name: &str| -> usize {
-        columns(dimension).iter().take_while(|column| column.name != name).map(|column| column.components).sum()
-    };
-    let (area, position, normal) = (first("area"), first(""), first("normal"));
-    let place = usize::from(dimension == 2 && !is_closed(snapshots));
-    let along = |row: &[f64]| {
-        let friction = &row[first("skin_friction")..];
-        friction[0] * row[normal + 1] - friction[1] * row[normal]
-    };
-    let quantity = |row: &[f64], name: &str| if name == "skin_friction" { along(row) } else { row[first(name)] };
-    let mean = |times: Range<usize>, of: &dyn Fn(&[f64]) -> f64| {
-        let rows = snapshots[times].iter().flat_map(|values| group.iter().map(|row| &values[row * width..][..width]));
-        let (sum, weight) = rows.fold((0.0, 0.0), |(sum, weight), row| (sum + row[area] * of(row), weight + row[area]));
-        sum / weight
-    };
-    let count = snapshots.len();
-    let means = QUANTITIES.map(|name| mean(0..count, &|row| quantity(row, name)));
-    let of_part =
-        |name: &str, part: usize| mean(part * count / PARTS..(part + 1) * count / PARTS, &|row| quantity(row, name));
-    let errors = QUANTITIES.map(|name| {
-        if count < PARTS {
-            f64::NAN
-        } else {
-            half_width(&(0..PARTS).map(|part| of_part(name, part)).collect::<Vec<_>>())
+/// The snapshots of a wall, and where the numbers of a row stand.
+struct Snapshots<'a> {
+    values: &'a [&'a [f64]],
+    /// Numbers in a row.
+    width: usize,
+    /// The first numbers of area, position, normal and [`QUANTITIES`].
+    area: usize,
+    position: usize,
+    normal: usize,
+    quantities: [usize; QUANTITIES.len()],
+    /// That of the place along the wall.
+    place: usize,
+}
+
+impl<'a> Snapshots<'a> {
+    fn new(dimension: usize, values: &'a [&'a [f64]]) -> Self {
+        let columns = columns(dimension);
+        let count = |columns: &[Column]| columns.iter().map(|column| column.components).sum();
+        let first = |name: &str| count(&columns[..columns.iter().take_while(|column| column.name != name).count()]);
+        let place = usize::from(dimension == 2 && !is_closed(values));
+        let (width, quantities) = (count(&columns), QUANTITIES.map(first));
+        Snapshots {
+            values,
+            width,
+            area: first("area"),
+            position: first(""),
+            normal: first("normal"),
+            quantities,
+            place,
         }
-    });
-    Row {
-        place: mean(0..count, &|row| row[place]),
-        position: [0, 1].map(|i| mean(0..count, &|row| row[position + i])),
-        means,
-        errors,
+    }
+
+    /// The mean of `of` over the rows of `group` and the snapshots `times`, by area.
+    fn mean(&self, times: Range<usize>, group: &[usize], of: impl Fn(&[f64]) -> f64) -> f64 {
+        let row = |values: &'a [f64], row: &usize| &values[row * self.width..][..self.width];
+        let rows = self.values[times].iter().flat_map(|values| group.iter().map(|number| row(values, number)));
+        let add = |(sum, weight): (f64, f64), row: &[f64]| (sum + row[self.area] * of(row), weight + row[self.area]);
+        let (sum, weight) = rows.fold((0.0, 0.0), add);
+        sum / weight
+    }
+
+    /// Quantity `number` of a row. The skin friction is that along the wall.
+    fn quantity(&self, row: &[f64], number: usize) -> f64 {
+        let first = self.quantities[number];
+        if number != SKIN_FRICTION {
+            return row[first];
+        }
+        row[first] * row[self.normal + 1] - row[first + 1] * row[self.normal]
+    }
+
+    /// The 95 % error of the mean of quantity `number`, from those of parts of the time. NaN if there are too few.
+    fn error(&self, group: &[usize], number: usize) -> f64 {
+        let count = self.values.len();
+        let times = |part: usize| part * count / PARTS..(part + 1) * count / PARTS;
+        if count < PARTS {
+            return f64::NAN;
+        }
+        let of_part = |part: usize| self.mean(times(part), group, |row| self.quantity(row, number));
+        half_width(&(0..PARTS).map(of_part).collect::<Vec<_>>())
+    }
+
+    fn row(&self, group: &[usize]) -> Row {
+        let mean = |of: &dyn Fn(&[f64]) -> f64| self.mean(0..self.values.len(), group, of);
+        Row {
+            place: mean(&|row| row[self.place]),
+            position: [0, 1].map(|i| mean(&|row| row[self.position + i])),
+            means: from_fn(|number| mean(&|row| self.quantity(row, number))),
+            errors: from_fn(|number| self.error(group, number)),
+        }
     }
 }
 
@@ -127,7 +169,7 @@ fn half_width(means: &[f64]) -> f64 {
 
 /// Where the mean skin friction changes its sign between neighbouring rows, by linear interpolation.
 fn zeros(rows: &[Row], is_closed: bool) -> Vec<Zero> {
-    let friction = |row: &Row| row.means[2];
+    let friction = |row: &Row| row.means[SKIN_FRICTION];
     let next = |k: usize| rows.get(k + 1).or(if is_closed { rows.first() } else { None });
     let zero = |(k, row): (usize, &Row)| {
         let next = next(k)?;
@@ -175,7 +217,7 @@ mod tests {
     /// A circle of radius 1 in a flow from the left: friction along increasing angle is -`amplitude` sin(angle), around 1 +- 0.1 in time.
     fn circle(dimension: usize) -> Series {
         let count = 40;
-        let width: usize = columns(dimension).iter().map(|column| column.components).sum();
+        let width = columns(dimension).iter().map(|column| column.components).sum();
         let spans = if dimension == 2 { 1 } else { 3 };
         let array = ArraySpec::new("surface_wall", &[("facet", count), ("point", spans), ("column", width)]);
         let at = |time: f64, number: usize| -> Vec<f64> {

@@ -25,7 +25,7 @@ use fem::StateField;
 use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use scales::MotionScales;
 use serde_json::{Map, Value};
-use simulation::{Failure, OpeningRecord, check_restart, move_over_run, openings_at_start, time_flow};
+use simulation::{Failure, OpeningRecord, check_controls, check_restart, move_over_run, openings_at_start, time_flow};
 use walls::{FlatPlate, Walls};
 use warnings::{Warning, warnings};
 
@@ -104,6 +104,7 @@ where
 {
     if let Some(flow) = &case.flow {
         check_restart::<D, M>(case, flow)?;
+        check_controls(case)?;
     }
     let facts = Facts::new(case);
     let mut tables = tables::known(&facts);
