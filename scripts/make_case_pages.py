@@ -24,10 +24,10 @@ SCRIPTS = ROOT / "scripts"
 UNIFORM = {"free_stream", "free_stream_3d"}
 FIELD = {"couette": "temperature", "manufactured": "density", "cylinder_m1": "vorticity", "cylinder_steady": "vorticity", "channel_cylinder": "vorticity",
          "cylinder_street": "pressure",
-         "cylinder_viv": "vorticity", "flapping_free": "pressure", "flutter_airfoil": "pressure", "turek_hron_fsi1": "vorticity", "turek_hron_fsi2": "vorticity", "turek_hron_fsi3": "vorticity", "taylor_green_3d": "pressure", "kelvin_helmholtz": "density", "sod": "density", "wedge": "pressure", "rough_channel": "vorticity"}
+         "cylinder_viv": "vorticity", "flapping_free": "pressure", "flutter_airfoil": "pressure", "turek_hron_fsi1": "vorticity", "turek_hron_fsi2": "vorticity", "turek_hron_fsi3": "vorticity", "taylor_green_3d": "pressure", "kelvin_helmholtz": "density", "sod": "density", "wedge": "pressure", "cylinder_mach_3": "mach", "sphere_300": "vorticity", "flapping_wing_3d": "vorticity", "rough_channel": "vorticity"}
 WINDOW = {
     "naca0012_heave": (-0.75, -0.25, 3.25, 1.75), "cylinder_steady": (-2, -2, 6, 2), "airfoil_motion": (-0.6, 0, 1.6, 2),
-    "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4), "cylinder_viv": (-2, -4, 14, 4), "flapping_free": (-0.75, -1.25, 3.25, 1.25),
+    "cylinder_mach_3": (-1.3, -1.3, 0, 1.3), "naca0012_wave": (-0.75, -0.5, 2.25, 1.0), "naca0012_heave_pitch": (-0.75, -0.25, 3.25, 1.75), "naca0012_paper": (-0.75, -0.25, 2.25, 1.75), "cylinder_street": (-2, -4, 14, 4), "cylinder_viv": (-2, -4, 14, 4), "flapping_free": (-0.75, -1.25, 3.25, 1.25),
     "flutter_airfoil": (-0.75, -0.75, 1.75, 0.75),
 }
 # From where a mesh in three dimensions is seen.
