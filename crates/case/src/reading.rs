@@ -2,12 +2,13 @@
 //!
 //! A key with an error is taken out, and the rest is read again. An error that follows from a missing key is not told.
 
-use super::checker::Checker;
+use super::checker::{Checked, Checker};
 use super::document::Document;
 use super::error::{CaseError, Errors};
 use super::key::{Key, Step};
+use super::magnitude;
 use super::raw::{self, Formula};
-use super::{magnitude, shape};
+use super::shape::{self, NumberText};
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use std::collections::BTreeMap;
@@ -16,6 +17,12 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 /// Sections on which no other section depends.
 const INDEPENDENT: [&str; 3] = ["output", "parallel", "solver"];
+
+/// A number is whole if it is off by less than this, relative to its size.
+const WHOLE: f64 = 1e-9;
+
+/// Larger whole numbers are not told apart in double precision.
+const MOST: f64 = 9e15;
 
 /// A raw case, as far as it can be read, and the errors on the way.
 pub(super) struct Read {
@@ -61,9 +68,9 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The values of formulas of constants at `keys` that need numbers, as text.
-    fn numbers(&mut self, tree: &DeTable<'_>, keys: &[(Key, String)]) -> Vec<(Key, String)> {
-        if keys.is_empty() {
+    /// The values of the formulas of constants in `texts`, as text.
+    fn numbers(&mut self, tree: &DeTable<'_>, texts: &[NumberText]) -> Vec<(Key, String)> {
+        if texts.is_empty() {
             return Vec::new();
         }
         let constants = tree.get("constants").map_or(Ok(BTreeMap::new()), |table| {
@@ -75,17 +82,15 @@ impl Reader<'_> {
             Some(Ok(checker)) => checker,
             failed => {
                 self.of_constants = failed.and_then(Result::err);
-                self.removed.extend(keys.iter().map(|(key, _)| named(key)));
+                self.removed.extend(texts.iter().map(|text| named(&text.key)));
                 return Vec::new();
             }
         };
         let mut values = Vec::new();
-        for (key, text) in keys {
-            let value = checker.number(key, &Formula::Text(text.clone()));
-            let value = value.and_then(|value| checker.computable(key, "the number", value).map(|()| value));
-            match self.errors.note(value) {
-                Some(value) => values.push((key.clone(), format!("{value:?}"))),
-                None => self.removed.push(named(key)),
+        for text in texts {
+            match self.errors.note(value_of(&checker, text)) {
+                Some(value) => values.push((text.key.clone(), value)),
+                None => self.removed.push(named(&text.key)),
             }
         }
         values
@@ -127,6 +132,18 @@ impl Reader<'_> {
             |key: &Key| matches!(key.0.first(), Some(Step::Name(name)) if INDEPENDENT.contains(&name.as_str()));
         self.removed.iter().all(section)
     }
+}
+
+/// The value of a formula where a number is needed, as text.
+fn value_of(checker: &Checker<'_>, NumberText { key, text, whole }: &NumberText) -> Checked<String> {
+    let value = checker.number(key, &Formula::Text(text.clone()))?;
+    checker.computable(key, "the number", value)?;
+    if !whole {
+        return Ok(format!("{value:?}"));
+    }
+    let is_whole = (value - value.round()).abs() <= WHOLE * value.abs().max(1.0) && value.abs() < MOST;
+    checker.require(key, &format!("the number, {value},"), is_whole, "a formula whose value is a whole number")?;
+    Ok(format!("{}", value.round() as i64))
 }
 
 /// The key without the entry of a list.

@@ -17,8 +17,17 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Shape {
     /// The keys that do not fit, and their errors.
     pub(super) misfits: Vec<(Key, Cause)>,
-    /// The keys of texts where numbers are needed.
-    pub(super) numbers: Vec<(Key, String)>,
+    /// The texts where numbers are needed.
+    pub(super) numbers: Vec<NumberText>,
+}
+
+/// A text where a number is needed.
+#[derive(Clone)]
+pub(super) struct NumberText {
+    pub(super) key: Key,
+    pub(super) text: String,
+    /// Whether the number must be whole.
+    pub(super) whole: bool,
 }
 
 /// Compares a document with the schema.
@@ -44,7 +53,7 @@ struct Misfit {
 struct Walk<'a> {
     root: &'a Schema,
     misfits: Vec<Misfit>,
-    numbers: Vec<(Key, String)>,
+    numbers: Vec<NumberText>,
 }
 
 impl<'a> Walk<'a> {
@@ -53,8 +62,16 @@ impl<'a> Walk<'a> {
         match value.get_ref() {
             DeValue::Table(table) => self.table(&alternatives, table, key),
             DeValue::Array(entries) => self.list(&alternatives, value.span().start, entries, key),
-            DeValue::String(text) if needs_number(&alternatives) => self.numbers.push((key.clone(), text.to_string())),
+            DeValue::String(text) => self.text(&alternatives, text, key),
             _ => {}
+        }
+    }
+
+    /// The `text` at `key`: a formula where a number is needed.
+    fn text(&mut self, alternatives: &[&Schema], text: &str, key: &Key) {
+        let any = needs(alternatives, "number");
+        if any || needs(alternatives, "integer") {
+            self.numbers.push(NumberText { key: key.clone(), text: text.to_owned(), whole: !any });
         }
     }
 
@@ -133,10 +150,10 @@ fn a_list(alternatives: &[&Schema]) -> Cause {
     Cause::Type { found: "a list".to_owned(), accepted: format!("a table, {{ key = value, ... }}{keys}") }
 }
 
-/// Whether a number is accepted, and no text.
-fn needs_number(alternatives: &[&Schema]) -> bool {
+/// Whether this type of number is accepted, and no text.
+fn needs(alternatives: &[&Schema], number: &str) -> bool {
     let is_text = |a: &&Schema| has_type(a, "string") || a["const"].is_string() || a["enum"].is_array();
-    alternatives.iter().any(|a| has_type(a, "number")) && !alternatives.iter().any(is_text)
+    alternatives.iter().any(|a| has_type(a, number)) && !alternatives.iter().any(is_text)
 }
 
 fn has_type(schema: &Schema, name: &str) -> bool {

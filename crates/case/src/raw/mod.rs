@@ -43,7 +43,7 @@ use std::collections::BTreeMap;
 /// A formula is a number or a text such as "0.1*sin(pi*t/4)". It may contain x, y, z, t, pi, the constants and the tables of
 /// the case. Its operators are + - * / ^, comparisons and if(condition, a, b). Its functions are min, max, abs, sqrt, exp,
 /// log, sin, cos, tan, atan, tanh, sinh and cosh. deg(a) is the angle of a degrees, in radians. Wherever a number is needed, a formula of
-/// constants may stand in quotes: `velocity = ["cos(deg(5))", "sin(deg(5))"]`, `end = "10*period"`.
+/// constants may stand in quotes: `velocity = ["cos(deg(5))", "sin(deg(5))"]`, `end = "10*period"`, `slabs = "40*periods"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
@@ -106,11 +106,11 @@ pub fn editor_schema() -> schemars::Schema {
 fn accept_formulas(schema: &mut serde_json::Value) {
     match schema {
         serde_json::Value::Object(entries) => {
-            let alone = serde_json::json!("number");
+            let is_number = |kind: &serde_json::Value| kind == "number" || kind == "integer";
             match entries.get_mut("type") {
-                Some(kind) if *kind == alone => *kind = serde_json::json!(["number", "string"]),
+                Some(kind) if is_number(kind) => *kind = serde_json::json!([*kind, "string"]),
                 Some(serde_json::Value::Array(kinds))
-                    if kinds.contains(&alone) && !kinds.iter().any(|k| k == "string") =>
+                    if kinds.iter().any(is_number) && !kinds.iter().any(|k| k == "string") =>
                 {
                     kinds.push("string".into());
                 }

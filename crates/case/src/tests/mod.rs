@@ -402,6 +402,24 @@ fn formulas_of_constants_stand_for_numbers() {
     assert_eq!((again.time, again.flow.unwrap().uniform_velocity), (case.time, Some(velocity)));
 }
 
+/// Counts too, if the value is whole: three tenths are, in spite of their rounding.
+#[test]
+fn formulas_of_constants_stand_for_whole_numbers() {
+    let step = "step = 0.3";
+    assert!(BASE.contains(step));
+    let with_slabs = |slabs: &str| check_text(&BASE.replace(step, &format!("slabs = \"{slabs}\"")), &[]);
+    let Ok(AnyCase::Plane(case)) = with_slabs("(0.1 + 0.2)/a") else { panic!("refused") };
+    assert_eq!(case.time.slabs, 3);
+    let cells = plane(BASE, &["mesh.generate.box.cells=[\"20*a\", 2]"]).mesh.n_cells();
+    assert_eq!(cells, 4);
+    for (slabs, part) in
+        [("25*a", "the number, 2.5"), ("-3", "time.slabs"), ("1/0", "time.slabs"), ("1e30", "a whole number")]
+    {
+        let message = with_slabs(slabs).unwrap_err().to_string();
+        assert!(message.contains(part), "{slabs}: {message}");
+    }
+}
+
 #[test]
 fn a_reynolds_number_gives_the_viscosity() {
     let viscosity = |options: &[&str]| {
@@ -423,6 +441,9 @@ fn a_reynolds_number_gives_the_viscosity() {
 #[test]
 fn the_schema_for_editors_accepts_formulas_for_numbers() {
     let text = serde_json::to_string(&crate::editor_schema()).unwrap();
-    assert!(!text.contains("\"type\":\"number\"") && text.contains("\"type\":[\"number\",\"string\"]"));
+    for kind in ["number", "integer"] {
+        let (alone, both) = (format!("\"type\":\"{kind}\""), format!("\"type\":[\"{kind}\",\"string\"]"));
+        assert!(!text.contains(&alone) && text.contains(&both), "{kind}");
+    }
     assert!(text.contains("\"$id\""));
 }
