@@ -16,6 +16,8 @@ pub struct RunContext<'a> {
     pub statistics: RunStatistics,
     /// Who called the run.
     pub observer: &'a dyn Observer,
+    /// Slabs done since the call.
+    pub slabs: usize,
     begun: Instant,
     setup_seconds: f64,
     clock: Clock,
@@ -46,6 +48,7 @@ impl<'a> RunContext<'a> {
         RunContext {
             statistics,
             observer: session.observer,
+            slabs: 0,
             begun,
             setup_seconds: begun.elapsed().as_secs_f64(),
             clock: session.clock.clone(),

@@ -119,11 +119,16 @@ where
 
     /// Puts the operator on the mesh of the last slab, so that the flow can be measured.
     pub fn look_at_last_slab(&mut self) {
-        if let Some(past) = &self.state.past {
-            let nothing = vec![0.0; self.operator.layout.at_one_time().len()];
-            self.operator.begin_slab(past.interval.start, past.dt, Bottom::new(&nothing, &past.bottom));
-            self.operator.set_mesh(&past.v);
-        }
+        look_at_last_slab(&mut self.operator, &self.state);
+    }
+}
+
+/// Puts `operator` on the mesh of the last slab of `state`.
+pub fn look_at_last_slab<const D: usize, const M: usize>(operator: &mut SlabOperator<D, M>, state: &coupled::State) {
+    if let Some(past) = &state.past {
+        let nothing = vec![0.0; operator.layout.at_one_time().len()];
+        operator.begin_slab(past.interval.start, past.dt, Bottom::new(&nothing, &past.bottom));
+        operator.set_mesh(&past.v);
     }
 }
 

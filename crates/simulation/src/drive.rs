@@ -184,6 +184,10 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
     cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| run.state().time))?;
     let mut context = RunContext::new(&case.time, run.state().time, &session, begun, statistics);
+    if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
+        let (time, end) = (rounded(run.state().time), case.time.end);
+        observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
+    }
     let stop = match resumed {
         None => begin(&mut run, &mut recorder, &mut context, session.directory.path())?,
         Some(_) => None,
@@ -296,6 +300,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     recorder: &mut Recorder<D, M>,
     (context, directory): (&mut RunContext, &Path),
 ) -> Result<(), Failure> {
+    context.slabs += 1;
     let row = [run.enter(report, context), controls::values(case)].concat();
     recorder.history.push(&row)?;
     controls::update(case, &row, &mut context.statistics)?;

@@ -4,7 +4,7 @@ use super::averages::{AverageSums, FlowAverages, PhaseFile};
 use super::bodies::is_of_body;
 use super::body_record::BodyRecord;
 use super::context::{RunContext, Stop};
-use super::crew::{Crew, Orders};
+use super::crew::{Crew, Orders, look_at_last_slab};
 use super::drive::{Call, Run, drive};
 use super::failure::{Failed, Finding, Grid, Then, by_point};
 use super::integrals::FlowIntegrals;
@@ -21,11 +21,11 @@ use crate::error::Failure;
 use crate::memory_estimate::require_memory;
 use crate::observer::{Observer, SlabDone};
 use crate::session::Session;
-use case::{Averages, Case, Flow, State, Steady};
+use case::{Averages, BoundaryData, Case, Flow, State, Steady};
 use coupled::block::BodyState;
 use coupled::{Discretisation, FlowMarch, Reliability, Search, SlabReport, Stability, Stage, SteadyFlow};
 use fem::{SlabOperator, StateField};
-use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
+use navier_stokes::{Boundary, Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use output::{ArraySpec, OutputError, RESULT_FILE, ResultReader, Series, SolverState, Summary};
 use std::path::Path;
 use std::sync::Arc;
@@ -209,6 +209,7 @@ where
             time_unit: flow.reference_length / flow.reference_speed,
             settings: steady.newton(),
             sequence: steady.sequence,
+            closed: is_closed(flow),
             stability_time: steady.stability_time,
         };
         let found = search.find(&mut state.u);
@@ -228,6 +229,14 @@ where
         let row = history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics);
         Ok([row, self.observed()].concat())
     }
+}
+
+/// Whether no gas can enter or leave: all boundaries are walls, and nothing adds mass.
+fn is_closed<const D: usize>(flow: &Flow<D>) -> bool {
+    let adds_mass = flow.source.is_some() && flow.law.source != navier_stokes::Source::Acceleration;
+    let lets_pass =
+        |data: &BoundaryData<D>| !data.condition.is_wall() && !matches!(data.condition, Boundary::Symmetry(_));
+    !adds_mass && !flow.boundary.iter().any(lets_pass)
 }
 
 /// What is wrong with a steady flow, and the remedy.
@@ -355,8 +364,13 @@ where
     }
 
     fn summary(&mut self, context: &RunContext, stop: Option<&Stop>) -> Summary {
-        if let Some(crew) = &mut self.crew {
-            crew.look_at_last_slab();
+        match &mut self.crew {
+            Some(crew) => crew.look_at_last_slab(),
+            // A resumed run that has nothing left to do has not been on that mesh.
+            None if context.slabs == 0 => {
+                look_at_last_slab(&mut self.march.solver.system.flow.operator, &self.march.state);
+            }
+            None => {}
         }
         let whole = summary::WholeFlow { operator: self.operator(), state: self.state(), march: &self.march };
         summary::of_flow(self.case, self.flow, &whole, context, stop)

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{assert_same_bits, column, on_case, summary};
+use common::{assert_same_bits, column, on_case, shipped, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -128,4 +128,21 @@ fn a_run_with_adapted_slabs_has_the_same_bits_for_any_number_of_threads() {
     assert_same_bits(&one, &two, "two threads");
     let lengths = column(&one, "dt");
     assert!(lengths.iter().fold(0.0, |most: f64, dt| most.max(*dt)) > 10.0 * lengths[0], "{lengths:?}");
+}
+
+/// A run that has reached its end is resumed: nothing is left to do, and the errors at the end are those of before.
+#[test]
+fn a_finished_run_that_is_resumed_has_the_same_errors() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let errors = || summary(&at.join("run"))["error"].clone();
+    run(at, &[], "2", "run", &[]);
+    let before = errors();
+    run(at, &[], "2", "run", &["--resume"]);
+    assert_eq!(errors(), before);
+    // An end before the checkpoint is told.
+    let case = shipped("vortex.toml");
+    let mut arguments = vec!["run", &case, "--output", "run", "--resume", "--set", "time.end=1"];
+    MOVED.iter().for_each(|change| arguments.extend(["--set", change]));
+    stsolve(at, &arguments).expect(0, &["the checkpoint is at t = 2, after the end 1: nothing is left to do"]);
 }

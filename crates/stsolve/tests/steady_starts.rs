@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{Outcome, number, on_case, stsolve, summary};
+use common::{Outcome, column, number, on_case, stsolve, summary};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -247,5 +247,41 @@ fn the_lax_friedrichs_flux_works_at_a_low_mach_number_and_costs_iterations() {
         });
         assert!((dissipative[1] / roe[1] - 1.0).abs() < 0.02, "{case}: {roe:?} {dissipative:?}");
         assert!(dissipative[0] > 1.5 * roe[0], "{case}: {roe:?} {dissipative:?}");
+    }
+}
+
+/// Gas between a wall at T = 1 and one at T = 2. Conduction makes T = 1 + x, and p is uniform. With the mass 1 in a box of size 1, p = 1 / ln 2.
+#[test]
+fn a_steady_start_in_a_closed_domain_keeps_the_mass() {
+    const CASE: &str = r#"
+[mesh]
+order = 2
+generate.box = { lower = [0, 0], upper = [1, 1], cells = [4, 1], periodic = ["y"] }
+[flow]
+order = 5
+gas = { gamma = 1.4, prandtl = 0.72, gas_constant = 1, viscosity = { constant = 0.1 } }
+initial.uniform = { density = 1, velocity = [0, 0], pressure = 1 }
+reference = { density = 1, speed = 1, pressure = 1, length = 1 }
+[flow.boundary]
+left.isothermal_wall.temperature = 1
+right.isothermal_wall.temperature = 2
+[output.probes]
+middle = { at = [0.5, 0.5] }
+[time]
+order = 1
+end = 0.1
+slabs = 1
+[solver.steady]
+"#;
+    let directory = TempDir::new().unwrap();
+    std::fs::write(directory.path().join("case.toml"), CASE).unwrap();
+    for first_step in ["0.1", "100"] {
+        let set = format!("solver.steady.first_step={first_step}");
+        let arguments = ["run", "case.toml", "--quiet", "--force", "--output", "run", "--set", &set];
+        stsolve(directory.path(), &arguments).expect(0, &[]);
+        let last = |name: &str| *column(&directory.path().join("run"), name).last().unwrap();
+        let (mass, pressure) = (last("mass"), last("middle_pressure"));
+        assert!((mass - 1.0).abs() < 1e-10, "{mass}");
+        assert!((pressure - 1.0 / std::f64::consts::LN_2).abs() < 1e-6, "{pressure}");
     }
 }

@@ -223,6 +223,12 @@ impl<const D: usize> Case<D> {
                 "this section together with [flow]",
             ));
         }
+        let of_structure = |field: &Field| matches!(field, Field::VonMises | Field::PrincipalStress);
+        if let (Some(index), None) = (raw.output.fields.iter().position(of_structure), &structure) {
+            let problem = "the case has no structure, and this is a field of one";
+            let key = Key::new("output.fields").entry(index);
+            return Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"));
+        }
         if raw.restart.is_some() && flow.is_none() {
             let problem = "only a flow can start where another run stands";
             return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));

@@ -125,8 +125,9 @@ fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -
     let known: Vec<String> =
         Field::ALL.iter().filter_map(|field| Some(serde_json::to_value(field).ok()?.as_str()?.to_owned())).collect();
     let is_free = !known.iter().any(|name| name == at.name) && Field::components_of_flow(D).all(|name| name != at.name);
-    let accepted = "a name of letters, digits and _ that no field has";
-    checker.require(&at.key, "the name of the formula", is_name && is_free, accepted)?;
+    let is_place = ["t", "s", "x", "y", "z"].contains(&at.name);
+    let accepted = "a name of letters, digits and _ that no field has; not t, s, x, y or z";
+    checker.require(&at.key, "the name of the formula", is_name && is_free && !is_place, accepted)?;
     Ok(FieldFormula { name: at.name.to_owned(), program: checker.formula_of_fields::<D>(&at.key, at.raw)? })
 }
 

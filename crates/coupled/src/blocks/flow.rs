@@ -37,7 +37,7 @@ pub struct FlowBlock<const D: usize, const M: usize> {
     /// The velocities of the mesh that are set.
     velocities: Vec<f64>,
     inverse_pseudo_time: f64,
-    /// What is left of a residual after the mesh.
+    /// What is left of a residual after the mesh, where that moves.
     rest: Vec<f64>,
     effect_of_mesh: EffectOfMesh,
 }
@@ -61,7 +61,7 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
             bottom: vec![0.0; field_len],
             velocities: vec![f64::NAN; field_len * operator.tables.orders.time],
             inverse_pseudo_time: 0.0,
-            rest: vec![0.0; operator.layout.len()],
+            rest: Vec::new(),
             effect_of_mesh: EffectOfMesh::default(),
             operator,
         }
@@ -117,7 +117,7 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         let v = &tangent.mesh_velocity;
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         let EffectOfMesh { velocities, residual, loads } = &mut self.effect_of_mesh;
-        let still = vec![0.0; self.rest.len()];
+        let still = vec![0.0; self.operator.layout.len()];
         residual.resize(still.len(), 0.0);
         self.counts.mesh_products += 1;
         self.operator.product_with_mesh(&still, v, residual);
@@ -218,13 +218,13 @@ impl<const D: usize, const M: usize> Block for FlowBlock<D, M> {
 
     /// The flow by its factored modes, after the effect of the mesh, an exact product.
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]) {
-        self.rest.copy_from_slice(r);
         if tangent.mesh_moves {
             self.take_effect_of_mesh(tangent);
-            self.rest.iter_mut().zip(&self.effect_of_mesh.residual).for_each(|(rest, effect)| *rest -= effect);
+            self.rest.clear();
+            self.rest.extend(r.iter().zip(&self.effect_of_mesh.residual).map(|(r, effect)| r - effect));
         }
         let _timed = tracing::trace_span!(target: "cost", "preconditioner").entered();
-        self.preconditioner.apply(&self.rest, x);
+        self.preconditioner.apply(if tangent.mesh_moves { &self.rest } else { r }, x);
     }
 
     /// (1/dtau) dt W (x) M, with one lumped mass.

@@ -70,9 +70,15 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub settings: newton::Settings,
     /// Whether other discretisations may be tried.
     pub sequence: bool,
+    /// Whether no gas can enter or leave. Then the mass is that of the initial state.
+    pub closed: bool,
     /// For so many time units the steady flow is marched in time, to see whether it is stable; None where that depends on the flow.
     pub stability_time: Option<f64>,
 }
+
+/// How often the mass of a closed domain is corrected, and when it is that of the initial state.
+const MASS_CORRECTIONS: usize = 8;
+const SAME_MASS: f64 = 1e-13;
 
 /// A steady flow.
 #[derive(Debug)]
@@ -122,6 +128,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             *u = start;
             solved = self.climb(u, &mut stages);
         }
+        let solved = solved.and_then(|report| self.with_initial_mass(report, u, &mut stages));
         let source = match solved {
             Ok(report) => return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) }),
             Err(source) => source,
@@ -130,11 +137,37 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         let settling = if is_stuck(&source) { settle(self, &mut marched) } else { None };
         if settling.as_ref().is_some_and(Settling::calms_down)
             && let Ok(report) = self.solve(own, &mut marched, self.with(PATIENT), &mut stages)
+            && let Ok(report) = self.with_initial_mass(report, &mut marched, &mut stages)
         {
             *u = marched;
             return Ok(SteadyFlow { report, stages, reliability: self.reliability(u) });
         }
         Err(SteadyError { settling, stages, source })
+    }
+
+    /// The steady flow with the mass of the initial state, found from the steady flow `u` of another mass. (steady) does not determine the mass
+    /// of a closed domain. Temperatures and velocities stay as they are when all components are scaled, so few steps follow.
+    fn with_initial_mass(
+        &self,
+        mut report: SlabReport<M>,
+        u: &mut [f64],
+        stages: &mut Vec<Stage>,
+    ) -> Result<SlabReport<M>, SlabError> {
+        if !self.closed {
+            return Ok(report);
+        }
+        let (mut problem, initial) = (self.discretise)(self.own());
+        problem.at_rest(self.time, &initial, self.displacement)?;
+        let mass = problem.flow.totals(&initial)[0];
+        for _ in 0..MASS_CORRECTIONS {
+            let factor = mass / report.totals[0];
+            if (factor - 1.0).abs() <= SAME_MASS {
+                break;
+            }
+            u.iter_mut().for_each(|u| *u *= factor);
+            report = self.solve(self.own(), u, self.with(PATIENT), stages)?;
+        }
+        Ok(report)
     }
 
     /// From order 2 upwards.

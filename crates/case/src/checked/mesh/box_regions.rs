@@ -9,6 +9,10 @@ use crate::vector::Vector;
 use ::mesh::generate::{BoxRegion, Segment};
 use ::mesh::{BoxMesh, Mesh, MeshError, REST};
 
+/// What a map must be.
+const A_MAP: &str = "a map that neither folds nor mirrors the box, and sends different points to different places (with a mirror one axis reversed, \
+                     -y for y), more cells, or a higher order";
+
 /// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. The error of an
 /// inverted cell is one at the key `curved_by`.
 pub(super) fn build<const D: usize>(
@@ -64,6 +68,11 @@ fn region<const D: usize>(family: &Family<'_>, raw: &BoxGenerator, name: &str) -
 /// The error of the generator at the key that it is about.
 fn refused(family: &Family<'_>, raw: &BoxGenerator, curved_by: &Key, error: MeshError) -> Box<CaseError> {
     let of_region = |name: &str| family.key.child("regions").child(name);
+    if raw.map.is_some()
+        && matches!(error, MeshError::Inverted { .. } | MeshError::Degenerate { .. } | MeshError::NonManifold { .. })
+    {
+        return family.checker.combination(&family.key.child("map"), &error.to_string(), A_MAP);
+    }
     let key = match &error {
         MeshError::Segments { axis, segment, .. } => key_of_segments(family, *axis).entry(*segment),
         MeshError::Unaligned { name, axis, value, .. } => {

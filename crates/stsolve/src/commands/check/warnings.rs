@@ -138,7 +138,8 @@ fn lines<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning
 
 fn far_field<const D: usize>(facts: &Facts<'_, D>, flow: &Flow<D>) -> Option<Warning> {
     let distance = facts.walls?.far_field / flow.reference_length;
-    if distance >= FAR {
+    // Faster than sound, nothing outside hears of the walls.
+    if distance >= FAR || flow.law.reference.mach() > 1.0 {
         return None;
     }
     let text = format!(
