@@ -5,16 +5,19 @@
 
 A page holds the comment at the head of the case, a picture, and the figures of summary.json except seconds, which `make_speed_page.py`
 collects. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them). A case without results
-keeps its picture and figures. The list of pages and the table of contents are written anew. Needs the Python packages of
+keeps its picture and figures. Vortices are drawn by the program, $STSOLVE or scripts/stsolve. The list of pages and the table of contents are written anew. Needs the Python packages of
 scripts/requirements.txt.
 """
 
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
 import tomllib
+
+import PIL.Image
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOOK = ROOT / "docs" / "src"
@@ -32,6 +35,8 @@ WINDOW = {
 }
 # From where a mesh in three dimensions is seen.
 DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3d": (-1.0, 0.8, 1.0)}
+# Cases whose vortices are drawn, with the level of Q.
+VORTICES = {"sphere_300": 0.02, "flapping_wing_3d": 0.3}
 WIDTH = 800
 
 # Sections of summary.json that are figures of the run, and what they are called.
@@ -88,6 +93,8 @@ def figures(summary):
 def draw(name, run, summary, picture):
     """A picture of the last step, or of all; what it shows, or nothing."""
     result, window = run / "result.vtkhdf", WINDOW.get(name)
+    if name in VORTICES:
+        return draw_vortices(run, VORTICES[name], picture)
     if "structure" in summary:
         return drawn("the structure at several times", "plot_structure.py", run, picture)
     if "flow" in summary["unknowns"] and name not in UNIFORM:
@@ -101,6 +108,16 @@ def draw(name, run, summary, picture):
         arguments = ["--field", "jacobian", "--width", WIDTH, "--from", *DIRECTION[name]]
         return drawn("surface of the mesh at the end, by det J / det J_0", "render_vtk.py", result, picture, *arguments)
     return None
+
+
+def draw_vortices(run, level, picture):
+    """The last frame of a movie of the report."""
+    options = ["--movie", "mach", "--window", "vortices, oblique", "--q-level", str(level)]
+    subprocess.run([os.environ.get("STSOLVE", SCRIPTS / "stsolve"), "report", run, *options], check=True, stdout=subprocess.DEVNULL)
+    movie = PIL.Image.open(run / "mach_vortices_oblique.png")
+    movie.seek(movie.n_frames - 1)
+    movie.convert("RGB").save(picture)
+    return f"Mach number on the surface Q = {level} at the end"
 
 
 def drawn(shows, script, *arguments):

@@ -2,12 +2,16 @@
 """The vortex street of a run: prints Strouhal number, mean drag and amplitude of lift of a wall over the last whole periods.
 
     shedding.py RUN_DIRECTORY [--wall NAME] [--periods N] [--length L] [--speed U]
+    shedding.py RUN_DIRECTORY --from T ...
 
-A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period).
+A period lasts from one upward zero crossing of the lift coefficient to the next, St = L / (U period). With --from the flow need not be
+periodic: means are those from the time T on, and St is the peak of the spectrum of the drag, by a Hann window.
 """
 
 import argparse
+import cmath
 import csv
+import math
 import pathlib
 import sys
 
@@ -26,6 +30,22 @@ def upward_crossings(time, lift):
     return [t - l * (t1 - t) / (l1 - l) for (t, l), (t1, l1) in pairs if l < 0 <= l1]
 
 
+def peak(time, step, signal):
+    """The frequency of the largest peak of the spectrum, beyond two periods in the time."""
+    start, length = time[0], time[-1] - time[0]
+    mean = sum(s * h for s, h in zip(signal, step)) / sum(step)
+    window = [(s - mean) * h * math.sin(math.pi * (t - start) / length) ** 2 for t, h, s in zip(time, step, signal)]
+    size = lambda f: abs(sum(w * cmath.exp(-2j * math.pi * f * t) for w, t in zip(window, time)))
+    return max((k / (50 * length) for k in range(100, 2500)), key=size)
+
+
+def irregular(arguments, rows):
+    time, step, lift, drag = zip(*(row for row in zip(*rows) if row[0] >= arguments.start))
+    mean = lambda signal: sum(s * h for s, h in zip(signal, step)) / sum(step)
+    strouhal = peak(time, step, drag) * arguments.length / arguments.speed
+    print(f"St {strouhal:.4f}  mean C_D {mean(drag):.4f}  mean C_L {mean(lift):.4f}  t {time[0]:.2f} to {time[-1]:.2f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("directory", type=pathlib.Path)
@@ -33,8 +53,11 @@ def main():
     parser.add_argument("--periods", type=int, default=4)
     parser.add_argument("--length", type=float, default=1)
     parser.add_argument("--speed", type=float, default=1)
+    parser.add_argument("--from", dest="start", type=float)
     arguments = parser.parse_args()
     time, step, lift, drag = columns(arguments.directory, arguments.wall)
+    if arguments.start is not None:
+        return irregular(arguments, (time, step, lift, drag))
     crossings = upward_crossings(time, lift)
     if len(crossings) <= arguments.periods:
         sys.exit(f"only {max(0, len(crossings) - 1)} periods so far")
