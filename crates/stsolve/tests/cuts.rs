@@ -315,9 +315,9 @@ fn what_cannot_be_cut_is_refused() {
 #[test]
 fn the_result_holds_fields_by_formulas() {
     let directory = TempDir::new().unwrap();
-    let set = ["time.end=0.05", "time.slabs=1", "output.formulas={s=\"entropy - log(pressure/density^1.4)\"}"];
+    let set = ["time.end=0.05", "time.slabs=1", "output.formulas={residue=\"entropy - log(pressure/density^1.4)\"}"];
     on_case(directory.path(), "run", "free_stream", &set, "run", &[]).expect(0, &[]);
     let info = stsolve(directory.path(), &["info", "run/result.vtkhdf", "--json"]);
     let fields: serde_json::Value = serde_json::from_str(&info.stdout).unwrap();
-    assert!(fields.to_string().contains("\"s\""), "{fields}");
+    assert!(fields.to_string().contains("\"residue\""), "{fields}");
 }

@@ -519,7 +519,7 @@ fn a_map_bends_a_box_to_half_a_ring() {
         ("[\"x*cos(y)\", \"-x*sin(y)\"]", ["mesh.generate.box.map", "det J"]),
         ("[\"x*cos(y)\"]", ["mesh.generate.box.map", "2"]),
         ("[\"x*cos(y)\", \"x*t\"]", ["mesh.generate.box.map[1]", "`t`"]),
-        ("[\"x*cos(y)\", \"1/(x - 1)\"]", ["node", "finite"]),
+        ("[\"x*cos(y)\", \"1/(x - 1)\"]", ["coordinate", "finite"]),
     ] {
         let message = with_mesh(&half_ring(map)).unwrap_err().to_string();
         parts.iter().for_each(|part| assert!(message.contains(part), "no {part} in:\n{message}"));
