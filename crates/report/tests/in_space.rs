@@ -144,7 +144,7 @@ fn the_surface_of_q_is_a_cylinder_beside_its_walls() {
     let level = level_in(note);
     assert!((level - 0.413).abs() < 0.05, "{note}");
     is_the_diameter(from_above, level);
-    // Against z the floor is seen, but for the rim of the cylinder. Both walls look along y at their edges.
+    // A camera that looks against z sees the floor, except behind the rim of the cylinder. Both walls look along y at their edges.
     let against_z = window(&pictures, "vortices, along z");
     let floor = area(against_z, |number| number == WALL);
     assert!(floor > 0.85 && floor <= 1.01, "{floor}");

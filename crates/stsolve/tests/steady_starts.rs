@@ -274,12 +274,9 @@ slabs = 1
 [solver.steady]
 "#;
     let directory = TempDir::new().unwrap();
-    std::fs::write(directory.path().join("case.toml"), CASE).unwrap();
     for first_step in ["0.1", "100"] {
-        let set = format!("solver.steady.first_step={first_step}");
-        let arguments = ["run", "case.toml", "--quiet", "--force", "--output", "run", "--set", &set];
-        stsolve(directory.path(), &arguments).expect(0, &[]);
-        let last = |name: &str| *column(&directory.path().join("run"), name).last().unwrap();
+        run(directory.path(), first_step, &format!("{CASE}first_step = {first_step}\n")).expect(0, &[]);
+        let last = |name: &str| *column(&directory.path().join(first_step), name).last().unwrap();
         let (mass, pressure) = (last("mass"), last("middle_pressure"));
         assert!((mass - 1.0).abs() < 1e-10, "{mass}");
         assert!((pressure - 1.0 / std::f64::consts::LN_2).abs() < 1e-6, "{pressure}");

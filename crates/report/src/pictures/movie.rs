@@ -45,7 +45,7 @@ const GAP: usize = 10;
 pub struct Scenario<'a> {
     /// The name of the field.
     pub field: &'a str,
-    /// The name of the window; the first one if there is none.
+    /// The name of the window. Without a name the movie shows the first window.
     pub window: Option<&'a str>,
     /// The Q of the surfaces in space, if it is given.
     pub q_level: Option<f64>,

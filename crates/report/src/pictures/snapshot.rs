@@ -165,7 +165,7 @@ impl<const D: usize> Snapshot<'_, D> {
         PARTS.iter().position(|&parts| parts >= least).unwrap_or(PARTS.len() - 1)
     }
 
-    /// Nodes per direction of the flow, or of the mesh if there is none.
+    /// Nodes per direction of the flow. A run without a flow has those of the mesh.
     fn order(&self) -> usize {
         let nodes = self.scheme.flow.map_or(0, |(nodes, _)| nodes).max(self.scheme.mesh_nodes);
         (nodes as f64).powf(1.0 / D as f64).round() as usize

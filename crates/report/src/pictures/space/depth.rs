@@ -17,7 +17,7 @@ pub struct DepthRaster {
     width: usize,
     height: usize,
     quantities: usize,
-    /// How near the surface is; the lowest number where there is none.
+    /// How near the surface is. Pixels without a surface have the lowest number.
     nearness: Vec<f64>,
     /// 0 for a surface across the light, [`DARKEST`] for one along it.
     darkness: Vec<f32>,
@@ -48,7 +48,7 @@ impl DepthRaster {
         }
     }
 
-    /// A quantity at all pixels, row by row; NaN where there is none.
+    /// A quantity at all pixels, row by row. Pixels without a surface have NaN.
     pub fn of(&self, quantity: usize) -> impl Iterator<Item = f32> + '_ {
         self.values.iter().skip(quantity).step_by(self.quantities).copied()
     }
