@@ -206,9 +206,10 @@ pub fn solve(
         }
         report.restarts = restarts;
         let before = report.final_norm;
+        let mut cycle = Cycle { settings, target, work: &mut *work, report: &mut report };
         let finite = match settings.precision {
-            Precision::Double => cycle(system, settings, target, x, double, work, &mut report),
-            Precision::Single => cycle(system, settings, target, x, single, work, &mut report),
+            Precision::Double => cycle.run(system, double, x),
+            Precision::Single => cycle.run(system, single, x),
         };
         let estimate = work.history.last().copied().filter(|estimate| *estimate <= target);
         let trusted = trusted(settings.precision) * before;
@@ -254,52 +255,54 @@ fn true_residual(
     system.inner_product().norm(w)
 }
 
-/// One cycle: (arnoldi) from the residual w, then (fgmres). Returns false if a vector is not finite.
-fn cycle<S: Stored>(
-    system: &mut (impl LinearSystem + ?Sized),
-    settings: &Settings,
+/// One cycle from the residual w.
+struct Cycle<'a> {
+    settings: &'a Settings,
+    /// The norm at which the solve ends.
     target: f64,
-    x: &mut [f64],
-    columns: &mut Columns<S>,
-    work: &mut Work,
-    report: &mut Report,
-) -> bool {
-    let finite = build_basis(system, settings, target, columns, work, report);
-    add_combination(work.least_squares.solve(), &columns.preconditioned, x);
-    finite
+    work: &'a mut Work,
+    report: &'a mut Report,
 }
 
-/// (arnoldi) from the residual w. Returns false if a vector is not finite.
-fn build_basis<S: Stored>(
-    system: &mut (impl LinearSystem + ?Sized),
-    settings: &Settings,
-    target: f64,
-    columns: &mut Columns<S>,
-    work: &mut Work,
-    report: &mut Report,
-) -> bool {
-    let beta = report.final_norm;
-    work.least_squares.start(beta);
-    if !beta.is_finite() {
-        return false;
+impl Cycle<'_> {
+    /// (arnoldi), then (fgmres). Returns false if a vector is not finite.
+    fn run<S: Stored>(
+        &mut self,
+        system: &mut (impl LinearSystem + ?Sized),
+        columns: &mut Columns<S>,
+        x: &mut [f64],
+    ) -> bool {
+        let finite = self.build_basis(system, columns);
+        add_combination(self.work.least_squares.solve(), &columns.preconditioned, x);
+        finite
     }
-    scale(1.0 / beta, &mut work.w);
-    for j in 0..settings.restart.min(settings.max_iterations - report.iterations) {
-        columns.prepare(j + 1, work.w.len());
-        store(&mut work.w, &mut columns.basis[j]);
-        system.precondition(&work.w, &mut work.z);
-        store(&mut work.z, &mut columns.preconditioned[j]);
-        system.multiply(&work.z, &mut work.w);
-        report.iterations += 1;
-        report.products += 1;
-        let Some(norm) = orthonormalise(system.inner_product(), &columns.basis[..=j], work) else { return false };
-        let estimate = work.least_squares.rotate(norm);
-        work.history.push(estimate);
-        if estimate <= target || norm == 0.0 {
-            break;
+
+    /// (arnoldi). Returns false if a vector is not finite.
+    fn build_basis<S: Stored>(&mut self, system: &mut (impl LinearSystem + ?Sized), columns: &mut Columns<S>) -> bool {
+        let Cycle { settings, target, work, report } = self;
+        let beta = report.final_norm;
+        work.least_squares.start(beta);
+        if !beta.is_finite() {
+            return false;
         }
+        scale(1.0 / beta, &mut work.w);
+        for j in 0..settings.restart.min(settings.max_iterations - report.iterations) {
+            columns.prepare(j + 1, work.w.len());
+            store(&mut work.w, &mut columns.basis[j]);
+            system.precondition(&work.w, &mut work.z);
+            store(&mut work.z, &mut columns.preconditioned[j]);
+            system.multiply(&work.z, &mut work.w);
+            report.iterations += 1;
+            report.products += 1;
+            let Some(norm) = orthonormalise(system.inner_product(), &columns.basis[..=j], work) else { return false };
+            let estimate = work.least_squares.rotate(norm);
+            work.history.push(estimate);
+            if estimate <= *target || norm == 0.0 {
+                break;
+            }
+        }
+        true
     }
-    true
 }
 
 /// w := (w - V h) / |w - V h| with h = (V, w), which becomes the new column of H. Returns |w - V h|. It is zero if w lies

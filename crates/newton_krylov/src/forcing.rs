@@ -1,7 +1,7 @@
 //! The accuracy of the linear solve of a Newton step: Eisenstat & Walker (SIAM J. Sci. Comput. 17, 1996), choice 2.
 //!
 //! ```text
-//! (forcing)   eta = gamma (|F| / |F_old|)^2
+//! (forcing)   eta = gamma_e (|R| / |R_old|)^2
 //! ```
 
 /// The settings of [`Settings::next`].
@@ -9,7 +9,7 @@
 pub struct Settings {
     /// eta of the first step.
     pub initial: f64,
-    /// gamma of (forcing), in (0, 1].
+    /// gamma_e of (forcing), in (0, 1].
     pub gamma: f64,
     /// The smallest eta. 1e-6 gives quadratic convergence; 1e-3 costs less.
     pub minimum: f64,
@@ -26,17 +26,17 @@ impl Default for Settings {
 /// The step before the one for which eta is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Previous {
-    /// |F_old|, where that step started.
+    /// |R_old|, where that step started.
     pub norm: f64,
     /// Its eta.
     pub forcing: f64,
 }
 
 impl Settings {
-    /// eta of the step that starts at |F| = `norm`; `tolerance` is the |F| at which Newton stops, 0 < tolerance < norm.
+    /// eta of the step that starts at |R| = `norm`; `tolerance` is the |R| at which Newton stops, 0 < tolerance < norm.
     ///
-    /// A single good step must not tighten eta at once: eta >= gamma eta_old^2 while that exceeds 0.1. And no step is solved
-    /// more accurately than Newton's tolerance requires: eta >= tolerance / (2 |F|).
+    /// A single good step must not tighten eta at once: eta >= gamma_e eta_old^2 while that exceeds 0.1. And no step is solved
+    /// more accurately than Newton's tolerance requires: eta >= tolerance / (2 |R|).
     pub fn next(&self, norm: f64, previous: Option<Previous>, tolerance: f64) -> f64 {
         let eta = previous.map_or(self.initial, |old| {
             let eta = self.gamma * (norm / old.norm).powi(2);

@@ -1,13 +1,15 @@
-//! Inner products and the few vector operations of the solvers.
+//! Inner products, the reductions of a vector to a number, and the few vector operations of the solvers.
 //!
 //! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends only on the length,
 //! so the result has the same bits for any number of threads. Where a vector is distributed over ranks, each [`Parts`] of it has a tree of its
 //! own, and the bits do not depend on the number of ranks either.
 
 mod columns;
+mod reductions;
 
 pub use columns::{AT_ONCE, Stored, add_combination_and_norm, dots};
 pub(crate) use columns::{add_combination, store};
+pub use reductions::{largest, largest_size, reduce, smallest, sum, sum_over_blocks};
 
 use columns::dots_in_chunk;
 use ranks::Sums;
@@ -165,18 +167,6 @@ impl InnerProduct for Weighted {
     fn weights(&self) -> Option<&[f64]> {
         Some(&self.weights)
     }
-}
-
-/// sum_i x_i, by the tree of the inner products: the door of every other sum over the whole mesh.
-pub fn sum(x: &[f64]) -> f64 {
-    tree_sum(0..x.len(), &|chunk| x[chunk].iter().sum())
-}
-
-/// The same for `x` with as many entries for every cell, which belong to blocks that end at the cells `ends`; over the blocks of all ranks.
-pub fn sum_over_blocks(x: &[f64], ends: &[usize], sums: &Sums) -> f64 {
-    let per_cell = x.len() / ends.last().copied().unwrap_or(0).max(1);
-    let of_blocks: Vec<f64> = ends.windows(2).map(|ends| sum(&x[ends[0] * per_cell..ends[1] * per_cell])).collect();
-    sums.total(&of_blocks, 1)[0]
 }
 
 /// The position where a vector of more than one chunk is split in two: the chunk in its middle.

@@ -1,16 +1,16 @@
 //! The inexact Newton method for R(z) = 0, with pseudo-transient continuation.
 //!
 //! ```text
-//! (newton-step)   | R + (dR/dz + T) dz | <= eta |R|,     z := z + a dz
+//! (newton-step)   | R + (dR/dz + T_tau) dz | <= eta |R|,     z := z + a dz
 //! ```
 //!
-//! eta is chosen by [`crate::forcing`], T by [`crate::pseudo_time`], a by [`crate::line_search`]. The line search uses
+//! eta is chosen by [`crate::forcing`], T_tau by [`crate::pseudo_time`], a by [`crate::line_search`]. The line search uses
 //!
 //! ```text
-//! (merit)         G(a) = R(z + a dz) + a T dz
+//! (merit)         G(a) = R(z + a dz) + a T_tau dz
 //! ```
 //!
-//! the residual of one implicit Euler step in pseudo-time. dz is a descent direction of |G| for any T, and G = R without
+//! the residual of one implicit Euler step in pseudo-time. dz is a descent direction of |G| for any T_tau, and G = R without
 //! damping. While fields are damped |R| itself may grow.
 //!
 //! A solve also ends when only rounding is left. That is the case if a step made less progress than its linear solve predicted, or
@@ -104,7 +104,7 @@ impl Default for Settings {
 pub struct Workspace {
     residual: Vec<f64>,
     increment: Vec<f64>,
-    /// T dz, while fields are damped.
+    /// T_tau dz, while fields are damped.
     pseudo_term: Vec<f64>,
     /// -R while the linear system is solved, then R at the trial.
     trial_residual: Vec<f64>,
@@ -130,7 +130,7 @@ impl Workspace {
         self.merit.clear();
     }
 
-    /// Makes room for the damping, and forgets T dz.
+    /// Makes room for the damping, and forgets T_tau dz.
     fn prepare_damping(&mut self) {
         let length = self.residual.len();
         self.pseudo_term.clear();

@@ -13,6 +13,12 @@ pub struct Field {
     pub range: Range<usize>,
 }
 
+/// One number per field as words for the log, for example `mesh 1.2e-9, flow 3.4e-5`.
+pub fn in_words(fields: &[Field], numbers: &[f64]) -> String {
+    let words = fields.iter().zip(numbers).map(|(field, number)| format!("{} {number:.3e}", field.name));
+    words.collect::<Vec<_>>().join(", ")
+}
+
 /// A state without a residual: a negative density, an inverted cell.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("inadmissible state: {quantity} = {value:e} {location}")]
@@ -31,7 +37,7 @@ pub struct Inadmissible {
 /// [`Self::precondition`]. The Newton step is
 ///
 /// ```text
-/// (newton-step)   ( dR/dz + T ) dz = -R(z),     T = sum over fields k of (1/dtau_k) M_k
+/// (newton-step)   ( dR/dz + T_tau ) dz = -R(z),     T_tau = sum over fields k of (1/dtau_k) M_k
 /// ```
 pub trait NonlinearProblem {
     /// The length of z and of R.
@@ -67,10 +73,10 @@ pub trait NonlinearProblem {
         increment.fill(0.0);
     }
 
-    /// out := dR/dz direction, without T, at the point of linearisation.
+    /// out := dR/dz direction, without T_tau, at the point of linearisation.
     fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]);
 
-    /// out := out + T direction, with the 1/dtau_k of the point of linearisation. Called only while some 1/dtau_k > 0.
+    /// out := out + T_tau direction, with the 1/dtau_k of the point of linearisation. Called only while some 1/dtau_k > 0.
     fn add_pseudo_time(&mut self, direction: &[f64], out: &mut [f64]);
 
     /// The norm in which the line search compares the residual `r` with others, for the point of linearisation. The default is that of the
@@ -80,7 +86,7 @@ pub trait NonlinearProblem {
         self.inner_product().norm(r)
     }
 
-    /// out := P^-1 r, where P approximates dR/dz + T.
+    /// out := P^-1 r, where P approximates dR/dz + T_tau.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]);
 
     /// An estimate of the part of each |R_k| at `z` that rounding causes, at the cost of about one product; `None` if unknown. The
@@ -92,4 +98,16 @@ pub trait NonlinearProblem {
 
     /// The largest a in (0, 1] for which z + a dz is known to be admissible; 1 if nothing is known.
     fn largest_step(&mut self, z: &[f64], increment: &[f64]) -> f64;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_numbers_of_fields_are_told_in_words() {
+        let fields = [Field { name: "mesh", range: 0..3 }, Field { name: "flow", range: 3..9 }];
+        assert_eq!(in_words(&fields, &[1.25e-9, 0.0]), "mesh 1.250e-9, flow 0.000e0");
+        assert_eq!(in_words(&[], &[]), "");
+    }
 }

@@ -102,3 +102,41 @@ fn updates_are_those_of_their_names() {
     assert_eq!(after(&|y| scale(3.0, y)), (6.0, 6.0));
     assert_eq!(after(&|y| add_combination(&[1.0, 2.0], &[x.clone(), x.clone()], y)), (5.0, 2.0 + 3.0 * last));
 }
+
+#[test]
+fn the_largest_and_the_smallest_value_are_found_wherever_they_are() {
+    for position in [0, 1, LENGTH / 2, LENGTH - 1] {
+        let mut x = scattered(LENGTH);
+        x[position] = -3.0;
+        assert_eq!((smallest(x.iter().copied()), largest_size(&x, &Sums::alone())), (-3.0, 3.0), "{position}");
+        x[position] = 4.0;
+        assert_eq!((largest(x.iter().copied()), largest_size(&x, &Sums::alone())), (4.0, 4.0), "{position}");
+    }
+    assert_eq!((largest([]), smallest([]), largest_size(&[], &Sums::alone())), (f64::NEG_INFINITY, f64::INFINITY, 0.0));
+    assert_eq!((largest([1.0, f64::NAN]), smallest([f64::NAN, 1.0])), (1.0, 1.0));
+}
+
+#[test]
+fn the_largest_size_is_that_of_all_ranks() {
+    let of_rank = |ranks: Arc<dyn ranks::Communicator>| {
+        let x = [0.5, -1.0 - ranks.rank() as f64];
+        largest_size(&x, &Sums::new(ranks, 3))
+    };
+    assert_eq!(ranks::Threads::run(3, of_rank), [3.0; 3]);
+}
+
+#[test]
+fn values_are_combined_in_their_order() {
+    assert_eq!(reduce(["a", "b", "c"].map(str::to_owned), |all, next| all + &next).as_deref(), Some("abc"));
+    assert_eq!(reduce(Vec::<u8>::new(), u8::max), None);
+}
+
+#[test]
+fn a_sum_is_a_tree_of_chunks_and_of_blocks() {
+    let x = scattered(3 * CHUNK);
+    let of_chunk = |chunk: usize| x[chunk * CHUNK..(chunk + 1) * CHUNK].iter().sum::<f64>();
+    assert_eq!(sum(&x), of_chunk(0) + (of_chunk(1) + of_chunk(2)));
+    // Two entries for each cell of two blocks.
+    let (x, sums) = ([0.1, 1e16, -1e16, 0.2, 0.3, 0.4], Sums::new(Arc::new(ranks::Alone), 2));
+    assert_eq!(sum_over_blocks(&x, &[0, 1, 3], &sums), sum(&x[..2]) + sum(&x[2..]));
+}
