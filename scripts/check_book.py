@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks the links of the built book: every relative file is there, and every anchor.
+"""Checks the built book: every relative link leads to a file and an anchor, and no formula is left as LaTeX.
 
     check_book.py BOOK
 
-BOOK is the directory of HTML pages that scripts/make_book makes. Ends with an error that names each link that leads nowhere.
+BOOK is the directory of HTML pages that scripts/make_book makes. Ends with an error that names each link that leads nowhere and each page with LaTeX.
 """
 
 import html.parser
@@ -13,6 +13,8 @@ import urllib.parse
 
 # Repeats every chapter in one page, with links that are relative to the chapters.
 PRINTED = "print.html"
+# What `mathml.py` replaces, as mdBook writes it if that script did not run.
+LATEX = ('class="language-math"', "$<code>")
 
 
 class Page(html.parser.HTMLParser):
@@ -58,7 +60,8 @@ def main():
     pages = [page for page in sorted(book.rglob("*.html")) if page.name not in (PRINTED, "404.html")]
     links = [(page, link) for page in pages for link in Page(page).links]
     errors = [f"{page.relative_to(book)}: {link}: {why}" for page, link in links if (why := broken(page, link))]
-    print("\n".join([*errors, f"{len(links)} links on {len(pages)} pages, {len(errors)} broken"]))
+    errors += [f"{page.relative_to(book)}: LaTeX" for page in pages if any(sign in page.read_text(encoding="utf-8") for sign in LATEX)]
+    print("\n".join([*errors, f"{len(links)} links on {len(pages)} pages, {len(errors)} errors"]))
     sys.exit(1 if errors or not links else 0)
 
 

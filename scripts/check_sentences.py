@@ -24,7 +24,7 @@ END = re.compile(r"(?<=[.!?])[)\"'*_]*\s+(?=[\"'(*_\[]*[A-Z0-9`\[])")
 # Initials of a name follow a comma, a bracket, "and", or other initials; "det J." ends a sentence.
 ABBREVIATIONS = re.compile(r"\b(e\.g|i\.e|cf|et al|vs|Eq|Fig|Sec|No)\.\s|(?:^|(?<=[,(&>/] )|(?<=\()|(?<=and )|(?<=[A-Z][,.] ))[A-Z]\.\s")
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
-CODE = re.compile(r"`+[^`]*`+")
+CODE = re.compile(r"\$?`+[^`]*`+\$?")
 
 
 def markdown(lines):

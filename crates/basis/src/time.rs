@@ -38,7 +38,7 @@ impl RadauTime {
     pub fn nodes(&self) -> &[f64] {
         self.basis.nodes()
     }
-    /// The weights w_a of the right-Radau rule on [0, 1], exact to degree 2 N_t - 2.
+    /// The weights omega_a of the right-Radau rule on [0, 1], exact to degree 2 N_t - 2.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }

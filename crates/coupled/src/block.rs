@@ -85,10 +85,10 @@ pub trait Block: Send {
     /// Adds to `out` the derivative of the terms that later blocks determine.
     fn receive_product(&mut self, _tangent: &Exchange, _out: &mut [f64]) {}
 
-    /// x := P^-1 (r less the effect of earlier blocks), where P approximates dR/dz + T; writes the derivatives of its quantities along x.
+    /// x := P^-1 (r less the effect of earlier blocks), where P approximates dR/dz + T_tau; writes the derivatives of its quantities along x.
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]);
 
-    /// out := out + T x with the 1/dtau last set.
+    /// out := out + T_tau x with the 1/dtau last set.
     fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]);
 
     /// The largest step from z along dz that keeps the block admissible, as far as is known.

@@ -4,10 +4,10 @@
 //! that Newton's method finds. The remedy is a layer in which the velocity falls to that of the wall,
 //!
 //! ```text
-//! w(x) = w_b + (w_0(x) - w_b) (1 - exp(-(d(x) / delta)^2))                                                     (start layer)
+//! w(x) = w_b + (w_0(x) - w_b) (1 - exp(-(d_w(x) / delta)^2))                                                   (start layer)
 //! ```
 //!
-//! with the distance d to the walls and their mean velocity w_b. Density and pressure stay as they are.
+//! with the distance d_w to the walls and their mean velocity w_b. Density and pressure stay as they are.
 
 use crate::mesh_mover::MeshMover;
 use basis::gauss_lobatto;

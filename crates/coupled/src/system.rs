@@ -5,7 +5,7 @@
 //! ```
 //!
 //! W are the unknowns of bodies, V the velocities of the mesh, U the flow. Motions that are prescribed everywhere leave V out of z. Without
-//! bodies dR/dz = [ K(V) 0 ; B A ] is block lower triangular.
+//! bodies dR/dz is block lower triangular: the mesh does not depend on the flow.
 
 mod residual_breakdown;
 mod rounding;

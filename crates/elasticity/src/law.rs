@@ -1,19 +1,19 @@
-//! The laws of meshes and bodies at a point: the first Piola stress P = dW/dH of the displacement gradient H = grad d.
+//! The laws of meshes and bodies at a point: the first Piola stress P = dPsi/dH of the displacement gradient H = grad d.
 //!
 //! ```text
-//! W = mu eps : eps + lambda/2 tr(eps)^2,                   eps = (H + H^T) / 2                                   (linear)
-//! P = 2 mu eps + lambda tr(eps) I
+//! Psi = mu_s eps : eps + lambda_s/2 tr(eps)^2,             eps = (H + H^T) / 2                                   (linear)
+//! P = 2 mu_s eps + lambda_s tr(eps) I
 //!
-//! W = mu/2 (|F|^2 - D - 2 ln J) + lambda/2 (ln J)^2,       F = I + H,  J = det F                                 (neo-Hookean)
-//! P = mu (F - F^{-T}) + lambda ln J F^{-T}
+//! Psi = mu_s/2 (|F|^2 - D - 2 ln J) + lambda_s/2 (ln J)^2,   F = I + H,  J = det F                               (neo-Hookean)
+//! P = mu_s (F - F^{-T}) + lambda_s ln J F^{-T}
 //!
-//! W = mu E : E + lambda/2 tr(E)^2,                         E = (F^T F - I) / 2                          (St. Venant-Kirchhoff)
-//! P = F (2 mu E + lambda tr(E) I)
+//! Psi = mu_s eps_G : eps_G + lambda_s/2 tr(eps_G)^2,       eps_G = (F^T F - I) / 2                      (St. Venant-Kirchhoff)
+//! P = F (2 mu_s eps_G + lambda_s tr(eps_G) I)
 //! ```
 //!
 //! They agree to first order in H. The linear law costs one solve, but treats a rotation as a strain: after a large rotation its
 //! cells invert. The other laws are invariant under rotations. In the neo-Hookean law -ln J prevents the collapse of cells at the
-//! points where W is integrated. The law of St. Venant and Kirchhoff is for large displacements of small strain: it does not resist
+//! points where Psi is integrated. The law of St. Venant and Kirchhoff is for large displacements of small strain: it does not resist
 //! a compression to less than about half of the length.
 
 use crate::Lame;
@@ -43,7 +43,7 @@ impl Law {
     }
 
     /// The points of a cell of order N at which the energy is integrated, per direction. The logarithm is a barrier at these points
-    /// only, so there are 2N, including those at the ends. W of (St. Venant-Kirchhoff) has the degree 4 (N - 1) on affine cells, which
+    /// only, so there are 2N, including those at the ends. Psi of (St. Venant-Kirchhoff) has the degree 4 (N - 1) on affine cells, which
     /// 2N - 1 points integrate exactly.
     pub(crate) fn rule(self, dimension: usize, order: usize) -> Rule {
         match self {
@@ -67,13 +67,13 @@ pub(crate) trait PointLaw: Copy + Send + Sync {
 
 /// A law with an energy.
 pub(crate) trait Hyperelastic: PointLaw {
-    /// W of H.
+    /// Psi of H.
     fn energy<T: Real, const D: usize>(self, gradient: &[[T; D]; D]) -> T;
 }
 
 /// The stress of a law, and J.
 pub(crate) struct PointStress<T, const D: usize> {
-    /// P, `[i][j]` = dW/dH_ij.
+    /// P, `[i][j]` = dPsi/dH_ij.
     pub(crate) piola: [[T; D]; D],
     /// J = det F; 1 for a law without barrier. P is meaningless unless J > 0.
     pub(crate) volume_ratio: T,
@@ -153,7 +153,7 @@ impl Hyperelastic for StVenantKirchhoff {
 /// The viscous stress of a body of large displacement, for beta = 1,
 ///
 /// ```text
-/// P = beta F (2 mu E' + lambda tr(E') I),      E' = sym(F^T H')                                                  (viscous)
+/// P = beta F (2 mu_s eps_G' + lambda_s tr(eps_G') I),      eps_G' = sym(F^T H')                                  (viscous)
 /// ```
 ///
 /// It agrees with beta sigma(H') to first order, does not notice rotations, and takes the energy P : H' >= 0.
@@ -196,7 +196,7 @@ fn times_symmetric<T: Real, const D: usize>(a: &[[T; D]; D], b: &[[T; D]; D]) ->
     product
 }
 
-/// E = (H + H^T + H^T H) / 2: without the rounding of F^T F - I where the strain is small.
+/// eps_G = (H + H^T + H^T H) / 2: without the rounding of F^T F - I where the strain is small.
 #[inline(always)]
 fn green_strain<T: Real, const D: usize>(gradient: &[[T; D]; D]) -> [[T; D]; D] {
     let mut strain = *gradient;

@@ -8,7 +8,7 @@
 //! outwards, divided by its length. A follower pressure p acts against the current normal, with the Jacobian of x + d,
 //!
 //! ```text
-//! f_k(d, t) = - sum over facets of  int phi_k p(x, t) cof J(x + d) e_a dxi                                     (follower pressure)
+//! f_k(d, t) = - sum_facets int phi_k p(x, t) cof J(x + d) e_a dxi                                              (follower pressure)
 //! ```
 
 use crate::mass::Mass;

@@ -13,10 +13,10 @@ pub enum Plane {
     Stress,
 }
 
-/// An isotropic material: Young's modulus E and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane, unless
+/// An isotropic material: Young's modulus E_Y and Poisson's ratio nu of small strains, and a law. In 2-D the strain is plane, unless
 /// [`Self::in_plane`] sets plane stress.
 ///
-/// For the motion of a mesh E may be 1: it scales the stress, not the displacement.
+/// For the motion of a mesh E_Y may be 1: it scales the stress, not the displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     young: f64,
@@ -26,7 +26,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// A linear material with E > 0 and -1 < nu < 0.5. Outside this range the energy has no minimum.
+    /// A linear material with E_Y > 0 and -1 < nu < 0.5. Outside this range the energy has no minimum.
     ///
     /// # Errors
     /// [`ElasticityError::Material`] if a constant is out of range or not a number.
@@ -52,7 +52,7 @@ impl Material {
     pub fn with_law(self, law: Law) -> Self {
         Material { law, ..self }
     }
-    /// E and nu.
+    /// E_Y and nu.
     pub(crate) fn constants(&self) -> (f64, f64) {
         (self.young, self.poisson)
     }
@@ -70,7 +70,7 @@ impl Material {
         Material { plane, ..self }
     }
 
-    /// mu = E / 2 (1 + nu), lambda = 2 mu nu / (1 - 2 nu). In plane stress lambda = 2 mu nu / (1 - nu), so that the stress along the
+    /// mu_s = E_Y / 2 (1 + nu), lambda_s = 2 mu_s nu / (1 - 2 nu). In plane stress lambda_s = 2 mu_s nu / (1 - nu), so that the stress along the
     /// third axis vanishes.
     pub fn lame(&self) -> Lame {
         let mu = self.young / (2.0 * (1.0 + self.poisson));
@@ -89,7 +89,7 @@ pub struct Lame {
 }
 
 impl Lame {
-    /// sigma = 2 mu eps + lambda tr(eps) I, eps = (H + H^T) / 2, of the displacement gradient H, `gradient[i][j]` = du_i/dx_j.
+    /// P = 2 mu_s eps + lambda_s tr(eps) I, eps = (H + H^T) / 2, of the displacement gradient H, `gradient[i][j]` = du_i/dx_j.
     #[inline(always)]
     pub fn stress<T: Real, const D: usize>(&self, gradient: &[[T; D]; D]) -> [[T; D]; D] {
         let mut trace = gradient[0][0];
@@ -137,7 +137,7 @@ mod tests {
         assert!(sigma[1][1].abs() < 1e-15 && sigma[2][2].abs() < 1e-15);
     }
 
-    /// Stretched by eps along x and free along y, a sheet contracts by nu eps along y, and the stress is E eps.
+    /// Stretched by eps along x and free along y, a sheet contracts by nu eps along y, and the stress is E_Y eps.
     #[test]
     fn plane_stress_is_uniaxial_where_a_sheet_is_free() {
         let (young, poisson, stretch) = (3.0, 0.3, 0.01);

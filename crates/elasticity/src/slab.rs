@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! d(s) = d_n + dt sum_b Phi_b(s) V_b,         Phi_b(s) = int_0^s phi_b                                           (motion)
-//! d(s_a) = d_n + dt sum_b A_ab V_b,           A_ab = Phi_b(s_a)
-//! V_b = (1/dt) sum_a (A^{-1})_ba (d(s_a) - d_n)                                                                  (velocity)
+//! d(s_a) = d_n + dt sum_b Phi_ab V_b,         Phi_ab = Phi_b(s_a)
+//! V_b = (1/dt) sum_a (Phi^{-1})_ba (d(s_a) - d_n)                                                                (velocity)
 //! ```
 //!
 //! The displacement is prescribed, and the equilibrium holds, at every node. The last node is the top of the slab, so the mesh there

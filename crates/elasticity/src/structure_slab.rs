@@ -4,24 +4,24 @@
 //! is its integral, (motion) of `slab`, and continuous. With phi_a tested and integrated by the right-Radau rule,
 //!
 //! ```text
-//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt w_a ( R(d(s_a)) + C V_a - f(s_a) ) - I_a = 0     at free entries      (dynamics)
+//! R_a = sum_b T_ab M V_b - phi_a(0) M v_n + dt omega_a ( R(d(s_a)) + C V_a - f(s_a) ) - I_a = 0     at free entries  (dynamics)
 //! V_a = g'(s_a)                                                                                at fixed entries
 //! ```
 //!
 //! I_a is the impulse of follower pressures, see `pressure_impulse`.
 //!
-//! T and w are those of `basis::RadauTime`. As W^{-1} T = A^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
+//! T and omega are those of `basis::RadauTime`. As diag(omega)^{-1} T = Phi^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
 //! slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
 //! reactions would follow from second differences. The position of a support is the Radau quadrature of g', of the same order.
 //!
-//! Nothing is lost but what dampers and jumps take: with the strain energy W_s, [v] = v(0+) - v_n and [d] that of the polynomial through
+//! Nothing is lost but what dampers and jumps take: with the strain energy E_strain, [v] = v(0+) - v_n and [d] that of the polynomial through
 //! the d(s_a),
 //!
 //! ```text
-//! E_{n+1} - E_n = W - D_C - D,     E = v.Mv/2 + W_s(d)                                                         (energy)
-//! W = sum_a ( dt w_a f(s_a) + I_a ) . V_a  +  sum over a and fixed entries of  R_a V_a          of loads, and of supports
-//! D_C = dt sum_a w_a V_a . C V_a
-//! D = [v].M[v]/2 + dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
+//! E_tot(t_n+1) - E_tot(t_n) = E_load - E_damp - E_num,     E_tot = v . M v / 2 + E_strain(d)                         (energy)
+//! E_load = sum_a ( dt omega_a f(s_a) + I_a ) . V_a + sum_(a, fixed) R_a V_a    of loads, and of supports
+//! E_damp = dt sum_a omega_a V_a . C V_a
+//! E_num = [v] . M [v] / 2 + dt sum_a omega_a R(d(s_a)) . V_a - ( E_strain(d_{n+1}) - E_strain(d_n) )
 //! ```
 //!
 //! The last difference is [d].K[d]/2 for a linear law, and of the order 2 N_t - 1 for others.
@@ -50,9 +50,9 @@ pub struct SlabWork {
     pub load: f64,
     /// The work of the supports.
     pub support: f64,
-    /// D_C: what dampers take.
+    /// E_damp: what dampers take.
     pub damped: f64,
-    /// D: what the jumps take.
+    /// E_num: what the jumps take.
     pub dissipation: f64,
 }
 
@@ -89,7 +89,7 @@ impl<const D: usize> StructureSlab<'_, D> {
         self.bottom.time + self.motion.time().nodes()[a] * self.dt
     }
 
-    /// r := R(V) by (dynamics) for the loads `forces` at rest, at fixed entries too: there it is dt w_a times the reaction of the support.
+    /// r := R(V) by (dynamics) for the loads `forces` at rest, at fixed entries too: there it is dt omega_a times the reaction of the support.
     /// Returns the size of the forces that cancel in it.
     ///
     /// # Errors
@@ -179,7 +179,7 @@ impl<const D: usize> StructureSlab<'_, D> {
         self.structure.strain_energy(&jump)
     }
 
-    /// dt sum_a w_a R(d(s_a)) . V_a - ( W_s(d_{n+1}) - W_s(d_n) )
+    /// dt sum_a omega_a R(d(s_a)) . V_a - ( E_strain(d_{n+1}) - E_strain(d_n) )
     fn excess_work(&self, v: &[f64]) -> f64 {
         let (time, bottom) = (self.motion.time(), self.bottom.displacement);
         let (mut work, mut d, mut forces) = (0.0, vec![0.0; bottom.len()], vec![0.0; bottom.len()]);

@@ -6,14 +6,14 @@ use mesh::BoundaryDistance;
 /// the mesh at rest to an inner boundary, which moves, and an outer one, which rests:
 ///
 /// ```text
-/// E = 1 + A / (1 + (d / d_0)^2),    d = max(0, min(dist(x, inner) - d_0, dist(x, outer) + 2 d_0))            (5)
+/// E_Y = 1 + E_1 / (1 + (d_w / d_0)^2),  d_w = max(0, min(dist(x, inner) - d_0, dist(x, outer) + 2 d_0))        (5)
 /// ```
 ///
-/// So E = 1 + A up to d_0 from the inner boundary, and it falls to 1 far from it. At the outer boundary, where d is 2 d_0,
-/// it is at least 1 + A/5.
+/// So E_Y = 1 + E_1 up to d_0 from the inner boundary, and it falls to 1 far from it. At the outer boundary, where d_w is 2 d_0,
+/// it is at least 1 + E_1/5.
 #[derive(Clone, Debug)]
 pub struct WallDistance<const D: usize> {
-    /// A.
+    /// E_1.
     pub amplitude: f64,
     /// d_0.
     pub distance: f64,
@@ -24,7 +24,7 @@ pub struct WallDistance<const D: usize> {
 }
 
 impl<const D: usize> WallDistance<D> {
-    /// E at the point `x` of the mesh at rest.
+    /// E_Y at the point `x` of the mesh at rest.
     pub fn modulus(&self, x: &[f64; D]) -> f64 {
         let d0 = self.distance;
         let d = (self.inner.at(x) - d0).min(self.outer.at(x) + 2.0 * d0).max(0.0);

@@ -10,7 +10,7 @@
 //! J(s) = J_n + dt int_0^s sum_i d_i g_i                                                                                  (carried)
 //! ```
 //!
-//! The instants are the nodes of the slab in time, so g is a polynomial through its values there. J at the top is the J_n of the next slab;
+//! The time points are the nodes of the slab in time, so g is a polynomial through its values there. J at the top is the J_n of the next slab;
 //! the first one is I(det dx/dxi). J differs from det dx/dxi by the error of interpolating g.
 //!
 //! Kernels read A, J and a velocity. With Gauss-Lobatto points these are values at nodes. With Gauss points they are interpolated, and
@@ -30,7 +30,7 @@ pub struct Collocation {
     pub half_derivatives: [Matrix; 2],
     /// Whether the points are the nodes.
     pub at_nodes: bool,
-    /// S of (split), see [`crate::split_form`]; used where the points are the nodes.
+    /// Q - Q^T of (split), see [`crate::split_form`]; used where the points are the nodes.
     pub skew: Matrix,
 }
 

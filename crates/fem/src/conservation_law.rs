@@ -16,7 +16,7 @@ pub struct BoundaryPoint<'a, G, const D: usize, const M: usize> {
 /// A conservation law of `M` components in `D` dimensions, on a mesh that moves with velocity v:
 ///
 /// ```text
-/// d/dt int_K u + int_dK ( F_c(u) - u v - F_v(u, grad u) ) . n = int_K s                                   (claw)
+/// d/dt int_K u + int_dK ( F_c(u) - u v - F_v(u, grad u) ) . n = int_K b                                   (claw)
 /// ```
 ///
 /// Every method is a pure function of point values, generic in the number type `T` of the state and the number type `G` of
@@ -148,7 +148,7 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
         u[0].zero()
     }
 
-    /// s, made of the `data` that are given at the point: by default they are s.
+    /// b, made of the `data` that are given at the point: by default they are b.
     #[inline(always)]
     fn source<T: Over<G>, G: Real>(&self, _u: &[T; M], data: &[G; M]) -> [T; M] {
         data.map(T::lift)

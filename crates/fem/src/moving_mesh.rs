@@ -1,7 +1,7 @@
 //! The mesh in a slab: the position of every cell at the bottom, and its motion.
 //!
 //! ```text
-//! x(xi, s) = x0(xi) + d_n(xi) + dt sum_b Phi_b(s) V_b(xi),   v(xi, s) = sum_b phi_b(s) V_b(xi)                     (motion)
+//! x(xi, s) = x_0(xi) + d_n(xi) + dt sum_b Phi_b(s) V_b(xi),   v(xi, s) = sum_b phi_b(s) V_b(xi)                     (motion)
 //! ```
 //!
 //! The positions of a cell are stored relative to its **origin**, the position of its first node at the bottom of the slab.
@@ -13,7 +13,7 @@
 use mesh::{Mesh, NodeNumbering};
 use tensor::Pack;
 
-/// Bottom position and velocities per cell, `[cell][slot][component][node]`, slot 0 the position x0 + d_n relative to the origin of
+/// Bottom position and velocities per cell, `[cell][slot][component][node]`, slot 0 the position x_0 + d_n relative to the origin of
 /// the cell, slots 1.. the V_b.
 #[derive(Clone, Debug)]
 pub struct MovingMesh {
@@ -21,7 +21,7 @@ pub struct MovingMesh {
     nodes: usize,
     time_order: usize,
     numbering: NodeNumbering,
-    /// x0 relative to the first node of the cell, `[cell][component][node]`, and x0 of that node, `[cell][component]`.
+    /// x_0 relative to the first node of the cell, `[cell][component][node]`, and x_0 of that node, `[cell][component]`.
     reference: Vec<f64>,
     first_nodes: Vec<f64>,
     /// The origins, `[cell][component]`.

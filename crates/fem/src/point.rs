@@ -134,7 +134,7 @@ pub(crate) fn load<const C: usize, T: LaneNumber<S>, S: Simd>(simd: S, u: &[Pack
     vector
 }
 
-/// The flux f in reference direction j, component m, for the test grad_x w . f J: sum_k cof_kj f_k.
+/// The flux f in reference direction j, component m, for the test grad_x psi . f J: sum_k cof_kj f_k.
 #[inline(always)]
 pub(crate) fn along_reference<const D: usize, const M: usize, T: Over<G>, G: Real>(
     f: &[[T; M]; D],

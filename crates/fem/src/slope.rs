@@ -1,10 +1,10 @@
 //! The penalty on jumps of slope between two cells, for quantities that the viscous flux does not diffuse.
 //!
 //! ```text
-//! R_a += int_I int_f phi_a [w_,n] delta s({u}, [u_,n]) ds,   delta = 2 h^2 / N_s^5 = 8 / (N_s sigma^2)             (slope)
+//! R_a += int_I int_F phi_a [psi_,n] delta X({u}, [u_,n]) dS,   delta = 2 h^2 / N_s^5 = 8 / (N_s sigma^2)             (slope)
 //! ```
 //!
-//! h = 2 N_s^2 / sigma is the smaller height of the two cells, s the law's [`ConservationLaw::slope_flux`]. The term vanishes for a
+//! h = 2 N_s^2 / sigma is the smaller height of the two cells, X the law's [`ConservationLaw::slope_flux`]. The term vanishes for a
 //! smooth state, and for constant test functions, so it is conservative.
 //!
 //! For odd N_s, the Legendre polynomial of the highest degree has the same value at both ends of a cell. Repeated from cell to cell it
@@ -24,7 +24,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         self.tables.orders.flow % 2 == 1
     }
 
-    /// delta s({u}, [u_,n]) between the states and the gradients `[direction][component]` of minus and plus.
+    /// delta X({u}, [u_,n]) between the states and the gradients `[direction][component]` of minus and plus.
     #[inline(always)]
     pub(crate) fn slope_penalty(
         self,

@@ -1,10 +1,10 @@
 //! The inviscid volume terms in split form, for Gauss-Lobatto points that are the nodes.
 //!
 //! ```text
-//! R_i += w_perp sum_j S_ij f#(u_i, u_j; {A}, {A . v}),   S = Q - Q^T,   Q_ij = w_i D_ij                              (split)
+//! R_i += omega_perp sum_j (Q_ij - Q_ji) f#(u_i, u_j; {A}, {A . v}),   Q_ij = omega_i phi_j'(xi_i)                    (split)
 //! ```
 //!
-//! along every line of nodes in every direction. D is the derivative matrix, w the weights of the line, w_perp those across it, { } the
+//! along every line of nodes in every direction. The phi_j are the polynomials of the line, omega its weights, omega_perp those across it, { } the
 //! mean of both nodes. f# is the law's two-point flux, consistent and symmetric. With its mean value in place of f#
 //! these are the volume terms of (volume) themselves, since Q + Q^T holds the boundary alone. Other choices keep balances that the
 //! product rule gives to the equations and not to collocation: of kinetic energy, or of entropy.
@@ -25,7 +25,7 @@ use tensor::{LaneNumber, Lanes, Pack, dot};
 struct Pair {
     axis: usize,
     nodes: [usize; 2],
-    /// w_perp S_ij times the weight in time.
+    /// omega_perp (Q_ij - Q_ji) times the weight in time.
     weight: f64,
 }
 
@@ -51,7 +51,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// The flux of a pair: what the first node receives, the second one loses, S being skew.
+    /// The flux of a pair: what the first node receives, the second one loses, its matrix being skew.
     #[inline(always)]
     fn add_pair(self, [u, geometry]: [&[Pack]; 2], pair: Pair, part: usize, tested: &mut [Pack]) {
         let points = self.tables.volume_points();

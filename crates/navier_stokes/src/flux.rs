@@ -82,7 +82,7 @@ pub(crate) fn artificial<T: Real, const D: usize, const M: usize>(
 /// Gas of the state `u` that is exchanged between two cells if the slope of the density jumps. It carries its momentum and its energy along,
 ///
 /// ```text
-/// s = a [rho_,n] [1 ; w ; E],   1 / a = 1 / c + rho / (sigma mu)                                                   (exchange)
+/// X = a [rho_,n] [1 ; w ; E],   1 / a = 1 / c + rho / (sigma mu)                                                   (exchange)
 /// ```
 ///
 /// with a speed a. Where viscosity dominates in the cell, a is near c; elsewhere it is near the viscous speed sigma mu / rho.

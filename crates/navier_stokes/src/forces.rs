@@ -4,15 +4,15 @@
 //! leave the domain through it, so that
 //!
 //! ```text
-//! F = int (p n - tau n) ds,   M = int (x - x_p) x (p n - tau n) ds,   P = int (p n - tau n) . w_b ds,
-//! Q = - int kappa T_,n ds                                                                                     (force)
+//! F_w = int (p n - tau n) dS,   M_w = int (x - x_p) x (p n - tau n) dS,   P_w = int (p n - tau n) . w_b dS,
+//! Q_w = - int kappa T_,n dS                                                                                   (force)
 //! ```
 //!
-//! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F and M are what the scheme
-//! takes from the momentum of the gas; P + Q is taken from its energy. The impulse, the work and the heat over some time are the
+//! with n out of the fluid, x_p a point that may move with the body, and w_b the velocity of the wall. F_w and M_w are what the scheme
+//! takes from the momentum of the gas; P_w + Q_w is taken from its energy. The impulse, the work and the heat over some time are the
 //! integrals in the quadrature of the scheme.
 //!
-//! At the top of a slab w_b is the prescribed velocity: there P = F . h' + M . theta' of a rigid body to round-off. During a slab it is
+//! At the top of a slab w_b is the prescribed velocity: there P_w = F_w . h' + M_w . theta' of a rigid body to round-off. During a slab it is
 //! the velocity of the mesh, a polynomial in time, so that work and heat are the energy that leaves the gas, to round-off.
 
 use fem::{BoundaryFlux, FluxPart, FluxesAt};
@@ -22,15 +22,15 @@ use tensor::cross;
 /// Force, moment, power and heat of a wall at one time; or their integral over some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallForce<const D: usize> {
-    /// The part of F that pressure exerts.
+    /// The part of F_w that pressure exerts.
     pub pressure: [f64; D],
-    /// The part of F that friction exerts.
+    /// The part of F_w that friction exerts.
     pub friction: [f64; D],
-    /// M. In 2-D only the last component is not zero; positive is counter-clockwise.
+    /// M_w. In 2-D only the last component is not zero; positive is counter-clockwise.
     pub moment: [f64; 3],
-    /// P; over some time the work.
+    /// P_w; over some time the work.
     pub power: f64,
-    /// Q; over some time the heat.
+    /// Q_w; over some time the heat.
     pub heat: f64,
 }
 
@@ -63,7 +63,7 @@ impl<const D: usize> WallForce<D> {
         sum
     }
 
-    /// F.
+    /// F_w.
     pub fn force(&self) -> [f64; D] {
         std::array::from_fn(|i| self.pressure[i] + self.friction[i])
     }
@@ -86,7 +86,7 @@ impl<const D: usize> AddAssign for WallForce<D> {
 /// The reference values that make forces dimensionless:
 ///
 /// ```text
-/// C_D = F . e_D / (q A),   C_L = F . (e_z x e_D) / (q A),   C_M = M . a / (q A L),   q = rho U^2 / 2            (coefficients)
+/// C_D = F_w . e_D / (q A),  C_L = F_w . (e_z x e_D) / (q A),  C_M = M_w . a / (q A L),  q = rho U^2 / 2            (coefficients)
 /// ```
 ///
 /// Lift is to the left of drag. A moment about a = e_z is positive counter-clockwise. A moment about a = -e_z is positive if it
@@ -128,7 +128,7 @@ impl<const D: usize> ForceScales<D> {
         }
     }
 
-    /// M . a
+    /// M_w . a
     pub fn moment(&self, wall: &WallForce<D>) -> f64 {
         tensor::dot(&wall.moment, &self.moment_axis)
     }

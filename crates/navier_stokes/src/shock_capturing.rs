@@ -2,16 +2,16 @@
 //!
 //! ```text
 //! F_a = [ 0 ; beta w_k,k delta_ij ; beta w_k,k w_i + beta c_p T_,i / Pr_a ]                                   (F_a)
-//! beta = k rho l c phi(s),   s = - l w_k,k / c,   phi(s) = q^2 / (q + s_0),   q = max(s - s_0, 0)            (beta)
-//! 1 / l^2 = ( |G rho_,i|^2 + d^2 rho^2 g^4 ) / ( |rho_,i|^2 + d^2 rho^2 g^2 ),   g^2 = |G|^2 / D             (spacing)
+//! beta = k rho l c chi(r),   r = - l w_k,k / c,   chi(r) = q^2 / (q + r_0),   q = max(r - r_0, 0)            (beta)
+//! 1 / l^2 = ( |G rho_,i|^2 + eps^2 rho^2 g^4 ) / ( |rho_,i|^2 + eps^2 rho^2 g^2 ),   g^2 = |G|^2 / D         (spacing)
 //! ```
 //!
-//! This is a bulk viscosity with a conduction of heat. It acts where the gas is compressed by more than s_0 speeds of sound over the
+//! This is a bulk viscosity with a conduction of heat. It acts where the gas is compressed by more than r_0 speeds of sound over the
 //! distance l between two nodes. Elsewhere it is exactly zero: in smooth flow that the mesh resolves, in expansions, contacts and shear.
-//! The ramp phi has a continuous derivative, so Newton's method sees a smooth function.
+//! The ramp chi has a continuous derivative, so Newton's method sees a smooth function.
 //!
 //! G_ij counts distances between nodes along axis i of the cell, per length along j. So l is the distance between nodes in the direction in
-//! which the density changes. With d = 1/100 it is a mean over all directions where the density hardly changes.
+//! which the density changes. With eps = 1/100 it is a mean over all directions where the density hardly changes.
 //!
 //! As part of the viscous flux, F_a conserves mass, momentum and energy. Both of its parts produce entropy, beta (w_k,k)^2 / T and the
 //! usual one of conduction.
@@ -34,11 +34,11 @@ pub struct ShockCapturing {
 /// Pr_a of (F_a).
 pub(crate) const ARTIFICIAL_PRANDTL: f64 = 0.72;
 
-/// d^2 of (spacing).
+/// eps^2 of (spacing).
 const LITTLE: f64 = 1e-4;
 
 impl ShockCapturing {
-    /// With k, the `strength`, and s_0, the `threshold`.
+    /// With k, the `strength`, and r_0, the `threshold`.
     ///
     /// # Errors
     /// A number that is not positive.

@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 mod common;
+mod equations;
 
 use common::stsolve;
+use equations::{Code, Equation};
 use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -163,19 +165,21 @@ fn examples_are_accepted() {
 #[test]
 fn equations_stand_in_the_code_that_is_named() {
     let page = read_to_string(root().join("docs/src/theory.md")).unwrap();
-    let plain = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
-    let (mut file, mut code, mut equations, mut inside) = (String::new(), Vec::new(), 0, false);
+    let (mut file, mut code, mut block, mut seen) = (String::new(), None, None, 0);
     for line in page.lines() {
         if let Some((_, path)) = line.strip_suffix(')').and_then(|line| line.strip_prefix("[`")?.split_once("](")) {
             file = path.to_owned();
-            let text = read_to_string(root().join("docs/src").join(path)).unwrap();
-            code = text.lines().map(|line| plain(line.trim_start().trim_start_matches(['/', '!']))).collect();
+            code = Some(Code::new(&read_to_string(root().join("docs/src").join(path)).unwrap()));
+        } else if line == "```math" {
+            block = Some(String::new());
         } else if line.starts_with("```") {
-            inside = !inside;
-        } else if inside {
-            assert!(code.contains(&plain(line)), "{file} has no line `{line}`");
-            equations += 1;
+            let latex = block.take().expect("theory has no other blocks than equations");
+            let stands = code.as_ref().is_some_and(|code| code.has(&Equation::new(&latex)));
+            assert!(stands, "{file} has no such equation:\n{latex}\n{:?}", Equation::new(&latex));
+            seen += 1;
+        } else if let Some(latex) = &mut block {
+            *latex += &format!("{line}\n");
         }
     }
-    assert!(equations > 30, "{equations} lines of equations");
+    assert!(seen > 70, "{seen} equations");
 }

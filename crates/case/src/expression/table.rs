@@ -1,13 +1,13 @@
 //! A function of one variable given by a table: the cubic spline through its points.
 //!
 //! Between t_k and t_k+1 = t_k + h_k, with the slopes m of the spline at the points, Delta_k = (y_k+1 - y_k) / h_k and
-//! sigma = (t - t_k) / h_k,
+//! s = (t - t_k) / h_k,
 //!
 //! ```text
-//! S(t) = y_k + h_k sigma (m_k + sigma (3 Delta_k - 2 m_k - m_k+1 + sigma (m_k + m_k+1 - 2 Delta_k)))       (spline)
+//! y(t) = y_k + h_k s (m_k + s (3 Delta_k - 2 m_k - m_k+1 + s (m_k + m_k+1 - 2 Delta_k)))                   (spline)
 //! ```
 //!
-//! The second derivative is continuous, S''(t_k-) = S''(t_k+), where
+//! The second derivative is continuous, y''(t_k-) = y''(t_k+), where
 //!
 //! ```text
 //! h_k m_k-1 + 2 (h_k-1 + h_k) m_k + h_k-1 m_k+1 = 3 (h_k Delta_k-1 + h_k-1 Delta_k)                         (smooth)
@@ -105,7 +105,7 @@ impl Table {
         (self.t[0], self.t[self.t.len() - 1])
     }
 
-    /// S(t), by (spline). NaN beyond free ends.
+    /// y(t), by (spline). NaN beyond free ends.
     pub fn evaluate<T: Transcendental>(&self, t: T) -> T {
         let (first, last) = self.range();
         let periods = if self.ends == Ends::Periodic { ((t.value() - first) / (last - first)).floor() } else { 0.0 };

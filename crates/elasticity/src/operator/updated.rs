@@ -4,7 +4,7 @@
 //! det J,
 //!
 //! ```text
-//! G_n = G F^{-1},      det J_n = j det J,      W_n = w det J_n E_n = W j^{1 - chi}                               (updated)
+//! G_n = G F^{-1},      det J_n = j det J,      W_n = omega det J_n E_Y,n = W j^{1 - chi}                               (updated)
 //! ```
 
 use super::Operator;

@@ -42,7 +42,7 @@ fn the_product_is_the_derivative_of_the_residual() {
     });
 }
 
-/// (dR/dV + T)^{-1} r, where T is (1/dtau) dt w_a M, and the mass has that of a fluid.
+/// (dR/dV + T)^{-1} r, where T is (1/dtau) dt omega_a M, and the mass has that of a fluid.
 #[test]
 fn the_modes_invert_the_derivative_with_pseudo_time_and_a_fluid() {
     in_slab(|slab, w| {

@@ -1,11 +1,11 @@
 //! The energy of a rigid body, and where it goes.
 //!
 //! ```text
-//! dE = sum_a,k W_a,k (terms of inertia of R_a,k) - D,    E = v_c . m v_c / 2 + omega . H / 2                       (numerical)
+//! dE = sum_a,k W_a,k (terms of inertia of R_a,k) - D,    E = v_c . m v_c / 2 + Omega . H / 2                       (numerical)
 //! ```
 //!
 //! D is the energy that the time integration takes. With translations and one rotation about a fixed axis it is that of the jumps of v_c and
-//! omega at the bottom of the slab and never negative.
+//! Omega at the bottom of the slab and never negative.
 
 use super::RigidBody;
 use crate::block::Ledger;
