@@ -205,8 +205,8 @@ steps of 0.1:
     ("with wake and source", *changes(flow__boundary__far=stream_with_wake())),
 ])}
 
-The change is not caused by reflection: within t = 2 no sound travels to the far field and back. It is caused by the steady flow from which the
-run starts. The wake is slower than the free stream where it leaves, and the condition there accelerates it. This acts as a sink at the distance R,
+Reflections do not cause the change: within t = 2 no sound travels to the far field and back. The steady flow from which the run starts causes it.
+Where the wake leaves the domain it is slower than the free stream, and the far-field condition accelerates it. This acts as a sink at the distance R,
 which speeds up the flow at the airfoil by about Q / (2 pi R), where Q = C_d / 2 is the mass flux deficit of the wake.
 
 A far-field state with the wake, and the source that balances it, removes most of the error: `prescribed_state` with formulas, see
@@ -236,7 +236,7 @@ def quadratic(directory):
     at = lambda mesh, order, step: Setting(mesh, order, 3, step, **keys)
     best = at("fine", 6, 0.05)
     pairs = [(at("medium", 6, 0.05), best), (at("fine", 5, 0.05), best), (at("medium", 5, 0.1), at("medium", 5, 0.05))]
-    text = f"""Case 1 of an earlier workshop: h = {height}, otherwise as C1. The acceleration jumps at t = 0.
+    text = f"""Another test case of these workshops has the motion h = {height} and is otherwise as C1. The acceleration jumps at t = 0.
 `--set 'motion.boundary.airfoil.displacement=[0, "{height}"]' --set 'flow.forces.airfoil.point=["1/3", "{height}"]'`"""
     return study("Heave with a sudden acceleration", text, best, pairs, directory)
 

@@ -80,7 +80,7 @@ def texts(path):
     if path.suffix == ".md":
         blocks = [list(enumerate(lines, 1))]
     else:
-        mark = r"\s*//[/!] ?(.*)" if path.suffix == ".rs" else r"# ?(.*)"
+        mark = r"\s*//[/!] ?(.*)" if path.suffix == ".rs" else r"#(?!:schema) ?(.*)"
         blocks = marked(lines, re.compile(mark))
     for block in blocks:
         yield from markdown(block)

@@ -3,9 +3,10 @@
 
     make_case_pages.py [NAME]... [--results DIRECTORY]      default: all cases
 
-A page holds the comment at the head of the case, a picture, and the figures of summary.json except seconds, which `make_speed_page.py`
-collects. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them). A case without results
-keeps its picture and figures. Vortices are drawn by the program, $STSOLVE or scripts/stsolve. The list of pages and the table of contents are written anew. Needs the Python packages of
+A page holds the comment at the head of the case, a picture, and the figures of summary.json. Seconds are left out, because they stand on the
+page that `make_speed_page.py` writes. Results are looked for in DIRECTORY/NAME (default: runs, where `stsolve run cases/NAME.toml` leaves them).
+A case without results keeps its picture and figures. The program, $STSOLVE or scripts/stsolve, draws vortices. The list of pages, with small
+pictures, and the table of contents are written anew. Needs the module stsolve (scripts/wheel --here) and the Python packages of
 scripts/requirements.txt.
 """
 
@@ -38,6 +39,8 @@ DIRECTION = {"channel_roughness_3d": (0.6, 1.6, 1.2), "turbine_blade_roughness_3
 # Cases whose vortices are drawn, with the level of Q.
 VORTICES = {"sphere_300": 0.02, "flapping_wing_3d": 0.3}
 WIDTH = 800
+# The largest width and height of a small picture on the page of all cases.
+THUMBNAIL = (200, 130)
 
 # Sections of summary.json that are figures of the run, and what they are called.
 FIGURES = {
@@ -45,6 +48,10 @@ FIGURES = {
     "mesh_quality": "mesh", "conservation": "conservation", "error": "error", "steady": "steady flow", "walls": "walls", "openings": "openings", "bodies": "bodies",
     "structure": "structure", "cost": "cost",
 }
+# Figures that stay out of the pages: the parts of the cost, which are for programmers.
+INTERNAL = "cost.parts."
+# The first line of a case, for editors.
+SCHEMA_LINE = "#:schema ./case.schema.json\n"
 # Below this a number is round-off, of which no digit is to be expected.
 ROUND_OFF = 1e-11
 
@@ -52,7 +59,7 @@ ROUND_OFF = 1e-11
 def header(text):
     """The paragraphs of the comment at the head of a case."""
     lines = []
-    for line in text.splitlines():
+    for line in text.removeprefix(SCHEMA_LINE).splitlines():
         if not line.startswith("#"):
             break
         lines.append(line[1:].strip())
@@ -86,7 +93,7 @@ def figures(summary):
 
     for section, title in FIGURES.items():
         for key, value in flat(section, summary.get(section, {})):
-            if value != {} and not key.endswith("seconds"):
+            if value != {} and not key.endswith("seconds") and not key.startswith(INTERNAL):
                 yield title, key, short(value)
 
 
@@ -170,7 +177,21 @@ def picture_and_figures(page):
     """The lines of the picture and of the figures of a page."""
     lines = page.splitlines()
     shown = [line for line in lines if line.startswith("![")]
-    return [*shown, *[""] * len(shown)], lines[lines.index("## Figures"):]
+    rows = [line for line in lines[lines.index("## Figures"):] if f"`{INTERNAL}" not in line]
+    return [*shown, *[""] * len(shown)], rows
+
+
+def thumbnail(name, title):
+    """Makes the small copy of a picture; a cell that shows it, or an empty one."""
+    picture = BOOK / "pictures" / f"case_{name}.png"
+    if not picture.exists():
+        return ""
+    small = BOOK / "pictures" / "small" / f"{name}.png"
+    small.parent.mkdir(exist_ok=True)
+    image = PIL.Image.open(picture).convert("RGB")
+    image.thumbnail(THUMBNAIL, PIL.Image.Resampling.LANCZOS)
+    image.quantize(64).save(small, optimize=True)
+    return f"[![{title}](../pictures/small/{small.name})]({name}.md)"
 
 
 def write_lists():
@@ -178,8 +199,8 @@ def write_lists():
     pages = sorted(page for page in (BOOK / "cases").glob("*.md") if page.stem != "README")
     titles = {page.stem: page.read_text().splitlines()[0].removeprefix("# ") for page in pages}
     table = ["# Cases", "", "The shipped cases, each with a picture and the numbers to expect. `scripts/make_case_pages.py` writes the pages from",
-             "the cases and their runs. [Speed](../speed.md) lists their seconds.", "", "| case | shows |", "|---|---|"]
-    table += [f"| [`{name}`]({name}.md) | {title} |" for name, title in titles.items()]
+             "the cases and their runs. [Speed](../speed.md) lists their seconds.", "", "| | case | shows |", "|---|---|---|"]
+    table += [f"| {thumbnail(name, title)} | [`{name}`]({name}.md) | {title} |" for name, title in titles.items()]
     (BOOK / "cases" / "README.md").write_text("\n".join(table) + "\n")
     summary = BOOK / "SUMMARY.md"
     lines = [line for line in summary.read_text().splitlines() if not line.startswith("  - [")]

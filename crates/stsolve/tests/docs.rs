@@ -78,6 +78,23 @@ fn the_page_of_keys_is_that_of_the_schema() {
 }
 
 #[test]
+fn cases_name_the_schema_that_the_program_prints() {
+    let outcome = stsolve(&root(), &["schema"]);
+    let schema = read_to_string(root().join("cases/case.schema.json")).unwrap();
+    assert!(schema == outcome.stdout, "write it anew: scripts/stsolve schema > cases/case.schema.json");
+    assert!(schema.contains("\"$id\": \"https://"), "a schema has an identifier");
+    let mut seen = 0;
+    for case in std::fs::read_dir(root().join("cases")).unwrap().map(|entry| entry.unwrap().path()) {
+        if case.extension().is_some_and(|extension| extension == "toml") {
+            let text = read_to_string(&case).unwrap();
+            assert_eq!(text.lines().next(), Some("#:schema ./case.schema.json"), "{}", case.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 40, "{seen} cases");
+}
+
+#[test]
 fn links_lead_somewhere() {
     let mut seen = 0;
     for page in pages() {
@@ -160,6 +177,35 @@ fn examples_are_accepted() {
         }
     }
     assert!(checked >= 5, "{checked} examples");
+}
+
+/// The sources below a folder, with the strings of messages in one piece.
+fn sources(folder: &Path) -> String {
+    let mut text = String::new();
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            text += &sources(&entry);
+        } else {
+            text += &read_to_string(entry).unwrap();
+        }
+    }
+    text.replace("\\\"", "\"").split("\\\n").map(str::trim_start).collect()
+}
+
+#[test]
+fn messages_on_the_page_of_meshes_are_those_of_the_program() {
+    let code = sources(&root().join("crates/mesh/src")) + &sources(&root().join("crates/stsolve/src/commands/info"));
+    let page = read_to_string(root().join("docs/src/meshes.md")).unwrap();
+    let table = page.split("| message | cause | remedy |").nth(1).unwrap();
+    let mut seen = 0;
+    for row in table.lines().skip(2).take_while(|line| line.starts_with('|')) {
+        let messages = row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2);
+        for part in messages.flat_map(|message| message.split("...")).filter(|part| part.len() > 2) {
+            assert!(code.contains(part.trim()), "no message has `{part}`");
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen} parts of messages");
 }
 
 #[test]
