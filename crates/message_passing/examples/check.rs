@@ -39,7 +39,10 @@ fn ring(ranks: &dyn Communicator) {
     let (next, before) = ((rank + 1) % size, (rank + size - 1) % size);
     for length in [0, 1, 1000, 1 << 20] {
         let mut heard = vec![f64::NAN; length];
-        ranks.exchange(&[(next, &vec![rank as f64; length])], &mut [(before, &mut heard)]);
+        let mut worked = false;
+        let send = vec![rank as f64; length];
+        ranks.exchange_while(&[(next, &send)], &mut [(before, &mut heard)], &mut || worked = true);
+        assert!(worked);
         assert_eq!(heard, vec![before as f64; length]);
     }
 }
@@ -60,6 +63,9 @@ fn gather(ranks: &dyn Communicator) {
     let part = |rank: usize| vec![rank as f64; rank % 3];
     assert_eq!(ranks.all_gather(&part(ranks.rank())), (0..ranks.size()).map(part).collect::<Vec<_>>());
     assert_eq!(ranks.all_gather(&[]), vec![vec![]; ranks.size()]);
+    let lengths: Vec<usize> = (0..ranks.size()).map(|rank| rank % 3).collect();
+    let all: Vec<f64> = (0..ranks.size()).flat_map(part).collect();
+    assert_eq!(ranks.all_gather_known(&part(ranks.rank()), &lengths), all);
 }
 
 fn broadcast(ranks: &dyn Communicator) {

@@ -63,7 +63,7 @@ impl Communicator for Mpi {
         self.world().size() as usize
     }
 
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut()) {
         let world = self.world();
         let expected: Vec<_> = receives.iter().map(|(_, buffer)| count(buffer.len())).collect();
         let process = |rank: usize| world.process_at_rank(count(rank));
@@ -73,6 +73,7 @@ impl Communicator for Mpi {
             let receiving: Vec<_> = receiving.collect();
             let sending: Vec<_> =
                 sends.iter().map(|(to, numbers)| process(*to).immediate_send(scope, *numbers)).collect();
+            work();
             let arrived =
                 receiving.into_iter().map(|request| request.wait().count(f64::equivalent_datatype())).collect();
             sending.into_iter().for_each(|request| request.wait_without_status());
@@ -85,17 +86,28 @@ impl Communicator for Mpi {
         let world = self.world();
         let mut counts = vec![0; self.size()];
         world.all_gather_into(&count(part.len()), &mut counts[..]);
+        let lengths: Vec<usize> = counts.iter().map(|count| *count as usize).collect();
+        let all = self.all_gather_known(part, &lengths);
+        let mut rest = &all[..];
+        let next = |length: &usize| rest.split_off(..*length).map_or(Vec::new(), <[f64]>::to_vec);
+        lengths.iter().map(next).collect()
+    }
+
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64> {
+        assert_eq!(lengths[self.rank()], part.len(), "the length of the part of this rank");
         let mut total = 0;
-        let start = |count: &i32| {
-            total += *count as usize;
-            total - *count as usize
+        let start = |length: &usize| {
+            total += length;
+            count(total - length)
         };
-        let starts: Vec<_> = counts.iter().map(start).map(count).collect();
+        let starts: Vec<_> = lengths.iter().map(start).collect();
+        let counts: Vec<_> = lengths.iter().copied().map(count).collect();
         let mut all = vec![0.0; total];
         if total > 0 {
-            world.all_gather_varcount_into(part, &mut PartitionMut::new(&mut all[..], &counts[..], &starts[..]));
+            let mut parts = PartitionMut::new(&mut all[..], &counts[..], &starts[..]);
+            self.world().all_gather_varcount_into(part, &mut parts);
         }
-        starts.iter().zip(&counts).map(|(start, count)| all[*start as usize..][..*count as usize].to_vec()).collect()
+        all
     }
 
     fn broadcast(&self, bytes: &mut Vec<u8>) {

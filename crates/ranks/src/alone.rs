@@ -15,16 +15,22 @@ impl Communicator for Alone {
         1
     }
 
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut()) {
         assert_eq!(sends.len(), receives.len(), "a rank alone receives what it sends");
         for ((to, numbers), (from, buffer)) in sends.iter().zip(receives) {
             assert!(*to == 0 && *from == 0, "there is only rank 0");
             buffer.copy_from_slice(numbers);
         }
+        work();
     }
 
     fn all_gather(&self, part: &[f64]) -> Vec<Vec<f64>> {
         vec![part.to_vec()]
+    }
+
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64> {
+        assert_eq!(lengths, [part.len()], "the length of the only part");
+        part.to_vec()
     }
 
     fn broadcast(&self, _bytes: &mut Vec<u8>) {}
@@ -45,6 +51,10 @@ mod tests {
         assert_eq!(heard, [1.0, 2.0]);
         Alone.exchange(&[], &mut []);
         assert_eq!(Alone.all_gather(&[3.0]), [[3.0]]);
+        assert_eq!(Alone.all_gather_known(&[3.0, 4.0], &[2]), [3.0, 4.0]);
+        let mut worked = false;
+        Alone.exchange_while(&[], &mut [], &mut || worked = true);
+        assert!(worked);
         let mut bytes = b"kept".to_vec();
         Alone.broadcast(&mut bytes);
         assert_eq!((bytes.as_slice(), Alone.rank(), Alone.size()), (&b"kept"[..], 0, 1));

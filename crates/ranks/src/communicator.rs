@@ -15,10 +15,20 @@ pub trait Communicator: Send + Sync {
 
     /// Sends `sends` = (rank, numbers) and fills `receives` = (rank, buffer of the expected length). At most one message per pair of
     /// ranks and direction. A rank may send to itself.
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]);
+    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+        self.exchange_while(sends, receives, &mut || ());
+    }
+
+    /// [`Self::exchange`] that does `work` while messages are on their way. The work needs nothing that is received, and makes no calls of
+    /// its own.
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut());
 
     /// The parts of all ranks, in the order of ranks; lengths may differ.
     fn all_gather(&self, part: &[f64]) -> Vec<Vec<f64>>;
+
+    /// The parts of all ranks one after the other, where every rank knows the `lengths` of all parts: one message less than
+    /// [`Self::all_gather`].
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64>;
 
     /// The bytes of rank 0, on all ranks.
     fn broadcast(&self, bytes: &mut Vec<u8>);
@@ -36,12 +46,16 @@ impl<C: Communicator + ?Sized> Communicator for Arc<C> {
         (**self).size()
     }
 
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
-        (**self).exchange(sends, receives);
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut()) {
+        (**self).exchange_while(sends, receives, work);
     }
 
     fn all_gather(&self, part: &[f64]) -> Vec<Vec<f64>> {
         (**self).all_gather(part)
+    }
+
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64> {
+        (**self).all_gather_known(part, lengths)
     }
 
     fn broadcast(&self, bytes: &mut Vec<u8>) {

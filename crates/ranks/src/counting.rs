@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// What one rank has sent: the measure of tests, since counts do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Calls of `exchange`.
+    /// Calls of `exchange` and `exchange_while`.
     pub exchanges: u64,
-    /// Messages of `exchange` to other ranks.
+    /// Messages of these to other ranks.
     pub messages: u64,
-    /// Calls of `all_gather` and `broadcast`.
+    /// Calls of `all_gather`, `all_gather_known` and `broadcast`.
     pub collectives: u64,
     /// Bytes that this rank gave away: messages to other ranks, its parts of `all_gather`, the bytes of rank 0 in `broadcast`. Each counts
     /// once, however many ranks receive it.
@@ -67,19 +67,25 @@ impl<C: Communicator> Communicator for Counting<C> {
         self.communicator.size()
     }
 
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut()) {
         add(&self.exchanges, 1);
         for (_, numbers) in sends.iter().filter(|(to, _)| *to != self.rank()) {
             add(&self.messages, 1);
             add(&self.bytes, size_of_val(*numbers));
         }
-        self.communicator.exchange(sends, receives);
+        self.communicator.exchange_while(sends, receives, work);
     }
 
     fn all_gather(&self, part: &[f64]) -> Vec<Vec<f64>> {
         add(&self.collectives, 1);
         add(&self.bytes, size_of_val(part));
         self.communicator.all_gather(part)
+    }
+
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64> {
+        add(&self.collectives, 1);
+        add(&self.bytes, size_of_val(part));
+        self.communicator.all_gather_known(part, lengths)
     }
 
     fn broadcast(&self, bytes: &mut Vec<u8>) {
@@ -110,10 +116,11 @@ mod tests {
                 ranks.exchange(&[(next, &[1.0, 2.0]), (ranks.rank(), &[3.0])], receives);
             }
             ranks.all_gather(&vec![0.0; ranks.rank()]);
+            ranks.all_gather_known(&vec![0.0; ranks.rank()], &[0, 1, 2]);
             ranks.broadcast(&mut b"hello".to_vec());
-            // Five messages of two numbers, a part of as many numbers as the rank says, and five bytes of rank 0.
-            let bytes = 80 + [5, 8, 16][ranks.rank()];
-            assert_eq!(ranks.reset(), Traffic { exchanges: 5, messages: 5, collectives: 2, bytes });
+            // Five messages of two numbers, two parts of as many numbers as the rank says, and five bytes of rank 0.
+            let bytes = 80 + [5, 16, 32][ranks.rank()];
+            assert_eq!(ranks.reset(), Traffic { exchanges: 5, messages: 5, collectives: 3, bytes });
             ranks.traffic()
         });
         assert_eq!(traffic, [Traffic::default(); 3]);

@@ -14,6 +14,8 @@ pub struct Sums {
     communicator: Arc<dyn Communicator>,
     /// Contiguous, in the order of ranks.
     blocks_of_rank: Vec<Range<usize>>,
+    /// How many sums each rank contributes to a total.
+    nodes_of_rank: Vec<usize>,
 }
 
 impl Sums {
@@ -30,8 +32,9 @@ impl Sums {
     pub fn new(communicator: Arc<dyn Communicator>, blocks: usize) -> Self {
         let size = communicator.size();
         assert!(blocks >= size, "{blocks} blocks are too few for {size} ranks");
-        let blocks_of_rank = (0..size).map(|rank| rank * blocks / size..(rank + 1) * blocks / size).collect();
-        Self { communicator, blocks_of_rank }
+        let blocks_of_rank: Vec<_> = (0..size).map(|rank| rank * blocks / size..(rank + 1) * blocks / size).collect();
+        let nodes_of_rank = blocks_of_rank.iter().map(|own| nodes(blocks, own).len()).collect();
+        Self { communicator, blocks_of_rank, nodes_of_rank }
     }
 
     /// The blocks of this rank.
@@ -60,14 +63,13 @@ impl Sums {
         let own = self.own();
         assert_eq!(parts.len(), own.len() * count, "one part for each own block");
         let part = |block: usize| parts[(block - own.start) * count..][..count].to_vec();
-        let mut nodes = Vec::new();
-        collect_nodes(0..self.blocks(), &own, &mut nodes);
         let of_node = |node| add(node, &mut |range| (range.len() == 1).then(|| part(range.start)));
-        let mut sums: Vec<Vec<f64>> = nodes.into_iter().map(of_node).collect();
+        let mut sums: Vec<Vec<f64>> = nodes(self.blocks(), &own).into_iter().map(of_node).collect();
         if self.communicator.size() == 1 {
             return sums.swap_remove(0);
         }
-        self.top(&self.communicator.all_gather(&sums.concat()).concat(), count)
+        let lengths: Vec<usize> = self.nodes_of_rank.iter().map(|nodes| nodes * count).collect();
+        self.top(&self.communicator.all_gather_known(&sums.concat(), &lengths), count)
     }
 
     /// The sum over all blocks from the sums of the nodes of all ranks, which are in the order of blocks.
@@ -86,7 +88,7 @@ impl Sums {
         if self.communicator.size() == 1 {
             return value;
         }
-        let values = self.communicator.all_gather(&[value]).concat();
+        let values = self.communicator.all_gather_known(&[value], &vec![1; self.blocks_of_rank.len()]);
         let larger = |a: f64, b: f64| if a.is_nan() || (!b.is_nan() && a.total_cmp(&b).is_ge()) { a } else { b };
         values.into_iter().fold(f64::NEG_INFINITY, larger)
     }
@@ -108,6 +110,13 @@ fn add(node: Range<usize>, known: &mut impl FnMut(&Range<usize>) -> Option<Vec<f
         sum.iter_mut().zip(upper).for_each(|(sum, upper)| *sum += upper);
         sum
     })
+}
+
+/// The largest nodes of the tree over so many `blocks` that hold `own` blocks only, in their order.
+fn nodes(blocks: usize, own: &Range<usize>) -> Vec<Range<usize>> {
+    let mut nodes = Vec::new();
+    collect_nodes(0..blocks, own, &mut nodes);
+    nodes
 }
 
 /// The largest nodes of the tree below `node` that hold `own` blocks only, in the order of blocks.

@@ -74,10 +74,11 @@ impl Communicator for Threads {
         self.post_office.size()
     }
 
-    fn exchange(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])]) {
+    fn exchange_while(&self, sends: &[(usize, &[f64])], receives: &mut [(usize, &mut [f64])], work: &mut dyn FnMut()) {
         for (to, numbers) in sends {
             self.post_office.send(self.rank, *to, Message::Exchange(numbers.to_vec()));
         }
+        work();
         for (from, buffer) in receives {
             match self.post_office.receive(*from, self.rank) {
                 Message::Exchange(numbers) => buffer.copy_from_slice(&numbers),
@@ -93,6 +94,12 @@ impl Communicator for Threads {
             other => self.confused("all_gather", from, &other),
         };
         (0..self.size()).map(receive).collect()
+    }
+
+    fn all_gather_known(&self, part: &[f64], lengths: &[usize]) -> Vec<f64> {
+        let parts = self.all_gather(part);
+        assert!(parts.iter().map(Vec::len).eq(lengths.iter().copied()), "the lengths of the parts of all ranks");
+        parts.concat()
     }
 
     fn broadcast(&self, bytes: &mut Vec<u8>) {

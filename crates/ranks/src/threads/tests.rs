@@ -50,7 +50,26 @@ fn parts_of_any_length_are_gathered_in_the_order_of_ranks() {
         let gathered = Threads::run(size, |ranks| ranks.all_gather(&part(ranks.rank())));
         let expected: Vec<_> = (0..size).map(part).collect();
         assert!(gathered.iter().all(|parts| *parts == expected));
+        let lengths: Vec<usize> = expected.iter().map(Vec::len).collect();
+        let known = Threads::run(size, |ranks| ranks.all_gather_known(&part(ranks.rank()), &lengths));
+        assert!(known.iter().all(|parts| *parts == expected.concat()));
     }
+}
+
+#[test]
+fn a_rank_works_while_messages_are_on_their_way() {
+    let order = Threads::run(2, |ranks| {
+        let (other, mut number, mut worked) = (1 - ranks.rank(), [f64::NAN], 0);
+        ranks.exchange_while(&[(other, &[ranks.rank() as f64])], &mut [(other, &mut number)], &mut || worked += 1);
+        (number[0], worked)
+    });
+    assert_eq!(order, [(1.0, 1), (0.0, 1)]);
+}
+
+#[test]
+fn parts_of_other_lengths_than_those_known_are_refused() {
+    let message = panic_of(2, |ranks| drop(ranks.all_gather_known(&[1.0], &[1, 2])));
+    assert!(message.contains("the lengths of the parts of all ranks"), "{message}");
 }
 
 #[test]
