@@ -11,7 +11,7 @@
 //! * [`Conserved`], [`Primitive`]: states with named components.
 //! * [`Riemann`]: numerical fluxes on moving facets.
 //! * [`ShockCapturing`]: an artificial viscosity.
-//! * [`Source`]: body forces and sponges.
+//! * [`Source`]: body forces, sponges and the [`Rotation`] of a frame.
 //! * [`Boundary`] and its conditions.
 //! * [`WallForce`]: forces, power and heat of walls.
 //! * [`exact`], [`Exact`], [`Manufactured`]: prescribed states and the sources that make them solutions.
@@ -75,6 +75,6 @@ pub use manufactured::Manufactured;
 pub use reference::Reference;
 pub use riemann::Riemann;
 pub use shock_capturing::ShockCapturing;
-pub use source::Source;
+pub use source::{Rotation, Source};
 pub use state::{Conserved, Primitive};
 pub use two_point::VolumeFlux;

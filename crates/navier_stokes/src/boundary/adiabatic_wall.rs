@@ -1,9 +1,9 @@
 //! The adiabatic no-slip wall.
 
+use super::Condition;
 use super::given::{Given, Values};
 use super::no_slip::{lifted, wall_velocity};
-use super::wall_pressure::wall_pressure;
-use super::{Condition, pressure_flux};
+use super::wall_pressure::wall_flux;
 use crate::error::{InvalidParameter, finite};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -54,8 +54,7 @@ impl<const D: usize> Condition<D> for AdiabaticWall<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(wall_pressure(law, minus, at), n, v)
+        wall_flux(law, minus, at)
     }
 
     /// [0 ; tau n ; (tau n) . w_b]: friction does work on the moving wall; there is no heat.

@@ -2,10 +2,9 @@
 
 use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
-use super::{Condition, nothing, through};
+use super::{Condition, nothing};
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
-use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::Primitive;
 use fem::BoundaryPoint;
@@ -47,12 +46,13 @@ impl<const D: usize> Inflow<D> {
             Given::AtPoints => None,
         }
     }
+}
 
-    /// The state on the facet.
+impl<const D: usize> Condition<D> for Inflow<D> {
     #[inline(always)]
-    fn outside<T: Over<G>, G: Real, const M: usize>(
+    fn on_facet<T: Over<G>, G: Real, const M: usize>(
         &self,
-        gas: &Gas,
+        law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
@@ -62,20 +62,7 @@ impl<const D: usize> Inflow<D> {
         let direction = self.given.unit(&vector);
         let facet = Facet { normal: *n, normal_velocity: dot(v, n), direction, reservoir_velocity };
         let reservoir = Reservoir { total_pressure: pressure, total_temperature: temperature };
-        reservoir.state(gas, &Primitive::unpack(gas, minus), &facet)
-    }
-}
-
-impl<const D: usize> Condition<D> for Inflow<D> {
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
+        reservoir.state(&law.gas, &Primitive::unpack(&law.gas, minus), &facet)
     }
 
     #[inline(always)]
@@ -94,7 +81,7 @@ impl<const D: usize> Condition<D> for Inflow<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.outside(&law.gas, minus, at).pack(&law.gas)
+        self.on_facet(law, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]

@@ -1,9 +1,9 @@
 //! The isothermal no-slip wall.
 
+use super::Condition;
 use super::given::{Given, Values};
 use super::no_slip::{lifted, wall_velocity};
-use super::wall_pressure::wall_pressure;
-use super::{Condition, pressure_flux};
+use super::wall_pressure::wall_flux;
 use crate::error::{InvalidParameter, finite, positive};
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
@@ -58,8 +58,7 @@ impl<const D: usize> Condition<D> for IsothermalWall<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(wall_pressure(law, minus, at), n, v)
+        wall_flux(law, minus, at)
     }
 
     /// [0 ; tau n ; (tau n) . w_b + kappa T_,n]

@@ -38,11 +38,12 @@ pub use wall_pressure::WallFlux;
 use crate::flux::{Stresses, inviscid_normal};
 use crate::gas::Gas;
 use crate::law::NavierStokes;
-use crate::state::{Primitive, along, components};
+use crate::state::{Primitive, along};
 use fem::BoundaryPoint;
 use tensor::{Over, Real, dot};
 
-/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments. Only the flux has no default.
+/// The interface of a boundary condition; [`fem::ConservationLaw`] describes the arguments. By default the inviscid flux is that of the state
+/// on the facet, and that is the state at which viscous terms are evaluated.
 pub(crate) trait Condition<const D: usize> {
     /// The state at which viscous terms are evaluated: `minus`, unless the condition imposes another one.
     #[inline(always)]
@@ -55,13 +56,28 @@ pub(crate) trait Condition<const D: usize> {
         *minus
     }
 
+    /// The state on the facet.
+    #[inline(always)]
+    fn on_facet<T: Over<G>, G: Real, const M: usize>(
+        &self,
+        law: &NavierStokes<D>,
+        minus: &[T; M],
+        at: BoundaryPoint<'_, G, D, M>,
+    ) -> Primitive<T, D> {
+        Primitive::unpack(&law.gas, &self.state(law, minus, at))
+    }
+
     /// (F_c - u v) . n through the boundary.
+    #[inline(always)]
     fn flux<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M];
+    ) -> [T; M] {
+        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        through(&law.gas, &self.on_facet(law, minus, at), n, v)
+    }
 
     /// F_v . n through the boundary: `stresses` and heat of that state with the gradient inside, unless the condition imposes others.
     #[inline(always)]
@@ -150,6 +166,20 @@ macro_rules! each {
     };
 }
 
+/// Methods of [`Boundary`] that call the same method of the condition, with numbers T of the state and G of the geometry.
+macro_rules! forwarded {
+    ($($method:ident($($argument:ident: $type:ty),*);)*) => {$(
+        #[inline(always)]
+        pub(crate) fn $method<T: Over<G>, G: Real, const M: usize>(
+            &self,
+            $($argument: $type,)*
+            at: BoundaryPoint<'_, G, D, M>,
+        ) -> [T; M] {
+            each!(self, condition => condition.$method($($argument,)* at))
+        }
+    )*};
+}
+
 impl<const D: usize> Boundary<D> {
     /// Whether the condition takes data at every point: a state, or a pressure, a vector and a temperature.
     #[inline(always)]
@@ -174,42 +204,11 @@ impl<const D: usize> Boundary<D> {
         each!(self, condition => condition.target_state(law, minus, at))
     }
 
-    #[inline(always)]
-    pub(crate) fn state<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        each!(self, condition => condition.state(law, minus, at))
-    }
-
-    #[inline(always)]
-    pub(crate) fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        each!(self, condition => condition.flux(law, minus, at))
-    }
-
-    #[inline(always)]
-    pub(crate) fn viscous_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        stresses: &Stresses<T, D>,
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        each!(self, condition => condition.viscous_flux(stresses, at))
-    }
-
-    #[inline(always)]
-    pub(crate) fn artificial_flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        stresses: &Stresses<T, D>,
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        each!(self, condition => condition.artificial_flux(stresses, at))
+    forwarded! {
+        state(law: &NavierStokes<D>, minus: &[T; M]);
+        flux(law: &NavierStokes<D>, minus: &[T; M]);
+        viscous_flux(stresses: &Stresses<T, D>);
+        artificial_flux(stresses: &Stresses<T, D>);
     }
 
     #[inline(always)]
@@ -243,14 +242,4 @@ fn lifted<T: Over<G>, G: Real, const M: usize>(minus: &[T; M], data: &[G; M]) ->
         state[c] = T::lift(data[c]);
     }
     state
-}
-
-/// The flux of a boundary that no mass crosses: [0 ; p n ; p v_n], the pressure and its work on the moving facet.
-#[inline(always)]
-fn pressure_flux<T: Over<G>, G: Real, const D: usize, const M: usize>(p: T, n: &[G; D], v: &[G; D]) -> [T; M] {
-    let mut push = [p; D];
-    for i in 0..D {
-        push[i] = p.scale(n[i]);
-    }
-    components(p.zero(), &push, along(&push, v))
 }

@@ -18,10 +18,10 @@ use crate::gas::Gas;
 use crate::state::{Primitive, along};
 use tensor::{Over, Real, dot};
 
-/// Gas at rest of the total pressure p_0 and the total temperature T_0.
+/// Gas at rest of the total pressure p_0 and the total temperature T_0. The pressure is a datum, or follows from the gas inside.
 #[derive(Clone, Copy)]
-pub(super) struct Reservoir<G> {
-    pub(super) total_pressure: G,
+pub(super) struct Reservoir<P, G> {
+    pub(super) total_pressure: P,
     pub(super) total_temperature: G,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Facet<G, const D: usize> {
     pub(super) reservoir_velocity: [G; D],
 }
 
-impl<G: Real> Reservoir<G> {
+impl<P: Real, G: Real> Reservoir<P, G> {
     /// The state on a facet between the gas `inside` and the reservoir.
     ///
     /// Let k = (gamma - 1) / 2, c_0 the sound speed of the reservoir, and a = d . n < 0. Let w_n and I = R+ belong to the gas inside, in
@@ -50,7 +50,7 @@ impl<G: Real> Reservoir<G> {
     /// Gas enters if I < c_s / k. R+ is constant only at the entropy of the gas inside, hence c_s and not c_0 in (q). Gas that enters
     /// chokes if q |a| is its sound speed. Gas that leaves chokes if b is its sound speed (a rarefaction that is sonic at the facet).
     #[inline(always)]
-    pub(super) fn state<T: Over<G>, const D: usize>(
+    pub(super) fn state<T: Over<P> + Over<G>, const D: usize>(
         &self,
         gas: &Gas,
         inside: &Primitive<T, D>,
@@ -66,7 +66,7 @@ impl<G: Real> Reservoir<G> {
         let c_0_squared = self.total_temperature * (gas.gamma() * gas.gas_constant());
         let c_s = c * inside.pressure.scale(self.total_pressure.recip()).powf(-k / gas.gamma());
         let invariant = w_n + c * (1.0 / k);
-        let a = T::lift(dot(direction, n));
+        let a = <T as Over<G>>::lift(dot(direction, n));
         let q = entering_speed(a, c_s, invariant, k, c_0_squared);
 
         let b = c_s.max(invariant * (k / (1.0 + k)));
@@ -77,7 +77,7 @@ impl<G: Real> Reservoir<G> {
 
         let normal_velocity_here = q * a + push;
         let relative = normal_velocity_here.plus(frame_n).minus(*normal_velocity);
-        let c_squared = relative.select_ge(zero, c_s * c_s, T::lift(c_0_squared)) * theta;
+        let c_squared = relative.select_ge(zero, c_s * c_s, <T as Over<G>>::lift(c_0_squared)) * theta;
         let mut velocity = inside.velocity;
         for i in 0..D {
             let leaves = inside.velocity[i] + (normal_velocity_here - w_n).scale(n[i]);

@@ -1,8 +1,20 @@
-//! Outflow to a given static pressure.
+//! Outflow to a static pressure.
+//!
+//! Sound that leaves has p + rho c w_n from inside. No sound comes back if the state on the facet (*) obeys
+//!
+//! ```text
+//! p* - p_b = rho c (w*_n - W_n),   hence   p* = ( p + p_b + rho c (w_n - W_n) ) / 2                              (sound)
+//! ```
+//!
+//! with the velocity W of the stream outside, and all that has no index from inside. `far_field` does the same with sound. A sound of angular
+//! frequency omega comes back with the amplitude R = -1 / (1 + 2 i omega T) if W follows the mean velocity of the gas with the memory T.
+//!
+//! This pressure rises with w_n, so that the condition takes energy from sound. It stays between p_b / 2 and 2 p_b. Since it is a total pressure
+//! where gas enters, data bound the energy that comes in, see `opening`.
 
 use super::given::{Given, Values};
 use super::opening::{Facet, Reservoir};
-use super::{Condition, nothing, through};
+use super::{Condition, nothing};
 use crate::error::{InvalidParameter, positive};
 use crate::flux::Stresses;
 use crate::gas::Gas;
@@ -14,9 +26,12 @@ use tensor::{Over, Real, dot};
 /// Outflow to the static pressure p_b outside. Gas that comes back is the gas of a reservoir, see `opening`. It has the total pressure
 /// p_b and the total temperature T_0 relative to the facet, and enters along the normal. Viscous stress and heat pass as they come
 /// from inside.
+///
+/// If it lets sound pass, the pressure of (sound) takes the place of p_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outflow<const D: usize> {
     given: Given<D>,
+    lets_sound_pass: bool,
 }
 
 impl<const D: usize> Outflow<D> {
@@ -27,23 +42,45 @@ impl<const D: usize> Outflow<D> {
     pub fn new(pressure: f64, total_temperature: f64) -> Result<Self, InvalidParameter> {
         positive("pressure of the outflow", pressure)?;
         let temperature = positive("total temperature", total_temperature)?;
-        Ok(Outflow { given: Given::Uniform(Values { pressure, vector: [0.0; D], temperature }) })
+        let given = Given::Uniform(Values { pressure, vector: [0.0; D], temperature });
+        Ok(Outflow { given, lets_sound_pass: false })
     }
 
     /// Outflow to a pressure that is given at every point: data = [p_b, _, T_0].
     pub fn at_points() -> Self {
-        Outflow { given: Given::AtPoints }
+        Outflow { given: Given::AtPoints, lets_sound_pass: false }
     }
 
-    /// The state on the facet: `minus` itself if w_n - v_n >= c, since then no wave comes in.
+    /// Outflow that lets sound pass, to a stream of given pressure and velocity: data = [p_b, W, T_0].
+    pub fn of_velocity() -> Self {
+        Outflow { given: Given::AtPoints, lets_sound_pass: true }
+    }
+}
+
+/// The pressure of (sound), within its bounds.
+#[inline(always)]
+fn pressure_of_sound<T: Over<G>, G: Real, const D: usize>(
+    gas: &Gas,
+    inside: &Primitive<T, D>,
+    stream: &Values<G, D>,
+    n: &[G; D],
+) -> T {
+    let impedance = inside.density * gas.sound_speed(inside.density, inside.pressure);
+    let excess = impedance * along(&inside.velocity, n).minus(dot(&stream.vector, n));
+    let pressure = (inside.pressure + excess).plus(stream.pressure) * 0.5;
+    pressure.max(T::lift(stream.pressure * 0.5)).min(T::lift(stream.pressure * 2.0))
+}
+
+impl<const D: usize> Condition<D> for Outflow<D> {
+    /// `minus` itself if w_n - v_n >= c, since then no wave comes in.
     #[inline(always)]
-    fn outside<T: Over<G>, G: Real, const M: usize>(
+    fn on_facet<T: Over<G>, G: Real, const M: usize>(
         &self,
-        gas: &Gas,
+        law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> Primitive<T, D> {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
+        let (BoundaryPoint { normal: n, velocity: v, .. }, gas) = (at, &law.gas);
         let inside = Primitive::unpack(gas, minus);
         let mut direction = *n;
         for i in 0..D {
@@ -51,9 +88,14 @@ impl<const D: usize> Outflow<D> {
         }
         let v_n = dot(v, n);
         let facet = Facet { normal: *n, normal_velocity: v_n, direction, reservoir_velocity: *v };
-        let Values { pressure, temperature, .. } = self.given.values(&at);
-        let reservoir = Reservoir { total_pressure: pressure, total_temperature: temperature };
-        let mut outside = reservoir.state(gas, &inside, &facet);
+        let stream = self.given.values(&at);
+        let total_temperature = stream.temperature;
+        let mut outside = if self.lets_sound_pass {
+            let total_pressure = pressure_of_sound(gas, &inside, &stream, n);
+            Reservoir { total_pressure, total_temperature }.state(gas, &inside, &facet)
+        } else {
+            Reservoir { total_pressure: stream.pressure, total_temperature }.state(gas, &inside, &facet)
+        };
 
         let c = gas.sound_speed(inside.density, inside.pressure);
         let relative = along(&inside.velocity, n).minus(v_n);
@@ -63,19 +105,6 @@ impl<const D: usize> Outflow<D> {
             outside.velocity[i] = relative.select_ge(c, inside.velocity[i], outside.velocity[i]);
         }
         outside
-    }
-}
-
-impl<const D: usize> Condition<D> for Outflow<D> {
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        through(&law.gas, &self.outside(&law.gas, minus, at), n, v)
     }
 
     /// None: from inside it would feed energy into a compression that the mesh does not resolve.
@@ -95,7 +124,7 @@ impl<const D: usize> Condition<D> for Outflow<D> {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.outside(&law.gas, minus, at).pack(&law.gas)
+        self.on_facet(law, minus, at).pack(&law.gas)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The frictionless wall, which is also the plane of symmetry.
 
-use super::wall_pressure::wall_pressure;
-use super::{Condition, pressure_flux};
+use super::Condition;
+use super::wall_pressure::wall_flux;
 use crate::flux::Stresses;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along, components};
@@ -37,8 +37,7 @@ impl<const D: usize> Condition<D> for SlipWall {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        pressure_flux(wall_pressure(law, minus, at), n, v)
+        wall_flux(law, minus, at)
     }
 
     /// [0 ; s n ; s v_n] with the normal stress s = n . tau n.

@@ -1,8 +1,7 @@
 //! Supersonic inflow of a given state.
 
-use super::{Condition, lifted, through};
+use super::{Condition, lifted};
 use crate::law::NavierStokes;
-use crate::state::Primitive;
 use fem::BoundaryPoint;
 use tensor::{Over, Real};
 
@@ -22,17 +21,6 @@ impl<const D: usize> Condition<D> for SupersonicInflow {
     ) -> [T; M] {
         let BoundaryPoint { data, .. } = at;
         lifted(minus, data)
-    }
-
-    #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
-        &self,
-        law: &NavierStokes<D>,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, data } = at;
-        through(&law.gas, &Primitive::unpack(&law.gas, &lifted(minus, data)), n, v)
     }
 
     #[inline(always)]

@@ -1,8 +1,7 @@
 //! Subsonic inflow of given velocity, or mass flux, and temperature.
 
+use super::Condition;
 use super::given::Values;
-use super::{Condition, through};
-use crate::gas::Gas;
 use crate::law::NavierStokes;
 use crate::state::{Primitive, along};
 use fem::BoundaryPoint;
@@ -21,48 +20,6 @@ pub enum VelocityInflow {
 }
 
 impl VelocityInflow {
-    /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,
-    ///
-    /// ```text
-    /// c* = c + k (w_n - w_gn), within its bounds,   p* = p (c* / c)^(gamma / k)
-    /// ```
-    ///
-    /// Gas that enters has the given velocity and temperature. Gas that leaves has the given normal velocity, and its own entropy and
-    /// tangential velocity. A given mass flux is converted to a velocity, first at the pressure inside for c*, then at p* for the
-    /// state. The two pressures differ only by the jump at the facet, and the mass flux is exact.
-    #[inline(always)]
-    fn on_facet<T: Over<G>, G: Real, const D: usize, const M: usize>(
-        self,
-        gas: &Gas,
-        minus: &[T; M],
-        at: BoundaryPoint<'_, G, D, M>,
-    ) -> Primitive<T, D> {
-        let BoundaryPoint { normal: n, velocity: v, data } = at;
-        let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
-        let given = Values::of_data(data);
-        let k = 0.5 * (gas.gamma() - 1.0);
-        let c = gas.sound_speed(inside.density, inside.pressure);
-        let (w_n, given_n) = (along(&inside.velocity, n), T::lift(dot(&given.vector, n)));
-        let specific_pressure = T::lift(given.temperature * gas.gas_constant());
-
-        let expected_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
-        let [lowest, highest] = self.bounds();
-        let c_here = (c + (w_n - expected_n) * k).max(c * lowest).min(c * highest);
-        let pressure = inside.pressure * (c_here / c).powf(gas.gamma() / k);
-
-        let entering_density = pressure / specific_pressure;
-        let leaving_density = pressure * gas.gamma() / (c_here * c_here);
-        let entering = self.specific_volume(entering_density.recip());
-        let gain = given_n * self.specific_volume(leaving_density.recip()) - w_n;
-        let into_domain = T::lift(dot(v, n)) - expected_n;
-        let mut velocity = inside.velocity;
-        for i in 0..D {
-            let leaves = inside.velocity[i] + gain.scale(n[i]);
-            velocity[i] = into_domain.select_ge(c.zero(), entering.scale(given.vector[i]), leaves);
-        }
-        Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
-    }
-
     /// The bounds of c* / c. A mass flux at a low pressure is a high velocity, hence its closer bounds: p* / p is then between 0.5
     /// and 2.
     #[inline(always)]
@@ -91,18 +48,49 @@ impl<const D: usize> Condition<D> for VelocityInflow {
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
     ) -> [T; M] {
-        self.on_facet::<T, G, D, M>(&law.gas, minus, at).pack(&law.gas)
+        self.on_facet(law, minus, at).pack(&law.gas)
     }
 
+    /// The state on the facet. With k = (gamma - 1) / 2 and R+ = w_n + c / k of the gas inside at its own entropy,
+    ///
+    /// ```text
+    /// c* = c + k (w_n - w_gn), within its bounds,   p* = p (c* / c)^(gamma / k)
+    /// ```
+    ///
+    /// Gas that enters has the given velocity and temperature. Gas that leaves has the given normal velocity, and its own entropy and
+    /// tangential velocity. A given mass flux is converted to a velocity, first at the pressure inside for c*, then at p* for the
+    /// state. The two pressures differ only by the jump at the facet, and the mass flux is exact.
     #[inline(always)]
-    fn flux<T: Over<G>, G: Real, const M: usize>(
+    fn on_facet<T: Over<G>, G: Real, const M: usize>(
         &self,
         law: &NavierStokes<D>,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
-    ) -> [T; M] {
-        let BoundaryPoint { normal: n, velocity: v, .. } = at;
-        through(&law.gas, &self.on_facet(&law.gas, minus, at), n, v)
+    ) -> Primitive<T, D> {
+        let (BoundaryPoint { normal: n, velocity: v, data }, gas) = (at, &law.gas);
+        let inside: Primitive<T, D> = Primitive::unpack(gas, minus);
+        let given = Values::of_data(data);
+        let k = 0.5 * (gas.gamma() - 1.0);
+        let c = gas.sound_speed(inside.density, inside.pressure);
+        let (w_n, given_n) = (along(&inside.velocity, n), T::lift(dot(&given.vector, n)));
+        let specific_pressure = T::lift(given.temperature * gas.gas_constant());
+
+        let expected_n = given_n * self.specific_volume(specific_pressure / inside.pressure);
+        let [lowest, highest] = self.bounds();
+        let c_here = (c + (w_n - expected_n) * k).max(c * lowest).min(c * highest);
+        let pressure = inside.pressure * (c_here / c).powf(gas.gamma() / k);
+
+        let entering_density = pressure / specific_pressure;
+        let leaving_density = pressure * gas.gamma() / (c_here * c_here);
+        let entering = self.specific_volume(entering_density.recip());
+        let gain = given_n * self.specific_volume(leaving_density.recip()) - w_n;
+        let into_domain = T::lift(dot(v, n)) - expected_n;
+        let mut velocity = inside.velocity;
+        for i in 0..D {
+            let leaves = inside.velocity[i] + gain.scale(n[i]);
+            velocity[i] = into_domain.select_ge(c.zero(), entering.scale(given.vector[i]), leaves);
+        }
+        Primitive { density: into_domain.select_ge(c.zero(), entering_density, leaving_density), velocity, pressure }
     }
 
     #[inline(always)]

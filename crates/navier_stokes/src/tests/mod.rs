@@ -171,6 +171,7 @@ impl<const D: usize> Conditions<D> {
             Boundary::SlipWall(SlipWall),
             Boundary::Symmetry(SlipWall),
             Boundary::Outflow(Outflow::new(0.8, 1.9).unwrap()),
+            Boundary::Outflow(Outflow::of_velocity()),
             Boundary::VelocityInflow(VelocityInflow::OfVelocity),
             Boundary::SupersonicInflow(SupersonicInflow),
             Boundary::Inflow(Inflow::new(2.0, 2.5, self.direction).unwrap()),

@@ -1,7 +1,7 @@
-//! Sources: body forces and sponges.
+//! Sources: body forces, sponges and rotating frames.
 
 use super::*;
-use tensor::Dual;
+use tensor::{Dual, cross};
 
 /// A body force changes the momentum and does work. A sponge adds - sigma (u - u_t), and nothing at its target.
 fn of_forces_and_sponges<const D: usize, const M: usize>() {
@@ -23,11 +23,43 @@ fn of_forces_and_sponges<const D: usize, const M: usize>() {
     }
 }
 
+/// The Coriolis force does no work, and its data-free part is - 2 Omega x rho w.
+fn of_rotating_frames<const D: usize, const M: usize>() {
+    for seed in 0..20 {
+        let mut random = Random(seed);
+        let p = Point::<f64, f64, D, M>::random(&mut random);
+        let mut omega = random.vector::<3>(2.0);
+        if D == 2 {
+            (omega[0], omega[1]) = (0.0, 0.0);
+        }
+        let rotation = Rotation::<D>::new(omega).unwrap();
+        let with =
+            |source| -> [f64; M] { NavierStokes { source, ..law::<D>(Riemann::Roe) }.source(&p.minus, &p.values) };
+        let (still, turning) = (with(Source::Acceleration), with(Source::Rotating(rotation)));
+        let coriolis = cross(&omega, &in_space(Conserved::<f64, D>::unpack(&p.minus).momentum));
+        let added = |c: usize| if (1..=D).contains(&c) { -2.0 * coriolis[c - 1] } else { 0.0 };
+        let expected: [f64; M] = std::array::from_fn(|c| still[c] + added(c));
+        assert!(difference(&turning, &expected) <= 1e-14);
+
+        let r: [f64; D] = random.vector(2.0);
+        let inwards = cross(&omega, &cross(&omega, &in_space(r)));
+        let found = rotation.centrifugal(r);
+        assert!((0..D).all(|i| (found[i] + inwards[i]).abs() <= 1e-13), "{found:?}");
+    }
+    assert!(Rotation::<D>::new([0.0, 0.0, f64::NAN]).is_err());
+}
+
+fn in_space<const D: usize>(a: [f64; D]) -> [f64; 3] {
+    std::array::from_fn(|i| a.get(i).copied().unwrap_or(0.0))
+}
+
 /// Derivatives in the state and in the data, against central differences.
 fn derivatives<const D: usize, const M: usize>() {
     const STEP: f64 = 1e-5;
     let target = Conserved { density: 1.2, momentum: [0.4; D], energy: 3.0 };
-    for (seed, source) in (0..20).zip([Source::Acceleration, Source::Sponge { target }].into_iter().cycle()) {
+    let rotating = Source::Rotating(Rotation::new([0.7, -0.3, 1.9]).unwrap());
+    let sources = [Source::Acceleration, Source::Sponge { target }, rotating];
+    for (seed, source) in (0..30).zip(sources.into_iter().cycle()) {
         let mut random = Random(seed);
         let p = Point::<f64, f64, D, M>::random(&mut random);
         let direction = Point::direction(&mut random);
@@ -45,4 +77,4 @@ fn derivatives<const D: usize, const M: usize>() {
     }
 }
 
-in_both_dimensions!(of_forces_and_sponges, derivatives);
+in_both_dimensions!(of_forces_and_sponges, of_rotating_frames, derivatives);
