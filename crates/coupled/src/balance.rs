@@ -8,20 +8,22 @@
 //! ```
 //!
 //! Newton's method stops at its tolerance and leaves an S of that size. The correction adds a few smooth modes to the flow, the same at
-//! all times of the slab. Their size is that of the error which the tolerance allows anyway.
+//! all times of the slab. They are no larger than the error that the tolerance allows.
 //!
 //! ```text
 //! u := u + sum_j c_j e_j   with   S(u) = 0,     e_0 = u,     e_j = density in component j > 0                          (correction)
 //! ```
 //!
-//! The modes scale the density at constant velocity and temperature, shift the velocity, and shift the energy per mass. M numbers are
-//! unknown. S follows from what the slab holds at its top and from the flux through the boundary: no cell is evaluated.
+//! The modes scale the density at constant velocity and temperature, shift the velocity, and shift the energy per mass. The unknowns are
+//! the M numbers c_j. S follows from the integrals at the top and from the flux through the boundary: no cell is evaluated.
 
 use crate::system::System;
 use basis::Matrix;
 use fem::{FluxesAt, Layout, SlabOperator, left_during_slab};
+use navier_stokes::Conserved;
 use newton_krylov::inner_product;
 use std::array::from_fn;
+use std::ops::Range;
 
 /// S is corrected where it exceeds this part of what the slab holds.
 const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
@@ -29,17 +31,17 @@ const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 /// Corrections at most.
 const CORRECTIONS: usize = 6;
 
-/// A correction that leaves more than this part of S asks for a better Jacobian.
+/// After a correction that leaves more than this part of S, the Jacobian is probed.
 const SLOW: f64 = 0.1;
 
 /// The relative size of a probe, for differences of boundary fluxes.
 const PROBE: f64 = 1e-6;
 
-/// What a slab holds at its top, and what passes its boundary.
+/// The integrals of a flow at the top of a slab, and its fluxes through the boundary.
 pub struct Balance<const M: usize> {
     /// The integral of every component at the top.
     pub totals: Vec<f64>,
-    /// What leaves at the quadrature points in time and at the top.
+    /// The fluxes through the boundary at the quadrature points in time and at the top, positive outwards.
     pub fluxes: Vec<FluxesAt<M>>,
 }
 
@@ -51,23 +53,19 @@ impl<const M: usize> Balance<M> {
         Balance { totals, fluxes: system.flow.operator.boundary_fluxes(Some(velocity_at_top)) }
     }
 
-    /// What is at the top and what has left.
+    /// The integrals at the top plus what has left during the slab.
     fn sum(&self) -> [f64; M] {
         let left = left_during_slab(&self.fluxes);
         from_fn(|m| self.totals[m] + left[m])
     }
 
-    /// What S is compared with: mass, energy, and for momentum their geometric mean, about mass times the speed of sound.
-    fn sizes(&self) -> [f64; M] {
-        let (mass, energy) = (self.totals[0].abs(), self.totals[M - 1].abs());
-        from_fn(|m| match m {
-            0 => mass,
-            _ if m == M - 1 => energy,
-            _ => (mass * energy).sqrt(),
-        })
+    /// The sizes that S is compared with: mass, energy, and for momentum their geometric mean, about mass times the speed of sound.
+    fn sizes<const D: usize>(&self) -> [f64; M] {
+        let totals = Conserved::<f64, D>::unpack::<M>(&from_fn(|m| self.totals[m].abs()));
+        Conserved { momentum: [(totals.density * totals.energy).sqrt(); D], ..totals }.pack()
     }
 
-    /// dS_m / dc_j as far as the top is concerned.
+    /// The part of dS_m / dc_j that comes from the integrals at the top.
     fn storage(&self) -> Matrix {
         let mass = self.totals[0];
         Matrix::from_fn(M, M, |m, j| {
@@ -103,14 +101,14 @@ pub fn correct<const D: usize, const M: usize>(
 ) -> Balance<M> {
     let error = sums(&system.flow.operator, &residual[system.flow_range()]);
     let balance = Balance::of(system, z, velocity_at_top);
-    let sizes = balance.sizes();
+    let sizes = balance.sizes::<D>();
     let mut solution = Unbalanced { system, z, balance, error, sizes, velocity_at_top };
     solution.correct();
     solution.balance
 }
 
 impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
-    /// Newton's method for (correction). Where little passes the boundary its Jacobian is that of the storage; else fluxes are probed.
+    /// Newton's method for (correction). It begins with the Jacobian of the storage. If that leaves too much, boundary fluxes are probed too.
     fn correct(&mut self) {
         let (mut inverse, mut probed) = (self.balance.storage().inverse(), false);
         for _ in 0..CORRECTIONS {
@@ -136,7 +134,7 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
             .fold(0.0, |worst, part| if part > worst || part.is_nan() { part } else { worst })
     }
 
-    /// One step with the given inverse of dS / dc. Returns the part of S that is left; the step is taken if that is less than one.
+    /// One step with the given inverse of dS / dc. Returns the part of S that is left. A step that leaves all of S, or more, is undone.
     fn step(&mut self, inverse: &Matrix) -> f64 {
         let (mut c, mut corrected) = ([0.0; M], self.z.to_vec());
         inverse.apply(&self.error, &mut c);
@@ -154,7 +152,7 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
         left
     }
 
-    /// dS_m / dc_j: that of the storage exactly, that of the boundary fluxes by differences.
+    /// dS_m / dc_j: exact for the storage, by differences for the boundary fluxes.
     fn jacobian(&mut self) -> Matrix {
         let (storage, here) = (self.balance.storage(), left_during_slab(&self.balance.fluxes));
         let columns: [[f64; M]; M] = from_fn(|j| {
@@ -171,11 +169,15 @@ impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
 
     /// out += c e_j, with e_j taken at z.
     fn add_mode(&self, j: usize, c: f64, out: &mut [f64]) {
-        let (range, nodes) = (self.system.flow_range(), self.system.flow.operator.layout.nodes);
-        let states = out[range.clone()].chunks_exact_mut(M * nodes).zip(self.z[range].chunks_exact(M * nodes));
-        for (out, u) in states {
-            let (out, mode) = if j == 0 { (out, u) } else { (&mut out[j * nodes..(j + 1) * nodes], &u[..nodes]) };
-            out.iter_mut().zip(mode).for_each(|(out, mode)| *out += c * mode);
+        let (range, layout) = (self.system.flow_range(), self.system.flow.operator.layout);
+        let (out, u) = (&mut out[range.clone()], &self.z[range]);
+        for (cell, a) in layout.cells_and_times() {
+            let (of_out, of_u) = if j == 0 {
+                (layout.cell_at(cell, a), layout.cell_at(cell, a))
+            } else {
+                (layout.component_at(cell, a, j), layout.component_at(cell, a, 0))
+            };
+            out[of_out].iter_mut().zip(&u[of_u]).for_each(|(out, mode)| *out += c * mode);
         }
     }
 }
@@ -187,9 +189,9 @@ pub fn at_top(layout: Layout, u: &[f64]) -> Vec<f64> {
     top
 }
 
-/// S: the sums of the flow's residual by component, in the order of its entries.
+/// S: the sums of the flow's residual over the rows of each component.
 fn sums<const D: usize, const M: usize>(flow: &SlabOperator<D, M>, residual: &[f64]) -> [f64; M] {
-    let rows = |m: usize| residual.chunks_exact(flow.layout.nodes).skip(m).step_by(M);
-    let of_rows = |m: usize| rows(m).map(|r| r.iter().sum()).collect::<Vec<f64>>();
-    std::array::from_fn(|m| inner_product::sum_over_blocks(&of_rows(m), &flow.share.ends, &flow.share.sums))
+    let of_row = |row: Range<usize>| residual[row].iter().sum::<f64>();
+    let of_rows = |m: usize| flow.layout.component(m).map(of_row).collect::<Vec<f64>>();
+    from_fn(|m| inner_product::sum_over_blocks(&of_rows(m), &flow.share.ends, &flow.share.sums))
 }

@@ -1,4 +1,4 @@
-//! The blocks of a slab: what each solves for, and what they tell each other.
+//! The blocks of a slab: their unknowns, and the quantities that they exchange.
 //!
 //! ```text
 //! z = (z_1, ..., z_n),    R_k(z_k; what block k reads) = 0                                                      (blocks)
@@ -12,7 +12,7 @@ use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
 use newton_krylov::problem::Inadmissible;
 
-/// What a block tells the others.
+/// A quantity that one block passes to others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The displacement of wall nodes that a body moves.
@@ -23,7 +23,7 @@ pub enum Quantity {
     WallLoads,
 }
 
-/// What a block reads and writes.
+/// The quantities that a block reads and writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Couplings {
     /// Read from other blocks.
@@ -35,8 +35,8 @@ pub struct Couplings {
 /// The quantities that blocks exchange at a point z; in a product, their derivatives along the direction.
 #[derive(Clone, Debug, Default)]
 pub struct Exchange {
-    /// Displacement at the time nodes, `[time node][C0 node][component]`; read where entries are constrained. It begins as prescribed, and
-    /// bodies add to it.
+    /// Displacement at the time nodes, `[time node][C0 node][component]`; only constrained entries are read. It is first set to the prescribed
+    /// one, then bodies add to it.
     pub wall_displacement: Vec<f64>,
     /// Velocity of the mesh, `[time node][C0 node][component]`.
     pub mesh_velocity: Vec<f64>,
@@ -54,11 +54,11 @@ pub trait Block: Send {
     /// The name of its equations in reports.
     fn field(&self) -> &'static str;
 
-    /// What it reads and writes.
+    /// The quantities that it reads and writes.
     fn couplings(&self) -> Couplings;
 
-    /// Its weights in the norm of residuals: those of an error of position relative to the spacing of nodes, or of a state relative to its
-    /// scales. Their number is that of its unknowns.
+    /// Its weights in the norm of residuals, one for each unknown. They make the norm an error of position relative to the spacing of nodes,
+    /// or an error of the state relative to its scales.
     fn weights(&self) -> Vec<f64>;
 
     /// Moves to the slab `interval` on top of `state`.
@@ -85,32 +85,32 @@ pub trait Block: Send {
     /// Adds to `out` the derivative of the terms that later blocks determine.
     fn receive_product(&mut self, _tangent: &Exchange, _out: &mut [f64]) {}
 
-    /// x := P^-1 (r less the effect of earlier blocks), where P approximates dR/dz + T_tau; writes the derivatives of its quantities along x.
+    /// x := P^-1 (r minus the effect of earlier blocks), where P approximates dR/dz + T_tau; writes the derivatives of its quantities along x.
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]);
 
     /// out := out + T_tau x with the 1/dtau last set.
     fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]);
 
-    /// The largest step from z along dz that keeps the block admissible, as far as is known.
+    /// The largest step from z along dz for which the block is known to be admissible; 1 if nothing is known.
     fn largest_step(&mut self, _z: &[f64], _dz: &[f64]) -> f64 {
         1.0
     }
 }
 
-/// What has become of the energy since the start of a run.
+/// The energy that a body has gained and lost since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Work of the flow on the body.
     pub flow: f64,
-    /// Work of what drives coordinates.
+    /// Work of the drives of coordinates.
     pub drive: f64,
     /// Work of the outer force.
     pub force: f64,
-    /// What dampers have taken.
+    /// Energy that dampers have taken.
     pub damped: f64,
-    /// What jumps in time have taken: the error of the time integration.
+    /// Energy that jumps in time have taken: the error of the time integration.
     pub numerical: f64,
-    /// What the equations, solved to a tolerance, leave open.
+    /// Error of the balance, because the equations are solved to a tolerance.
     pub defect: f64,
 }
 
@@ -141,7 +141,7 @@ pub struct BodyState {
     pub kinetic_energy: f64,
     /// The energy of springs or strain.
     pub potential_energy: f64,
-    /// Where its energy came from and went to.
+    /// The balance of its energy.
     pub ledger: Ledger,
 }
 
@@ -152,16 +152,16 @@ impl BodyState {
     }
 }
 
-/// A block ahead of the mesh: what moves walls and feels the loads of the flow.
+/// A body: it moves walls, and the flow loads it. Its block precedes the mesh.
 pub trait Body: Block {
-    /// Its state at the start of a run, as it is stored.
+    /// The numbers that store its state at the start of a run.
     fn initial(&self) -> Vec<f64>;
 
-    /// What a `stored` state says.
+    /// Its state from the numbers `stored`.
     fn read(&self, stored: &[f64]) -> BodyState;
 
-    /// z := the guess of the slab that began last, from the unknowns and the length of the slab before, if there was one; writes the
-    /// displacement of its walls.
+    /// z := the guess for the slab that [`Block::begin_slab`] has set; writes the displacement of its walls. `past` holds the unknowns and the
+    /// length of the slab before, if there was one.
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);
 
     /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.

@@ -1,4 +1,4 @@
-//! A slab of mesh and flow: the Newton solve, and what is checked of its result.
+//! A slab of mesh and flow: the Newton solve, and the checks of its result.
 
 mod guess;
 
@@ -17,6 +17,7 @@ use newton_krylov::finite_difference::{FiniteDifference, Scheme};
 use newton_krylov::inner_product;
 use newton_krylov::newton::{self, ShortSteps, Workspace};
 use std::array::from_fn;
+use std::sync::Arc;
 
 /// The first guess of a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +58,7 @@ pub struct Settings {
 /// larger ends at its own estimate of that, see [`newton_krylov::problem::NonlinearProblem::round_off`].
 pub const ROUND_OFF: f64 = 1e-13;
 
-/// Below this norm of the residual, in units of the reference state, Newton looks out for rounding.
+/// Below this norm of the residual, in units of the reference state, a Newton step that falls short of its linear solve may have met rounding.
 const QUIET: f64 = 1e-6;
 
 /// A slab whose Newton steps stay short is given up, and halved.
@@ -196,7 +197,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
         let preconditioner = &mut system.flow.preconditioner;
         let (iterations, rebuilt) = (preconditioner.iterations_since_frozen(), preconditioner.frozen_in_slab());
         preconditioner.stale = state.reuse_policy.record(iterations, rebuilt);
-        state.past = Some(Past { interval, dt, bottom, u, v, bodies });
+        state.past = Some(Past { interval, dt, bottom, u: Arc::new(u), v: Arc::new(v), bodies });
         let Balance { totals, fluxes } = balance;
         let counts = system.take_counts();
         let (slab, eased) = (state.slab + 1, self.eased.take());
@@ -223,7 +224,7 @@ impl<const D: usize, const M: usize> SlabSolver for CoupledSlab<D, M> {
 }
 
 impl<const D: usize, const M: usize> CoupledSlab<D, M> {
-    /// Newton's method from the guess `z`.
+    /// Solves the slab by Newton's method from the guess `z`.
     fn newton(
         &mut self,
         z: &mut [f64],
@@ -240,7 +241,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         }
     }
 
-    /// The settings of Newton's method on top of `state`. Where the start may still be made easier, little is spent on it as it is.
+    /// The settings of Newton's method on top of `state`. If the start can still be made easier, the first attempt gives up early.
     fn settings(&self, state: &State) -> newton::Settings {
         let mut settings = self.newton;
         settings.krylov.precision = self.system.krylov_precision();
@@ -252,7 +253,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         settings
     }
 
-    /// Why Newton has failed at `z`: often the mesh cannot follow its boundary, with or without a flow.
+    /// The cause of the failure `source` at `z`. If the mesh alone cannot follow its boundary, that is the cause.
     fn cause(&mut self, z: &[f64], source: newton::Error) -> SlabError {
         let mut v = z[self.system.mesh_range()].to_vec();
         if !v.is_empty() {
@@ -310,7 +311,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         }
         let (mut mass_product, scales) = (vec![0.0; jump.len()], flow.problem.kernels.scales());
         flow.mass_product(&jump, SlabEnd::Bottom, &mut mass_product);
-        let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[i / one.nodes % M].powi(2);
+        let square = |(i, (jump, moment)): (usize, (&f64, &f64))| jump * moment / scales[one.component_of(i)].powi(2);
         let squares: Vec<f64> = jump.iter().zip(&mass_product).enumerate().map(square).collect();
         inner_product::sum_over_blocks(&squares, &flow.share.ends, &flow.share.sums).max(0.0).sqrt()
     }

@@ -15,12 +15,12 @@ pub fn interpolate<const D: usize, const M: usize>(
     let (n, row) = (layout.nodes, operator.tables.bottom_row());
     let mut position = vec![0.0; operator.mesh.slot_len()];
     let mut u = vec![0.0; layout.len()];
-    for (cell, u) in u.chunks_exact_mut(layout.cell_len()).enumerate() {
+    for cell in 0..layout.cells {
         operator.mesh.positions(cell, row.row(0), &mut position);
         let x = sampler.positions(&position);
         for i in 0..n {
             let state = field.value(&std::array::from_fn(|d| x[d * n + i]), t);
-            (0..M).for_each(|m| u[m * n + i] = state[m]);
+            (0..M).for_each(|m| u[layout.index(cell, 0, m, i)] = state[m]);
         }
     }
     u

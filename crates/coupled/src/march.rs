@@ -83,7 +83,10 @@ impl<S: SlabSolver> March<S> {
         repeats
     }
 
-    /// Goes on where `interval` has failed: from an easier start, or with a shorter slab, if one is allowed.
+    /// Prepares another attempt after `interval` has failed: an easier start, or a shorter slab.
+    ///
+    /// # Errors
+    /// [`MarchError`] if neither is allowed.
     fn go_on(&mut self, interval: Interval, source: SlabError) -> Result<(), MarchError> {
         let (cause, times) = (chain(&source), source.halvings());
         let easier = source.is_of_flow().then(|| self.solver.ease_start(&mut self.state)).flatten();

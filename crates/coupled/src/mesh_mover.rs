@@ -1,11 +1,13 @@
 //! The mesh of a run: how it moves, and the proof that it stays valid.
 
-use crate::motion::MeshMotion;
+use crate::motion::{MeshMotion, SlabData};
 use crate::state::Interval;
 use basis::RadauTime;
 use elasticity::{ElasticityError, SlabMotion, Work};
 use mesh::{Mesh, MotionCheck, NodeNumbering, Validity};
+use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
+use std::sync::{Mutex, PoisonError};
 
 /// The quality of the mesh over a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +30,7 @@ impl MeshQuality {
         self.lower_bound > 0.0
     }
 
-    /// The quality as an answer to a line search.
+    /// Ok if the mesh is proved to be valid; otherwise the reason, for a line search.
     ///
     /// # Errors
     /// The smallest det J / det J_0 seen, where the mesh is not proved to be valid.
@@ -44,7 +46,7 @@ impl MeshQuality {
         })
     }
 
-    /// The worse of two in every respect.
+    /// The worst of both in every respect.
     pub fn worst(self, other: MeshQuality) -> MeshQuality {
         let worse = if other.sampled_min < self.sampled_min { other } else { self };
         MeshQuality {
@@ -68,6 +70,23 @@ pub struct MeshMover<const D: usize> {
     positions: Vec<[f64; D]>,
     times: Vec<f64>,
     check: MotionCheck<D>,
+    last_proof: Mutex<Option<Proof>>,
+}
+
+/// A proof and the motion of the slab that it belongs to.
+struct Proof {
+    interval: Interval,
+    bottom: Vec<f64>,
+    v: Vec<f64>,
+    quality: MeshQuality,
+}
+
+impl Proof {
+    /// The quality, if the proof is that of this motion.
+    fn of(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Option<MeshQuality> {
+        let same_time = self.interval.start == interval.start && self.interval.end == interval.end;
+        (same_time && self.v == v && self.bottom == bottom).then_some(self.quality)
+    }
 }
 
 impl<const D: usize> MeshMover<D> {
@@ -77,7 +96,8 @@ impl<const D: usize> MeshMover<D> {
         let times: Vec<f64> = std::iter::once(0.0).chain(slab_motion.time().nodes().iter().copied()).collect();
         let check = MotionCheck::new(&reference, &numbering, &times);
         let positions = numbering.positions(&reference);
-        MeshMover { motion, slab_motion, reference, numbering, positions, times, check }
+        let last_proof = Mutex::new(None);
+        MeshMover { motion, slab_motion, reference, numbering, positions, times, check, last_proof }
     }
 
     /// Entries of a displacement, `[C0 node][component]`.
@@ -89,7 +109,8 @@ impl<const D: usize> MeshMover<D> {
         &self.positions
     }
 
-    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Cells know where nodes are that are one by periodicity.
+    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Nodes on periodic boundaries have the position that this cell
+    /// sees.
     pub fn cell_positions(&self, cell: usize, d: &[f64]) -> Vec<f64> {
         let (nodes, x) = (self.numbering.cell(cell), self.reference.cell_coordinates(cell));
         (0..D).flat_map(|i| nodes.iter().enumerate().map(move |(k, &node)| x[k * D + i] + d[node * D + i])).collect()
@@ -130,8 +151,8 @@ impl<const D: usize> MeshMover<D> {
         if let MeshMotion::Elastic { mesh, .. } = &mut self.motion { mesh.begin_slab(bottom) } else { Ok(()) }
     }
 
-    /// Velocities in a slab that meet the displacements `g` prescribed at its time nodes, from the guess in `v`. A mesh whose law is not
-    /// linear is proved to stay valid at every step on the way.
+    /// Replaces the guess `v` by velocities that meet the displacements `g` prescribed at the time nodes of a slab. With a law that is not
+    /// linear, every iterate is proved to be valid.
     ///
     /// # Errors
     /// As [`elasticity::ElasticSlab::equilibrium`].
@@ -143,10 +164,11 @@ impl<const D: usize> MeshMover<D> {
         v: &mut [f64],
     ) -> Result<Work, ElasticityError> {
         let guard = |v: &[f64]| self.check_validity(bottom, v, interval);
-        self.motion.velocities(&self.slab_motion, interval.end - interval.start, bottom, g, v, &guard)
+        let data = SlabData { dt: interval.end - interval.start, bottom, prescribed: g };
+        self.motion.velocities(&self.slab_motion, data, v, &guard)
     }
 
-    /// Whether the motion of a slab is proved to be valid, as an answer to a line search.
+    /// Ok if the motion of a slab is proved to be valid; otherwise the reason, for a line search.
     ///
     /// # Errors
     /// The smallest det J / det J_0 seen, where it is not.
@@ -154,13 +176,20 @@ impl<const D: usize> MeshMover<D> {
         self.quality(bottom, v, interval).admissible()
     }
 
-    /// Proves det J > 0 for the motion of a slab.
+    /// Proves det J > 0 for the motion of a slab. The last proof is kept: the same motion is not proved again.
     pub fn quality(&self, bottom: &[f64], v: &[f64], interval: Interval) -> MeshQuality {
-        self.quality_until(bottom, v, interval, 1.0)
+        let last = || self.last_proof.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last().as_ref().and_then(|proof| proof.of(bottom, v, interval));
+        if let Some(quality) = known {
+            return quality;
+        }
+        let quality = self.prove(bottom, v, interval, 1.0);
+        *last() = Some(Proof { interval, bottom: bottom.to_vec(), v: v.to_vec(), quality });
+        quality
     }
 
-    /// The same for its first part, s <= `part`.
-    fn quality_until(&self, bottom: &[f64], v: &[f64], interval: Interval, part: f64) -> MeshQuality {
+    /// Proves det J > 0 for the first part of the motion of a slab, s <= `part`.
+    fn prove(&self, bottom: &[f64], v: &[f64], interval: Interval, part: f64) -> MeshQuality {
         let _timed = tracing::trace_span!(target: "cost", "mesh_proof").entered();
         let (dt, len) = (interval.end - interval.start, bottom.len());
         let mut displacements = vec![0.0; len * self.times.len()];
@@ -195,7 +224,7 @@ impl<const D: usize> MeshMover<D> {
         let (mut valid, mut invalid) = (0.0, 1.0);
         while invalid - valid > 1e-3 {
             let middle = 0.5 * (valid + invalid);
-            if self.quality_until(bottom, v, interval, middle).is_valid() { valid = middle } else { invalid = middle }
+            if self.prove(bottom, v, interval, middle).is_valid() { valid = middle } else { invalid = middle }
         }
         Some(interval.start + invalid * (interval.end - interval.start))
     }
@@ -213,5 +242,5 @@ fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuali
             time: interval.start + bound.at.s * (interval.end - interval.start),
         }
     };
-    cells.iter().enumerate().map(quality).reduce(MeshQuality::worst).expect("a mesh has cells")
+    inner_product::reduce(cells.iter().enumerate().map(quality), MeshQuality::worst).expect("a mesh has cells")
 }

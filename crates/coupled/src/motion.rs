@@ -24,7 +24,7 @@ impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
 
 /// The displacement prescribed at boundary nodes.
 #[derive(Clone)]
-pub struct BoundaryMotion<const D: usize> {
+pub struct BoundaryDisplacement<const D: usize> {
     /// The displacement of each moving boundary.
     pub fields: Vec<Arc<dyn BoundaryField<D>>>,
     /// For every C0 node the field that moves it in all components, if there is one. What is constrained otherwise stands still.
@@ -44,10 +44,21 @@ pub enum MeshMotion<const D: usize> {
         /// K and its preconditioner.
         mesh: Box<ElasticMesh<D>>,
         /// The boundary.
-        boundary: BoundaryMotion<D>,
+        boundary: BoundaryDisplacement<D>,
         /// How exactly it is put into equilibrium.
         accuracy: Accuracy,
     },
+}
+
+/// What determines the motion of a mesh in a slab.
+#[derive(Clone, Copy, Debug)]
+pub struct SlabData<'a> {
+    /// The length of the slab.
+    pub dt: f64,
+    /// The displacement at its bottom, `[C0 node][component]`.
+    pub bottom: &'a [f64],
+    /// The displacement prescribed at its time nodes, `[time node][C0 node][component]`.
+    pub prescribed: &'a [f64],
 }
 
 impl<const D: usize> MeshMotion<D> {
@@ -80,20 +91,19 @@ impl<const D: usize> MeshMotion<D> {
         }
     }
 
-    /// Velocities whose displacement meets the prescribed one `g` at the time nodes; for an elastic mesh in equilibrium at
-    /// all of them; found from the guess in `v` without leaving what `guard` allows.
+    /// Replaces the guess `v` by velocities that meet the prescribed displacement at the time nodes. An elastic mesh is in equilibrium at
+    /// all of them, and no iterate violates `guard`.
     ///
     /// # Errors
     /// As [`ElasticSlab::equilibrium`].
     pub fn velocities(
         &self,
         motion: &SlabMotion,
-        dt: f64,
-        bottom: &[f64],
-        g: &[f64],
+        data: SlabData<'_>,
         v: &mut [f64],
         guard: Guard<'_>,
     ) -> Result<Work, ElasticityError> {
+        let SlabData { dt, bottom, prescribed: g } = data;
         match self {
             MeshMotion::Still => v.fill(0.0),
             MeshMotion::Prescribed(_) | MeshMotion::Followed => {

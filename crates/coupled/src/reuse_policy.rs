@@ -1,49 +1,49 @@
-//! When it pays to freeze the flow's Jacobian anew.
+//! When a new Jacobian of the flow pays.
 //!
-//! Freezing costs about as much as B Krylov iterations. After k slabs with n_1, .. n_k iterations one slab has cost, beyond n_1,
+//! Computing one costs about as much as B Krylov iterations. After k slabs with n_1, .. n_k iterations, the mean cost of a slab beyond n_1 is
 //!
 //! ```text
-//! c_k = (B + e_1 + .. + e_k) / k,    e_j = n_j - n_1                                                              (wear)
+//! c_k = (B + e_1 + .. + e_k) / k,    e_j = n_j - n_1                                                             (reuse)
 //! ```
 //!
-//! in the mean. That mean falls as long as the next excess is less than it; a frozen Jacobian ages faster and faster, so that the next
-//! excess is taken to be twice the last.
+//! It falls as long as the next excess e_{k+1} is less than it. A Jacobian ages faster and faster, so the next excess is estimated as twice
+//! the last one.
 
 /// B: 15 to 27 iterations on a heaving airfoil at N_s = 4 to 8 and N_t = 3.
 pub const FREEZING: usize = 20;
 
-/// Where a Jacobian did not last for the slab after its own, so many slabs begin with a new one before the next is put to the test.
+/// If a Jacobian did not serve the slab after its own, this many slabs begin with a new one. Then a Jacobian is tried in two slabs again.
 const EAGER: usize = 4;
 
-/// Whether, and when, the Jacobian was frozen in a slab.
+/// Whether, and when, the Jacobian was computed in a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RebuiltInSlab {
-    /// It was not.
+    /// Not in this slab.
     No,
-    /// Ahead of all iterations.
+    /// Before the first iteration.
     AtFirst,
-    /// After some, which it had made too many.
+    /// Later, because the older Jacobian took too many iterations.
     Later,
 }
 
-/// What the iterations of the slabs since the Jacobian was frozen say.
+/// Iteration counts since the Jacobian was computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct JacobianReusePolicy {
     /// n_1.
     pub base: usize,
     /// e_1 + .. + e_k.
     pub excess: usize,
-    /// k, 0 as long as nothing is frozen.
+    /// k; 0 before the first Jacobian.
     pub slabs: usize,
-    /// Slabs still to begin with a new one.
+    /// The number of slabs that still begin with a new one.
     pub eager: usize,
 }
 
 impl JacobianReusePolicy {
-    /// Records a slab with that many iterations since the Jacobian was frozen, or since the bottom of the slab. Returns whether the
-    /// next slab is to begin with a new one.
-    pub fn record(&mut self, iterations: usize, frozen: RebuiltInSlab) -> bool {
-        match frozen {
+    /// Records a slab. `iterations` are counted from the last Jacobian of this slab, or from the bottom of the slab. Returns whether the next
+    /// slab begins with a new Jacobian.
+    pub fn record(&mut self, iterations: usize, rebuilt: RebuiltInSlab) -> bool {
+        match rebuilt {
             RebuiltInSlab::No if self.slabs > 0 => self.age(iterations),
             RebuiltInSlab::Later if self.slabs > 0 => {
                 *self = JacobianReusePolicy { base: self.base, excess: 0, slabs: 1, eager: EAGER };
@@ -65,7 +65,7 @@ impl JacobianReusePolicy {
         2 * excess * self.slabs > FREEZING + self.excess
     }
 
-    /// The iterations of a slab by which as much is lost as freezing costs: the time to freeze, even in the midst of it.
+    /// The number of iterations of a slab after which a new Jacobian pays, even within the slab.
     pub fn patience(&self) -> usize {
         if self.slabs == 0 { usize::MAX } else { self.base + FREEZING }
     }
@@ -75,7 +75,7 @@ impl JacobianReusePolicy {
 mod tests {
     use super::*;
 
-    /// The slab, counted from the freezing, after which a Jacobian is frozen anew.
+    /// The number of slabs that a Jacobian serves.
     fn lifetime(iterations: impl Fn(usize) -> usize) -> Option<usize> {
         let mut reuse_policy = JacobianReusePolicy::default();
         (0..100)

@@ -1,13 +1,13 @@
 //! How the slabs of a run follow each other in time.
 //!
-//! The flow jumps from the top of a slab to the bottom of the next one, by what the polynomials in time cannot follow. The size of
-//! that jump is of order dt^{N_t}, so that
+//! The flow jumps from the top of a slab to the bottom of the next one, because polynomials in time are not exact. The jump is of order
+//! dt^{N_t}, so that
 //!
 //! ```text
 //! dt' = dt clamp( 0.9 (tolerance / jump)^{1/N_t}, 1/4, 2 )                                                    (step control)
 //! ```
 //!
-//! keeps it at a tolerance. The jump is an error inside of the slab; at its top the error is of order dt^{2 N_t - 1}, much smaller.
+//! keeps it at a tolerance. The jump is an error inside the slab. At its top the error is much smaller, of order dt^{2 N_t - 1}.
 
 use crate::state::{Interval, State};
 
@@ -26,18 +26,18 @@ pub struct Schedule {
     pub end: f64,
     /// The length of a slab; the last may be shorter. With a control, the length of the first.
     pub step: f64,
-    /// The slabs that the run has, unless some are halved; with a control an estimate.
+    /// The number of slabs of the run, unless some are halved. With a control it is an estimate.
     pub slabs: usize,
-    /// What adapts the length of slabs, if it is not fixed.
+    /// The control of the length of slabs; `None` if the length is fixed.
     pub control: Option<StepControl>,
 }
 
 /// Slabs as long as the jump at their bottom allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepControl {
-    /// The jump that is aimed at: an L2 norm over the domain, every component in units of its scale.
+    /// The target of the jump: an L2 norm over the domain, every component in units of its scale.
     pub tolerance: f64,
-    /// The shortest slab: it is taken whatever its jump is.
+    /// The shortest slab: it is accepted with any jump.
     pub smallest: f64,
     /// The longest slab.
     pub largest: f64,
@@ -46,7 +46,7 @@ pub struct StepControl {
 impl StepControl {
     /// The length of the next slab by (step control), after one of length `dt` and order `time_order` with this `jump`.
     pub fn next(&self, dt: f64, jump: f64, time_order: usize) -> f64 {
-        // Without a jump 0/0 must not arise: the clamp takes care of infinity.
+        // A jump of zero gives infinity, which the clamp limits; 0/0 must not arise.
         let ratio = 0.9 * (self.tolerance / jump.max(f64::MIN_POSITIVE)).powf(1.0 / time_order as f64);
         (dt * ratio.clamp(0.25, 2.0)).clamp(self.smallest, self.largest)
     }
@@ -82,7 +82,7 @@ impl Schedule {
         Interval { start: state.time, end, halvings: 0 }
     }
 
-    /// What is to be done next: the slab after the time reached, or what is pending of it.
+    /// The next slab to solve: the slab after the time reached, or the pending part of it.
     pub fn pending(&self, state: &mut State) -> Interval {
         if state.pending.is_empty() {
             state.pending.push(self.next(state));
@@ -90,7 +90,7 @@ impl Schedule {
         state.pending[state.pending.len() - 1]
     }
 
-    /// Halves the next slab `times`, after `interval` could not be solved. False if it may not be shortened any more: it was halved
+    /// Halves the next slab `times`, after `interval` could not be solved. Returns false if that is not allowed: the slab was halved
     /// `max_halvings` times, or its half is below the smallest step of the control.
     pub fn shorten(&self, state: &mut State, interval: Interval, (times, max_halvings): (u32, u32)) -> bool {
         match self.control {
@@ -107,7 +107,7 @@ impl Schedule {
         true
     }
 
-    /// Whether `interval`, solved with this `jump`, has to be repeated with a shorter slab, which is then the next one.
+    /// Whether `interval`, solved with this `jump`, has to be repeated. If so, sets the shorter slab to solve next.
     pub fn repeats(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) -> bool {
         let dt = interval.end - interval.start;
         let Some(control) = self.control.filter(|control| control.rejects(dt, jump)) else { return false };
@@ -115,7 +115,8 @@ impl Schedule {
         true
     }
 
-    /// The length of the slab after `interval`, which was solved with this `jump`. A slab that the end has cut short says little.
+    /// Sets the length of the slab after `interval`, which was solved with this `jump`. A slab that the end of the run has cut short must not
+    /// shorten later ones.
     pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
         let Some(control) = self.control else { return };
         let next = control.next(interval.end - interval.start, jump, time_order);

@@ -14,6 +14,7 @@ use basis::gauss_lobatto;
 use fem::SlabOperator;
 use mesh::{BoundaryDistance, CellMap};
 use navier_stokes::Conserved;
+use newton_krylov::inner_product::{largest, smallest, sum};
 use std::array::from_fn;
 
 /// The first thickness tried, in sizes of the flow around the walls. Thinner layers were seen to let the first slab pass, and a later one fail.
@@ -99,7 +100,8 @@ impl StartLayer {
         let mut velocity = vec![0.0; mover.field_len()];
         mover.prescribe_velocity(time, &mut velocity);
         let nodes = nodes_on(mover, &self.walls);
-        from_fn(|i| nodes.iter().map(|node| velocity[node * D + i]).sum::<f64>() / nodes.len().max(1) as f64)
+        let along = |axis: usize| nodes.iter().map(|node| velocity[node * D + axis]).collect::<Vec<f64>>();
+        from_fn(|axis| sum(&along(axis)) / nodes.len().max(1) as f64)
     }
 }
 
@@ -117,13 +119,13 @@ fn nodes_on<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> Vec<usize>
 /// The size of the flow around the walls: the smaller of their own largest extent along an axis, and of the largest distance from them.
 fn size<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> f64 {
     let distance = BoundaryDistance::new(&mover.reference, walls);
-    let farthest = mover.positions().iter().map(|x| distance.at(x)).fold(0.0, f64::max);
+    let farthest = largest(mover.positions().iter().map(|x| distance.at(x)));
     let on_walls = nodes_on(mover, walls);
     let extent = |axis: usize| {
         let along = || on_walls.iter().map(|node| mover.positions()[*node][axis]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        largest(along()) - smallest(along())
     };
-    (0..D).map(extent).fold(0.0, f64::max).min(farthest)
+    largest((0..D).map(extent)).min(farthest)
 }
 
 /// The state `u` with the part `factor` of its velocity relative to `wall`, and the same density and pressure.

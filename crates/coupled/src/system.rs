@@ -26,7 +26,7 @@ use std::ops::Range;
 
 /// The coupled problem of the current slab.
 pub struct System<const D: usize, const M: usize> {
-    /// What moves walls and feels the flow.
+    /// Bodies: they move walls, and the flow loads them.
     pub bodies: Vec<Box<dyn Body>>,
     /// The mesh.
     pub mesh: MeshBlock<D>,
@@ -37,7 +37,7 @@ pub struct System<const D: usize, const M: usize> {
     /// Along the direction last taken.
     tangent: Exchange,
     fields: Vec<Field>,
-    /// The entries of z of every block: bodies, mesh, flow. That of the mesh may be empty.
+    /// The entries of z of every block: bodies, mesh, flow. The range of the mesh may be empty.
     ranges: Vec<Range<usize>>,
     weights: Weighted,
     inverse_pseudo_time: Vec<f64>,
@@ -96,13 +96,13 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.mesh_range().len()
     }
 
-    /// How Krylov vectors are stored: in single precision, like the numbers inside the preconditioner of the flow. Bodies are solved in double
-    /// precision, and so are their vectors. Without bodies the mesh is solved ahead, and its part of the vectors is zero up to round-off.
+    /// How Krylov vectors are stored. Without bodies in single precision, like the numbers inside the preconditioner of the flow: the mesh is
+    /// solved ahead, so its part of the vectors is zero up to round-off. Bodies need double precision.
     pub fn krylov_precision(&self) -> Precision {
         if self.bodies.is_empty() { Precision::Single } else { Precision::Double }
     }
 
-    /// The part of z that body number `body` has.
+    /// The part of z of body number `body`.
     pub fn body_range(&self, body: usize) -> Range<usize> {
         self.ranges[body].clone()
     }
@@ -119,7 +119,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         &self.mesh.mover
     }
 
-    /// Does something with every block, its part of z, and its 1/dtau.
+    /// Calls `act` with every block, its part of z, and its 1/dtau.
     fn each(&mut self, mut act: impl FnMut(&mut dyn Block, Range<usize>, f64, &mut Exchange, &mut Exchange)) {
         let System { bodies, mesh, flow, exchange, tangent, ranges, fields, inverse_pseudo_time, .. } = self;
         let rate = |range: &Range<usize>| {
@@ -136,7 +136,7 @@ impl<const D: usize, const M: usize> System<D, M> {
     /// Moves to the slab `interval` on top of `state`.
     ///
     /// # Errors
-    /// That of a block that cannot begin there.
+    /// The error of a block that cannot begin there.
     pub fn begin(&mut self, interval: Interval, state: &State) -> Result<(), SlabError> {
         self.inverse_pseudo_time.fill(0.0);
         let mut begun = Ok(());
@@ -149,7 +149,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         begun
     }
 
-    /// Forgets what bodies have said of their walls: they add to what is prescribed.
+    /// Sets the displacement of walls to the prescribed one. Bodies then add to it.
     fn reset_walls(&mut self) {
         if !self.bodies.is_empty() {
             self.mesh.prescribe(&mut self.exchange);
@@ -157,8 +157,8 @@ impl<const D: usize, const M: usize> System<D, M> {
         }
     }
 
-    /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`; sets the mesh of the flow. Bodies have said
-    /// where their walls are.
+    /// Replaces the guess `v` by the mesh in equilibrium with its boundary at every time node, and sets the mesh of the flow. Bodies must have
+    /// written the displacement of their walls.
     ///
     /// # Errors
     /// As [`MeshMover::velocities`].
@@ -168,7 +168,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         Ok(())
     }
 
-    /// The guesses of the bodies, which then have said where their walls are.
+    /// The guesses of the bodies, which also write the displacement of their walls.
     pub(crate) fn guess_bodies(&mut self, state: &State, z: &mut [f64]) {
         self.reset_walls();
         for (number, body) in self.bodies.iter_mut().enumerate() {
@@ -177,31 +177,31 @@ impl<const D: usize, const M: usize> System<D, M> {
         }
     }
 
-    /// Sets all blocks to `z`: what products and boundary fluxes are taken of.
+    /// Sets all blocks to `z`, the point of products and boundary fluxes.
     pub fn set_point(&mut self, z: &[f64]) {
         self.reset_walls();
         self.each(|block, range, rate, exchange, _| block.linearise(&z[range], exchange, rate));
     }
 
-    /// Makes the preconditioner again from what it was made of.
+    /// Makes the preconditioner again from the linearisation that it was made of.
     pub fn rebuild(&mut self, linearisation: Linearisation) {
         self.flow.rebuild(linearisation);
         self.mesh.forget();
     }
 
-    /// What was done since the counts were last taken.
+    /// The counts since this was last called.
     pub(crate) fn take_counts(&mut self) -> Counts {
         let elasticity_iterations = std::mem::take(&mut self.mesh.iterations);
         Counts { elasticity_iterations, ..std::mem::take(&mut self.flow.counts) }
     }
 
-    /// The norm of a residual's field `k`.
+    /// The norm of each field of a residual.
     pub fn field_norms(&self, r: &[f64]) -> Vec<f64> {
         self.fields.iter().map(|field| self.weights.norm_on(field.range.clone(), r)).collect()
     }
 
-    /// The norms that relative tolerances refer to, at the guess z: of the flow its residual there; of bodies and mesh, whose residuals are
-    /// errors of position relative to the spacing of nodes, one.
+    /// The norms that relative tolerances refer to, and |R| at the guess z. For the flow it is its residual at z. For bodies and mesh it is one:
+    /// their residuals are errors of position relative to the spacing of nodes.
     pub(crate) fn references(&mut self, z: &[f64]) -> Result<(Vec<f64>, f64), Inadmissible> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r)?;
@@ -258,7 +258,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
         self.each(|block, range, _, _, _| block.add_pseudo_time(&direction[range.clone()], &mut out[range]));
     }
 
-    /// Solves for the mesh alone where that is exact: the Krylov directions that follow then leave the mesh alone.
+    /// Solves for the mesh alone if that is exact. Then all Krylov directions leave the mesh alone.
     fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
         increment.fill(0.0);
         let range = self.mesh_range();
@@ -266,7 +266,7 @@ impl<const D: usize, const M: usize> NonlinearProblem for System<D, M> {
         self.mesh.solve_ahead(norm, &right_side[range.clone()], &mut increment[range]);
     }
 
-    /// Block lower triangular: each block after the effect of those before it.
+    /// Block lower triangular: each block after the effect of the blocks before it.
     fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
         self.reset_walls();
         self.each(|block, range, _, _, tangent| block.precondition(&r[range.clone()], tangent, &mut out[range]));

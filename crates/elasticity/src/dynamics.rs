@@ -1,7 +1,7 @@
-//! The motion of a structure, slab by slab: (dynamics) of `structure_slab`, solved by the temporal modes of `modal`, or where it is not
-//! linear by `large_displacement`.
+//! The motion of a structure, slab by slab: (dynamics) of `structure_slab`. The temporal modes of `modal` solve linear equations,
+//! `large_displacement` all others.
 
-use crate::large_displacement::{self, Motion};
+use crate::large_displacement::{self, StructureMotion};
 use crate::modal::{ModalSolver, SlabSystems, nominal_length};
 use crate::structure_slab::{SlabBottom, SlabWork, StructureSlab};
 use crate::{ElasticityError, Loads, SlabMotion, Structure};
@@ -125,13 +125,13 @@ impl<const D: usize> Dynamics<D> {
         v: &mut [f64],
     ) -> Result<DynamicsReport, ElasticityError> {
         let scale = slab.residual(forces, v, &mut vec![0.0; v.len()])?;
-        let mut motion = Motion::new(*slab, forces, &self.modal);
+        let mut motion = StructureMotion { slab: *slab, forces, modal: &self.modal };
         let large_displacement::Work { steps, iterations } =
             large_displacement::solve(&mut motion, scale, slab.bottom.time, v)?;
         Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
     }
 
-    /// Factors the systems for slabs of length `dt` above `bottom` if they are others. They do not depend on what was solved before.
+    /// Factors the systems for a slab of length `dt` above `bottom`, unless they are those of the last slab. They do not depend on earlier slabs.
     fn factor_for(&mut self, dt: f64, bottom: SlabBottom<'_>) -> Result<(), ElasticityError> {
         let dt = nominal_length(dt, self.step);
         if self.modal.dt() != dt || !self.structure.law().is_linear() {
@@ -144,7 +144,7 @@ impl<const D: usize> Dynamics<D> {
     /// |R| at free entries.
     fn free_norm(&self, r: &[f64]) -> f64 {
         let mut free = r.to_vec();
-        free.chunks_exact_mut(self.structure.length()).for_each(|r| self.structure.at_fixed(r, |_| 0.0));
+        self.structure.at_fixed(&mut free, |_| 0.0);
         Euclidean.norm(&free)
     }
 

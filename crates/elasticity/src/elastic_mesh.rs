@@ -6,7 +6,7 @@ mod solve;
 mod tests;
 
 use crate::geometry::{StiffnessSampler, nodal_coordinates, node_spacing};
-use crate::low_order::{Inertia, LowOrder};
+use crate::low_order::{Inertia, LowOrderInverse};
 use crate::operator::Operator;
 use crate::pool::Pool;
 use crate::solver::{Inverse, Plan, Solver};
@@ -90,7 +90,8 @@ impl<const D: usize> ElasticMesh<D> {
                 let at_nodes = StiffnessSampler::new(mesh, stiffness, gauss_lobatto(order));
                 let multigrid = (plan.solver == Solver::Multigrid).then_some(&coordinates[..]);
                 let samples = |cell| at_nodes.cell(cell);
-                let low_order = LowOrder::new(lame, Inertia::none(), numbering, samples, constrained, multigrid)?;
+                let low_order =
+                    LowOrderInverse::new(lame, Inertia::none(), numbering, samples, constrained, multigrid)?;
                 position.keep_nodes(law, numbering, &at_nodes)?;
                 Inverse::LowOrder(Box::new(low_order))
             }

@@ -13,11 +13,12 @@
 //! at the iterate is used, preconditioned by K. No iterate has J <= 0 where the energy is integrated, or fails the guard of the
 //! caller.
 
+use crate::nonlinear::{self, ElasticEquations};
 use crate::{ElasticSlab, ElasticityError};
-use newton_krylov::inner_product::{InnerProduct, Weighted};
-use newton_krylov::newton::{self, Workspace};
-use newton_krylov::problem::{Field, Inadmissible, NonlinearProblem};
-use newton_krylov::{forcing, pseudo_time};
+use newton_krylov::forcing;
+use newton_krylov::inner_product::{InnerProduct, Weighted, largest};
+use newton_krylov::newton::Settings;
+use newton_krylov::problem::Inadmissible;
 
 /// The accuracy of the boundary position, relative to the node spacing.
 const BOUNDARY_ACCURACY: f64 = 1e-9;
@@ -76,21 +77,20 @@ impl<const D: usize> ElasticSlab<'_, D> {
             v.iter_mut().zip(&w).for_each(|(v, w)| *v -= w);
             return Ok(Work { steps: 1, solves: 1, iterations: reports.iter().map(|report| report.iterations).sum() });
         }
-        let mut problem = Equilibrium::new(self, bottom, g, accuracy, guard);
-        if problem.residual(v, &mut vec![0.0; v.len()]).is_err() {
+        let mut equations = MeshEquilibrium::new(self, bottom, g, accuracy, guard);
+        if equations.residual(v, &mut vec![0.0; v.len()]).is_err() {
             v.fill(0.0);
         }
-        let settings = settings(accuracy.position);
-        let report = newton::solve(&mut problem, v, Some(&[1.0]), &settings, &mut Workspace::default())
+        let report = nonlinear::solve(&mut equations, v, 1.0, settings(accuracy.position))
             .map_err(|error| ElasticityError::Newton { tolerance: accuracy.position, source: Box::new(error) })?;
-        Ok(Work { steps: report.steps.len(), ..problem.work })
+        Ok(Work { steps: report.steps.len(), ..equations.work })
     }
 
     /// Whether the boundary stays where `bottom` has it, up to rounding. Then so does the mesh: it is in equilibrium, with a residual that no
     /// solve could reduce by its tolerance.
     fn boundary_rests(&self, bottom: &[f64], g: &[f64]) -> bool {
-        let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let size = largest(self.mesh.coordinates().as_flattened()) + largest(bottom);
+        let size_of = |x: &[f64]| largest(x.iter().map(|x| x.abs()));
+        let size = size_of(self.mesh.coordinates().as_flattened()) + size_of(bottom);
         let rests = |g: &[f64]| {
             let mut entries = self.mesh.constrained().iter().zip(bottom).zip(g);
             entries.all(|((constrained, d), g)| !constrained || (g - d).abs() <= AT_REST * f64::EPSILON * size)
@@ -99,34 +99,30 @@ impl<const D: usize> ElasticSlab<'_, D> {
     }
 }
 
-/// Newton's method without pseudo-time.
-fn settings(accuracy: f64) -> newton::Settings {
-    newton::Settings {
+/// Newton's method to this (accuracy).
+fn settings(accuracy: f64) -> Settings {
+    Settings {
         relative_tolerance: 0.0,
         absolute_tolerance: accuracy,
         round_off: ROUND_OFF,
         forcing: forcing::Settings { minimum: 1e-2, ..Default::default() },
-        pseudo_time: pseudo_time::Settings { restart_inverse: 0.0, max_rejections: 0, ..Default::default() },
         ..Default::default()
     }
 }
 
 /// The mesh equations of one slab as R(V) = 0.
-struct Equilibrium<'a, const D: usize> {
+struct MeshEquilibrium<'a, const D: usize> {
     slab: &'a ElasticSlab<'a, D>,
     bottom: &'a [f64],
     prescribed: &'a [f64],
     guard: Guard<'a>,
     /// The tolerance of a solve with K.
     tolerance: f64,
-    fields: [Field; 1],
     weights: Weighted,
-    /// The V at which R is differentiated.
-    point: Vec<f64>,
     work: Work,
 }
 
-impl<'a, const D: usize> Equilibrium<'a, D> {
+impl<'a, const D: usize> MeshEquilibrium<'a, D> {
     fn new(
         slab: &'a ElasticSlab<'a, D>,
         bottom: &'a [f64],
@@ -143,66 +139,44 @@ impl<'a, const D: usize> Equilibrium<'a, D> {
                 .filter(|(i, _)| slab.mesh.constrained()[*i])
                 .for_each(|(_, w)| *w *= boundary);
         }
-        Equilibrium {
+        MeshEquilibrium {
             slab,
             bottom,
             prescribed,
             guard,
             tolerance: accuracy.solve,
-            fields: [Field { name: "mesh", range: 0..prescribed.len() }],
             weights: Weighted::new(weights),
-            point: vec![0.0; prescribed.len()],
             work: Work::default(),
         }
     }
+}
 
-    /// w = K^{-1} r. An unconverged w is still a good direction.
-    fn solve(&mut self, r: &[f64], w: &mut [f64]) {
+impl<const D: usize> ElasticEquations for MeshEquilibrium<'_, D> {
+    const FIELD: &'static str = "mesh";
+
+    fn residual(&self, v: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
+        self.slab.residual(self.bottom, self.prescribed, v, r)?;
+        (self.guard)(v)
+    }
+    fn product(&self, v: &[f64], w: &[f64], out: &mut [f64]) {
+        self.slab.jacobian_product(self.bottom, v, w, out);
+    }
+    /// w := K^{-1} r
+    fn precondition(&mut self, r: &[f64], w: &mut [f64]) {
         self.work.solves += 1;
         if let Ok(reports) = self.slab.solve(r, w, self.tolerance) {
             self.work.iterations += reports.iter().map(|report| report.iterations).sum::<usize>();
         }
     }
-}
-
-impl<const D: usize> NonlinearProblem for Equilibrium<'_, D> {
-    fn len(&self) -> usize {
-        self.prescribed.len()
-    }
-    fn fields(&self) -> &[Field] {
-        &self.fields
+    /// Satisfies the boundary conditions; all directions that follow vanish at the boundary.
+    fn guess(&mut self, r: &[f64], w: &mut [f64]) {
+        self.precondition(r, w);
     }
     fn inner_product(&self) -> &dyn InnerProduct {
         &self.weights
     }
-
-    fn residual(&mut self, v: &[f64], r: &mut [f64]) -> Result<(), Inadmissible> {
-        self.slab.residual(self.bottom, self.prescribed, v, r)?;
-        (self.guard)(v)
-    }
-
-    fn linearise(&mut self, v: &[f64], _inverse_pseudo_time: &[f64]) -> Result<(), Inadmissible> {
-        self.point.copy_from_slice(v);
-        Ok(())
-    }
-
-    /// Satisfies the boundary conditions; all directions that follow vanish at the boundary.
-    fn guess_increment(&mut self, right_side: &[f64], increment: &mut [f64]) {
-        self.solve(right_side, increment);
-    }
-
-    fn jacobian_product(&mut self, direction: &[f64], out: &mut [f64]) {
-        self.slab.jacobian_product(self.bottom, &self.point, direction, out);
-    }
-
-    fn add_pseudo_time(&mut self, _direction: &[f64], _out: &mut [f64]) {}
-
-    fn precondition(&mut self, r: &[f64], out: &mut [f64]) {
-        self.solve(r, out);
-    }
-
-    fn largest_step(&mut self, _v: &[f64], _increment: &[f64]) -> f64 {
-        1.0
+    fn merit(&mut self, r: &[f64]) -> f64 {
+        self.weights.norm(r)
     }
 }
 

@@ -19,6 +19,7 @@
 //! | `elastic_mesh` | equilibrium and extension from the boundary |
 //! | `slab` | motion and mesh equations in a time slab |
 //! | `equilibrium` | their solution |
+//! | `nonlinear` | the one nonlinear problem, for meshes and structures |
 //! | `structure` | a body with mass, loads and supports |
 //! | `mass`, `loads` | the mass matrix; body force and traction |
 //! | `solid` | the material of a structure, point by point |
@@ -69,6 +70,7 @@ mod material;
 mod modal;
 mod modes;
 mod multigrid;
+mod nonlinear;
 mod operator;
 mod pool;
 mod shifted;
@@ -95,7 +97,7 @@ pub use modal::{FluidLayer, ModalSolver, SlabSystems, nominal_length};
 pub use modes::{NaturalMode, natural_modes};
 pub use newton_krylov::cg::Report;
 pub use slab::{ElasticSlab, MAX_TIME_ORDER, SlabMotion};
-pub use solid::{Field, Quantity, Solid};
+pub use solid::{Field, MaterialProperty, Solid};
 pub use solver::{Plan, Solver};
 pub use statics::Statics;
 pub use stiffness::Stiffness;

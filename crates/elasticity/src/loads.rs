@@ -20,10 +20,10 @@ use tensor::{Real, cofactor, norm};
 /// b(x, t): force per volume.
 pub type BodyForce<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
-/// q(x, n, t): force per area; a pressure p is q = -p n.
+/// q(x, n, t): force per area at rest; a pressure p is q = -p n.
 pub type Traction<const D: usize> = Box<dyn Fn(&SurfacePoint<D>, f64) -> [f64; D] + Send + Sync>;
 
-/// p(x, t): force per area as it is, against the normal as it is, at the position x at rest.
+/// p(x, t): force per current area, against the current normal. x is the position at rest.
 pub type Pressure<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> f64 + Send + Sync>;
 
 /// A point of the boundary at rest.
@@ -100,7 +100,7 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// The integral of phi_k n n^T over the facets whose nodes all are `wet`, for every node k.
+    /// The integral of phi_k n n^T over the facets with `wet` nodes only, for every node k.
     pub(crate) fn areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
         let mut areas = vec![[[0.0; D]; D]; wet.len()];
         for facet in self.facets.iter().filter(|facet| facet.nodes.iter().all(|node| wet[*node])) {

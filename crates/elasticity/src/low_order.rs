@@ -15,7 +15,7 @@ use sparse::{BlockMatrix, Factorisation, Kind};
 use std::sync::Arc;
 
 /// The low-order matrix of the nodes with a free component, factored or with a multigrid hierarchy.
-pub(crate) struct LowOrder<const D: usize> {
+pub(crate) struct LowOrderInverse<const D: usize> {
     /// These C0 nodes.
     free: Vec<usize>,
     inverse: Inverse,
@@ -35,7 +35,7 @@ enum Inverse {
     Multigrid(Box<dyn Cycle>),
 }
 
-impl<const D: usize> LowOrder<D> {
+impl<const D: usize> LowOrderInverse<D> {
     /// Assembles the matrix of K + m M with the m and M of `inertia`, at the entries `[C0 node][component]` that are not `fixed`, and
     /// factors it. For `multigrid` it makes a hierarchy from the positions of all C0 nodes instead. `samples(cell)` are the samples at
     /// the Gauss-Lobatto nodes of `numbering`'s order in a cell.
@@ -65,7 +65,7 @@ impl<const D: usize> LowOrder<D> {
                 Inverse::Multigrid(multigrid::hierarchy::<D>(&matrix, &of_free, &fixed)?)
             }
         };
-        Ok(LowOrder { free, inverse, buffers: Pool::new() })
+        Ok(LowOrderInverse { free, inverse, buffers: Pool::new() })
     }
 
     /// z = P^{-1} r at free entries, 0 at the others; both `[C0 node][component]`. `r` vanishes at fixed entries.

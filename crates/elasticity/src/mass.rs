@@ -9,7 +9,7 @@
 //! interpolation tests it.
 
 use crate::pool::Pool;
-use basis::{Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
+use basis::{AllAxes, Lagrange, Matrix, apply_all_axes, gauss, scratch_length};
 use fem::NodalBatches;
 use mesh::{CellMap, Mesh};
 use rayon::prelude::*;
@@ -156,7 +156,7 @@ impl<const D: usize> WithSimd for Interpolate<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Scratch { nodal, values, between } = self.scratch;
-        apply_all_axes(simd, &[self.matrix; D], D, nodal, values, between, false);
+        apply_all_axes(simd, AllAxes { matrices: &[self.matrix; D], components: D }, nodal, values, between, false);
     }
 }
 
@@ -181,7 +181,14 @@ impl<const D: usize> WithSimd for Test<'_, D> {
                 weighted.write(value, part);
             }
         }
-        apply_all_axes(simd, &[self.matrix; D], D, values, self.result, between, false);
+        apply_all_axes(
+            simd,
+            AllAxes { matrices: &[self.matrix; D], components: D },
+            values,
+            self.result,
+            between,
+            false,
+        );
     }
 }
 

@@ -1,21 +1,22 @@
 //! The systems of a slab of a structure, separated into temporal modes.
 //!
-//! The eigenvectors of A^{-1} separate the derivative of (dynamics) into N_t systems of space. With its eigenvalues lambda, c for what the
-//! residual becomes, and 1/dtau the rate of a pseudo-time,
+//! The eigenvectors of A^{-1} separate the derivative of (dynamics) into N_t systems in space. lambda is an eigenvalue, c the transformed
+//! residual, and 1/dtau the rate of a pseudo-time:
 //!
 //! ```text
 //! ( K + s^2 M ) y = (lambda / b dt^2) c,      s^2 = lambda (lambda + dt/dtau + alpha dt) / (b dt^2),   b = 1 + beta lambda / dt   (mode)
 //! ```
 //!
-//! with the alpha and beta of a damping.
+//! with alpha and beta of a [`crate::Damping`].
 //!
-//! Each has its own factor, see `shifted`. Where the law is not linear K is that of one displacement, and these systems precondition. A fluid beside the structure moves with it: for a preconditioner M has its mass,
+//! Each has its own factor, see `shifted`. If the law is not linear, K is taken at one displacement, and these systems precondition. A fluid
+//! beside the structure moves with it. A preconditioner adds its mass to M,
 //!
 //! ```text
 //! M + m_L int_G (N_i n).(N_j n) ds,     m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2)                        (added mass)
 //! ```
 //!
-//! for a layer of the depth L, density rho and speed of sound c on the wet boundary G. The integral is lumped at the nodes.
+//! for a layer of depth L, density rho and speed of sound c on the wet boundary G. The integral is lumped at the nodes.
 
 use crate::shifted::Shifted;
 use crate::slab::combine_nodes;
@@ -53,13 +54,12 @@ impl<const D: usize> FluidLayer<D> {
 /// Slabs whose lengths differ by less than this, relatively, share their factors.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The length for which the systems of a slab of length `dt` are factored: `step`, the length of most slabs, if they are equal but for
-/// rounding.
+/// The length for which the systems of a slab of length `dt` are factored: `step`, the length of most slabs, if both differ by rounding only.
 pub fn nominal_length(dt: f64, step: f64) -> f64 {
     if (dt - step).abs() <= SAME_LENGTH * step { step } else { dt }
 }
 
-/// What beside the structure determines the systems of a slab.
+/// The data of the systems of a slab, in addition to the structure.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabSystems<'a, const D: usize> {
     /// The length of the slab.
@@ -115,11 +115,11 @@ impl<const D: usize> ModalSolver<D> {
         self.dt
     }
 
-    /// Replaces the residual `r` of a slab of length `dt`, `[time node][C0 node][component]`, by the increment that it asks for, each mode to
-    /// the relative `tolerance`; at fixed entries that is zero. Returns the iterations.
+    /// Replaces the residual `r` of a slab of length `dt`, `[time node][C0 node][component]`, by the solution of these systems, each to the
+    /// relative `tolerance`. It is zero at fixed entries. Returns the iterations.
     ///
     /// # Errors
-    /// That of a system that cannot be solved; `r` then holds what its best iterate gives.
+    /// The error of a system that cannot be solved; `r` then holds its best iterate.
     pub fn solve(
         &self,
         structure: &Structure<D>,
@@ -128,7 +128,7 @@ impl<const D: usize> ModalSolver<D> {
         r: &mut [f64],
     ) -> Result<usize, ElasticityError> {
         let length = structure.length();
-        r.chunks_exact_mut(length).for_each(|r| structure.at_fixed(r, |_| 0.0));
+        structure.at_fixed(r, |_| 0.0);
         combine_nodes(&self.modes.forward, r);
         let mut rest = &mut r[..];
         let mut columns = Vec::new();

@@ -1,12 +1,12 @@
 //! The forces of the mesh and their derivative K, matrix-free, in SIMD lanes and threads.
 //!
 //! ```text
-//! w . R(d) = int grad w : P(grad d) dx = sum over cells and points of  W  (H' G) : P(H G)                      (forces)
-//! w . K(d) e = d/da  w . R(d + a e)  at a = 0                                                                  (K)
+//! psi . R(d) = int grad psi : P(grad d) dx = sum over cells and points of  W  (H' G) : P(H G)                  (forces)
+//! psi . K(d) e = d/da  psi . R(d + a e)  at a = 0                                                              (K)
 //! ```
 //!
-//! H and H' are the reference gradients of d and w, `H[i][a]` = d d_i / d xi_a. G is the inverse Jacobian of the reference mesh,
-//! `G[a][j]` = d xi_a / d x_j. W = w det J E / E_0 has the quadrature weight w. Steps per cell: interpolate to the points,
+//! H and H' are the reference gradients of d and psi, `H[i][a]` = d d_i / d xi_a. G is the inverse Jacobian of the reference mesh,
+//! `G[a][j]` = d xi_a / d x_j. W = omega det J E_Y / E_Y0 has the quadrature weight omega. Steps per cell: interpolate to the points,
 //! differentiate there, apply the law, then the transposes of both in reverse order, O(N^(D+1)). K is the same source with dual
 //! numbers. For a linear law R(d) = K d, and K is constant.
 
@@ -36,14 +36,14 @@ pub(crate) struct Operator<const D: usize> {
     law: Law,
     lame: Lame,
     batches: NodalBatches<D>,
-    lines: Lines,
+    lines: LineTables,
     /// W and G, `[batch][point][1 + D D]`.
     metric: Vec<Pack>,
     workspaces: Pool<Workspace>,
 }
 
 /// The one-dimensional matrices of a cell.
-struct Lines {
+struct LineTables {
     /// Nodes to points, `[point][node]`.
     interpolate: Matrix,
     /// Values at the points to derivatives at the points.
@@ -63,12 +63,12 @@ struct Workspace {
     batches_per_task: usize,
 }
 
-impl Lines {
+impl LineTables {
     fn new(order: usize, points: &[f64]) -> Self {
         let interpolate = Lagrange::gauss_lobatto(order).value_matrix(points);
         let differentiate = Lagrange::new(points.to_vec()).derivative_matrix(points);
         let (interpolate_transposed, differentiate_transposed) = (interpolate.transpose(), differentiate.transpose());
-        Lines { interpolate, differentiate, interpolate_transposed, differentiate_transposed }
+        LineTables { interpolate, differentiate, interpolate_transposed, differentiate_transposed }
     }
     fn points<const D: usize>(&self) -> usize {
         self.interpolate.rows().pow(D as u32)
@@ -97,7 +97,7 @@ impl<const D: usize> Operator<D> {
         factor: impl Fn(&Sample<D>) -> f64 + Sync,
     ) -> Result<Self, ElasticityError> {
         let metric = metric(&batches, sampler, factor)?;
-        let lines = Lines::new(order, &sampler.rule().points);
+        let lines = LineTables::new(order, &sampler.rule().points);
         Ok(Operator { law, lame, batches, lines, metric, workspaces: Pool::new() })
     }
 
@@ -131,7 +131,7 @@ impl<const D: usize> Operator<D> {
         let _ = self.apply::<Tangent, _>(Viscous(self.lame), &[at.0, at.1, along.0, along.1], out);
     }
 
-    /// The integral of W(grad d), for a `d` where R is defined.
+    /// The integral of Psi(grad d), for a `d` where R is defined.
     pub(crate) fn energy(&self, d: &[f64]) -> f64 {
         match self.law {
             Law::Linear | Law::Incremental => self.energy_by(self.lame, d),

@@ -12,25 +12,25 @@
 //! M - K) lie in [-1, 1]. So the preconditioned spectrum lies on a straight line past the origin, and GMRES gains a factor
 //! tan(theta/4) per iteration on any mesh.
 
-use crate::low_order::LowOrder;
+use crate::low_order::LowOrderInverse;
 use crate::{ElasticityError, Structure};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::operator::LinearSystem;
 use newton_krylov::{cg, fgmres};
 
-/// Iterations after which a solve is given up: several times the worst case.
+/// Iterations after which a solve gives up: several times the worst case.
 const MAX_ITERATIONS: usize = 500;
 
 /// A shift m and the factored low-order K + m M.
 pub(crate) struct Shifted<const D: usize> {
     pub(crate) m: f64,
-    /// What M has beyond the mass of the structure, by node; may be empty.
+    /// A mass of every node in addition to the mass of the structure; may be empty.
     pub(crate) layer: Vec<[[f64; D]; D]>,
-    /// Where K is taken; empty for a linear law.
+    /// The displacement at which K is taken; empty for a linear law.
     pub(crate) position: Vec<f64>,
-    /// Whether K is without its part of the stress, see [`Structure::apply_material_stiffness_at`].
+    /// Whether K omits the part proportional to the stress, see [`Structure::apply_material_stiffness_at`].
     pub(crate) material: bool,
-    pub(crate) low_order: LowOrder<D>,
+    pub(crate) low_order: LowOrderInverse<D>,
 }
 
 impl<const D: usize> Shifted<D> {

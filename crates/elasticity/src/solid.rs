@@ -3,7 +3,7 @@
 //! Stresses are linear in the constants of Lame. With spatially constant mu_0, lambda_0,
 //!
 //! ```text
-//! mu(x) = s(x) mu_0,     lambda(x) = s(x) lambda_0 + e(x)                                                      (relative)
+//! mu_s(x) = s(x) mu_0,   lambda_s(x) = s(x) lambda_0 + e(x)                                                    (relative)
 //! ```
 //!
 //! A stress is s times that of (mu_0, lambda_0). Where Poisson's ratio varies, e times that of (0, 1) is added; elsewhere e = 0.
@@ -16,24 +16,24 @@ pub type Field<const D: usize> = Arc<dyn Fn(&[f64; D]) -> f64 + Send + Sync>;
 
 /// A quantity of a body.
 #[derive(Clone)]
-pub enum Quantity<const D: usize> {
+pub enum MaterialProperty<const D: usize> {
     /// The same everywhere.
     Constant(f64),
     /// Varies from point to point.
     Field(Field<D>),
 }
 
-impl<const D: usize> Quantity<D> {
+impl<const D: usize> MaterialProperty<D> {
     fn at(&self, x: &[f64; D]) -> f64 {
         match self {
-            Quantity::Constant(value) => *value,
-            Quantity::Field(field) => field(x),
+            MaterialProperty::Constant(value) => *value,
+            MaterialProperty::Field(field) => field(x),
         }
     }
 
     /// The value if it is constant; otherwise `instead`.
     fn constant_or(&self, instead: f64) -> f64 {
-        if let Quantity::Constant(value) = self { *value } else { instead }
+        if let MaterialProperty::Constant(value) = self { *value } else { instead }
     }
 }
 
@@ -41,9 +41,9 @@ impl<const D: usize> Quantity<D> {
 #[derive(Clone)]
 pub struct Solid<const D: usize> {
     /// E
-    pub young: Quantity<D>,
+    pub young: MaterialProperty<D>,
     /// nu
-    pub poisson: Quantity<D>,
+    pub poisson: MaterialProperty<D>,
     /// Plane strain or plane stress, in 2-D.
     pub plane: Plane,
     /// The stress of a strain that is not small.
@@ -81,7 +81,7 @@ impl<const D: usize> Solid<D> {
 
     /// Whether nu varies in space.
     pub(crate) fn ratio_varies(&self) -> bool {
-        matches!(self.poisson, Quantity::Field(_))
+        matches!(self.poisson, MaterialProperty::Field(_))
     }
 
     /// (mu_0, lambda_0): the constants of the body if E and nu are constant, otherwise those of E = 1 and nu = 0.
@@ -103,8 +103,8 @@ impl<const D: usize> From<Material> for Solid<D> {
     fn from(material: Material) -> Self {
         let (young, poisson) = material.constants();
         Solid {
-            young: Quantity::Constant(young),
-            poisson: Quantity::Constant(poisson),
+            young: MaterialProperty::Constant(young),
+            poisson: MaterialProperty::Constant(poisson),
             plane: material.plane(),
             law: material.law(),
         }
@@ -117,8 +117,8 @@ mod tests {
     use super::*;
 
     fn varying() -> Solid<2> {
-        let young = Quantity::Field(Arc::new(|x: &[f64; 2]| 2.0 + x[0]));
-        let poisson = Quantity::Field(Arc::new(|x: &[f64; 2]| 0.4 * x[1]));
+        let young = MaterialProperty::Field(Arc::new(|x: &[f64; 2]| 2.0 + x[0]));
+        let poisson = MaterialProperty::Field(Arc::new(|x: &[f64; 2]| 0.4 * x[1]));
         Solid { young, poisson, plane: Plane::Stress, law: Law::Linear }
     }
 

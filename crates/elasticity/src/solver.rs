@@ -1,7 +1,7 @@
 //! The choice of the solver of K, and its cost.
 
 use crate::condensation::{Condensation, Elimination};
-use crate::low_order::LowOrder;
+use crate::low_order::LowOrderInverse;
 use fem::NodalBatches;
 use mesh::{CellMap, Mesh, NodeNumbering};
 use std::sync::Arc;
@@ -97,7 +97,7 @@ fn centres<const D: usize>(mesh: &Mesh<D>) -> Vec<[f64; D]> {
 /// The prepared K_ff^{-1}, exact or approximate.
 pub(crate) enum Inverse<const D: usize> {
     Direct(Box<Condensation<D>>),
-    LowOrder(Box<LowOrder<D>>),
+    LowOrder(Box<LowOrderInverse<D>>),
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //! energies are defined as in `structure_slab`, without the kinetic terms.
 
 use crate::dynamics::{CORRECTION_TOLERANCE, DynamicsReport, ROUND_OFF, STALLED, TOLERANCE};
-use crate::large_displacement::{self, Equilibrium};
+use crate::large_displacement::{self, StructureEquilibrium};
 use crate::shifted::Shifted;
 use crate::structure_slab::{SlabBottom, StructureSlab};
 use crate::{ElasticityError, Inversion, Loads, SlabMotion, Structure};
@@ -72,8 +72,8 @@ impl<const D: usize> Statics<D> {
         imbalance(d, &mut r)?;
         // Forces at supports, too: those at free entries may all vanish at rest.
         let forces = Euclidean.norm(f) + Euclidean.norm(&r);
-        let mut problem = Equilibrium::new(structure, &imbalance, &stiffness);
-        Ok(large_displacement::solve(&mut problem, forces, t, d)?.iterations)
+        let mut equations = StructureEquilibrium::new(structure, &imbalance, &stiffness);
+        Ok(large_displacement::solve(&mut equations, forces, t, d)?.iterations)
     }
 
     /// r = R(d) - f at all entries, with follower pressures.

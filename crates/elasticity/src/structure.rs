@@ -22,8 +22,8 @@ use tensor::Dual;
 /// M d_tt + C d_t + R(d) = f(t)     at free entries                                                             (motion of nodes)
 /// ```
 ///
-/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is their derivative, and
-/// K that at rest.
+/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is the derivative of R, and
+/// K its value at rest.
 ///
 /// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`. An entry is either free or fixed; the
 /// motion of a fixed entry is prescribed. All methods take `&self`.
@@ -139,8 +139,8 @@ impl<const D: usize> Structure<D> {
         });
     }
 
-    /// out = K(d) w without the part of the stress, on all entries: int F C : sym(F^T grad w) : grad phi, positive semi-definite for any `d`.
-    /// C is that of a body without strain; for the law of St. Venant and Kirchhoff it always is.
+    /// out = K(d) w without the part proportional to the stress, on all entries: int F C : sym(F^T grad w) : grad phi. It is positive
+    /// semi-definite for any `d`. C is the tensor of elasticity at zero strain; for the law of St. Venant and Kirchhoff C is constant.
     pub(crate) fn apply_material_stiffness_at(&self, d: &[f64], w: &[f64], out: &mut [f64]) {
         if self.law().is_linear() {
             return self.apply_stiffness_at(d, w, out);
@@ -161,7 +161,7 @@ impl<const D: usize> Structure<D> {
         self.apply_stiffness_at(&vec![0.0; w.len()], w, out);
     }
 
-    /// Adds to `out` what lambda does beyond `operator`.
+    /// Adds to `out` the part of the forces that `excess` holds.
     fn add_excess(
         &self,
         out: &mut [f64],
@@ -179,7 +179,7 @@ impl<const D: usize> Structure<D> {
         self.mass.apply(self.operator.batches(), v, out);
     }
 
-    /// out = (M + `layer`) v, where the layer is a mass of every node, none if that is empty.
+    /// out = (M + `layer`) v. The layer is a mass of every node; empty means none.
     pub(crate) fn apply_mass_with(&self, layer: &[[[f64; D]; D]], v: &[f64], out: &mut [f64]) {
         self.apply_mass(v, out);
         for ((mass, v), out) in layer.iter().zip(v.chunks_exact(D)).zip(out.chunks_exact_mut(D)) {
@@ -212,7 +212,7 @@ impl<const D: usize> Structure<D> {
         loads.add_pressures(&self.surface, t, d, out);
     }
 
-    /// out += `factor` times the derivative of that along `w`, where d and w are given as a pair.
+    /// out += `factor` times the derivative of these forces along w. The pair holds d and w.
     pub fn add_pressure_stiffness(
         &self,
         loads: &Loads<D>,
@@ -247,10 +247,13 @@ impl<const D: usize> Structure<D> {
         0.5 * Euclidean.dot(d, &forces)
     }
 
-    /// Sets the fixed entries.
-    pub(crate) fn at_fixed(&self, vector: &mut [f64], value: impl Fn(usize) -> f64) {
-        for (i, _) in self.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
-            vector[i] = value(i);
+    /// Sets the fixed entries of a vector, or of several one after the other.
+    pub(crate) fn at_fixed(&self, vectors: &mut [f64], value: impl Fn(usize) -> f64) {
+        let length = self.length();
+        for (k, vector) in vectors.chunks_exact_mut(length).enumerate() {
+            for (i, _) in self.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
+                vector[i] = value(k * length + i);
+            }
         }
     }
 }

@@ -10,12 +10,12 @@
 //!
 //! I_a is the impulse of follower pressures, see `pressure_impulse`.
 //!
-//! T and omega are those of `basis::RadauTime`. As diag(omega)^{-1} T = Phi^{-1}, this is the Radau IIA method. It has the order 2 N_t - 1 at the top of a
-//! slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
+//! T and omega are the matrix and the weights of `basis::RadauTime`. As diag(omega)^{-1} T = Phi^{-1}, this is the Radau IIA method. It has
+//! the order 2 N_t - 1 at the top of a slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
 //! reactions would follow from second differences. The position of a support is the Radau quadrature of g', of the same order.
 //!
-//! Nothing is lost but what dampers and jumps take: with the strain energy E_strain, [v] = v(0+) - v_n and [d] that of the polynomial through
-//! the d(s_a),
+//! Only dampers and jumps take energy. E_strain is the strain energy, [v] = v(0+) - v_n, and [d] is the jump at the bottom of the polynomial
+//! through the d(s_a):
 //!
 //! ```text
 //! E_tot(t_n+1) - E_tot(t_n) = E_load - E_damp - E_num,     E_tot = v . M v / 2 + E_strain(d)                         (energy)
@@ -50,9 +50,9 @@ pub struct SlabWork {
     pub load: f64,
     /// The work of the supports.
     pub support: f64,
-    /// E_damp: what dampers take.
+    /// E_damp: the energy that dampers take.
     pub damped: f64,
-    /// E_num: what the jumps take.
+    /// E_num: the energy that jumps take.
     pub dissipation: f64,
 }
 
@@ -72,7 +72,7 @@ pub struct StructureSlab<'a, const D: usize> {
 }
 
 impl<const D: usize> StructureSlab<'_, D> {
-    /// The loads f(s_a) at rest: all but follower pressures.
+    /// The loads f(s_a) that do not follow the displacement: all except follower pressures.
     ///
     /// # Errors
     /// [`ElasticityError::Load`] if a load is not a finite number.
@@ -89,8 +89,8 @@ impl<const D: usize> StructureSlab<'_, D> {
         self.bottom.time + self.motion.time().nodes()[a] * self.dt
     }
 
-    /// r := R(V) by (dynamics) for the loads `forces` at rest, at fixed entries too: there it is dt omega_a times the reaction of the support.
-    /// Returns the size of the forces that cancel in it.
+    /// r := R(V) by (dynamics) for the loads `forces` of [`Self::forces`], at fixed entries too: there it is dt omega_a times the reaction of
+    /// the support. Returns the size of the forces that cancel in it.
     ///
     /// # Errors
     /// [`Inversion`] where the law has no stress; `r` then has no meaning.

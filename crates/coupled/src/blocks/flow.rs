@@ -7,6 +7,7 @@ use crate::state::{Interval, State};
 use fem::{Bottom, SlabEnd, SlabOperator, Violation};
 use newton_krylov::inner_product;
 use newton_krylov::problem::Inadmissible;
+use std::ops::Range;
 
 /// What a solve has cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,7 +31,7 @@ pub struct FlowBlock<const D: usize, const M: usize> {
     /// Residual and derivatives.
     pub operator: SlabOperator<D, M>,
     /// The preconditioner.
-    pub preconditioner: LaggedPreconditioner,
+    pub preconditioner: LaggedPreconditioner<D, M>,
     /// What has been done since the counts were last taken.
     pub counts: Counts,
     bottom: Vec<f64>,
@@ -84,7 +85,7 @@ impl<const D: usize, const M: usize> FlowBlock<D, M> {
         }
     }
 
-    /// Has the mesh set anew.
+    /// Forgets the mesh: it must be set again.
     fn forget(&mut self) {
         self.velocities.fill(f64::NAN);
         self.effect_of_mesh.velocities.clear();
@@ -161,8 +162,8 @@ pub(crate) fn totals_at<const D: usize, const M: usize>(
     let one = flow.layout.at_one_time();
     let mut mass_product = vec![0.0; one.len()];
     flow.mass_product(u, end, &mut mass_product);
-    let in_cell = |c: usize, m: usize| mass_product[one.cell(c)][m * one.nodes..(m + 1) * one.nodes].iter().sum();
-    let of_cells = |m: usize| (0..one.cells).map(|c| in_cell(c, m)).collect::<Vec<f64>>();
+    let in_cell = |row: Range<usize>| mass_product[row].iter().sum::<f64>();
+    let of_cells = |m: usize| one.component(m).map(in_cell).collect::<Vec<f64>>();
     let component = |m: usize| inner_product::sum_over_blocks(&of_cells(m), &flow.share.ends, &flow.share.sums);
     (0..M).map(component).collect()
 }

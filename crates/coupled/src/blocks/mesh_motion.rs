@@ -8,14 +8,14 @@ use crate::state::{Interval, State};
 use elasticity::{ElasticSlab, ElasticityError};
 use newton_krylov::problem::Inadmissible;
 
-/// The mesh is settled when its positions are this good, relative to the node spacing: increments then leave it alone, and
-/// products need not differentiate it.
+/// The mesh is settled when its positions have this error, relative to the node spacing. Increments then leave it alone, and products need
+/// not differentiate it.
 pub(crate) const SETTLED: f64 = 1e-11;
 
-/// The part of the bound of det J / det J_0 that an increment must leave.
+/// An increment must keep this part of the bound of det J / det J_0.
 const KEPT: f64 = 0.1;
 
-/// How often an increment of the mesh is halved before the line search goes on without the proof of a good start.
+/// How often an increment of the mesh is halved. After that the line search starts without a proof.
 const MESH_HALVINGS: i32 = 8;
 
 /// The mesh of a slab.
@@ -32,9 +32,8 @@ pub struct MeshBlock<const D: usize> {
     prescribed: Vec<f64>,
     wall_displacement: Vec<f64>,
     velocities: Vec<f64>,
-    /// At these velocities; none before it is asked for.
+    /// R at these velocities, if it is known.
     residual: Option<Vec<f64>>,
-    quality: Option<MeshQuality>,
     /// Whether bodies move some of its nodes.
     pub(crate) follows_bodies: bool,
     /// Whether the increment that is being computed leaves the mesh alone.
@@ -43,7 +42,7 @@ pub struct MeshBlock<const D: usize> {
 }
 
 impl<const D: usize> MeshBlock<D> {
-    /// The mesh that `mover` moves in slabs of `time_order` nodes, solved to round-off where it is found ahead of the flow.
+    /// The mesh that `mover` moves in slabs of `time_order` nodes. An elastic mesh is solved to round-off before the flow.
     pub fn new(mut mover: MeshMover<D>, time_order: usize) -> Self {
         if let MeshMotion::Elastic { accuracy, .. } = &mut mover.motion {
             accuracy.position = accuracy.position.min(SETTLED);
@@ -58,7 +57,6 @@ impl<const D: usize> MeshBlock<D> {
             wall_displacement: vec![f64::NAN; len],
             velocities: vec![f64::NAN; len],
             residual: None,
-            quality: None,
             follows_bodies: false,
             settled: false,
             inverse_pseudo_time: 0.0,
@@ -86,10 +84,10 @@ impl<const D: usize> MeshBlock<D> {
         exchange.wall_displacement.clone_from(&self.prescribed);
     }
 
-    /// Has the mesh set anew.
+    /// Forgets the mesh: it must be set again.
     pub(crate) fn forget(&mut self) {
         self.velocities.fill(f64::NAN);
-        (self.residual, self.quality) = (None, None);
+        self.residual = None;
     }
 
     /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`.
@@ -105,13 +103,12 @@ impl<const D: usize> MeshBlock<D> {
         Ok(())
     }
 
-    /// The quality of the mesh last set, proved once.
-    pub(crate) fn quality(&mut self) -> MeshQuality {
-        let (mover, interval) = (&self.mover, self.interval);
-        *self.quality.get_or_insert_with(|| mover.quality(&self.bottom, &self.velocities, interval))
+    /// The quality of the mesh last set.
+    pub(crate) fn quality(&self) -> MeshQuality {
+        self.mover.quality(&self.bottom, &self.velocities, self.interval)
     }
 
-    /// Solves for the mesh alone where that is exact; all further directions then leave it alone.
+    /// Solves for the mesh alone if that solve is exact. All further directions then leave the mesh alone.
     pub(crate) fn solve_ahead(&mut self, norm: f64, right_side: &[f64], increment: &mut [f64]) {
         self.settled = right_side.is_empty() || norm <= SETTLED;
         if !self.settled && self.inverse_pseudo_time == 0.0 {
@@ -129,11 +126,11 @@ impl<const D: usize> MeshBlock<D> {
         Some((ElasticSlab { mesh, motion: &self.mover.slab_motion, dt: self.dt() }, accuracy.solve))
     }
 
-    /// Sets the velocities, and what else is known of the mesh if they are others than before.
+    /// Sets the velocities.
     pub(crate) fn set(&mut self, v: &[f64], exchange: &mut Exchange) {
         if self.velocities != v {
             self.velocities.copy_from_slice(v);
-            (self.residual, self.quality) = (None, None);
+            self.residual = None;
         }
         exchange.mesh_velocity.clone_from(&self.velocities);
     }
@@ -145,7 +142,7 @@ impl<const D: usize> MeshBlock<D> {
         }
     }
 
-    /// w = K^{-1} r_e with the K of the bottom; whether that is exact: the law is linear, and CG converged.
+    /// Solves K w = r_e. Returns true if w is exact: the law is linear and CG converged.
     fn solve_increment(&mut self, r_e: &[f64], w: &mut [f64]) -> bool {
         let _timed = tracing::trace_span!(target: "cost", "elasticity").entered();
         let Some((slab, tolerance)) = self.elastic() else { return true };
@@ -155,13 +152,12 @@ impl<const D: usize> MeshBlock<D> {
         exact
     }
 
-    /// The velocities in `v` that no elastic law finds: those of the displacement prescribed everywhere.
     /// Whether bodies move every node, so that the mesh has no equations.
     fn follows_everywhere(&self) -> bool {
         matches!(self.mover.motion, MeshMotion::Followed)
     }
 
-    /// The velocities by which displacements grow from `bottom` to `d`, those at the time nodes.
+    /// The velocities that move the mesh from the displacement `bottom` to the displacements `d` at the time nodes.
     fn velocities_that_follow(&self, bottom: &[f64], d: &[f64]) -> Vec<f64> {
         let mut v = d.to_vec();
         self.mover.slab_motion.velocities(self.dt(), bottom, &mut v);
@@ -182,14 +178,14 @@ impl<const D: usize> MeshBlock<D> {
         checked
     }
 
-    /// The derivative of that.
+    /// The derivative of [`Self::follow`].
     fn follow_along(&self, tangent: &mut Exchange) {
         let still = vec![0.0; self.bottom.len()];
         tangent.mesh_velocity = self.velocities_that_follow(&still, &tangent.wall_displacement);
         tangent.mesh_moves = tangent.mesh_velocity.iter().any(|&v| v != 0.0);
     }
 
-    fn check(&mut self) -> Result<(), Inadmissible> {
+    fn check(&self) -> Result<(), Inadmissible> {
         self.quality().admissible()
     }
 }
@@ -211,7 +207,7 @@ impl<const D: usize> Block for MeshBlock<D> {
         Ok(self.begin(interval, &state.d)?)
     }
 
-    /// Newton's method asks for the residual again and again where the mesh is settled.
+    /// A settled mesh keeps its velocities during Newton's method: then the residual is known.
     fn residual(&mut self, v: &[f64], exchange: &mut Exchange, r: &mut [f64]) -> Result<(), Inadmissible> {
         self.read_walls(exchange);
         if self.follows_everywhere() {
@@ -295,8 +291,7 @@ impl<const D: usize> Block for MeshBlock<D> {
         }
     }
 
-    /// The first of a = 1, 1/2, 1/4, ... for which the mesh of V + a dV is proved to keep a part `KEPT` of the bound of det J / det J_0
-    /// that it has at V.
+    /// The first of a = 1, 1/2, 1/4, ... for which the bound of det J / det J_0 at V + a dV is more than `KEPT` times that at V.
     fn largest_step(&mut self, v: &[f64], w: &[f64]) -> f64 {
         if w.iter().all(|&w| w == 0.0) {
             return 1.0;
@@ -309,7 +304,7 @@ impl<const D: usize> Block for MeshBlock<D> {
             bound(&trial) > enough
         };
         let mut steps = (0..MESH_HALVINGS).map(|k| 0.5_f64.powi(k));
-        // Where none will do the shortest is left to the residual, which says what is wrong.
+        // If none suffices, the residual at the shortest step tells what is wrong.
         steps.find(|a| keeps(*a)).unwrap_or(0.5_f64.powi(MESH_HALVINGS))
     }
 }

@@ -2,24 +2,24 @@
 //!
 //! ```text
 //! x(X) = p + h + R(w Theta) (X - p) + (w - 1) h,      h = sum_k q_k e_k,      Theta = sum_k q_k a_k                (rigid motion)
-//! v_c = h' + omega x R(Theta) c,      omega = T(Theta) Theta',      g_k = dv_c/dq_k',      G_k = T(Theta) a_k
+//! v_c = h' + Omega x R(Theta) c,      Omega = T(Theta) Theta',      g_k = dv_c/dq_k',      G_k = T(Theta) a_k
 //! ```
 //!
 //! p is the pivot at rest, h the translation, Theta the rotation vector, and c the centre of mass relative to the pivot. R turns by the angle
 //! |Theta| about Theta, see [`tensor::rotated`] and [`tensor::angular_velocity`]. A rotation about a fixed axis has one a_k.
 //! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q at the time nodes.
-//! With H = R J R^T omega, the angular momentum about the centre of mass,
+//! With H = R J R^T Omega, the angular momentum about the centre of mass,
 //!
 //! ```text
 //! R_a,k = g_k(s_a) . m [ sum_b T_ab v_c,b - phi_a(0) v_c,n ] + G_k(s_a) . [ sum_b T_ab H_b - phi_a(0) H_n ]
-//!         + dt w_a ( c_k W_a,k + f_k(q_a) - g_k(s_a) . b(s_a) ) - Q_a,k = 0                                        (rigid body)
+//!         + dt omega_a ( c_k W_a,k + f_k(q_a) - g_k(s_a) . b(s_a) ) - Q_a,k = 0                                    (rigid body)
 //! ```
 //!
 //! J is the tensor of inertia at rest, c_k damps, f_k is the force of springs, b an outer force, and Q the load of the flow, see `loads`. About
-//! a fixed axis n, the second term is that of the moment of inertia n . J n. A body without forces keeps H exactly. The sum of
-//! R_a,k W_a,k is the balance of energy, see `energy`.
+//! a fixed axis n, the second term contains the moment of inertia n . J n. A body without forces keeps H exactly. The sum of R_a,k W_a,k is
+//! the balance of energy, see `energy`.
 //!
-//! T is singular at |Theta| = 2 pi unless the axis is fixed. No mesh that follows a body in space turns so far.
+//! T is singular at |Theta| = 2 pi unless the axis is fixed. A mesh that follows a body in space becomes invalid before.
 
 mod coordinate;
 mod data;
@@ -34,7 +34,7 @@ pub use geometry::{Surface, SurfaceNode};
 use loads::Loads;
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
-use crate::blocks::Instants;
+use crate::blocks::SlabTimes;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State, extend};
 use basis::{Matrix, RadauTime, TemporalModes};
@@ -48,7 +48,7 @@ pub type Vec3 = [f64; 3];
 /// A velocity and an angular velocity, or a force and a moment.
 type Six<T> = [T; 6];
 
-/// The slab that is being solved, from the bottom.
+/// The slab that is being solved, and the body at its bottom.
 #[derive(Clone, Debug, Default)]
 struct Slab {
     start: f64,
@@ -82,15 +82,15 @@ pub struct RigidBody<const D: usize> {
     loads: Loads<f64>,
     inverse: Option<Matrix>,
     inverse_pseudo_time: f64,
-    /// The length of most slabs, to which its norm refers.
+    /// The length of most slabs; the weights refer to it.
     step: f64,
 }
 
 impl<const D: usize> RigidBody<D> {
-    /// Body number `number` of a run with the slabs of `instants`.
-    pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, instants: Instants) -> Self {
-        let at_points = instants.test_functions();
-        let Instants { time, points, step } = instants;
+    /// Body number `number` of a run with the slabs of `times`.
+    pub fn new(data: RigidBodyData, surface: Surface<D>, number: usize, times: SlabTimes) -> Self {
+        let at_points = times.test_functions();
+        let SlabTimes { time, points, step } = times;
         RigidBody {
             at_points,
             points,
@@ -127,7 +127,7 @@ impl<const D: usize> RigidBody<D> {
         q
     }
 
-    /// Writes the displacement of the nodes that the body moves, or the `part` of it.
+    /// Writes the displacement of the nodes that the body moves. `part` selects its value or its derivative.
     fn write_surface<T: Transcendental>(&self, w: &[T], part: impl Fn(T) -> f64, exchange: &mut Exchange) {
         let q = self.positions(w);
         let field = exchange.wall_displacement.len() / self.time().order();
@@ -136,23 +136,23 @@ impl<const D: usize> RigidBody<D> {
         }
     }
 
-    /// Writes the derivative of that along the rates `x`.
+    /// Writes the derivative of this displacement along the rates `x`.
     fn write_surface_derivative(&self, x: &[f64], tangent: &mut Exchange) {
         self.write_surface(&along(&self.w, x), |displacement| displacement.derivative, tangent);
     }
 }
 
-/// Numbers that do not change.
+/// Constants, with zero derivatives.
 fn lifted<T: Transcendental>(numbers: &[f64]) -> Vec<T> {
     numbers.iter().map(|number| T::from(*number)).collect()
 }
 
-/// Numbers that change with the derivatives `x`.
+/// Numbers with the derivatives `x`.
 fn along(numbers: &[f64], x: &[f64]) -> Vec<Dual<f64>> {
     numbers.iter().zip(x).map(|(number, x)| Dual::new(*number, *x)).collect()
 }
 
-/// How they change.
+/// The derivatives of `numbers`.
 fn derivatives(numbers: &[Dual<f64>]) -> Vec<f64> {
     numbers.iter().map(|number| number.derivative).collect()
 }
@@ -233,7 +233,7 @@ impl<const D: usize> Block for RigidBody<D> {
         self.write_surface_derivative(x, tangent);
     }
 
-    /// (1/dtau) w_a (M + added mass) dt.
+    /// (1/dtau) omega_a (M + added mass) dt.
     fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]) {
         let (count, mass) = (self.count(), self.inertia_with_fluid(self.slab.dt));
         for (a, weight) in self.time().weights().iter().enumerate() {

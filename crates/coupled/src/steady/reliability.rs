@@ -1,17 +1,19 @@
-//! Whether a converged steady flow is one of the flow, and not of the discrete equations alone.
+//! Whether a converged steady flow is physical, or a solution of the discrete equations alone.
 //!
 //! ```text
 //! r = |f_N+1(u)| / |(df_N+1/dm) m|             the residual at the next higher order, relative to the inertial terms        (next order)
 //! |du/dt| while u is marched in time           grows if the steady flow is unstable                                      (stability)
 //! ```
 //!
-//! Coarse meshes have spurious steady solutions: Newton's method finds them, though no flow in time ever stays there. They are not
-//! resolved, so r is large. A march is dear: it is made where r is large, or where the case asks for it.
+//! Coarse meshes have spurious steady solutions: Newton's method finds them, but a flow in time leaves them. They are not resolved, so r is
+//! large. A march is expensive: it is made if r is large, or if the case asks for it.
 
 use super::residual_norms;
 use super::search::{Discretisation, Search};
 use super::settling::{PER_TIME_UNIT, duration, mean, rates_of_change};
 use crate::transfer::transfer_flow;
+use fem::Layout;
+use navier_stokes::Conserved;
 use newton_krylov::problem::NonlinearProblem;
 
 /// r above which a march in time tests the flow.
@@ -23,18 +25,18 @@ const TIME_UNITS: f64 = 8.0;
 /// The flow is unstable if its rate of change grows by this factor.
 const UNSTABLE: f64 = 10.0;
 
-/// In each cell the deviation from the mean changes by this part at most before the march. It breaks symmetries.
+/// Before the march, the deviation from the mean of each cell changes by at most this part, to break symmetries.
 const DISTURBANCE: f64 = 1e-5;
 
 /// Highest order of a flow in space.
 const HIGHEST_ORDER: usize = 16;
 
-/// What speaks for and against a steady flow.
+/// The tests of a steady flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reliability {
     /// (next order); None where that residual cannot be evaluated.
     pub next_order_residual: Option<f64>,
-    /// What a march in time has shown, where there was one.
+    /// The result of a march in time, if there was one.
     pub stability: Option<Stability>,
 }
 
@@ -89,7 +91,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
             // A uniform flow, for instance, has no terms to compare with.
             return Some(0.0);
         }
-        let (momentum, mut terms) = (momentum(&u, problem.flow.operator.layout.nodes, M), vec![0.0; u.len()]);
+        let (momentum, mut terms) = (momentum::<D, M>(problem.flow.operator.layout, &u), vec![0.0; u.len()]);
         // At the point where rounding was estimated.
         problem.jacobian_product(&momentum, &mut terms);
         let size = problem.field_norms(&terms)[0];
@@ -98,32 +100,45 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
 
     fn stability(&self, u: &[f64], units: f64) -> Stability {
         let mut disturbed = u.to_vec();
-        disturb(&mut disturbed, self.order.pow(D as u32));
+        let (cells, nodes) = (self.mover.reference.n_cells(), self.order.pow(D as u32));
+        disturb(Layout { cells, time_order: 1, components: M, nodes }, &mut disturbed);
         let slabs = (units * PER_TIME_UNIT).ceil().max(8.0) as usize;
         let rates = rates_of_change(self, &mut disturbed, slabs);
         Stability::new(&rates, slabs, duration(self, rates.len()))
     }
 }
 
-/// `u` with zeros for density and energy; `nodes` of a cell for each component.
-fn momentum(u: &[f64], nodes: usize, components: usize) -> Vec<f64> {
-    let is_momentum = |i: usize| (1..components - 1).contains(&(i / nodes % components));
-    u.iter().enumerate().map(|(i, u)| if is_momentum(i) { *u } else { 0.0 }).collect()
+/// The flow `u` with zeros for density and energy.
+fn momentum<const D: usize, const M: usize>(layout: Layout, u: &[f64]) -> Vec<f64> {
+    let kept: [f64; M] = Conserved { density: 0.0, momentum: [1.0; D], energy: 0.0 }.pack();
+    let is_kept = |i: usize| kept[layout.component_of(i)] != 0.0;
+    u.iter().enumerate().map(|(i, u)| if is_kept(i) { *u } else { 0.0 }).collect()
 }
 
 /// Scales the deviation from the mean of every component in every cell, by a factor that alternates without a pattern.
-fn disturb(u: &mut [f64], nodes: usize) {
-    for (k, values) in u.chunks_exact_mut(nodes).enumerate() {
-        let mean = values.iter().sum::<f64>() / nodes as f64;
-        // The golden ratio spreads its multiples evenly.
-        let factor = DISTURBANCE * (2.0 * (k as f64 * 0.618_033_988_749_894_9).fract() - 1.0);
-        values.iter_mut().for_each(|value| *value += factor * (*value - mean));
+fn disturb(layout: Layout, u: &mut [f64]) {
+    for (cell, a) in layout.cells_and_times() {
+        for m in 0..layout.components {
+            let values = &mut u[layout.component_at(cell, a, m)];
+            let mean = values.iter().sum::<f64>() / layout.nodes as f64;
+            // The golden ratio spreads its multiples evenly.
+            let multiple = (cell * layout.components + m) as f64 * 0.618_033_988_749_894_9;
+            let factor = DISTURBANCE * (2.0 * multiple.fract() - 1.0);
+            values.iter_mut().for_each(|value| *value += factor * (*value - mean));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Stability;
+    use super::{Layout, Stability, momentum};
+
+    #[test]
+    fn momentum_is_what_is_neither_density_nor_energy() {
+        let layout = Layout { cells: 2, time_order: 1, components: 4, nodes: 1 };
+        let u = [1.0, 2.0, 3.0, 4.0, -5.0, -6.0, -7.0, -8.0];
+        assert_eq!(momentum::<2, 4>(layout, &u), [0.0, 2.0, 3.0, 0.0, 0.0, -6.0, -7.0, 0.0]);
+    }
 
     fn unstable(rates: impl Iterator<Item = f64>) -> bool {
         let rates: Vec<f64> = rates.collect();

@@ -1,4 +1,4 @@
-//! The steady flow from any start: at once where that is easy, else from one discretisation to the next.
+//! The steady flow from any start: directly if that is easy, otherwise from one discretisation to the next.
 //!
 //! 1. Pseudo-time at the order asked for. It gives up as soon as its residual no longer falls.
 //! 2. If it has given up: order 2 with the most dissipative flux, then with the flux of the case orders 3, 4, .., each from the flow before.
@@ -16,7 +16,7 @@ use crate::transfer::transfer_flow;
 use newton_krylov::newton::{self, Stall};
 use newton_krylov::{line_search, pseudo_time};
 
-/// The flow of a lower order is found when its residual has fallen by this factor: better ones do not shorten the next stage.
+/// The residual at a lower order need only fall by this factor: a better flow does not shorten the next stage.
 const ROUGHLY: f64 = 1e-4;
 
 /// When the first attempt gives up: a start that is easy lets its residual fall in every step.
@@ -70,13 +70,13 @@ pub struct Search<'a, const D: usize, const M: usize> {
     pub settings: newton::Settings,
     /// Whether other discretisations may be tried.
     pub sequence: bool,
-    /// Whether no gas can enter or leave. Then the mass is that of the initial state.
+    /// Whether no gas can enter or leave. Then the steady flow has the mass of the initial state.
     pub closed: bool,
-    /// For so many time units the steady flow is marched in time, to see whether it is stable; None where that depends on the flow.
+    /// The time units for which the steady flow is marched in time, to see whether it is stable. `None`: the flow decides.
     pub stability_time: Option<f64>,
 }
 
-/// How often the mass of a closed domain is corrected, and when it is that of the initial state.
+/// How often the mass of a closed domain is corrected, and the relative error of mass that ends this.
 const MASS_CORRECTIONS: usize = 8;
 const SAME_MASS: f64 = 1e-13;
 
@@ -87,7 +87,7 @@ pub struct SteadyFlow<const M: usize> {
     pub report: SlabReport<M>,
     /// All solves, the last one last.
     pub stages: Vec<Stage>,
-    /// What speaks for and against it.
+    /// How far it can be trusted.
     pub reliability: Reliability,
 }
 
@@ -95,11 +95,11 @@ pub struct SteadyFlow<const M: usize> {
 #[derive(Debug, thiserror::Error)]
 #[error("no steady flow was found{}", described(settling.as_ref()))]
 pub struct SteadyError {
-    /// What slabs in time from the best state have shown.
+    /// Whether slabs in time from the best state calm down, if they were tried.
     pub settling: Option<Settling>,
     /// All solves.
     pub stages: Vec<Stage>,
-    /// What went wrong at last.
+    /// Why the last solve failed.
     #[source]
     pub source: SlabError,
 }
@@ -145,8 +145,8 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         Err(SteadyError { settling, stages, source })
     }
 
-    /// The steady flow with the mass of the initial state, found from the steady flow `u` of another mass. (steady) does not determine the mass
-    /// of a closed domain. Temperatures and velocities stay as they are when all components are scaled, so few steps follow.
+    /// Replaces the steady flow `u` by that with the mass of the initial state: (steady) does not determine the mass of a closed domain. All
+    /// components are scaled, which keeps temperatures and velocities, so few steps follow.
     fn with_initial_mass(
         &self,
         mut report: SlabReport<M>,
@@ -219,7 +219,7 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         let (mut problem, initial) = (self.discretise)(discretisation);
         let mut solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
         if let Err(SlabError::Guess(_)) = solved {
-            // What was carried over is no state of this order.
+            // The flow that was carried over is not admissible at this order.
             u.copy_from_slice(&initial);
             solved = solve_steady(&mut problem, u, self.displacement, &initial, self.time, &settings);
         }
@@ -230,7 +230,8 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         };
         let (steps, iterations) = report.map_or((0, 0), |report| (report.steps.len(), report.krylov_iterations));
         let stage = Stage { discretisation, steps, iterations, converged: solved.is_ok() };
-        tracing::info!(?stage, "steady flow");
+        let Discretisation { order, dissipative, .. } = discretisation;
+        tracing::info!(order, dissipative, steps, iterations, converged = stage.converged, "steady flow");
         stages.push(stage);
         solved
     }

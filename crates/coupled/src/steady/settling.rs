@@ -8,11 +8,13 @@ use crate::slab_error::SlabError;
 use crate::system::System;
 use newton_krylov::newton;
 
-/// Slabs of two nodes each, and how many of them make a time unit: of order 3, they hardly damp what has a period of a time unit.
+/// Slabs of a march. Each has two time nodes.
 const SLABS: usize = 48;
+
+/// Slabs in a time unit. Their scheme has order 3 and hardly damps oscillations with the period of a time unit.
 pub(super) const PER_TIME_UNIT: f64 = 6.0;
 
-/// A flow settles if its rate of change falls below this part of what it was.
+/// A flow settles if its rate of change falls below this part of the earlier one.
 const CALM: f64 = 0.5;
 
 /// The rate of change of a flow that was marched in time from the best state of a search.
@@ -32,7 +34,7 @@ impl Settling {
         self.late < CALM * self.early
     }
 
-    /// What was seen, as part of a sentence.
+    /// The result, as part of a sentence.
     pub fn describe(&self) -> String {
         let Settling { early, late, duration } = self;
         let seen = format!(
@@ -45,7 +47,7 @@ impl Settling {
     }
 }
 
-/// Marches `u` in time on data of the time of `search`; None if that fails. `u` is then where the march has ended.
+/// Marches `u` in time on data of the time of `search`. `None` if that fails. `u` becomes the flow where the march has ended.
 pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, u: &mut Vec<f64>) -> Option<Settling> {
     let rates = rates_of_change(search, u, SLABS);
     let quarter = SLABS / 4;
@@ -53,7 +55,7 @@ pub(super) fn settle<const D: usize, const M: usize>(search: &Search<'_, D, M>, 
     Some(Settling { early: mean(&rates[..quarter]), late: mean(late), duration: duration(search, SLABS) })
 }
 
-/// |du/dt| after each of so many `slabs` of a march in time from `u`: fewer where the march fails. `u` is then where it has ended.
+/// |du/dt| after each of `slabs` slabs of a march in time from `u`; fewer numbers if the march fails. `u` becomes the flow where it has ended.
 pub(super) fn rates_of_change<const D: usize, const M: usize>(
     search: &Search<'_, D, M>,
     u: &mut Vec<f64>,
@@ -85,7 +87,7 @@ pub(super) fn mean(rates: &[f64]) -> f64 {
     (rates.iter().map(|rate| rate.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / rates.len() as f64).exp()
 }
 
-/// The time that so many `slabs` take.
+/// The length of `slabs` slabs.
 pub(super) fn duration<const D: usize, const M: usize>(search: &Search<'_, D, M>, slabs: usize) -> f64 {
     search.time_unit / PER_TIME_UNIT * slabs as f64
 }

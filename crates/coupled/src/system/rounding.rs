@@ -1,4 +1,4 @@
-//! What rounding leaves of the residual.
+//! The residual that rounding alone causes.
 //!
 //! ```text
 //! R_computed(u) = R(u + e),   |e_i| <= eps |u_i|,     |R_rounding| ~ | dR/du e |                                  (rounding)
@@ -9,13 +9,14 @@
 //! the estimate as they enlarge the derivatives.
 
 use super::System;
+use newton_krylov::problem::in_words;
 
-/// The estimate is so many times one random change of the last digit: a residual adds up many roundings per entry.
+/// The factor between the estimate and one random change of the last digit: a residual adds up many roundings per entry.
 const SAFETY: f64 = 4.0;
 
 impl<const D: usize, const M: usize> System<D, M> {
-    /// (rounding) of each field at `z`, which becomes the point of linearisation. The equations of the mesh are well scaled: for them
-    /// nothing is added to what the Newton driver allows for rounding.
+    /// (rounding) of each field at `z`, which becomes the point of linearisation. It is zero for the mesh: its equations are well scaled, and
+    /// the round-off that the Newton driver allows suffices.
     pub(super) fn rounding(&mut self, z: &[f64]) -> Vec<f64> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.set_point(z);
@@ -28,7 +29,7 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.flow.counts.products += 1;
         self.flow.operator.product(&change, &mut effect[range]);
         let norms = self.field_norms(&effect);
-        tracing::debug!(?norms, "rounding");
+        tracing::debug!(residual_of_fields = in_words(&self.fields, &norms), "rounding");
         norms
     }
 }

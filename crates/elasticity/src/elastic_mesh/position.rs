@@ -2,7 +2,7 @@
 
 use super::ElasticMesh;
 use crate::geometry::{Sample, StiffnessSampler};
-use crate::low_order::{Inertia, LowOrder};
+use crate::low_order::{Inertia, LowOrderInverse};
 use crate::operator::Operator;
 use crate::solver::Inverse;
 use crate::{ElasticityError, Inversion, Law, Stiffness};
@@ -103,12 +103,12 @@ impl<const D: usize> ElasticMesh<D> {
     /// The low-order refinement of linear elasticity on the mesh moved by `d`. A curved cell may be valid although a sub-cell between its
     /// nodes is inverted. Then the refinement of the initial mesh is used, which costs iterations, but no accuracy. A hierarchy for
     /// `multigrid` is made from the initial positions of all C0 nodes.
-    fn low_order_at(&self, d: &[f64], multigrid: Option<&[[f64; D]]>) -> Result<LowOrder<D>, ElasticityError> {
+    fn low_order_at(&self, d: &[f64], multigrid: Option<&[[f64; D]]>) -> Result<LowOrderInverse<D>, ElasticityError> {
         let nodes = self.position.nodes.as_ref().expect("they are kept where the refinement moves");
         let build = |d: &[f64]| {
             let samples = |cell| Ok(nodes.moved(cell, d));
             let lame = self.operator.lame();
-            LowOrder::new(lame, Inertia::none(), &nodes.numbering, samples, &self.constrained, multigrid)
+            LowOrderInverse::new(lame, Inertia::none(), &nodes.numbering, samples, &self.constrained, multigrid)
         };
         match build(d) {
             Err(ElasticityError::SubCell { .. }) => build(&vec![0.0; d.len()]),

@@ -5,11 +5,11 @@ use crate::ElasticityError;
 use crate::condensation::Condensation;
 use crate::solver::Inverse;
 use newton_krylov::cg;
-use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy};
+use newton_krylov::inner_product::{Euclidean, InnerProduct, axpy, largest};
 use newton_krylov::operator::LinearSystem;
 use rayon::prelude::*;
 
-/// CG iterations after which a solve is given up: ten times the worst case.
+/// CG iterations after which a solve gives up: ten times the worst case.
 const MAX_ITERATIONS: usize = 500;
 
 /// The largest number of passes of a direct solve: the first one and its refinements.
@@ -106,8 +106,7 @@ impl<const D: usize> ElasticMesh<D> {
         &f[side * self.length()..][..self.length()]
     }
 
-    /// d = d + K_ff^{-1} r, r = f - K d, from d_f = 0, as often as the tolerance needs. Every pass gains the same number of
-    /// digits.
+    /// Repeats d := d + K_ff^{-1} r, r = f - K d, from d_f = 0, until the tolerance is met. Every pass gains the same number of digits.
     fn solve_directly(
         &self,
         condensation: &Condensation<D>,
@@ -137,18 +136,18 @@ impl<const D: usize> ElasticMesh<D> {
         ROUNDING * f64::EPSILON * Euclidean.norm(&forces)
     }
 
-    /// The relative error of one pass of the factor, measured by a solve with the known solution d = x. In well-shaped meshes it is near
-    /// round-off. If neighbouring cells differ in stiffness by ten orders of magnitude it is not, although the residual is.
+    /// The relative error of one pass of the factor, measured by a solve with the known solution d = x. It is near round-off in well-shaped
+    /// meshes. It is larger where neighbouring cells differ in stiffness by ten orders of magnitude, although their residual is small.
     pub(super) fn measure_pass_error(&self, condensation: &Condensation<D>) -> f64 {
         let mut expected = self.coordinates.as_flattened().to_vec();
         self.at_constrained(&mut expected, |_| 0.0);
         let mut found = vec![0.0; self.length()];
         self.apply_free(&expected, &mut found);
         condensation.solve(self.operator.batches(), &mut found);
-        let largest = |vector: &[f64]| vector.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let size = largest(&expected);
+        let size_of = |vector: &[f64]| largest(vector.iter().map(|x| x.abs()));
+        let size = size_of(&expected);
         axpy(-1.0, &expected, &mut found);
-        if size > 0.0 { largest(&found) / size } else { 0.0 }
+        if size > 0.0 { size_of(&found) / size } else { 0.0 }
     }
 
     /// r = (f - K d)_f for every right-hand side; returns the norms.

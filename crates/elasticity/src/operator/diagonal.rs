@@ -8,8 +8,8 @@
 //!
 //! and phi_k,a phi_k,b is a product over the axes, so it is summed like a value.
 
-use super::{Lines, Operator};
-use basis::{Matrix, apply_all_axes, scratch_length};
+use super::{LineTables, Operator};
+use basis::{AllAxes, Matrix, apply_all_axes, scratch_length};
 use rayon::prelude::*;
 use std::array::from_fn;
 use tensor::Arch;
@@ -32,7 +32,8 @@ impl<const D: usize> WithSimd for Term<'_, D> {
     fn with_simd<S: Simd>(self, simd: S) {
         let lines = self.functions.each_ref();
         let mut between = zeroed(scratch_length(&lines, D));
-        apply_all_axes(simd, &lines, D, self.coefficients, self.diagonal, &mut between, true);
+        let axes = AllAxes { matrices: &lines, components: D };
+        apply_all_axes(simd, axes, self.coefficients, self.diagonal, &mut between, true);
     }
 }
 
@@ -70,7 +71,7 @@ impl<const D: usize> Operator<D> {
 }
 
 /// phi_k,a phi_k,b along each axis, `[node][point]`.
-fn products<const D: usize>(lines: &Lines, a: usize, b: usize) -> [Matrix; D] {
+fn products<const D: usize>(lines: &LineTables, a: usize, b: usize) -> [Matrix; D] {
     let (values, derivatives) = (&lines.interpolate, &lines.differentiate.product(&lines.interpolate));
     from_fn(|axis| {
         let left = if axis == a { derivatives } else { values };

@@ -1,12 +1,13 @@
 //! The energy of a displacement.
 //!
 //! ```text
-//! sum over cells and points of  W  W_law(H G),     w . R(d) = its derivative along w                             (energy of cells)
+//! sum over cells and points of  W  Psi(H G),     psi . R(d) = its derivative along psi                           (energy of cells)
 //! ```
 
 use super::Operator;
 use super::kernel::{GradientLayout, Scratch, read_metric};
 use crate::law::Hyperelastic;
+use newton_krylov::inner_product;
 use rayon::prelude::*;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
@@ -43,10 +44,11 @@ impl<const D: usize, L: Hyperelastic> WithSimd for BatchEnergy<'_, D, L> {
 }
 
 impl<const D: usize> Operator<D> {
-    /// (energy of cells), summed in the order of the cells.
+    /// (energy of cells)
     pub(super) fn energy_by<L: Hyperelastic>(&self, law: L, displacement: &[f64]) -> f64 {
         let energy = |batch| Arch::new().dispatch(BatchEnergy { operator: self, law, batch, displacement });
         let energies: Vec<Pack> = (0..self.batches.count()).into_par_iter().map(energy).collect();
-        (0..self.batches.cells()).map(|cell| energies[cell / WIDTH].0[cell % WIDTH]).sum()
+        let of_cells: Vec<f64> = (0..self.batches.cells()).map(|cell| energies[cell / WIDTH].0[cell % WIDTH]).collect();
+        inner_product::sum(&of_cells)
     }
 }

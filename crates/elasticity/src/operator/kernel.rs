@@ -1,8 +1,8 @@
 //! The kernel of one batch: the forces of its cells, or their derivative along a direction, from the same source.
 
-use super::{Lines, Operator};
+use super::{LineTables, Operator};
 use crate::law::PointLaw;
-use basis::{apply_all_axes, apply_axis, scratch_length};
+use basis::{AllAxes, AlongAxis, apply_all_axes, contract, scratch_length};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Dual, LaneNumber, Lanes, Over, Pack, Real, WIDTH, dot, zeroed};
@@ -44,8 +44,8 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub(super) fn new<const D: usize>(lines: &Lines, fields: usize) -> Self {
-        let Lines { interpolate, interpolate_transposed, .. } = lines;
+    pub(super) fn new<const D: usize>(lines: &LineTables, fields: usize) -> Self {
+        let LineTables { interpolate, interpolate_transposed, .. } = lines;
         let (points, nodes) = (lines.points::<D>(), interpolate.cols().pow(D as u32));
         let between =
             scratch_length(&[interpolate; D], fields * D).max(scratch_length(&[interpolate_transposed; D], D));
@@ -130,7 +130,7 @@ impl<const D: usize> Operator<D> {
         scratch: &mut Scratch,
         result: &mut [Pack],
     ) -> Pack {
-        let Lines { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
+        let LineTables { differentiate_transposed, interpolate, interpolate_transposed, .. } = &self.lines;
         let (extents, field) = ([interpolate.rows(); D], D * self.lines.points::<D>());
         // 1. values and reference gradients at the points
         reference_gradients::<S, D>(simd, &self.lines, M::BLOCKS * L::FIELDS, scratch);
@@ -141,10 +141,12 @@ impl<const D: usize> Operator<D> {
         let values = &mut values[..field];
         for a in 0..D {
             let gradients = &gradients[a * M::BLOCKS * L::FIELDS * field..][..field];
-            apply_axis(simd, differentiate_transposed, a, &extents, D, gradients, values, a > 0);
+            let along = AlongAxis::new(differentiate_transposed, a, &extents, D);
+            contract(simd, along, gradients, values, a > 0);
         }
         // 4. from points to nodes
-        apply_all_axes(simd, &[interpolate_transposed; D], D, values, result, between, false);
+        let axes = AllAxes { matrices: &[interpolate_transposed; D], components: D };
+        apply_all_axes(simd, axes, values, result, between, false);
         smallest
     }
 
@@ -165,14 +167,16 @@ impl<const D: usize> Operator<D> {
 
 /// Interpolates to the points, and differentiates there.
 #[inline(always)]
-fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &Lines, fields: usize, scratch: &mut Scratch) {
+fn reference_gradients<S: Simd, const D: usize>(simd: S, lines: &LineTables, fields: usize, scratch: &mut Scratch) {
     let Scratch { nodal, values, gradients, between } = scratch;
     let (components, extents) = (fields * D, [lines.interpolate.rows(); D]);
     let length = components * lines.points::<D>();
-    apply_all_axes(simd, &[&lines.interpolate; D], components, nodal, values, between, false);
+    let axes = AllAxes { matrices: &[&lines.interpolate; D], components };
+    apply_all_axes(simd, axes, nodal, values, between, false);
     for a in 0..D {
         let gradient = &mut gradients[a * length..][..length];
-        apply_axis(simd, &lines.differentiate, a, &extents, components, values, gradient, false);
+        let along = AlongAxis::new(&lines.differentiate, a, &extents, components);
+        contract(simd, along, values, gradient, false);
     }
 }
 

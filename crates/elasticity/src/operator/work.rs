@@ -1,8 +1,8 @@
 //! The work of one application of K.
 
-use super::{Lines, Operator};
+use super::{LineTables, Operator};
 
-impl Lines {
+impl LineTables {
     /// Multiplications of one cell in the passes along axes, for D components:
     ///
     /// ```text
@@ -33,7 +33,7 @@ mod tests {
 
     /// Multiplications per unknown of a large mesh: (n - 1)^D nodes per cell.
     fn per_unknown<const D: usize>(order: usize) -> f64 {
-        let lines = Lines::new(order, &gauss(quadrature_points(D, order)).points);
+        let lines = LineTables::new(order, &gauss(quadrature_points(D, order)).points);
         lines.multiplications::<D>() as f64 / (D * (order - 1).pow(D as u32)) as f64
     }
 

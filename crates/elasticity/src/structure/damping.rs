@@ -3,7 +3,7 @@
 use super::Structure;
 use crate::operator::Operator;
 
-/// The damping C = alpha M + beta K of Rayleigh; where the law is not linear K is that of (viscous) of `law`.
+/// The damping C = alpha M + beta K of Rayleigh. If the law is not linear, K is the one of (viscous) in `law`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damping {
     /// alpha
@@ -33,7 +33,7 @@ impl<const D: usize> Structure<D> {
         self.add_damping_by(along.1, out, |operator, out| operator.viscous_product(at, along, out));
     }
 
-    /// out += alpha M v + beta K v, where of a law that is not linear K v is what `viscous` says.
+    /// out += alpha M v + beta K v. If the law is not linear, `viscous` gives K v.
     fn add_damping_by(&self, v: &[f64], out: &mut [f64], viscous: impl Fn(&Operator<D>, &mut [f64])) {
         let Damping { mass, stiffness } = self.damping;
         let mut force = vec![0.0; out.len()];

@@ -3,19 +3,19 @@
 use super::Structure;
 use crate::ElasticityError;
 use crate::geometry::{StiffnessSampler, node_spacing};
-use crate::low_order::{Inertia, LowOrder};
+use crate::low_order::{Inertia, LowOrderInverse};
 use crate::shifted::Shifted;
 use basis::gauss_lobatto;
 
 impl<const D: usize> Structure<D> {
-    /// The low-order matrix of K(d) + m M at free entries and what else describes it, for the `position` d, at rest if that is empty. M has
-    /// the additional mass `layer` of every node, none if that is empty.
+    /// The system K(d) + m M at free entries with its low-order matrix. `position` is d; empty means at rest. `layer` is an additional mass of
+    /// every node; empty means none.
     ///
-    /// K(d) is taken for linear elasticity on the mesh that d has moved. A curved cell may be valid where a sub-cell between its nodes is
-    /// inverted: then it is that of the mesh at rest, which costs iterations, but no accuracy.
+    /// The low-order matrix is that of linear elasticity on the mesh that d has moved. A curved cell may be valid although a sub-cell between
+    /// its nodes is inverted. Then the mesh at rest is used, which costs iterations, but no accuracy.
     ///
-    /// With a layer K(d) is without its part of the stress. The pressure of the fluid puts the body under a stress, and acts on its surface as
-    /// that moves. A flag under pressure would buckle by the first, if the second did not cancel it.
+    /// With a layer, K(d) omits the part that is proportional to the stress. The pressure of the fluid stresses the body, and it follows the
+    /// surface of the body. Both effects cancel: with the first one alone, K(d) of a flag under pressure would be indefinite.
     pub(crate) fn shifted(
         &self,
         m: f64,
@@ -32,7 +32,7 @@ impl<const D: usize> Structure<D> {
         Ok(Shifted { m, low_order, layer, position: if moved { position.to_vec() } else { rest }, material })
     }
 
-    fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrder<D>, ElasticityError> {
+    fn low_order(&self, m: f64, layer: &[[[f64; D]; D]], d: &[f64]) -> Result<LowOrderInverse<D>, ElasticityError> {
         let base = self.solid.base()?;
         let nodes = gauss_lobatto(self.numbering.order());
         let at_nodes = StiffnessSampler::of_solid(&self.mesh, &self.solid, base, nodes);
@@ -44,10 +44,10 @@ impl<const D: usize> Structure<D> {
             }
             Ok(samples)
         };
-        LowOrder::new(base, inertia, &self.numbering, samples, &self.fixed, None)
+        LowOrderInverse::new(base, inertia, &self.numbering, samples, &self.fixed, None)
     }
 
-    /// The lumped integral of n n^T over those boundary facets whose nodes all are `wet`, by C0 node.
+    /// The lumped integral of n n^T over the boundary facets with `wet` nodes only, by C0 node.
     pub fn wet_areas(&self, wet: &[bool]) -> Vec<[[f64; D]; D]> {
         self.surface.areas(wet)
     }
@@ -65,7 +65,7 @@ impl<const D: usize> Structure<D> {
         scales
     }
 
-    /// The distance of every C0 node to the nearest neighbour on its lines.
+    /// The distance of every C0 node to its nearest neighbour along the lines of its cells.
     pub fn node_spacing(&self) -> Vec<f64> {
         node_spacing(&self.mesh, &self.numbering)
     }
