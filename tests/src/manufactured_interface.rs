@@ -14,7 +14,7 @@
 
 use crate::strip::followers;
 use coupled::blocks::elastic_body::{ElasticBodyData, Interface};
-use coupled::blocks::{ElasticBody, Instants};
+use coupled::blocks::{ElasticBody, SlabTimes};
 use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
 use elasticity::{FluidLayer, Lame, Law, Loads, Material, Structure};
 use fem::{ConservationLaw, Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
@@ -244,9 +244,9 @@ impl Setting {
             loads,
             points: Vec::new(),
         };
-        let points = flow.tables.instants.iter().map(|point| point.s).collect();
-        let instants = Instants { time: flow.tables.time.clone(), points, step: END / self.slabs as f64 };
-        ElasticBody::new(data, interface, 0, instants)
+        let points = flow.tables.time_points.iter().map(|point| point.s).collect();
+        let times = SlabTimes { time: flow.tables.time.clone(), points, step: END / self.slabs as f64 };
+        ElasticBody::new(data, interface, 0, times)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A box that turns within a larger one: section III.C of Diosady & Murman, AIAA 2018-0919. Time is the angle in degrees.
 
-use coupled::{BoundaryMotion, MarchError, MeshMarch, MeshMotion, MeshMover, MeshReport, Schedule};
+use coupled::{BoundaryDisplacement, MarchError, MeshMarch, MeshMotion, MeshMover, MeshReport, Schedule};
 use elasticity::{Accuracy, ElasticMesh, Law, Material, Stiffness};
 use fem::VectorField;
 use mesh::NodeNumbering;
@@ -64,7 +64,7 @@ impl Turn {
         let elastic = ElasticMesh::new(&mesh, &numbering, material, Stiffness::Function(&stiffness), &constrained);
         let motion = MeshMotion::Elastic {
             mesh: Box::new(elastic.unwrap()),
-            boundary: BoundaryMotion { fields: vec![Arc::new(Turning)], field_of_node },
+            boundary: BoundaryDisplacement { fields: vec![Arc::new(Turning)], field_of_node },
             accuracy: Accuracy { solve: if self.law.is_linear() { 1e-13 } else { 1e-3 }, position: self.accuracy },
         };
         let mover = MeshMover::new(motion, mesh, numbering, self.time_order);

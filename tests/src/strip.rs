@@ -11,7 +11,7 @@
 
 use coupled::block::BodyState;
 use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Interface};
-use coupled::blocks::{ElasticBody, Instants};
+use coupled::blocks::{ElasticBody, SlabTimes};
 use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
 use elasticity::{Damping, FluidLayer, Law, Loads, Material, Structure};
 use fem::{Orders, Problem, Quadrature, SlabOperator};
@@ -151,9 +151,9 @@ impl Strip {
             loads,
             points: Vec::new(),
         };
-        let points = flow.tables.instants.iter().map(|point| point.s).collect();
-        let instants = Instants { time: flow.tables.time.clone(), points, step: self.end / self.slabs as f64 };
-        ElasticBody::new(data, interface, 0, instants)
+        let points = flow.tables.time_points.iter().map(|point| point.s).collect();
+        let times = SlabTimes { time: flow.tables.time.clone(), points, step: self.end / self.slabs as f64 };
+        ElasticBody::new(data, interface, 0, times)
     }
 
     /// The velocity of the interface at the time reached.
@@ -186,7 +186,7 @@ pub fn followers<const D: usize>(
 
 /// The energy of gas and bar and all that has left them: constant but for rounding.
 pub fn coupled_energy(march: &FlowMarch<2, 4>) -> f64 {
-    let BodyState { kinetic_energy, potential_energy, ledger, .. } = march.bodies()[0].clone();
+    let body = &march.bodies()[0];
     let left = ledger.numerical + ledger.damped - ledger.force - ledger.drive - ledger.defect;
-    march.totals()[3] + kinetic_energy + potential_energy + left
+    march.totals()[3] + body.energy() + left
 }

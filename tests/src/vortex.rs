@@ -1,7 +1,9 @@
 //! The vortex of the paper (IV.A) on a mesh that stretches and travels with it.
 
 use crate::prescribed;
-use coupled::{BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System};
+use coupled::{
+    BoundaryDisplacement, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, System,
+};
 use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, Problem, Quadrature, SlabOperator, StateField, VectorField, squared_errors};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
@@ -117,7 +119,7 @@ fn elastic_motion(mesh: &Mesh<2>, numbering: &NodeNumbering) -> MeshMotion<2> {
     let material = Material::new(1.0, 0.4).unwrap();
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
     let field_of_node = constrained.iter().map(|&c| (c == [true; 2]).then_some(0)).collect();
-    let boundary = BoundaryMotion { fields: vec![Arc::new(Stretching)], field_of_node };
+    let boundary = BoundaryDisplacement { fields: vec![Arc::new(Stretching)], field_of_node };
     let accuracy = Accuracy { solve: 1e-13, position: 1e-3 };
     MeshMotion::Elastic { mesh: Box::new(elastic), boundary, accuracy }
 }

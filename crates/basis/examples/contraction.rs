@@ -3,7 +3,7 @@
 //! Five components of a batch of cells are interpolated from N to N points along every axis.
 #![allow(clippy::print_stdout)]
 
-use basis::{Matrix, apply_all_axes, scratch_length};
+use basis::{AllAxes, Matrix, apply_all_axes, scratch_length};
 use pulp::{Arch, Simd, WithSimd};
 use std::time::Instant;
 use tensor::{Pack, WIDTH, zeroed};
@@ -23,7 +23,8 @@ impl WithSimd for Interpolate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for _ in 0..self.repetitions {
-            apply_all_axes(simd, self.matrices, COMPONENTS, self.input, self.output, self.scratch, false);
+            let axes = AllAxes { matrices: self.matrices, components: COMPONENTS };
+            apply_all_axes(simd, axes, self.input, self.output, self.scratch, false);
         }
     }
 }

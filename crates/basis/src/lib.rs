@@ -47,9 +47,9 @@ pub use lagrange::{Lagrange, equidistant_points};
 pub use matrix::Matrix;
 pub use modified::{ModifiedBasis, reversal_sign};
 pub use quadrature::{Rule, gauss, gauss_lobatto, right_radau};
-pub use sum_factorisation::contract;
+pub use sum_factorisation::{AlongAxis, contract};
 pub use temporal_modes::{TemporalModes, is_real};
-pub use tensor_product::{apply_all_axes, apply_axis, scratch_length};
+pub use tensor_product::{AllAxes, apply_all_axes, scratch_length};
 pub use time::RadauTime;
 
 #[cfg(test)]

@@ -4,27 +4,37 @@ use crate::Matrix;
 use pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real};
 
+/// A matrix along one axis of a batched tensor, `[outer][axis][inner]` with the last index fastest.
+#[derive(Clone, Copy, Debug)]
+pub struct AlongAxis<'a> {
+    /// The matrix. Its columns belong to the entries of the input along the axis, its rows to those of the output.
+    pub matrix: &'a Matrix,
+    /// The number of entries outside of the axis: components and slower axes.
+    pub outer: usize,
+    /// The number of entries inside of the axis: faster axes.
+    pub inner: usize,
+}
+
+impl<'a> AlongAxis<'a> {
+    /// `matrix` along `axis` of a tensor of `components`. `extents` are the extents of the input, axis 0 first; along `axis` the
+    /// extent is the number of columns.
+    pub fn new(matrix: &'a Matrix, axis: usize, extents: &[usize], components: usize) -> Self {
+        let outer = components * extents[axis + 1..].iter().product::<usize>();
+        AlongAxis { matrix, outer, inner: extents[..axis].iter().product() }
+    }
+}
+
 /// `output[o][r][i] = sum_c matrix[r][c] input[o][c][i]` for o < `outer`, i < `inner`, with i fastest. With `add` the sum is added to
 /// `output`.
 ///
 /// `input` holds at least outer * cols * inner packs, `output` outer * rows * inner. Kernels and plain code may call it: it enters the
 /// instruction set of `simd` by itself, and one compiled function serves every size.
-pub fn contract<S: Simd>(
-    simd: S,
-    matrix: &Matrix,
-    outer: usize,
-    inner: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-    add: bool,
-) {
-    simd.vectorize(Contraction { matrix, outer, inner, input, output, add });
+pub fn contract<S: Simd>(simd: S, along: AlongAxis<'_>, input: &[Pack], output: &mut [Pack], add: bool) {
+    simd.vectorize(Contraction { along, input, output, add });
 }
 
 struct Contraction<'a> {
-    matrix: &'a Matrix,
-    outer: usize,
-    inner: usize,
+    along: AlongAxis<'a>,
     input: &'a [Pack],
     output: &'a mut [Pack],
     add: bool,
@@ -34,11 +44,11 @@ impl WithSimd for Contraction<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Contraction { matrix, outer, inner, input, output, add } = self;
+        let Contraction { along: AlongAxis { matrix, outer, inner }, input, output, add } = self;
         if inner == 1 {
-            strips::<S, true>(simd, Lines { matrix, blocks: 1, count: outer, add }, input, output);
+            strips::<S, true>(simd, LineBlocks { matrix, blocks: 1, count: outer, add }, input, output);
         } else {
-            strips::<S, false>(simd, Lines { matrix, blocks: outer, count: inner, add }, input, output);
+            strips::<S, false>(simd, LineBlocks { matrix, blocks: outer, count: inner, add }, input, output);
         }
     }
 }
@@ -48,7 +58,7 @@ impl WithSimd for Contraction<'_> {
 /// In the fastest axis (`IN_LINE` below) the lines of a block lie one after another, and there is one block. In the other axes they lie
 /// side by side.
 #[derive(Clone, Copy)]
-struct Lines<'a> {
+struct LineBlocks<'a> {
     matrix: &'a Matrix,
     blocks: usize,
     /// Lines of a block.
@@ -60,7 +70,7 @@ struct Lines<'a> {
 /// are chosen such that H B sums, H entries of the matrix and B entries of the lines fit into registers. Then there are few loads and
 /// the arithmetic units are busy.
 #[inline(always)]
-fn strips<S: Simd, const IN_LINE: bool>(simd: S, lines: Lines<'_>, input: &[Pack], output: &mut [Pack]) {
+fn strips<S: Simd, const IN_LINE: bool>(simd: S, lines: LineBlocks<'_>, input: &[Pack], output: &mut [Pack]) {
     let many_registers = S::REGISTER_COUNT > 16;
     let rows = lines.matrix.rows();
     let shares = rows.div_ceil(if many_registers { 5 } else { 2 });
@@ -84,12 +94,12 @@ fn strips<S: Simd, const IN_LINE: bool>(simd: S, lines: Lines<'_>, input: &[Pack
 #[inline(always)]
 fn strip<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
-    lines: Lines<'_>,
+    lines: LineBlocks<'_>,
     first: usize,
     input: &[Pack],
     output: &mut [Pack],
 ) {
-    let Lines { matrix, blocks, count, .. } = lines;
+    let LineBlocks { matrix, blocks, count, .. } = lines;
     let mut rows = [matrix.row(first); H];
     for h in 1..H {
         rows[h] = matrix.row(first + h);
@@ -120,7 +130,7 @@ fn strip<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
 #[inline(always)]
 fn tile<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
-    lines: Lines<'_>,
+    lines: LineBlocks<'_>,
     rows: &[&[f64]; H],
     first: [usize; 2],
     input: &[Pack],
@@ -136,7 +146,7 @@ fn tile<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
 #[inline(always)]
 fn multiply<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
-    Lines { matrix, count, .. }: Lines<'_>,
+    LineBlocks { matrix, count, .. }: LineBlocks<'_>,
     rows: &[&[f64]; H],
     line: usize,
     input: &[Pack],
@@ -170,7 +180,7 @@ fn multiply<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
 #[inline(always)]
 fn store<S: Simd, const IN_LINE: bool, const H: usize, const B: usize>(
     simd: S,
-    Lines { matrix, count, add, .. }: Lines<'_>,
+    LineBlocks { matrix, count, add, .. }: LineBlocks<'_>,
     sums: &[[Lanes<S>; B]; H],
     [row, line]: [usize; 2],
     output: &mut [Pack],
@@ -216,8 +226,9 @@ mod tests {
         fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
             let start = testing::packs(self.outer * self.matrix.rows() * self.inner, 7);
             let (mut fresh, mut added) = (start.clone(), start);
-            contract(simd, self.matrix, self.outer, self.inner, self.input, &mut fresh, false);
-            contract(simd, self.matrix, self.outer, self.inner, self.input, &mut added, true);
+            let along = AlongAxis { matrix: self.matrix, outer: self.outer, inner: self.inner };
+            contract(simd, along, self.input, &mut fresh, false);
+            contract(simd, along, self.input, &mut added, true);
             [fresh, added].concat()
         }
     }

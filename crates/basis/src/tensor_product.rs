@@ -6,49 +6,55 @@
 //! matrices on the others.
 //!
 //! If a quadrature rule has at least as many points as the basis has nodes, it is cheaper, and exact, to interpolate
-//! first and to differentiate at the points. That takes one [`apply_axis`] with the derivative matrix of the Lagrange
+//! first and to differentiate at the points. That takes one [`contract`] with the derivative matrix of the Lagrange
 //! polynomials of the points.
 
-use crate::{Matrix, contract};
+use crate::{AlongAxis, Matrix, contract};
 use pulp::Simd;
 use tensor::Pack;
 
-/// output = (M_{D-1} x ... x M_0) input for each of `components`, with M_a = `matrices[a]` on axis a, D >= 1. With `add` the
-/// result is added to `output`.
+/// A matrix along every axis, for each component of a batched tensor.
+#[derive(Clone, Copy, Debug)]
+pub struct AllAxes<'m, 'a> {
+    /// M_a on axis a.
+    pub matrices: &'m [&'a Matrix],
+    /// The number of components.
+    pub components: usize,
+}
+
+/// output = (M_{D-1} x ... x M_0) input for each component, D >= 1. With `add` the result is added to `output`.
 ///
 /// `input` holds components * prod cols packs, `output` components * prod rows, `scratch` at least [`scratch_length`].
 pub fn apply_all_axes<S: Simd>(
     simd: S,
-    matrices: &[&Matrix],
-    components: usize,
+    axes: AllAxes<'_, '_>,
     input: &[Pack],
     output: &mut [Pack],
     scratch: &mut [Pack],
     add: bool,
 ) {
-    if let Some((last, input, inner)) = all_but_last_axis(simd, matrices, components, input, scratch) {
-        contract(simd, last, components, inner, input, output, add);
+    if let Some((last, input)) = all_but_last_axis(simd, axes, input, scratch) {
+        contract(simd, last, input, output, add);
     }
 }
 
-/// Applies all matrices but the last. Returns the last matrix, its input, and the number of entries inside its axis.
+/// Applies all matrices but the last. Returns the last one and its input.
 fn all_but_last_axis<'a, S: Simd>(
     simd: S,
-    matrices: &[&'a Matrix],
-    components: usize,
+    AllAxes { matrices, components }: AllAxes<'_, 'a>,
     mut input: &'a [Pack],
     mut scratch: &'a mut [Pack],
-) -> Option<(&'a Matrix, &'a [Pack], usize)> {
+) -> Option<(AlongAxis<'a>, &'a [Pack])> {
     let (last, others) = matrices.split_last()?;
     let mut inner = 1;
     for (axis, matrix) in others.iter().enumerate() {
         let outer = components * matrices[axis + 1..].iter().map(|m| m.cols()).product::<usize>();
         let (output, rest) = scratch.split_at_mut(outer * matrix.rows() * inner);
-        contract(simd, matrix, outer, inner, input, output, false);
+        contract(simd, AlongAxis { matrix, outer, inner }, input, output, false);
         inner *= matrix.rows();
         (input, scratch) = (output, rest);
     }
-    Some((last, input, inner))
+    Some((AlongAxis { matrix: last, outer: components, inner }, input))
 }
 
 /// The number of packs that [`apply_all_axes`] needs as scratch.
@@ -58,27 +64,6 @@ pub fn scratch_length(matrices: &[&Matrix], components: usize) -> usize {
         components * matrices.iter().enumerate().map(extent).product::<usize>()
     };
     (1..matrices.len()).map(after).sum()
-}
-
-/// Applies `matrix` along `axis` of a tensor for each of `components`; with `add` the result is added to `output`. `extents` are the
-/// extents of the input, axis 0 first; along `axis` the extent is the number of columns.
-pub fn apply_axis<S: Simd>(
-    simd: S,
-    matrix: &Matrix,
-    axis: usize,
-    extents: &[usize],
-    components: usize,
-    input: &[Pack],
-    output: &mut [Pack],
-    add: bool,
-) {
-    let (outer, inner) = around(axis, extents, components);
-    contract(simd, matrix, outer, inner, input, output, add);
-}
-
-/// The numbers of entries outside and inside `axis`.
-fn around(axis: usize, extents: &[usize], components: usize) -> (usize, usize) {
-    (components * extents[axis + 1..].iter().product::<usize>(), extents[..axis].iter().product())
 }
 
 #[cfg(test)]
@@ -126,7 +111,8 @@ mod tests {
             let Interpolation(matrices, components, input) = self;
             let mut output = zeroed(components * matrices.iter().map(|m| m.rows()).product::<usize>());
             let mut scratch = zeroed(scratch_length(matrices, *components));
-            apply_all_axes(simd, matrices, *components, input, &mut output, &mut scratch, false);
+            let axes = AllAxes { matrices, components: *components };
+            apply_all_axes(simd, axes, input, &mut output, &mut scratch, false);
             output
         }
     }
@@ -160,9 +146,10 @@ mod tests {
         fn run<S: Simd>(&self, simd: S) -> Vec<Pack> {
             let AtPoints(axis, matrix, extents, input) = self;
             let mut output = zeroed(input.len());
-            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output, false);
+            let along = AlongAxis::new(matrix, *axis, extents, 2);
+            contract(simd, along, input, &mut output, false);
             let fresh = output.clone();
-            apply_axis(simd, matrix, *axis, extents, 2, input, &mut output, true);
+            contract(simd, along, input, &mut output, true);
             (0..output.len()).for_each(|i| (0..WIDTH).for_each(|lane| output[i].0[lane] -= fresh[i].0[lane]));
             output
         }
@@ -187,8 +174,9 @@ mod tests {
             let Adjoint(matrices, input) = self;
             let mut output = zeroed(matrices.iter().map(|m| m.rows()).product());
             let mut scratch = zeroed(scratch_length(matrices, 1));
-            apply_all_axes(simd, matrices, 1, input, &mut output, &mut scratch, true);
-            apply_all_axes(simd, matrices, 1, input, &mut output, &mut scratch, true);
+            let axes = AllAxes { matrices, components: 1 };
+            apply_all_axes(simd, axes, input, &mut output, &mut scratch, true);
+            apply_all_axes(simd, axes, input, &mut output, &mut scratch, true);
             output
         }
     }

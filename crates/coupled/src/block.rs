@@ -146,6 +146,11 @@ pub struct BodyState {
 }
 
 impl BodyState {
+    /// Kinetic and potential energy.
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy + self.potential_energy
+    }
+
     /// The number of coordinates of a body that is stored as its position, its rate and its ledger.
     pub fn coordinates(stored: &[f64]) -> usize {
         stored.len().saturating_sub(Ledger::LEN) / 2

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{body_force, box_mesh, displacement, structure};
-use elasticity::{Law, Loads, Material, Plane, Quantity, Solid, Statics, Structure, Traction};
+use elasticity::{Law, Loads, Material, MaterialProperty, Plane, Solid, Statics, Structure, Traction};
 use mesh::{BoxMesh, Curving, Mesh, NodeNumbering};
 use std::sync::Arc;
 use tensor::Transcendental;
@@ -110,8 +110,8 @@ fn solution_error<const D: usize>(cells: usize, order: usize, plane: Plane) -> f
     let curving = Curving::Wavy { amplitude: 0.02 };
     let mesh = BoxMesh { lower: [0.0; D], upper: [1.0; D], cells: [cells; D], order, curving, periodic: [false; D] };
     let mesh = mesh.build().unwrap();
-    let young = Quantity::Field(Arc::new(|x: &[f64; D]| constants(x)[0]));
-    let poisson = Quantity::Field(Arc::new(|x: &[f64; D]| constants(x)[1]));
+    let young = MaterialProperty::Field(Arc::new(|x: &[f64; D]| constants(x)[0]));
+    let poisson = MaterialProperty::Field(Arc::new(|x: &[f64; D]| constants(x)[1]));
     let numbering = NodeNumbering::new(&mesh, order);
     let mut fixed = vec![[false; D]; numbering.count];
     (0..2 * D).flat_map(|boundary| numbering.on_boundary(&mesh, boundary)).for_each(|node| fixed[node] = [true; D]);
@@ -178,7 +178,7 @@ fn works_of_load_steps_are_the_strain_energy() {
 /// The same material as constants and as formulas: the same forces to round-off.
 #[test]
 fn formulas_of_constants_are_the_constants() {
-    let field = |value: f64| Quantity::<2>::Field(Arc::new(move |_| value));
+    let field = |value: f64| MaterialProperty::<2>::Field(Arc::new(move |_| value));
     let uniform = Solid::from(Material::new(7.0, 0.3).unwrap());
     let formulas = Solid { young: field(7.0), poisson: field(0.3), plane: Plane::Strain, law: Law::Linear };
     let forces = |solid: Solid<2>| {

@@ -10,11 +10,9 @@
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet::times_normal;
-use crate::mode::Mode;
-use crate::point::{Kernel, Metric, PointIndex, along_reference};
+use crate::point::{Kernel, KernelTypes, Metric, PointIndex, along_reference};
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::tables::Planes;
-use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// What (artificial) needs of one side of a facet at a point.
@@ -25,10 +23,10 @@ struct Side<T, G, const D: usize, const M: usize> {
     jump_flux: [[T; M]; D],
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Distances between nodes along the axes of the cell, per length: (N_s - 1) / 2 dxi/dx, `[axis][direction]`.
     #[inline(always)]
-    pub(crate) fn grid(self, metric: &Metric<K::Geometry<S>, D>) -> [[K::Geometry<S>; D]; D] {
+    pub(crate) fn grid(self, metric: &Metric<T::Geometry, D>) -> [[T::Geometry; D]; D] {
         let factor = metric.det.recip() * (0.5 * (self.tables.orders.flow - 1) as f64);
         let mut grid = metric.cof;
         for j in 0..D {
@@ -50,7 +48,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     ) {
         let (points, law) = (planes.weights.len(), self.law);
         for p in 0..points {
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<T::Simd>::PARTS {
                 let at = PointIndex { points, p, part };
                 let metric = self.cell_metric(known.unwrap_or(&scratch.geometry.at_points), at);
                 let u = self.state(&scratch.u, at);
@@ -74,7 +72,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     pub(crate) fn add_artificial_between(self, known: Option<&[Pack]>, weight: f64, scratch: &mut FacetScratch) {
         let points = self.tables.facet_points();
         for p in 0..points {
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<T::Simd>::PARTS {
                 let at = PointIndex { points, p, part };
                 let geometry = known.unwrap_or(&scratch.geometry);
                 let here = self.facet_point(geometry, at, weight);
@@ -108,12 +106,12 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     fn artificial_side(
         self,
-        metric: Metric<K::Geometry<S>, D>,
+        metric: Metric<T::Geometry, D>,
         side: &SideScratch,
-        u: &[K::State<S>; M],
-        jump: &[[K::State<S>; M]; D],
+        u: &[T::State; M],
+        jump: &[[T::State; M]; D],
         at: PointIndex,
-    ) -> Side<K::State<S>, K::Geometry<S>, D, M> {
+    ) -> Side<T::State, T::Geometry, D, M> {
         let gradient = self.physical_gradient(&side.gradient, at, &metric);
         let viscosity = self.law.artificial_viscosity(u, &gradient, &self.grid(&metric));
         let flux = self.law.artificial_flux(u, &gradient, viscosity);
@@ -124,8 +122,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     fn add_symmetric(
         self,
-        side: &Side<K::State<S>, K::Geometry<S>, D, M>,
-        scale: K::Geometry<S>,
+        side: &Side<T::State, T::Geometry, D, M>,
+        scale: T::Geometry,
         at: PointIndex,
         tested_gradient: &mut [Pack],
     ) {
@@ -140,7 +138,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// sum += term
     #[inline(always)]
-    fn add_to(self, term: Lanes<S>, sum: &mut Pack, part: usize) {
+    fn add_to(self, term: Lanes<T::Simd>, sum: &mut Pack, part: usize) {
         (Lanes::read(self.simd, sum, part) + term).write(sum, part);
     }
 }

@@ -45,6 +45,11 @@ impl FacetBatch {
         if self.boundary.is_none() { 2 } else { 1 }
     }
 
+    /// All sides of all lanes.
+    pub fn sides_of_all(&self) -> impl Iterator<Item = Side> {
+        self.minus.into_iter().chain(self.ends(self.sides() - 1))
+    }
+
     /// The sides of all lanes: 0 minus, 1 plus.
     pub fn ends(&self, side: usize) -> [Side; WIDTH] {
         if side == 0 { self.minus } else { self.plus.map(|(end, _)| end) }

@@ -3,11 +3,11 @@
 use crate::conservation_law::{BoundaryPoint, ConservationLaw};
 use crate::facet::{DataAt, FacetContext, times_normal};
 use crate::facet_evaluation::FacetPoint;
-use crate::instants::{InTime, TimePoint, TimePointIndex};
-use crate::mode::{Mode, Values};
-use crate::point::{Kernel, PointIndex, load};
+use crate::mode::Values;
+use crate::point::{Condition, Kernel, KernelTypes, PointIndex, Types, load};
 use crate::scratch::{FacetScratch, through_len};
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
+use crate::time_points::{InTime, TimePoint, TimePointIndex};
 use basis::Matrix;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
@@ -38,7 +38,8 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
     /// is given for viscous laws only.
     #[inline(always)]
     pub fn new<G: Real, L: ConservationLaw<D, M>>(
-        (law, condition): (&L, L::Boundary),
+        law: &L,
+        condition: L::Boundary,
         minus: &[T; M],
         at: BoundaryPoint<'_, G, D, M>,
         inside: Option<&Inside<T, G, D, M>>,
@@ -77,7 +78,13 @@ impl<T: Real, const D: usize, const M: usize> PointFlux<T, D, M> {
     }
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+/// The condition of boundary facets, and their geometry at the points.
+struct BoundaryFacets<'a, B> {
+    condition: B,
+    geometry: &'a [Pack],
+}
+
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Positions at the points, relative to the origin of the cell, and the data of the condition there.
     #[inline(always)]
     pub(crate) fn boundary_data(self, time: f64, of: TimePointIndex, data: Option<DataAt>, scratch: &mut FacetScratch) {
@@ -90,53 +97,52 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn positions(self, of: TimePointIndex, scratch: &mut FacetScratch) {
         let FacetScratch { sides, x, scratch: room, .. } = scratch;
         let (lattice, points) = (Lattice::whole(&self.tables.mesh, D - 1, D), self.tables.facet_points());
-        for b in 0..K::GEOMETRY_BLOCKS {
+        for b in 0..T::GEOMETRY_BLOCKS {
             let position = of.block(&sides[0].position_at, b, lattice.len());
             evaluate(self.simd, lattice, position, AtPoints::Values(&mut x[b * D * points..]), room);
         }
     }
 
-    /// The numerical flux of `condition` at a point.
+    /// The numerical flux at a point.
     #[inline(always)]
     fn point_flux(
         self,
-        condition: L::Boundary,
-        (here, geometry): (&FacetPoint<K::Geometry<S>, D>, &[Pack]),
-        minus: &[K::State<S>; M],
+        BoundaryFacets { condition, geometry }: BoundaryFacets<'_, Condition<D, M, T>>,
+        here: &FacetPoint<T::Geometry, D>,
+        minus: &[T::State; M],
         scratch: &FacetScratch,
         at: PointIndex,
-    ) -> PointFlux<K::State<S>, D, M> {
+    ) -> PointFlux<T::State, D, M> {
         let FacetPoint { n, v, .. } = here;
         let data = self.geometry(&scratch.data, at);
         let point = BoundaryPoint { normal: n, velocity: v, data: &data };
-        let of_boundary = (self.law, condition);
         if !self.law.is_viscous() {
-            return PointFlux::new(of_boundary, minus, point, None);
+            return PointFlux::new(self.law, condition, minus, point, None);
         }
         let metric = self.map_of_side(geometry, 0, at);
         let gradient = self.physical_gradient(&scratch.sides[0].gradient, at, &metric);
         let sigma = here.area * metric.det.recip().abs() * self.penalty();
         let inside = Inside { gradient, sigma, grid: self.grid(&metric) };
-        PointFlux::new(of_boundary, minus, point, Some(&inside))
+        PointFlux::new(self.law, condition, minus, point, Some(&inside))
     }
 
     /// Step 3 of the facet terms on a boundary.
     #[inline(always)]
     pub(crate) fn boundary_points(
         self,
-        condition: L::Boundary,
+        condition: Condition<D, M, T>,
         known: Option<&[Pack]>,
         weight: f64,
         scratch: &mut FacetScratch,
     ) {
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<T::Simd>::PARTS {
                 let at = PointIndex { points, p, part };
                 let geometry = known.unwrap_or(&scratch.geometry);
                 let here = self.facet_point(geometry, at, weight);
                 let minus = self.state(&scratch.sides[0].u, at);
-                let flux = self.point_flux(condition, (&here, geometry), &minus, scratch, at);
+                let flux = self.point_flux(BoundaryFacets { condition, geometry }, &here, &minus, scratch, at);
                 let PointFlux { inviscid, viscous, jump_flux } = flux;
                 if law.is_viscous() {
                     let metric = self.map_of_side(geometry, 0, at);
@@ -159,7 +165,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     /// The momentum of the flux that is tested at a point, for the loads.
     #[inline(always)]
     fn keep_momentum(self, scratch: &mut FacetScratch, at: PointIndex) {
-        let flux: [Lanes<S>; M] = load(self.simd, &scratch.sides[0].tested, at);
+        let flux: [Lanes<T::Simd>; M] = load(self.simd, &scratch.sides[0].tested, at);
         let momentum = self.law.momentum(&flux);
         for d in 0..D {
             momentum[d].write(&mut scratch.momentum[at.index(d)], at.part);
@@ -170,14 +176,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 /// The flux through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
 ///
 /// ```text
-/// int_f Fhat ds,   int_f Fhat_m ds   and   int_f x x Fhat_m ds,   Fhat_m the flux of momentum                   (through)
+/// int_F Fhat dS,   int_F Fhat_m dS   and   int_F x x Fhat_m dS,   Fhat_m the flux of momentum                   (through)
 /// ```
 ///
 /// the last about the origin of the cell; in 2-D only its last component, about the axis normal to the plane, is not zero. Then the work of
 /// the momentum that leaves and the heat that is conducted, per time,
 ///
 /// ```text
-/// int_f Fhat_m . w ds  and  int_f (Fhat_v,E - Fhat_v,m . w_b) ds                                                (power)
+/// int_F Fhat_m . w dS  and  int_F (Fhat_v,E - Fhat_v,m . w_b) dS                                                (power)
 /// ```
 ///
 /// with w_b the velocity of the boundary as the mesh moves. w is the same, or the prescribed velocity of the boundary at that
@@ -201,7 +207,7 @@ pub struct FacetFlux<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<
 #[derive(Clone, Copy)]
 pub struct FluxTime<'a> {
     /// The time.
-    pub instant: &'a TimePoint,
+    pub time_point: &'a TimePoint,
     /// The row of positions at that time.
     pub position_row: &'a Matrix,
     /// Whether w of (power) comes from `boundary_velocity` of the scratch instead of from the mesh.
@@ -214,22 +220,23 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let FacetFlux { law, condition, context, time, data, scratch } = self;
-        let FluxTime { instant, position_row, velocity_is_given } = time;
-        let kernel = Kernel { simd, law, tables: context.tables, mode: PhantomData::<Values> };
+        let FluxTime { time_point, position_row, velocity_is_given } = time;
+        let kernel = Kernel::new(simd, law, context.tables, PhantomData::<Values>);
         let of = TimePointIndex::ALONE;
-        let in_time = InTime { values: &instant.values, velocities: &instant.velocities, positions: position_row };
-        kernel.states_to_instants(in_time.values, 1, scratch);
+        let in_time =
+            InTime { values: &time_point.values, velocities: &time_point.velocities, positions: position_row };
+        kernel.states_to_time_points(in_time.values, 1, scratch);
         kernel.facet_geometry().mesh_at_times(in_time, 1, scratch);
         kernel.trace_to_points(of, &mut scratch.sides[0], &mut scratch.scratch);
         kernel.facet_geometry_to_points(of, 1, scratch);
         kernel.velocity_of_work(velocity_is_given, scratch);
         kernel.positions(of, scratch);
-        kernel.boundary_data(context.clock.time(instant.s), of, data, scratch);
+        kernel.boundary_data(context.clock.time(time_point.s), of, data, scratch);
         kernel.flux_through(condition, scratch);
     }
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'_, D, M, L, Values, S> {
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'_, D, M, Types<L, Values, S>> {
     /// (through) and (power) from what is at the points.
     #[inline(always)]
     fn flux_through(self, condition: L::Boundary, scratch: &mut FacetScratch) {
@@ -240,7 +247,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'
                 let at = PointIndex { points, p, part };
                 let here = self.facet_point(&scratch.geometry, at, 1.0);
                 let minus = self.state(&scratch.sides[0].u, at);
-                let flux = self.point_flux(condition, (&here, &scratch.geometry), &minus, scratch, at);
+                let facets = BoundaryFacets { condition, geometry: &scratch.geometry };
+                let flux = self.point_flux(facets, &here, &minus, scratch, at);
                 let (x, area) = (self.geometry(&scratch.x, at), here.area * here.weight);
                 let (data, at_work) = (self.geometry(&scratch.data, at), self.geometry(&scratch.work_velocity, at));
                 let moving = BoundaryPoint { normal: &here.n, velocity: &here.v, data: &data };

@@ -191,11 +191,11 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// and pressure does work on this. Therefore the power at the top uses `velocity_at_top`, `[C0 node][component]`, if given.
     pub fn boundary_fluxes(&self, velocity_at_top: Option<&[f64]>) -> Vec<FluxesAt<M>> {
         let (clock, (_, dt)) = (self.clock(), self.interval());
-        let instants = self.tables.instants.iter().chain([&self.tables.top]);
-        let mut fluxes: Vec<FluxesAt<M>> = instants
-            .map(|instant| FluxesAt {
-                time: clock.time(instant.s),
-                weight: dt * instant.weight,
+        let time_points = self.tables.time_points.iter().chain([&self.tables.top]);
+        let mut fluxes: Vec<FluxesAt<M>> = time_points
+            .map(|time_point| FluxesAt {
+                time: clock.time(time_point.s),
+                weight: dt * time_point.weight,
                 boundaries: vec![BoundaryFlux::default(); self.problem.kernels.boundaries()],
             })
             .collect();
@@ -212,7 +212,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         fluxes
     }
 
-    /// For every boundary facet its number in the whole mesh; and its boundary with the fluxes at the instants and at the top.
+    /// For every boundary facet its number in the whole mesh; and its boundary with the fluxes at the time points and at the top.
     fn fluxes_of_facets(&self, velocity_at_top: Option<&[f64]>) -> (Vec<usize>, Vec<f64>) {
         let (mut facets, mut numbers) = (self.boundary_facets.iter(), Vec::new());
         let mut keys = Vec::with_capacity(facets.len());
@@ -228,25 +228,25 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         (keys, numbers)
     }
 
-    /// The fluxes of a batch on a boundary at the instants, and last at the top, `[time][lane]`.
+    /// The fluxes of a batch on a boundary at the time points, and last at the top, `[time][lane]`.
     fn fluxes_of_batch(&self, batch: &FacetBatch, velocity_at_top: Option<&[f64]>) -> Vec<Vec<BoundaryFlux<M>>> {
-        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
-        let (origins, top) = (self.facet_origins(batch).map(in_space), self.tables.instants.len());
+        let time_points = self.tables.time_points.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        let (origins, top) = (self.facet_origins(batch).map(in_space), self.tables.time_points.len());
         self.facet_scratch.with(|scratch| {
             self.gather_states(Differentiate::Nothing, &[&self.state_traces], batch, scratch);
             self.gather_mesh(Differentiate::Nothing, batch, scratch);
             if let Some(velocity) = velocity_at_top {
                 self.gather_boundary_velocity(velocity, batch, &mut scratch.boundary_velocity);
             }
-            let at = |(number, (instant, row))| {
+            let at = |(number, (time_point, row))| {
                 let velocity_is_given = number == top && velocity_at_top.is_some();
-                let time = FluxTime { instant, position_row: row, velocity_is_given };
+                let time = FluxTime { time_point, position_row: row, velocity_is_given };
                 self.across(Differentiate::Nothing, batch, |context, across| {
                     self.problem.kernels.boundary_flux(context, time, across, scratch);
                 });
                 (0..batch.count).map(|lane| BoundaryFlux::of_lane(scratch, lane, origins[lane])).collect()
             };
-            instants.enumerate().map(at).collect()
+            time_points.enumerate().map(at).collect()
         })
     }
 

@@ -1,21 +1,21 @@
 //! The volume terms of a batch of cells.
 //!
 //! ```text
-//! R_a += - int_I int_K ( phi_a' w u + phi_a grad_x w . (F_c - u v - F_v) + phi_a w s ) J  +  [ phi_a int_K w u J ]_top      (volume)
+//! R_a += - int_I int_K ( phi_a' psi u + phi_a grad_x psi . (F_c - u v - F_v) + phi_a psi b ) J + [ phi_a int_K psi u J ]_top  (volume)
 //! ```
 //!
 //! The integral over the slab is a sum over its Gauss points. At each of them the terms form a problem in space.
 
 use crate::cell_geometry::geometry_len;
 use crate::conservation_law::ConservationLaw;
-use crate::instants::{Clock, TimePoint, TimePointIndex};
 use crate::mode::{Mode, Values};
 use crate::point::Kernel;
 use crate::scratch::CellScratch;
 use crate::tables::Tables;
-use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate};
+use crate::tensor_product::{AtPoints, Lattice, evaluate};
+use crate::time_points::{Clock, TimePoint, TimePointIndex};
 use crate::volume_terms::CellTime;
-use basis::Matrix;
+use basis::{AlongAxis, Matrix};
 use std::marker::PhantomData;
 use tensor::Pack;
 use tensor::pulp::{Simd, WithSimd};
@@ -32,9 +32,9 @@ pub struct CellContext<'a, const D: usize> {
     pub dt: f64,
     /// The times at which data are evaluated.
     pub clock: Clock,
-    /// Positions at the Gauss points in time and last at the top, `[instant][slot]`.
+    /// Positions at the Gauss points in time and last at the top, `[time point][slot]`.
     pub positions: &'a Matrix,
-    /// The source s, if there is one.
+    /// The source b, if there is one.
     pub source: Option<SourceAt<'a>>,
     /// The geometry at the points, where it is kept and not differentiated, see [`crate::slab_geometry`].
     pub geometry: Option<&'a [Pack]>,
@@ -70,21 +70,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     fn with_simd<S: Simd>(self, simd: S) {
         let SlabCells { law, context, coefficients, scratch, mode } = self;
         let tables = context.tables;
-        let kernel = Kernel { simd, law, tables, mode };
+        let kernel = Kernel::new(simd, law, tables, mode);
         let inner = M * tables.orders.flow.pow(D as u32);
         scratch.violated = Pack::ZERO;
-        kernel.to_instants(context, coefficients, scratch);
+        kernel.to_time_points(context, coefficients, scratch);
         // The geometry of collocated rules with its derivatives is in the scratch.
         let of_scratch = std::mem::take(&mut scratch.geometry.known);
         let geometry = context.geometry.or(tables.collocation.is_some().then_some(&of_scratch[..]));
         let count = tables.times();
-        for (number, instant) in tables.instants.iter().enumerate() {
-            let weights = [context.dt * instant.weight, instant.weight];
-            let time = CellTime { instant, of: TimePointIndex { number, count }, weights };
+        for (number, time_point) in tables.time_points.iter().enumerate() {
+            let weights = [context.dt * time_point.weight, time_point.weight];
+            let time = CellTime { time_point, of: TimePointIndex { number, count }, weights };
             kernel.space_terms(context, geometry, time, scratch);
         }
-        if count > tables.instants.len() {
-            let top = geometry.map(|known| &known[tables.instants.len() * geometry_len(D) * tables.volume_points()..]);
+        if count > tables.time_points.len() {
+            let top =
+                geometry.map(|known| &known[tables.time_points.len() * geometry_len(D) * tables.volume_points()..]);
             kernel.mass_product(top, TimePointIndex { number: count - 1, count }, scratch);
         }
         scratch.geometry.known = of_scratch;
@@ -102,7 +103,7 @@ pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// Shared data.
     pub context: &'c CellContext<'a, D>,
     /// The time.
-    pub instant: &'c TimePoint,
+    pub time_point: &'c TimePoint,
     /// This thread's packs.
     pub scratch: &'c mut CellScratch,
     /// Values or derivatives.
@@ -114,18 +115,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let SpaceCells { law, context, instant, scratch, mode } = self;
+        let SpaceCells { law, context, time_point, scratch, mode } = self;
         scratch.violated = Pack::ZERO;
-        let time = CellTime { instant, of: TimePointIndex::ALONE, weights: [1.0; 2] };
+        let time = CellTime { time_point, of: TimePointIndex::ALONE, weights: [1.0; 2] };
         let geometry = std::mem::take(&mut scratch.geometry.known);
-        Kernel { simd, law, tables: context.tables, mode }.space_terms(context, Some(&geometry), time, scratch);
+        Kernel::new(simd, law, context.tables, mode).space_terms(context, Some(&geometry), time, scratch);
         scratch.geometry.known = geometry;
     }
 }
 
-/// Moments int w u J of a state at one time. Reads `state_at` of one time and `position_at`, or where J is carried `determinant_at`;
+/// Mass product int psi u J of a state at one time. Reads `state_at` of one time and `position_at`, or where J is carried `determinant_at`;
 /// overwrites `mass_product_at` of time 0.
-pub struct CellMoments<'a, 'c, const D: usize, const M: usize, L> {
+pub struct CellMassProduct<'a, 'c, const D: usize, const M: usize, L> {
     /// The conservation law.
     pub law: &'c L,
     /// One-dimensional tables.
@@ -134,13 +135,13 @@ pub struct CellMoments<'a, 'c, const D: usize, const M: usize, L> {
     pub scratch: &'c mut CellScratch,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for CellMoments<'_, '_, D, M, L> {
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for CellMassProduct<'_, '_, D, M, L> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let CellMoments { law, tables, scratch } = self;
-        let kernel = Kernel { simd, law, tables, mode: PhantomData::<Values> };
+        let CellMassProduct { law, tables, scratch } = self;
+        let kernel = Kernel::new(simd, law, tables, PhantomData::<Values>);
         if tables.collocation.is_none() {
             return kernel.mass_product(None, TimePointIndex::ALONE, scratch);
         }

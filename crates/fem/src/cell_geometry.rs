@@ -3,12 +3,12 @@
 //! It is computed once for each position of the mesh where that can be kept, and in every evaluation where it cannot.
 
 use crate::fields::Fields;
-use crate::instants::TimePointIndex;
 use crate::mode::Mode;
 use crate::nodal_geometry::NodalScratch;
 use crate::tables::{Planes, Tables};
-use crate::tensor_product::{AlongAxis, AtPoints, Lattice, Scratch, evaluate};
-use basis::Matrix;
+use crate::tensor_product::{AtPoints, Lattice, Scratch, evaluate};
+use crate::time_points::TimePointIndex;
+use basis::{AlongAxis, Matrix};
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, cofactor, determinant, zeroed};
@@ -29,7 +29,7 @@ pub struct GeometryScratch {
     jacobian: Vec<Pack>,
     /// The geometry at a block of planes, where it is not known, `[b][number][p]`.
     pub(crate) at_points: Vec<Pack>,
-    /// The geometry at one time, `[block of planes][number][p]`; or that of a slab with derivatives, `[instant][b][number][p]`.
+    /// The geometry at one time, `[block of planes][number][p]`; or that of a slab with derivatives, `[time point][b][number][p]`.
     pub(crate) known: Vec<Pack>,
     pub(crate) nodal: NodalScratch,
     pub(crate) room: Scratch,
@@ -38,9 +38,9 @@ pub struct GeometryScratch {
 impl GeometryScratch {
     /// Memory for any mode.
     pub fn new<const D: usize>(tables: &Tables<D>) -> Self {
-        let (orders, times) = (tables.orders, tables.instants.len() + 1);
+        let (orders, times) = (tables.orders, tables.time_points.len() + 1);
         let motion = 2 * times * D * orders.mesh.pow(D as u32);
-        let known = if tables.collocation.is_some() { 2 * tables.instants.len() } else { 1 };
+        let known = if tables.collocation.is_some() { 2 * tables.time_points.len() } else { 1 };
         GeometryScratch {
             position_at: zeroed(motion),
             velocity_at: zeroed(motion),
@@ -57,7 +57,7 @@ impl GeometryScratch {
 #[derive(Clone, Copy)]
 pub(crate) struct CellMotion<'a, const D: usize> {
     pub(crate) tables: &'a Tables<D>,
-    /// Positions at the instants and last at the top, `[instant][slot]`.
+    /// Positions at the time points and last at the top, `[time point][slot]`.
     pub(crate) positions: &'a Matrix,
     /// Bottom position and velocities of the mesh, a block of packs for each of the mode, `[slot][d][mesh node]`.
     pub(crate) mesh: &'a [&'a [Pack]],
@@ -65,17 +65,17 @@ pub(crate) struct CellMotion<'a, const D: usize> {
     pub(crate) bottom: &'a [Pack],
 }
 
-/// The geometry of a slab that is kept: `[instant][block of planes][number][p]`, then J at the top, `[p]`, unless the last instant is the
+/// The geometry of a slab that is kept: `[time point][block of planes][number][p]`, then J at the top, `[p]`, unless the last time point is the
 /// top.
-pub(crate) const fn kept_len(dimension: usize, instants: usize, points: usize, has_top: bool) -> usize {
-    (instants * geometry_len(dimension) + has_top as usize) * points
+pub(crate) const fn kept_len(dimension: usize, time_points: usize, points: usize, has_top: bool) -> usize {
+    (time_points * geometry_len(dimension) + has_top as usize) * points
 }
 
 /// The geometry of a batch of cells in a slab.
 pub(crate) struct GeometryOfSlab<'c, const D: usize, K> {
     pub(crate) motion: CellMotion<'c, D>,
     pub(crate) scratch: &'c mut GeometryScratch,
-    /// Overwritten, see [`kept_len`]; with derivatives `[instant][b][number][p]`, for collocated rules alone.
+    /// Overwritten, see [`kept_len`]; with derivatives `[time point][b][number][p]`, for collocated rules alone.
     pub(crate) out: &'c mut [Pack],
     pub(crate) mode: PhantomData<K>,
 }
@@ -92,7 +92,7 @@ impl<const D: usize, K: Mode> WithSimd for GeometryOfSlab<'_, D, K> {
             return kernel.collocated(motion, scratch, out);
         }
         let (count, mut rest) = (motion.tables.times(), out);
-        for number in 0..motion.tables.instants.len() {
+        for number in 0..motion.tables.time_points.len() {
             for planes in &motion.tables.planes {
                 let (here, after) = rest.split_at_mut(geometry_len(D) * planes.weights.len());
                 kernel.of_map(planes, TimePointIndex { number, count }, scratch, here);

@@ -1,27 +1,33 @@
 //! The facet terms of a batch of facets.
 //!
 //! ```text
-//! R_a += int_I int_f phi_a w ( Fhat_c - Fhat_v ) ds - int_I int_f phi_a grad_x w : F_v(u, (uhat - u) n)             (facet)
+//! R_a += int_I int_F phi_a psi ( Fhat_c - Fhat_v ) dS - int_I int_F phi_a grad_x psi : F_v(u, (uhat - u) n)         (facet)
 //!
 //! interior   Fhat_v = { F_v(u, grad u) } . n - sigma { F_v(u, [u] n) } . n,   uhat = {u},   [u] = u- - u+           (sip)
 //! boundary   Fhat_v = F_v(u_b, grad u-) . n - sigma F_v(u_b, (u- - u_b) n) . n,             uhat = u_b
 //! ```
 //!
-//! This is the symmetric interior penalty method with sigma = N_s^2 |S| / J. The penalty follows from the inverse trace
-//! inequality on the cell's height over the facet, 2 J / |S|. The larger penalty of both sides is taken. n points from
-//! minus to plus; plus takes the flux with opposite sign.
+//! This is the symmetric interior penalty method. Its penalty follows from the inverse trace inequality on the cell's height h over
+//! the facet,
+//!
+//! ```text
+//! sigma = N_s^2 |S| / J = 2 N_s^2 / h,   h = 2 J / |S|                                                            (penalty)
+//! ```
+//!
+//! The larger penalty of both sides is taken. n points from minus to plus; plus takes the flux with opposite sign.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet_evaluation::FacetPoint;
 use crate::facet_geometry::facet_geometry_len;
-use crate::instants::{Clock, TimePointIndex};
 use crate::kernels::Times;
 use crate::mode::Mode;
-use crate::point::{Kernel, Metric, PointIndex, along_reference};
+use crate::point::{Kernel, KernelTypes, Metric, PointIndex, along_reference};
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::slope;
 use crate::tables::Tables;
-use crate::tensor_product::{AlongAxis, AtPoints, Lattice, Scratch, integrate};
+use crate::tensor_product::{AtPoints, Lattice, Scratch, integrate};
+use crate::time_points::{Clock, TimePointIndex};
+use basis::AlongAxis;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
@@ -78,17 +84,17 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     fn with_simd<S: Simd>(self, simd: S) {
         let FacetTerms { law, conditions, context, times, across, scratch, mode } = self;
         let tables = context.tables;
-        let kernel = Kernel { simd, law, tables, mode };
+        let kernel = Kernel::new(simd, law, tables, mode);
         let used = if matches!(across, Across::Cells) { 2 } else { 1 };
         scratch.violated = Pack::ZERO;
-        kernel.states_to_instants(times.in_time.values, used, scratch); // 1.
+        kernel.states_to_time_points(times.in_time.values, used, scratch); // 1.
         if context.geometry.is_none() || matches!(across, Across::Boundary(_, Some(_))) {
             kernel.facet_geometry().mesh_at_times(times.in_time, used, scratch);
         }
         let len = facet_geometry_len(D, law.is_viscous()) * tables.facet_points();
-        for (number, instant) in times.instants.iter().enumerate() {
-            let weight = times.weight * instant.weight;
-            let of = TimePointIndex { number, count: times.instants.len() };
+        for (number, time_point) in times.time_points.iter().enumerate() {
+            let weight = times.weight * time_point.weight;
+            let of = TimePointIndex { number, count: times.time_points.len() };
             for side in &mut scratch.sides[..used] {
                 kernel.trace_to_points(of, side, &mut scratch.scratch); // 2.
             }
@@ -104,7 +110,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
                     }
                 }
                 Across::Boundary(number, data) => {
-                    kernel.boundary_data(context.clock.time(instant.s), of, *data, scratch);
+                    kernel.boundary_data(context.clock.time(time_point.s), of, *data, scratch);
                     kernel.boundary_points(conditions[*number], known, weight, scratch);
                     if scratch.with_loads {
                         kernel.test_loads(of, scratch); // 4.
@@ -123,13 +129,24 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     }
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+/// State and map of a cell at a point of one of its faces.
+#[derive(Clone, Copy)]
+struct SidePoint<'a, T, G, const D: usize, const M: usize> {
+    u: &'a [T; M],
+    map: &'a Metric<G, D>,
+}
+
+/// Minus and plus.
+type SidePoints<'a, const D: usize, const M: usize, T> =
+    [SidePoint<'a, <T as KernelTypes<D, M>>::State, <T as KernelTypes<D, M>>::Geometry, D, M>; 2];
+
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Step 3 between two cells.
     #[inline(always)]
     fn interior_points(self, known: Option<&[Pack]>, weight: f64, scratch: &mut FacetScratch) {
         let (points, law) = (self.tables.facet_points(), self.law);
         for p in 0..points {
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<T::Simd>::PARTS {
                 let at = PointIndex { points, p, part };
                 let geometry = known.unwrap_or(&scratch.geometry);
                 let here = self.facet_point(geometry, at, weight);
@@ -139,8 +156,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 let mut f = law.numerical_flux(&minus, &plus, &here.n, normal_speed);
                 if law.is_viscous() {
                     let (map_minus, map_plus) = (self.map_of_side(geometry, 0, at), self.map_of_side(geometry, 1, at));
-                    let maps = [&map_minus, &map_plus];
-                    self.interior_viscous([&minus, &plus], &here, maps, at, &mut scratch.sides, &mut f);
+                    let minus = SidePoint { u: &minus, map: &map_minus };
+                    let plus = SidePoint { u: &plus, map: &map_plus };
+                    self.interior_viscous([minus, plus], &here, at, &mut scratch.sides, &mut f);
                 }
                 for m in 0..M {
                     let term = (f[m].scale(here.area) * here.weight).result();
@@ -159,12 +177,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     fn interior_viscous(
         self,
-        [minus, plus]: [&[K::State<S>; M]; 2],
-        here: &FacetPoint<K::Geometry<S>, D>,
-        [metric_minus, metric_plus]: [&Metric<K::Geometry<S>, D>; 2],
+        [SidePoint { u: minus, map: metric_minus }, SidePoint { u: plus, map: metric_plus }]: SidePoints<'_, D, M, T>,
+        here: &FacetPoint<T::Geometry, D>,
         at: PointIndex,
         [side_minus, side_plus]: &mut [SideScratch; 2],
-        f: &mut [K::State<S>; M],
+        f: &mut [T::State; M],
     ) {
         let law = self.law;
         let gradient_minus = self.physical_gradient(&side_minus.gradient, at, metric_minus);
@@ -198,13 +215,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         (self.tables.orders.flow * self.tables.orders.flow) as f64
     }
 
-    /// scale grad_x w : f as tests against reference derivatives: scale / det sum_k cof_kj f_k for direction j.
+    /// scale grad_x psi : f as tests against reference derivatives: scale / det sum_k cof_kj f_k for direction j.
     #[inline(always)]
     pub(crate) fn symmetric_term(
         self,
-        f: &[[K::State<S>; M]; D],
-        metric: &Metric<K::Geometry<S>, D>,
-        scale: K::Geometry<S>,
+        f: &[[T::State; M]; D],
+        metric: &Metric<T::Geometry, D>,
+        scale: T::Geometry,
         at: PointIndex,
         tested_gradient: &mut [Pack],
     ) {
@@ -217,7 +234,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         }
     }
 
-    /// Step 4 for (load): tests the flux of momentum through a boundary with the shape functions of the mesh, at one instant.
+    /// Step 4 for (load): tests the flux of momentum through a boundary with the shape functions of the mesh, at one time point.
     #[inline(always)]
     fn test_loads(self, TimePointIndex { number, .. }: TimePointIndex, scratch: &mut FacetScratch) {
         let lattice = Lattice::whole(&self.tables.mesh, D - 1, D);
@@ -226,7 +243,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         integrate(self.simd, lattice, AtPoints::Values(&momentum[..]), out, room, false);
     }
 
-    /// Step 4: tests one side's terms in space, at one instant.
+    /// Step 4: tests one side's terms in space, at one time point.
     #[inline(always)]
     fn test(self, TimePointIndex { number, count }: TimePointIndex, side: &mut SideScratch, room: &mut Scratch) {
         let (points, lattice) = (self.tables.facet_points(), Lattice::whole(&self.tables.flow, D - 1, M));

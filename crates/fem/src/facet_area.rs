@@ -6,10 +6,10 @@
 use crate::collocation::{self, Collocation};
 use crate::facet_geometry::FacetGeometry;
 use crate::fields::Fields;
-use crate::instants::TimePointIndex;
 use crate::mode::Mode;
 use crate::scratch::{FaceNodes, FacetScratch};
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
+use crate::time_points::TimePointIndex;
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Pack, Real, cofactor, dot};
 

@@ -4,11 +4,12 @@
 //! is that of each cell.
 
 use crate::fields::Fields;
-use crate::instants::{InTime, TimePointIndex};
 use crate::mode::Mode;
 use crate::scratch::{FacetScratch, SideScratch};
 use crate::tables::Tables;
-use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate};
+use crate::tensor_product::{AtPoints, Lattice, evaluate};
+use crate::time_points::{InTime, TimePointIndex};
+use basis::AlongAxis;
 use std::marker::PhantomData;
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{LaneNumber, Lanes, Pack, cofactor, determinant};

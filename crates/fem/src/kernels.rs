@@ -4,13 +4,13 @@
 //! compiled once, in the crate that knows the law. Code that works with slabs knows only dimension and components.
 
 use crate::boundary::{FacetFlux, FluxTime};
-use crate::cell::{CellCoefficients, CellContext, CellMoments, SlabCells, SpaceCells};
+use crate::cell::{CellCoefficients, CellContext, CellMassProduct, SlabCells, SpaceCells};
 use crate::conservation_law::ConservationLaw;
 use crate::facet::{Across, FacetContext, FacetTerms};
-use crate::instants::{InTime, TimePoint};
 use crate::mode::{AlongState, AlongStateAndMesh, CountedAlongState, CountedValues, Values};
 use crate::scratch::{CellScratch, FacetScratch};
 use crate::tables::Tables;
+use crate::time_points::{InTime, TimePoint};
 use crate::two_point::{FacePairs, TwoPointFluxes};
 use basis::Matrix;
 use std::marker::PhantomData;
@@ -43,7 +43,7 @@ impl Differentiate {
 /// The times of a run of the facet kernel.
 pub struct Times<'a> {
     /// The times.
-    pub instants: &'a [TimePoint],
+    pub time_points: &'a [TimePoint],
     /// The map from time nodes and slots to these times.
     pub in_time: InTime<'a>,
     /// phi_a at these times, `[a][time]`.
@@ -73,8 +73,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         scratch: &mut CellScratch,
     );
     /// The terms of space alone, along a direction of the state.
-    fn space_cells(&self, context: &CellContext<D>, instant: &TimePoint, scratch: &mut CellScratch);
-    /// Moments of a state at one time.
+    fn space_cells(&self, context: &CellContext<D>, time_point: &TimePoint, scratch: &mut CellScratch);
+    /// Mass product of a state at one time.
     fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch);
     /// The facet terms.
     fn facets(
@@ -164,12 +164,18 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> Kernels<D, M> for
         }
     }
 
-    fn space_cells(&self, context: &CellContext<D>, instant: &TimePoint, scratch: &mut CellScratch) {
-        self.arch.dispatch(SpaceCells { law: &self.law, context, instant, scratch, mode: PhantomData::<AlongState> });
+    fn space_cells(&self, context: &CellContext<D>, time_point: &TimePoint, scratch: &mut CellScratch) {
+        self.arch.dispatch(SpaceCells {
+            law: &self.law,
+            context,
+            time_point,
+            scratch,
+            mode: PhantomData::<AlongState>,
+        });
     }
 
     fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch) {
-        self.arch.dispatch(CellMoments { law: &self.law, tables, scratch });
+        self.arch.dispatch(CellMassProduct { law: &self.law, tables, scratch });
     }
 
     fn facets(

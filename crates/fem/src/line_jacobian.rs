@@ -26,24 +26,24 @@ pub struct LineJacobian {
     /// Unknowns of a line: components times nodes.
     pub block: usize,
     /// L_k, `[cell][axis][column][row]` over `[component][node]`.
-    pub operators: Vec<f64>,
+    pub operators: Vec<f32>,
     /// m_k, the same for every component, `[cell][axis][column][row]` over nodes.
-    pub masses: Vec<f64>,
+    pub masses: Vec<f32>,
 }
 
 impl LineJacobian {
     /// L_k of a cell.
-    pub fn operator(&self, cell: usize, axis: usize) -> &[f64] {
+    pub fn operator(&self, cell: usize, axis: usize) -> &[f32] {
         part(&self.operators, cell * self.dimension + axis, self.block)
     }
     /// m_k of a cell.
-    pub fn mass(&self, cell: usize, axis: usize) -> &[f64] {
+    pub fn mass(&self, cell: usize, axis: usize) -> &[f32] {
         part(&self.masses, cell * self.dimension + axis, self.nodes)
     }
 }
 
 /// Square matrix number `number` of order `n`.
-fn part(matrices: &[f64], number: usize, n: usize) -> &[f64] {
+fn part(matrices: &[f32], number: usize, n: usize) -> &[f32] {
     &matrices[number * n * n..(number + 1) * n * n]
 }
 
@@ -91,8 +91,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         batch: usize,
         frozen: &FrozenPoint,
         scratch: &mut CellScratch,
-        operators: &mut [f64],
-        masses: &mut [f64],
+        operators: &mut [f32],
+        masses: &mut [f32],
     ) {
         let (n, nodes) = (self.tables.orders.flow, self.layout.nodes);
         self.gather_frozen(batch, frozen, scratch);
@@ -113,13 +113,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Tests with functions of one coordinate: sums over the nodes with the same position, as column `column` of every
     /// cell.
-    fn add_sums(&self, axis: usize, tested: &[Pack], column: usize, matrices: &mut [f64]) {
+    fn add_sums(&self, axis: usize, tested: &[Pack], column: usize, matrices: &mut [f32]) {
         let (n, nodes) = (self.tables.orders.flow, self.layout.nodes);
         let rows = tested.len() / nodes * n;
         for (lane, matrices) in matrices.chunks_exact_mut(D * rows * rows).enumerate() {
             let sums = &mut matrices[column * rows..(column + 1) * rows];
             for (i, tested) in tested.iter().enumerate() {
-                sums[i / nodes * n + self.on_line(axis, i % nodes)] += tested.0[lane];
+                sums[i / nodes * n + self.on_line(axis, i % nodes)] += tested.0[lane] as f32;
             }
         }
     }

@@ -10,40 +10,99 @@ use crate::batches::{FacetBatch, cells_of};
 use crate::cell::{CellContext, SourceAt};
 use crate::facet_geometry::GeometryOfFacets;
 use crate::gather::gather;
-use crate::instants::{InTime, TimePoint};
 use crate::kernels::{Differentiate, Times};
 use crate::layout::Layout;
 use crate::operator::SlabOperator;
 use crate::scratch::{CellScratch, FacetScratch, SideScratch};
+use crate::time_points::{InTime, TimePoint};
 use crate::traces::{FaceMaps, TraceLayout, Traces};
 use basis::Matrix;
 use rayon::prelude::*;
+use std::ops::AddAssign;
 use tensor::{Arch, Pack, WIDTH};
 
+/// How the entries of blocks are stored: in single precision for factors that are stored with fewer bits anyway, in double precision where
+/// differences of entries count.
+pub trait Stored: Copy + Default + Send + Sync + AddAssign + Into<f64> {
+    /// `x`, rounded.
+    fn of(x: f64) -> Self;
+}
+
+impl Stored for f32 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x as f32
+    }
+}
+
+impl Stored for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+}
+
 /// The coupling of two cells across a facet.
-pub struct Coupling {
+#[derive(Clone)]
+pub struct Coupling<T> {
     /// The cells on the minus and the plus side.
     pub cells: [usize; 2],
     /// Their faces.
     pub faces: [usize; 2],
     /// Row minus, column plus: `[column trace][row trace]`.
-    pub minus_plus: Vec<f64>,
+    pub minus_plus: Vec<T>,
     /// Row plus, column minus.
-    pub plus_minus: Vec<f64>,
+    pub plus_minus: Vec<T>,
 }
 
 /// The Jacobian A of the operator of space, and the mass matrix, at one time.
-pub struct SpaceJacobian {
+pub struct SpaceJacobian<T> {
     /// Unknowns of a cell at one time: components times nodes.
     pub block: usize,
     /// A_ii, `[cell][column][row]`.
-    pub diagonal: Vec<f64>,
+    pub diagonal: Vec<T>,
     /// int w phi J, the same for every component, `[cell][column][row]` over nodes.
-    pub mass: Vec<f64>,
+    pub mass: Vec<T>,
     /// Couplings across the interior facets.
-    pub couplings: Vec<Coupling>,
+    pub couplings: Vec<Coupling<T>>,
     /// The traces that couplings act on.
     pub traces: TraceSpace,
+}
+
+impl<T: Stored> SpaceJacobian<T> {
+    /// The block A_ii of `cell`, by columns.
+    pub fn block_of(&self, cell: usize) -> &[T] {
+        let len = self.block * self.block;
+        &self.diagonal[cell * len..(cell + 1) * len]
+    }
+
+    /// The mass matrix of `cell`, by columns.
+    pub fn mass_of(&self, cell: usize) -> &[T] {
+        let len = self.traces.nodes * self.traces.nodes;
+        &self.mass[cell * len..(cell + 1) * len]
+    }
+
+    /// Bytes of all entries.
+    pub fn bytes(&self) -> usize {
+        let couplings: usize = self.couplings.iter().map(|c| c.minus_plus.len() + c.plus_minus.len()).sum();
+        (self.diagonal.len() + self.mass.len() + couplings) * size_of::<T>()
+    }
+}
+
+impl SpaceJacobian<f32> {
+    /// Takes the entries of `other`, a Jacobian of the same operator, rounded.
+    pub fn round(&mut self, other: &SpaceJacobian<f64>) {
+        round(&other.diagonal, &mut self.diagonal);
+        round(&other.mass, &mut self.mass);
+        for (coupling, other) in self.couplings.iter_mut().zip(&other.couplings) {
+            round(&other.minus_plus, &mut coupling.minus_plus);
+            round(&other.plus_minus, &mut coupling.plus_minus);
+        }
+    }
+}
+
+fn round(from: &[f64], to: &mut [f32]) {
+    to.par_iter_mut().zip(from).with_min_len(1 << 14).for_each(|(to, from)| *to = *from as f32);
 }
 
 /// The traces of a cell on a face, as functionals of the cell's coefficients.
@@ -92,7 +151,7 @@ impl TraceSpace {
     }
 
     /// Adds T^T B T to a square matrix over a cell's coefficients: B in traces of `face`, both by columns.
-    pub fn add_lifted(&self, face: usize, b: &[f64], matrix: &mut [f64]) {
+    pub fn add_lifted<T: Stored>(&self, face: usize, b: &[f64], matrix: &mut [T]) {
         let block = self.components * self.nodes;
         let mut lifted = vec![0.0; block];
         for (column, b) in b.chunks_exact(self.len()).enumerate() {
@@ -105,7 +164,7 @@ impl TraceSpace {
             Arch::new().dispatch(|| {
                 for &(node, weight) in functional {
                     let start = (offset + node) * block;
-                    matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += weight * l);
+                    matrix[start..start + block].iter_mut().zip(&lifted).for_each(|(a, l)| *a += T::of(weight * l));
                 }
             });
         }
@@ -114,7 +173,7 @@ impl TraceSpace {
 
 /// Data that are fixed while blocks are computed.
 pub(crate) struct FrozenPoint {
-    instant: TimePoint,
+    time_point: TimePoint,
     row: Matrix,
     test: Matrix,
     state: Vec<f64>,
@@ -123,18 +182,18 @@ pub(crate) struct FrozenPoint {
 
 impl FrozenPoint {
     fn in_time(&self) -> InTime<'_> {
-        InTime { values: &self.instant.values, velocities: &self.instant.velocities, positions: &self.row }
+        InTime { values: &self.time_point.values, velocities: &self.time_point.velocities, positions: &self.row }
     }
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// The blocks at position `s` of the slab, in the state and on the mesh last set.
-    pub fn space_jacobian(&self, s: f64) -> SpaceJacobian {
+    pub fn space_jacobian<T: Stored>(&self, s: f64) -> SpaceJacobian<T> {
         let (block, Layout { cells, nodes, .. }) = (self.layout.time_len(), self.layout);
         let mut jacobian = SpaceJacobian {
             block,
-            diagonal: vec![0.0; cells * block * block],
-            mass: vec![0.0; cells * nodes * nodes],
+            diagonal: vec![T::default(); cells * block * block],
+            mass: vec![T::default(); cells * nodes * nodes],
             couplings: Vec::new(),
             traces: TraceSpace::new(&self.flow_faces, 2 * D, M, nodes, self.problem.kernels.is_viscous()),
         };
@@ -143,13 +202,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// [`Self::space_jacobian`] in the memory of an earlier one of this operator: new pages cost as much as computing their contents.
-    pub fn update_space_jacobian(&self, s: f64, jacobian: &mut SpaceJacobian) {
+    pub fn update_space_jacobian<T: Stored>(&self, s: f64, jacobian: &mut SpaceJacobian<T>) {
         let frozen = self.freeze(s);
         let SpaceJacobian { block, diagonal, mass, couplings, traces } = jacobian;
         self.cell_blocks(&frozen, diagonal, mass);
         couplings.clear();
         let batches = self.facets.batches.par_iter();
-        let facets: Vec<FacetBlocks> =
+        let facets: Vec<FacetBlocks<T>> =
             batches.flat_map_iter(|batch| self.facet_blocks(batch, &frozen, traces)).collect();
         let first = self.first_of_batches();
         diagonal.par_chunks_mut(*block * *block).enumerate().for_each(|(cell, diagonal)| {
@@ -169,7 +228,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     pub(crate) fn freeze(&self, s: f64) -> FrozenPoint {
-        let instant = TimePoint::of_space(&self.tables.time, s);
+        let time_point = TimePoint::of_space(&self.tables.time, s);
         let (one, state) = (self.layout.at_one_time(), self.state_at(s));
         let layout = TraceLayout {
             faces: 2 * D,
@@ -180,7 +239,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         };
         let mut traces = Traces::new(layout, self.all_cells());
         traces.take(&self.flow_faces, &state, self.problem.kernels.is_viscous());
-        FrozenPoint { row: instant.position_row(self.interval().1), test: Matrix::identity(1), instant, state, traces }
+        FrozenPoint {
+            row: time_point.position_row(self.interval().1),
+            test: Matrix::identity(1),
+            time_point,
+            state,
+            traces,
+        }
     }
 
     /// Own cells and ghosts.
@@ -205,7 +270,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     /// Volume part of A_ii, and the mass matrices.
-    fn cell_blocks(&self, frozen: &FrozenPoint, diagonal: &mut [f64], mass: &mut [f64]) {
+    fn cell_blocks<T: Stored>(&self, frozen: &FrozenPoint, diagonal: &mut [T], mass: &mut [T]) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
         let batches = diagonal.par_chunks_mut(WIDTH * block * block).zip(mass.par_chunks_mut(WIDTH * nodes * nodes));
         batches.enumerate().for_each(|(batch, (diagonal, mass))| {
@@ -213,13 +278,13 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         });
     }
 
-    fn cell_batch_blocks(
+    fn cell_batch_blocks<T: Stored>(
         &self,
         batch: usize,
         frozen: &FrozenPoint,
         scratch: &mut CellScratch,
-        diagonal: &mut [f64],
-        mass: &mut [f64],
+        diagonal: &mut [T],
+        mass: &mut [T],
     ) {
         let (block, nodes) = (self.layout.time_len(), self.layout.nodes);
         self.gather_frozen(batch, frozen, scratch);
@@ -236,7 +301,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     pub(crate) fn gather_frozen(&self, batch: usize, frozen: &FrozenPoint, scratch: &mut CellScratch) {
         let (block, cells) = (self.layout.time_len(), cells_of(batch, self.layout.cells));
         gather(cells.map(|c| &frozen.state[c * block..(c + 1) * block]), &mut scratch.state_at[..block]);
-        let rows = [frozen.row.row(0), frozen.instant.velocities.row(0)];
+        let rows = [frozen.row.row(0), frozen.time_point.velocities.row(0)];
         self.geometry_of_space(batch, rows, &mut scratch.geometry);
     }
 
@@ -254,11 +319,16 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             source: self.problem.source.is_some().then_some(&no_source as SourceAt),
             geometry: None,
         };
-        self.problem.kernels.space_cells(&context, &frozen.instant, scratch);
+        self.problem.kernels.space_cells(&context, &frozen.time_point, scratch);
     }
 
     /// The blocks of a batch of facets in traces.
-    fn facet_blocks(&self, batch: &FacetBatch, frozen: &FrozenPoint, traces: &TraceSpace) -> Vec<FacetBlocks> {
+    fn facet_blocks<T: Stored>(
+        &self,
+        batch: &FacetBatch,
+        frozen: &FrozenPoint,
+        traces: &TraceSpace,
+    ) -> Vec<FacetBlocks<T>> {
         let sides = batch.sides();
         let mut blocks: Vec<_> = (0..batch.count).map(|lane| FacetBlocks::new(batch, lane, traces.len())).collect();
         self.facet_scratch.with(|scratch| {
@@ -322,10 +392,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
             kind[len..].fill(Pack::ZERO);
         }
         set(&mut scratch.sides);
-        let instants = std::slice::from_ref(&frozen.instant);
-        let times = Times { instants, in_time: frozen.in_time(), test: &frozen.test, weight: 1.0 };
+        let time_points = std::slice::from_ref(&frozen.time_point);
+        let times = Times { time_points, in_time: frozen.in_time(), test: &frozen.test, weight: 1.0 };
         let geometry = std::mem::take(&mut scratch.geometry);
-        self.facet_kernel(Differentiate::State, batch, (&times, Some(&geometry)), scratch);
+        self.facet_kernel(Differentiate::State, batch, &times, Some(&geometry), scratch);
         scratch.geometry = geometry;
     }
 }
@@ -337,15 +407,15 @@ fn no_source(_: f64, _: usize, _: &[Pack], data: &mut [Pack]) {
 }
 
 /// Blocks of one facet in traces, by columns.
-struct FacetBlocks {
+struct FacetBlocks<T> {
     /// Row and column of the same side.
     own: [Vec<f64>; 2],
-    coupling: Option<Coupling>,
+    coupling: Option<Coupling<T>>,
 }
 
-impl FacetBlocks {
+impl<T: Stored> FacetBlocks<T> {
     fn new(batch: &FacetBatch, lane: usize, traces: usize) -> Self {
-        let square = || vec![0.0; traces * traces];
+        let (own, square) = (|| vec![0.0; traces * traces], || vec![T::default(); traces * traces]);
         let (minus, plus) = (batch.minus[lane], batch.plus[lane].0);
         let coupling = batch.boundary.is_none().then(|| Coupling {
             cells: [minus.cell, plus.cell],
@@ -353,7 +423,7 @@ impl FacetBlocks {
             minus_plus: square(),
             plus_minus: square(),
         });
-        FacetBlocks { own: [square(), if coupling.is_some() { square() } else { Vec::new() }], coupling }
+        FacetBlocks { own: [own(), if coupling.is_some() { own() } else { Vec::new() }], coupling }
     }
 
     /// Stores the derivatives along trace `column[1]` of side `column[0]`; `lattices` map to each side's own lattice.
@@ -366,25 +436,23 @@ impl FacetBlocks {
         lattices: [&[usize]; 2],
     ) {
         let [side, number] = column;
-        let column = traces.permuted(number, lattices[side]);
+        let column = traces.permuted(number, lattices[side]) * traces.len();
         for row_side in 0..(if self.coupling.is_some() { 2 } else { 1 }) {
-            let target = match (row_side == side, row_side, &mut self.coupling) {
-                (true, ..) => &mut self.own[side],
-                (false, 0, Some(coupling)) => &mut coupling.minus_plus,
-                (false, _, Some(coupling)) => &mut coupling.plus_minus,
+            let terms = scratch.sides[row_side].terms[..traces.len()].iter().map(|term| term.0[lane]).enumerate();
+            let at = terms.map(|(row, term)| (column + traces.permuted(row, lattices[row_side]), term));
+            match (row_side == side, row_side, &mut self.coupling) {
+                (true, ..) => at.for_each(|(entry, term)| self.own[side][entry] = term),
+                (false, 0, Some(coupling)) => at.for_each(|(entry, term)| coupling.minus_plus[entry] = T::of(term)),
+                (false, _, Some(coupling)) => at.for_each(|(entry, term)| coupling.plus_minus[entry] = T::of(term)),
                 (false, _, None) => return,
-            };
-            let target = &mut target[column * traces.len()..][..traces.len()];
-            for (row, term) in scratch.sides[row_side].terms[..traces.len()].iter().enumerate() {
-                target[traces.permuted(row, lattices[row_side])] = term.0[lane];
             }
         }
     }
 }
 
-fn write_column(packs: &[Pack], n: usize, column: usize, out: &mut [f64]) {
+fn write_column<T: Stored>(packs: &[Pack], n: usize, column: usize, out: &mut [T]) {
     for (lane, out) in out.chunks_exact_mut(n * n).enumerate() {
         let out = &mut out[column * n..][..n];
-        out.iter_mut().zip(packs).for_each(|(out, pack)| *out = pack.0[lane]);
+        out.iter_mut().zip(packs).for_each(|(out, pack)| *out = T::of(pack.0[lane]));
     }
 }

@@ -1,23 +1,23 @@
 //! The operator of space on the control volumes of the nodes: a finite-volume method of first order with the unknowns of the flow, for
 //! preconditioners (low-order refinement; Canuto, Quarteroni 1985; Pazner 2020).
 //!
-//! The control volume of a Gauss-Lobatto node has the extents w_i of its quadrature weights. Faces inside a cell lie at b_i = -1 + w_1 +
-//! .. + w_i. With the cofactors S_k of the map, of the axis k across which a face lies,
+//! The control volume of a Gauss-Lobatto node has the extents omega_i of its quadrature weights. Faces inside a cell lie at b_i = -1 + omega_1 +
+//! .. + omega_i. With the cofactors S_k of the map, of the axis k across which a face lies,
 //!
 //! ```text
-//! R_i = sum over the faces of i:  F^ |S_k| prod_(l /= k) w_l,      M_i = det prod_l w_l                            (low order)
-//! F^  = theta F*(u-, u+) + (1 - theta)/2 (F_c(u-) + F_c(u+)) . n - F_v({u}, (u+ - u-) n / h) . n                   (two-point)
+//! R_i = sum over the faces of i:  Fhat |S_k| prod_(l /= k) omega_l,      M_i = J prod_l omega_l                      (low order)
+//! Fhat = theta F*(u-, u+) + (1 - theta)/2 (F_c(u-) + F_c(u+)) . n - F_v({u}, (u+ - u-) n / h) . n                  (two-point)
 //! ```
 //!
 //! Inside a cell theta = 1/2 and h is the distance of the two nodes. Between cells theta = 1, and 1/h is the penalty sigma of (sip): there the
-//! nodes of both cells coincide, and F^ is the scheme's own flux without the terms with gradients. The same holds on boundaries. An
+//! nodes of both cells coincide, and Fhat is the scheme's own flux without the terms with gradients. The same holds on boundaries. An
 //! unknown is coupled to 2 D others, whatever the order.
 
-use crate::instants::TimePoint;
 use crate::kernels::Kernels;
 use crate::operator::SlabOperator;
 use crate::per_thread::PerThread;
 use crate::sub_cells::{CellMap, SubCells};
+use crate::time_points::TimePoint;
 use crate::two_point::FacePairs;
 use mesh::{Side, axis_and_side, face_nodes};
 use rayon::prelude::*;
@@ -97,8 +97,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// (low order) at position `s` of the slab, in the state and on the mesh last set.
     pub fn low_order(&self, s: f64) -> LowOrder<'_, D, M> {
         let (n, sub_cells) = (self.tables.orders.flow, SubCells::new::<D>(self.tables.orders));
-        let (instant, (_, dt)) = (TimePoint::of_space(&self.tables.time, s), self.interval());
-        let slots = [instant.position_row(dt).row(0).to_vec(), instant.velocities.row(0).to_vec()];
+        let (time_point, (_, dt)) = (TimePoint::of_space(&self.tables.time, s), self.interval());
+        let slots = [time_point.position_row(dt).row(0).to_vec(), time_point.velocities.row(0).to_vec()];
         let face_nodes = n.pow(D as u32 - 1);
         let room = {
             let (map, nodes) = (sub_cells.clone(), self.layout.nodes);

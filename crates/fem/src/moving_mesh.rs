@@ -48,6 +48,13 @@ impl MovingMesh {
         moving
     }
 
+    /// A direction of variation of the first `cells` cells, which has no position of its own.
+    pub(crate) fn direction(&self, cells: usize) -> Self {
+        let (reference, first_nodes, origins) = (Vec::new(), Vec::new(), Vec::new());
+        let data = vec![0.0; cells * self.cell_len()];
+        MovingMesh { reference, first_nodes, origins, data, numbering: self.numbering.clone(), ..*self }
+    }
+
     /// Unknowns of one velocity field: C0 nodes times dimension.
     pub fn field_len(&self) -> usize {
         self.numbering.count * self.dimension

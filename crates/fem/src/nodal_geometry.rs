@@ -3,10 +3,10 @@
 use crate::cell_geometry::{CellGeometry, CellMotion, GeometryScratch, geometry_len};
 use crate::collocation::{self, Collocation};
 use crate::fields::Fields;
-use crate::instants::TimePointIndex;
 use crate::mode::Mode;
 use crate::tables::Tables;
 use crate::tensor_product::{AtPoints, Lattice, evaluate};
+use crate::time_points::TimePointIndex;
 use basis::Matrix;
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Pack, Real, cofactor, determinant, dot, zeroed};
@@ -24,9 +24,9 @@ pub struct NodalScratch {
     /// g at the nodes and at the points, `[direction][i]`.
     grid_flux: Vec<Pack>,
     grid_flux_at_points: Vec<Pack>,
-    /// sum_i d_i g_i, `[instant][i]`.
+    /// sum_i d_i g_i, `[time point][i]`.
     divergence: Vec<Pack>,
-    /// J, `[instant][i]`.
+    /// J, `[time point][i]`.
     determinant: Vec<Pack>,
 }
 
@@ -37,7 +37,7 @@ impl NodalScratch {
             return NodalScratch::default();
         }
         let fields = |count: usize| zeroed(2 * count * tables.orders.flow.pow(D as u32));
-        let instants = tables.instants.len();
+        let time_points = tables.time_points.len();
         NodalScratch {
             x: fields(D),
             v: fields(D),
@@ -46,23 +46,23 @@ impl NodalScratch {
             area: fields(D * D),
             grid_flux: fields(D),
             grid_flux_at_points: fields(D),
-            divergence: fields(instants),
-            determinant: fields(instants),
+            divergence: fields(time_points),
+            determinant: fields(time_points),
         }
     }
 
-    /// J of the values at instant `number`.
+    /// J of the values at time point `number`.
     pub(crate) fn determinants(&self, number: usize, nodes: usize) -> &[Pack] {
         &self.determinant[number * nodes..][..nodes]
     }
 }
 
 impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
-    /// The geometry of a slab from position and velocity at its instants. Overwrites `out[instant][b][number][p]`.
+    /// The geometry of a slab from position and velocity at its time points. Overwrites `out[time point][b][number][p]`.
     #[inline(always)]
     pub(crate) fn collocated(&self, motion: CellMotion<D>, scratch: &mut GeometryScratch, out: &mut [Pack]) {
         let Some(collocation) = &self.tables.collocation else { return };
-        let (count, len) = (self.tables.instants.len(), K::GEOMETRY_BLOCKS * geometry_len(D) * self.nodes());
+        let (count, len) = (self.tables.time_points.len(), K::GEOMETRY_BLOCKS * geometry_len(D) * self.nodes());
         for (number, out) in out.chunks_exact_mut(len).take(count).enumerate() {
             let of = TimePointIndex { number, count };
             self.area_vectors(collocation, of, scratch); // 1. (metric)
@@ -238,10 +238,10 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         }
     }
 
-    /// (carried) at the nodes, at all instants.
+    /// (carried) at the nodes, at all time points.
     #[inline(always)]
     fn carry_determinant(&self, positions: &Matrix, bottom: &[Pack], scratch: &mut GeometryScratch) {
-        let (nodes, count) = (self.nodes(), self.tables.instants.len());
+        let (nodes, count) = (self.nodes(), self.tables.time_points.len());
         let (NodalScratch { divergence, determinant, .. }, fields) = (&mut scratch.nodal, self.fields(count));
         for q in 0..count {
             for p in 0..nodes {
@@ -259,22 +259,22 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         }
     }
 
-    /// det dx/dxi at the nodes, in place of the first instant.
+    /// det dx/dxi at the nodes, in place of the first time point.
     #[inline(always)]
     fn determinants_at_nodes(&self, nodal: &mut NodalScratch) {
         for p in 0..self.nodes() {
             for part in 0..Lanes::<S>::PARTS {
                 let slopes = self.fields(D * D).rows::<D, K::Geometry<S>, S>(self.simd, &nodal.jacobian, p, part);
                 let det = determinant(&slopes, &cofactor(&slopes));
-                self.fields(self.tables.instants.len()).store(0, det, &mut nodal.determinant, p, part);
+                self.fields(self.tables.time_points.len()).store(0, det, &mut nodal.determinant, p, part);
             }
         }
     }
 
-    /// J at the points, at instant `number`.
+    /// J at the points, at time point `number`.
     #[inline(always)]
     fn determinant_to_points(&self, number: usize, scratch: &mut GeometryScratch, out: &mut [Pack]) {
-        let (nodes, count) = (self.nodes(), self.tables.instants.len());
+        let (nodes, count) = (self.nodes(), self.tables.time_points.len());
         for b in 0..K::GEOMETRY_BLOCKS {
             let out = &mut out[((b + 1) * geometry_len(D) - 1) * nodes..];
             let nodal = &scratch.nodal.determinant[(b * count + number) * nodes..];

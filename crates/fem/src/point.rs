@@ -8,24 +8,61 @@ use std::marker::PhantomData;
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// A run of the kernels: the law, and the number types of this run. What kernels do are its methods.
-///
-/// Two references and nothing else: it is passed in registers.
-pub(crate) struct Kernel<'a, const D: usize, const M: usize, L, K, S> {
-    pub(crate) simd: S,
-    pub(crate) law: &'a L,
-    pub(crate) tables: &'a Tables<D>,
-    pub(crate) mode: PhantomData<K>,
+/// The types of a run of the kernels: law, derivative, instruction set, and the numbers that follow from them.
+pub(crate) trait KernelTypes<const D: usize, const M: usize> {
+    type Law: ConservationLaw<D, M>;
+    type Mode: Mode;
+    type Simd: Simd;
+    /// Numbers of the geometry.
+    type Geometry: LaneNumber<Self::Simd>;
+    /// Numbers of the state.
+    type State: LaneNumber<Self::Simd> + Over<Self::Geometry>;
+    /// See [`Mode::GEOMETRY_BLOCKS`].
+    const GEOMETRY_BLOCKS: usize = <Self::Mode as Mode>::GEOMETRY_BLOCKS;
+    /// See [`Mode::STATE_BLOCKS`].
+    const STATE_BLOCKS: usize = <Self::Mode as Mode>::STATE_BLOCKS;
 }
 
-impl<const D: usize, const M: usize, L, K, S: Copy> Clone for Kernel<'_, D, M, L, K, S> {
+/// [`KernelTypes`] of law, mode and instruction set.
+pub(crate) struct Types<L, K, S>(PhantomData<(L, K, S)>);
+
+impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> KernelTypes<D, M> for Types<L, K, S> {
+    type Law = L;
+    type Mode = K;
+    type Simd = S;
+    type Geometry = K::Geometry<S>;
+    type State = K::State<S>;
+}
+
+/// The boundary conditions of the law.
+pub(crate) type Condition<const D: usize, const M: usize, T> =
+    <<T as KernelTypes<D, M>>::Law as ConservationLaw<D, M>>::Boundary;
+
+/// A run of the kernels. What kernels do are its methods.
+///
+/// Two references and nothing else: it is passed in registers.
+pub(crate) struct Kernel<'a, const D: usize, const M: usize, T: KernelTypes<D, M>> {
+    pub(crate) simd: T::Simd,
+    pub(crate) law: &'a T::Law,
+    pub(crate) tables: &'a Tables<D>,
+    pub(crate) mode: PhantomData<T::Mode>,
+}
+
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Clone for Kernel<'_, D, M, T> {
     #[inline(always)]
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<const D: usize, const M: usize, L, K, S: Copy> Copy for Kernel<'_, D, M, L, K, S> {}
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Copy for Kernel<'_, D, M, T> {}
+
+impl<'a, const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'a, D, M, Types<L, K, S>> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, law: &'a L, tables: &'a Tables<D>, mode: PhantomData<K>) -> Self {
+        Kernel { simd, law, tables, mode }
+    }
+}
 
 /// The place of a point function's data: point `p` of `points`, and the part of its packs.
 #[derive(Clone, Copy)]
@@ -52,7 +89,7 @@ pub(crate) struct Metric<G, const D: usize> {
     pub(crate) det: G,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// The map at a point, from `geometry[b][number][p]`: A `[direction][d]` and J begin at the given `numbers`.
     #[inline(always)]
     pub(crate) fn metric(
@@ -61,8 +98,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         fields: Fields,
         [area, det]: [usize; 2],
         at: PointIndex,
-    ) -> Metric<K::Geometry<S>, D> {
-        let rows = fields.from(area).rows::<D, K::Geometry<S>, S>(self.simd, geometry, at.p, at.part);
+    ) -> Metric<T::Geometry, D> {
+        let rows = fields.from(area).rows::<D, T::Geometry, T::Simd>(self.simd, geometry, at.p, at.part);
         let mut cof = rows;
         for j in 0..D {
             for d in 0..D {
@@ -74,13 +111,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// A state; `u[b][m][p]`.
     #[inline(always)]
-    pub(crate) fn state(self, u: &[Pack], at: PointIndex) -> [K::State<S>; M] {
+    pub(crate) fn state(self, u: &[Pack], at: PointIndex) -> [T::State; M] {
         load(self.simd, u, at)
     }
 
     /// C components of the geometry, or of data that vary with the geometry alone: a velocity, a position, a source; `x[b][c][p]`.
     #[inline(always)]
-    pub(crate) fn geometry<const C: usize>(self, x: &[Pack], at: PointIndex) -> [K::Geometry<S>; C] {
+    pub(crate) fn geometry<const C: usize>(self, x: &[Pack], at: PointIndex) -> [T::Geometry; C] {
         load(self.simd, x, at)
     }
 
@@ -90,13 +127,13 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         self,
         gradient: &[Pack],
         at: PointIndex,
-        metric: &Metric<K::Geometry<S>, D>,
-    ) -> [[K::State<S>; M]; D] {
+        metric: &Metric<T::Geometry, D>,
+    ) -> [[T::State; M]; D] {
         let (simd, block, inverse) = (self.simd, D * M * at.points, metric.det.recip());
-        let mut reference = [[K::State::<S>::load(simd, gradient, block, at.p, at.part); M]; D];
+        let mut reference = [[T::State::load(simd, gradient, block, at.p, at.part); M]; D];
         for j in 0..D {
             for m in 0..M {
-                reference[j][m] = K::State::<S>::load(simd, gradient, block, at.index(j * M + m), at.part);
+                reference[j][m] = T::State::load(simd, gradient, block, at.index(j * M + m), at.part);
             }
         }
         let mut physical = reference;
@@ -118,8 +155,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// Marks the lanes where `admissibility` is not positive, or NaN.
     #[inline(always)]
-    pub(crate) fn flag(self, admissibility: K::State<S>, violated: &mut Pack, part: usize) {
-        let (so_far, one) = (Lanes::read(self.simd, violated, part), Lanes::<S>::splat(self.simd, 1.0));
+    pub(crate) fn flag(self, admissibility: T::State, violated: &mut Pack, part: usize) {
+        let (so_far, one) = (Lanes::read(self.simd, violated, part), Lanes::<T::Simd>::splat(self.simd, 1.0));
         admissibility.primal().select_ge(one * f64::MIN_POSITIVE, so_far, one).write(violated, part);
     }
 }

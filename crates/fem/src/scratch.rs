@@ -12,11 +12,11 @@ use tensor::{Pack, WIDTH, zeroed};
 pub struct CellScratch {
     /// Residual, `[a][m][i]`.
     pub residual: Vec<Pack>,
-    /// State, `[b][time, last the top][m][i]`; for the operator of space alone and for moments at one time.
+    /// State, `[b][time, last the top][m][i]`; for the operator of space alone and for the mass product at one time.
     pub state_at: Vec<Pack>,
-    /// Flux terms, `[instant][m][i]`.
+    /// Flux terms, `[time point][m][i]`.
     pub flux_at: Vec<Pack>,
-    /// Moments of the state, int w u J, `[instant, last the top][m][i]`.
+    /// Mass product of the state, int psi u J, `[time point, last the top][m][i]`.
     pub mass_product_at: Vec<Pack>,
     /// Positions at points relative to the origins of the cells, `[b][d][p]`: read by sources.
     pub x: Vec<Pack>,
@@ -24,7 +24,7 @@ pub struct CellScratch {
     pub source: Vec<Pack>,
     /// The geometry.
     pub geometry: GeometryScratch,
-    /// J at the nodes, for moments at one time; collocated rules only.
+    /// J at the nodes, for the mass product at one time; collocated rules only.
     pub determinant_at: Vec<Pack>,
     /// Terms of all faces, each in its own lattice, `[face][kind][a][m][face node]`.
     pub(crate) face_terms: Vec<Pack>,
@@ -40,14 +40,14 @@ pub struct CellScratch {
 impl CellScratch {
     /// Memory for any mode.
     pub fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.block_points());
+        let (n_t, time_points, points) = (tables.orders.time, tables.time_points.len(), tables.block_points());
         let nodes = tables.orders.flow.pow(D as u32);
         let widest = tables.rule.points.len().max(tables.orders.flow).max(tables.orders.mesh);
         CellScratch {
             residual: zeroed(n_t * M * nodes),
-            state_at: zeroed(2 * (instants + 1) * M * nodes),
-            flux_at: zeroed(instants * M * nodes),
-            mass_product_at: zeroed((instants + 1) * M * nodes),
+            state_at: zeroed(2 * (time_points + 1) * M * nodes),
+            flux_at: zeroed(time_points * M * nodes),
+            mass_product_at: zeroed((time_points + 1) * M * nodes),
             x: zeroed(2 * D * points),
             source: zeroed(2 * M * points),
             geometry: GeometryScratch::new(tables),
@@ -74,11 +74,11 @@ pub struct SideScratch {
     pub mesh: Vec<Pack>,
     /// Terms to test with, `[kind][a][m][i]`.
     pub terms: Vec<Pack>,
-    /// State traces, `[kind][b][instant][m][i]`.
+    /// State traces, `[kind][b][time point][m][i]`.
     pub(crate) state_at: Vec<Pack>,
-    /// Mesh traces, `[kind][b][instant][d][i]`.
+    /// Mesh traces, `[kind][b][time point][d][i]`.
     pub(crate) position_at: Vec<Pack>,
-    /// Terms `[kind][instant][m][i]`.
+    /// Terms `[kind][time point][m][i]`.
     pub(crate) terms_at: Vec<Pack>,
     pub(crate) u: Vec<Pack>,
     pub(crate) gradient: Vec<Pack>,
@@ -112,7 +112,7 @@ pub struct FacetScratch {
     pub violated: Pack,
     /// One trace of every lane in another order of nodes.
     pub(crate) reordered: Vec<f64>,
-    /// Velocity of the facet, `[b][instant][d][i]`.
+    /// Velocity of the facet, `[b][time point][d][i]`.
     pub(crate) velocity_at: Vec<Pack>,
     /// The velocity at which forces do work at the points, `[d][p]`.
     pub(crate) work_velocity: Vec<Pack>,
@@ -150,7 +150,7 @@ impl FaceNodes {
 
 impl SideScratch {
     pub(crate) fn new<const D: usize, const M: usize>(tables: &Tables<D>) -> Self {
-        let (n_t, instants, points) = (tables.orders.time, tables.instants.len(), tables.facet_points());
+        let (n_t, time_points, points) = (tables.orders.time, tables.time_points.len(), tables.facet_points());
         let nodes = tables.orders.flow.pow(D as u32 - 1);
         let mesh_nodes = tables.orders.mesh.pow(D as u32 - 1);
         let kinds = 2;
@@ -158,9 +158,9 @@ impl SideScratch {
             state: zeroed(kinds * 2 * n_t * M * nodes),
             mesh: zeroed(kinds * 2 * (n_t + 1) * D * mesh_nodes),
             terms: zeroed(kinds * n_t * M * nodes),
-            state_at: zeroed(kinds * 2 * instants * M * nodes),
-            position_at: zeroed(kinds * 2 * instants * D * mesh_nodes),
-            terms_at: zeroed(kinds * instants * M * nodes),
+            state_at: zeroed(kinds * 2 * time_points * M * nodes),
+            position_at: zeroed(kinds * 2 * time_points * D * mesh_nodes),
+            terms_at: zeroed(kinds * time_points * M * nodes),
             u: zeroed(2 * M * points),
             gradient: zeroed(D * 2 * M * points),
             jacobian: zeroed(D * 2 * D * points),
@@ -185,11 +185,11 @@ impl FacetScratch {
             through: zeroed(2 * through_len(M) + 2),
             with_loads: false,
             momentum: zeroed(D * points),
-            loads: zeroed(tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
+            loads: zeroed(tables.time_points.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             boundary_velocity: zeroed(D * tables.orders.mesh.pow(D as u32 - 1)),
             violated: Pack::ZERO,
             reordered: vec![0.0; WIDTH * longest],
-            velocity_at: zeroed(2 * tables.instants.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
+            velocity_at: zeroed(2 * tables.time_points.len() * D * tables.orders.mesh.pow(D as u32 - 1)),
             work_velocity: zeroed(D * points),
             geometry: zeroed(2 * facet_geometry_len(D, true) * points),
             on_nodes: FaceNodes::new(tables),

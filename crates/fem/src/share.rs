@@ -1,13 +1,14 @@
 //! The share of a rank: its own cells, and ghosts, the cells of other ranks across their facets.
 //!
-//! The mesh is cut into blocks, and a rank owns whole blocks. Vectors hold own cells only. Before traces are taken, the coefficients of
-//! ghosts are received from their owners. Both ranks of a cut compute the facets there, to the same bits. Everything that rounds follows
-//! the blocks, so that results do not depend on the number of ranks.
+//! The mesh is cut into blocks, and a rank owns whole blocks. Vectors hold own cells only. Of a state ranks send the coefficients of ghosts,
+//! of a direction only the traces at the cuts. Both ranks of a cut compute the facets there, to the same bits. Everything that rounds
+//! follows the blocks, so that results do not depend on the number of ranks.
 
 mod messages;
 
-use mesh::Mesh;
+use mesh::{Mesh, Side};
 use ranks::Sums;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -16,8 +17,19 @@ use std::sync::Arc;
 pub struct Blocks {
     /// The block of every cell.
     pub of_cell: Vec<usize>,
-    /// The colour of every cell at a cut, see [`mesh::colours`].
-    pub colours: Vec<Option<usize>>,
+    /// How many groups of cells a preconditioner may eliminate one after the other, all blocks at the same time in each. The more there are,
+    /// the closer it comes to the order of elimination of one block, and the more messages it sends.
+    pub groups: usize,
+}
+
+/// Faces at cuts between this rank and another one, facet by facet in the order of the whole mesh.
+#[derive(Clone, Debug)]
+struct Cut {
+    rank: usize,
+    /// Those of own cells.
+    own: Vec<Side>,
+    /// Those of ghosts.
+    ghosts: Vec<Side>,
 }
 
 /// The cells of a rank. Local numbers are those of own cells, and then those of ghosts.
@@ -27,10 +39,8 @@ pub struct Share {
     pub own: Vec<usize>,
     /// Ghosts by their numbers in the whole mesh: rank by rank, in the order of the own cells there.
     pub ghosts: Vec<usize>,
-    /// Blocks and colours of own cells and ghosts.
+    /// Blocks of own cells and ghosts.
     pub blocks: Blocks,
-    /// Colours of the whole mesh.
-    pub colours: usize,
     /// The first cell of every own block, and the number of own cells.
     pub ends: Vec<usize>,
     /// Sums over all blocks.
@@ -39,6 +49,10 @@ pub struct Share {
     sends: Vec<(usize, Vec<usize>)>,
     /// Where the ghosts of other ranks are among the ghosts.
     receives: Vec<(usize, Range<usize>)>,
+    /// The facets between ranks.
+    cuts: Vec<Cut>,
+    /// On rank 0 the own cells of all ranks.
+    cells_of_ranks: Vec<Vec<usize>>,
     /// Cells of the whole mesh.
     whole: usize,
 }
@@ -46,12 +60,15 @@ pub struct Share {
 impl Blocks {
     /// One block of all cells.
     pub fn one(cells: usize) -> Self {
-        Blocks { of_cell: vec![0; cells], colours: vec![None; cells] }
+        Blocks { of_cell: vec![0; cells], groups: 1 }
     }
 
-    fn subset(&self, cells: impl Iterator<Item = usize> + Clone) -> Self {
-        let of_cell = cells.clone().map(|cell| self.of_cell[cell]).collect();
-        Blocks { of_cell, colours: cells.map(|cell| self.colours[cell]).collect() }
+    /// The cells of the blocks `range`: block by block, in increasing order in each.
+    fn cells(&self, range: &Range<usize>) -> Vec<usize> {
+        let mut cells: Vec<usize> =
+            (0..self.of_cell.len()).filter(|cell| range.contains(&self.of_cell[*cell])).collect();
+        cells.sort_by_key(|&cell| self.of_cell[cell]);
+        cells
     }
 }
 
@@ -63,29 +80,59 @@ impl Share {
 
     /// The share of the rank that owns the blocks `sums.own()`.
     pub fn new<const D: usize>(mesh: &Mesh<D>, blocks: &Blocks, sums: Arc<Sums>) -> Self {
-        let own: Vec<usize> = sums.own().flat_map(|block| cells_of(blocks, block)).collect();
+        let own = blocks.cells(&sums.own());
+        let told = if sums.communicator().rank() == 0 { sums.blocks_of_rank() } else { &[] };
         let mut share = Share {
             ends: ends(&own, blocks, sums.own()),
             own,
             ghosts: Vec::new(),
-            blocks: Blocks { of_cell: Vec::new(), colours: Vec::new() },
-            colours: blocks.colours.iter().flatten().map(|colour| colour + 1).max().unwrap_or(0),
+            blocks: Blocks { of_cell: Vec::new(), ..*blocks },
+            cells_of_ranks: told.iter().map(|range| blocks.cells(range)).collect(),
             sums,
             sends: Vec::new(),
             receives: Vec::new(),
+            cuts: Vec::new(),
             whole: mesh.n_cells(),
         };
-        share.meet_neighbours(mesh, blocks);
-        share.blocks = blocks.subset(share.cells());
+        let owners = share.owners(blocks);
+        share.meet_neighbours(mesh, blocks, &owners);
+        share.find_cuts(mesh, &owners);
+        share.blocks.of_cell = share.cells().map(|cell| blocks.of_cell[cell]).collect();
         share
     }
 
-    /// Finds the ghosts, and the own cells that are ghosts elsewhere.
-    fn meet_neighbours<const D: usize>(&mut self, mesh: &Mesh<D>, blocks: &Blocks) {
-        let rank = self.sums.communicator().rank();
+    /// The rank of every cell of the whole mesh.
+    fn owners(&self, blocks: &Blocks) -> Vec<usize> {
         let ranks: Vec<usize> =
             (0..).zip(self.sums.blocks_of_rank()).flat_map(|(rank, own)| own.clone().map(move |_| rank)).collect();
-        let owner = |cell: usize| ranks[blocks.of_cell[cell]];
+        blocks.of_cell.iter().map(|&block| ranks[block]).collect()
+    }
+
+    /// Finds the facets between this rank and others.
+    fn find_cuts<const D: usize>(&mut self, mesh: &Mesh<D>, owners: &[usize]) {
+        let rank = self.sums.communicator().rank();
+        let mut local = vec![usize::MAX; self.whole];
+        self.cells().enumerate().for_each(|(number, cell)| local[cell] = number);
+        let here = |side: Side| Side { cell: local[side.cell], ..side };
+        let mut cuts: BTreeMap<usize, Cut> = BTreeMap::new();
+        for facet in mesh.interior_facets() {
+            for (own, ghost) in [(facet.minus, facet.plus), (facet.plus, facet.minus)] {
+                let other = owners[ghost.cell];
+                if owners[own.cell] == rank && other != rank {
+                    let new = || Cut { rank: other, own: Vec::new(), ghosts: Vec::new() };
+                    let cut = cuts.entry(other).or_insert_with(new);
+                    cut.own.push(here(own));
+                    cut.ghosts.push(here(ghost));
+                }
+            }
+        }
+        self.cuts = cuts.into_values().collect();
+    }
+
+    /// Finds the ghosts, and the own cells that are ghosts elsewhere.
+    fn meet_neighbours<const D: usize>(&mut self, mesh: &Mesh<D>, blocks: &Blocks, owners: &[usize]) {
+        let rank = self.sums.communicator().rank();
+        let owner = |cell: usize| owners[cell];
         let place = |cell: usize| (owner(cell), blocks.of_cell[cell], cell);
         let (mut ghosts, mut needed) = (Vec::new(), Vec::new());
         for facet in mesh.interior_facets() {
@@ -119,15 +166,19 @@ impl Share {
         self.own.iter().chain(&self.ghosts).copied()
     }
 
-    /// The own cells alone, as if blocks did not touch.
-    pub fn without_cuts(&self) -> Share {
-        let blocks = Blocks { colours: vec![None; self.own.len()], of_cell: self.blocks.of_cell.clone() };
-        Share { ghosts: Vec::new(), blocks, colours: 0, sends: Vec::new(), receives: Vec::new(), ..self.clone() }
+    /// The number of cells of the whole mesh.
+    pub fn whole_cells(&self) -> usize {
+        self.whole
     }
 
     /// The ranks that have own cells as ghosts, and how many.
     pub fn sent(&self) -> impl Iterator<Item = (usize, usize)> {
         self.sends.iter().map(|(rank, cells)| (*rank, cells.len()))
+    }
+
+    /// The ranks across the cuts, and the number of facets to each.
+    pub fn cut_facets(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.cuts.iter().map(|cut| (cut.rank, cut.own.len()))
     }
 
     /// Whether this is the only rank and the mesh is one block.
@@ -145,11 +196,6 @@ impl Share {
         let len = whole.len() / self.whole;
         self.own.iter().flat_map(|&cell| whole[cell * len..(cell + 1) * len].iter().copied()).collect()
     }
-}
-
-/// The cells of `block` in increasing order.
-fn cells_of(blocks: &Blocks, block: usize) -> impl Iterator<Item = usize> {
-    blocks.of_cell.iter().enumerate().filter(move |(_, other)| **other == block).map(|(cell, _)| cell)
 }
 
 /// The first of the cells `own` in each of the blocks, and the number of all.

@@ -10,6 +10,7 @@ use crate::gather::{gather, scatter};
 use crate::kernels::Differentiate;
 use crate::mode::{AlongStateAndMesh, Values};
 use crate::operator::SlabOperator;
+use crate::per_thread::PerThread;
 use crate::scratch::CellScratch;
 use crate::tables::{Orders, Quadrature, Tables};
 use rayon::prelude::*;
@@ -30,7 +31,7 @@ pub enum SlabEnd {
 pub(crate) struct SlabGeometry {
     /// By batches of cells, see [`kept_len`]; empty where it is not kept.
     cells: Vec<Pack>,
-    /// By batches of facets, `[batch][instant][number][p]`.
+    /// By batches of facets, `[batch][time point][number][p]`.
     facets: Vec<Pack>,
     /// Packs of one batch of cells, and of facets.
     of_batch: [usize; 2],
@@ -39,15 +40,20 @@ pub(crate) struct SlabGeometry {
 }
 
 impl SlabGeometry {
-    /// Memory for `cells` cells and so many `batches` of facets.
-    pub(crate) fn new<const D: usize>(tables: &Tables<D>, viscous: bool, cells: usize, batches: usize) -> Self {
+    /// Memory for `cells` cells and so many `batches` of facets; only for the determinants that are carried unless the geometry is `kept`.
+    pub(crate) fn new<const D: usize>(
+        tables: &Tables<D>,
+        viscous: bool,
+        [cells, batches]: [usize; 2],
+        kept: bool,
+    ) -> Self {
         let collocated = tables.collocation.is_some();
-        let points = [tables.rule.points.len(), tables.instants.len()];
+        let points = [tables.rule.points.len(), tables.time_points.len()];
         let of_batch @ [of_cells, of_facets] = kept_of_batch(D, points, collocated, viscous);
         let ends = vec![1.0; if collocated { cells * tables.orders.flow.pow(D as u32) } else { 0 }];
         SlabGeometry {
-            cells: zeroed(cells.div_ceil(WIDTH) * of_cells),
-            facets: zeroed(batches * of_facets),
+            cells: zeroed(if kept { cells.div_ceil(WIDTH) * of_cells } else { 0 }),
+            facets: zeroed(if kept { batches * of_facets } else { 0 }),
             of_batch,
             carried: [ends.clone(), ends],
         }
@@ -58,7 +64,7 @@ impl SlabGeometry {
         self.cells.get(batch * self.of_batch[0]..(batch + 1) * self.of_batch[0]).filter(|kept| !kept.is_empty())
     }
 
-    /// The geometry of a batch of facets at the instants, if it is kept.
+    /// The geometry of a batch of facets at the time points, if it is kept.
     pub(crate) fn of_facets(&self, batch: usize) -> Option<&[Pack]> {
         self.facets.get(batch * self.of_batch[1]..(batch + 1) * self.of_batch[1]).filter(|kept| !kept.is_empty())
     }
@@ -69,14 +75,14 @@ impl SlabGeometry {
     }
 }
 
-/// Numbers that are kept for a cell and for a facet, with so many points per direction in space and instants.
+/// Numbers that are kept for a cell and for a facet, with so many points per direction in space and time points.
 fn kept_of_batch(dimension: usize, points: [usize; 2], collocated: bool, viscous: bool) -> [usize; 2] {
-    let ([line, instants], axes) = (points, dimension as u32);
+    let ([line, time_points], axes) = (points, dimension as u32);
     if !collocated && dimension > 2 {
         return [0; 2];
     }
-    let of_facet = instants * facet_geometry_len(dimension, viscous) * line.pow(axes - 1);
-    [kept_len(dimension, instants, line.pow(axes), !collocated), of_facet]
+    let of_facet = time_points * facet_geometry_len(dimension, viscous) * line.pow(axes - 1);
+    [kept_len(dimension, time_points, line.pow(axes), !collocated), of_facet]
 }
 
 /// Bytes of the geometry that an operator keeps on `cells` cells and `facets` facets.
@@ -149,27 +155,59 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         if !geometry.cells.is_empty() {
             self.take_cells(&mut geometry);
             self.take_facets(&mut geometry);
+        } else if self.tables.collocation.is_some() {
+            self.take_tops(&mut geometry);
         }
         self.geometry = geometry;
     }
 
+    /// Computes the determinants at the top, where no geometry is kept.
+    fn take_tops(&self, geometry: &mut SlabGeometry) {
+        let SlabGeometry { of_batch: [len, _], carried: [bottom, top], .. } = geometry;
+        let (cells, cell_len) = (self.layout.cells, self.mesh.cell_len());
+        let coefficients = PerThread::new(|| zeroed(cell_len));
+        let tops = top.par_chunks_mut(WIDTH * self.layout.nodes).enumerate();
+        tops.with_max_len(BATCHES_PER_TASK).for_each(|(batch, top)| {
+            coefficients.with(|mesh| {
+                let of_cell = |cell: usize| &self.mesh.data[cell * cell_len..(cell + 1) * cell_len];
+                gather(cells_of(batch, cells).map(of_cell), mesh);
+                self.cells.with(|scratch| {
+                    let mut out = std::mem::take(&mut scratch.geometry.known);
+                    self.geometry_of_batch(batch, &[mesh], bottom, scratch, (&mut out[..*len], top));
+                    scratch.geometry.known = out;
+                });
+            });
+        });
+    }
+
+    /// The geometry of a batch of cells in the slab, and the determinants at the top if they are carried.
+    fn geometry_of_batch(
+        &self,
+        batch: usize,
+        mesh: &[&[Pack]],
+        bottom: &[f64],
+        scratch: &mut CellScratch,
+        (out, top): (&mut [Pack], &mut [f64]),
+    ) {
+        let CellScratch { geometry: scratch, determinant_at, .. } = scratch;
+        let (tables, nodes) = (&self.tables, self.layout.nodes);
+        gather_nodal(bottom, batch, determinant_at);
+        let motion = CellMotion { tables, positions: &self.positions_and_top, mesh, bottom: determinant_at };
+        Arch::new().dispatch(GeometryOfSlab { motion, scratch, out, mode: PhantomData::<Values> });
+        if !top.is_empty() {
+            scatter(scratch.nodal.determinants(tables.time_points.len() - 1, nodes), nodes, top);
+        }
+    }
+
     fn take_cells(&self, geometry: &mut SlabGeometry) {
         let SlabGeometry { cells, of_batch: [len, _], carried: [bottom, top], .. } = geometry;
-        let (tables, nodes) = (&self.tables, self.layout.nodes);
         // Nothing is carried by rules that are not collocated: there the chunks are empty.
-        let mut tops: Vec<&mut [f64]> = top.chunks_mut(WIDTH * nodes).collect();
+        let mut tops: Vec<&mut [f64]> = top.chunks_mut(WIDTH * self.layout.nodes).collect();
         tops.resize_with(cells.len() / *len, Default::default);
         let batches = cells.par_chunks_mut(*len).zip(tops).enumerate();
         batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (out, top))| {
-            self.cells.with(|CellScratch { geometry: scratch, determinant_at, .. }| {
-                gather_nodal(bottom, batch, determinant_at);
-                let mesh = &[self.mesh_traces.coefficients(batch)][..];
-                let motion = CellMotion { tables, positions: &self.positions_and_top, mesh, bottom: determinant_at };
-                Arch::new().dispatch(GeometryOfSlab { motion, scratch, out, mode: PhantomData::<Values> });
-                if !top.is_empty() {
-                    scatter(scratch.nodal.determinants(tables.instants.len() - 1, nodes), nodes, top);
-                }
-            });
+            let mesh = &[self.mesh_traces.coefficients(batch)];
+            self.cells.with(|scratch| self.geometry_of_batch(batch, mesh, bottom, scratch, (out, top)));
         });
     }
 
@@ -202,7 +240,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         scratch.known = out;
     }
 
-    /// Puts what the moments of a batch at an end of the slab need into `scratch`: J where it is carried, else positions.
+    /// Puts what the mass product of a batch at an end of the slab need into `scratch`: J where it is carried, else positions.
     pub(crate) fn gather_end(&self, batch: usize, end: SlabEnd, row: &[f64], scratch: &mut CellScratch) {
         if self.tables.collocation.is_some() {
             return gather_nodal(self.geometry.determinants(end), batch, &mut scratch.determinant_at);
@@ -213,7 +251,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// The geometry of a batch of facets at the instants, where it is kept and not differentiated.
+    /// The geometry of a batch of facets at the time points, where it is kept and not differentiated.
     pub(crate) fn facet_geometry(&self, along: Differentiate, batch: &FacetBatch) -> Option<&[Pack]> {
         self.geometry.of_facets(batch.number).filter(|_| along.geometry_blocks() == 1)
     }

@@ -12,12 +12,10 @@
 //! N_s^5 the decay rate of that polynomial, about speed / h, does not depend on N_s.
 
 use crate::conservation_law::ConservationLaw;
-use crate::mode::Mode;
-use crate::point::Kernel;
-use tensor::pulp::Simd;
+use crate::point::{Kernel, KernelTypes};
 use tensor::{Over, Real};
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Whether the order of the flow needs the penalty.
     #[inline(always)]
     pub(crate) fn penalises_slopes(self) -> bool {
@@ -28,11 +26,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     #[inline(always)]
     pub(crate) fn slope_penalty(
         self,
-        [minus, plus]: [&[K::State<S>; M]; 2],
-        [gradient_minus, gradient_plus]: [&[[K::State<S>; M]; D]; 2],
-        n: &[K::Geometry<S>; D],
-        sigma: K::Geometry<S>,
-    ) -> [K::State<S>; M] {
+        [minus, plus]: [&[T::State; M]; 2],
+        [gradient_minus, gradient_plus]: [&[[T::State; M]; D]; 2],
+        n: &[T::Geometry; D],
+        sigma: T::Geometry,
+    ) -> [T::State; M] {
         let (mut mean, mut slope) = (*minus, *minus);
         for m in 0..M {
             mean[m] = (minus[m] + plus[m]) * 0.5;

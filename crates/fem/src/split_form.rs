@@ -14,10 +14,8 @@
 use crate::cell_geometry::geometry_len;
 use crate::conservation_law::ConservationLaw;
 use crate::fields::Fields;
-use crate::mode::Mode;
-use crate::point::{Kernel, PointIndex};
+use crate::point::{Kernel, KernelTypes, PointIndex};
 use crate::tables::Planes;
-use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Pack, dot};
 
 /// A pair of nodes on a line, and their entry of (split).
@@ -29,7 +27,7 @@ struct Pair {
     weight: f64,
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// Adds (split) times `weight` to `tested[m][node]`, with the state `u[b][m][node]` and `geometry[b][number][node]`.
     #[inline(always)]
     pub(crate) fn split_terms(self, [u, geometry]: [&[Pack]; 2], planes: &Planes, weight: f64, tested: &mut [Pack]) {
@@ -43,7 +41,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 for j in on_line + 1..n {
                     let nodes = [i, i + (j - on_line) * stride];
                     let pair = Pair { axis, nodes, weight: across * collocation.skew[(on_line, j)] };
-                    for part in 0..Lanes::<S>::PARTS {
+                    for part in 0..Lanes::<T::Simd>::PARTS {
                         self.add_pair([u, geometry], pair, part, tested);
                     }
                 }
@@ -57,8 +55,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let points = self.tables.volume_points();
         let (fields, [i, j]) = (Fields::new(geometry_len(D), points), pair.nodes);
         let (areas, velocities) = (fields.from(pair.axis * D), fields.from(D * D));
-        let mut area: [K::Geometry<S>; D] = areas.vector(self.simd, geometry, i, part);
-        let other: [K::Geometry<S>; D] = areas.vector(self.simd, geometry, j, part);
+        let mut area: [T::Geometry; D] = areas.vector(self.simd, geometry, i, part);
+        let other: [T::Geometry; D] = areas.vector(self.simd, geometry, j, part);
         let of_i = dot(&area, &velocities.vector(self.simd, geometry, i, part));
         let of_j = dot(&other, &velocities.vector(self.simd, geometry, j, part));
         let grid_flux = (of_i + of_j) * 0.5;

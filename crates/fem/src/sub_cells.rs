@@ -2,7 +2,7 @@
 
 use crate::moving_mesh::MovingMesh;
 use crate::tables::Orders;
-use basis::{Lagrange, Matrix, apply_all_axes, gauss_lobatto, scratch_length};
+use basis::{AllAxes, Lagrange, Matrix, apply_all_axes, gauss_lobatto, scratch_length};
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Arch, Pack, cofactor, determinant, zeroed};
 
@@ -162,6 +162,7 @@ impl WithSimd for Evaluate<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        apply_all_axes(simd, self.matrices, 1, self.nodal, self.out, self.room, false);
+        let axes = AllAxes { matrices: self.matrices, components: 1 };
+        apply_all_axes(simd, axes, self.nodal, self.out, self.room, false);
     }
 }

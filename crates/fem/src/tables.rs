@@ -1,7 +1,7 @@
 //! One-dimensional matrices of a slab space, which the kernels contract with.
 
 use crate::collocation::Collocation;
-use crate::instants::TimePoint;
+use crate::time_points::TimePoint;
 use basis::{Lagrange, Matrix, RadauTime, Rule, gauss, gauss_lobatto};
 use tensor::Pack;
 
@@ -195,19 +195,19 @@ pub struct Tables<const D: usize> {
     /// The time basis.
     pub time: RadauTime,
     /// The Gauss points of the slab in time.
-    pub instants: Vec<TimePoint>,
+    pub time_points: Vec<TimePoint>,
     /// The top of the slab, s = 1, weight 1.
     pub top: TimePoint,
-    /// phi_a(s) at the instants, `[instant][a]`.
+    /// phi_a(s) at the time points, `[time point][a]`.
     pub values: Matrix,
-    /// The same with the top as the last row, unless the last instant is the top.
+    /// The same with the top as the last row, unless the last time point is the top.
     pub values_and_top: Matrix,
-    /// Velocities at the Gauss points, `[instant][slot]`.
+    /// Velocities at the Gauss points, `[time point][slot]`.
     pub velocities: Matrix,
-    /// phi_a(s) at the Gauss points, `[a][instant]`: sends terms there to the test functions.
+    /// phi_a(s) at the Gauss points, `[a][time point]`: sends terms there to the test functions.
     pub test: Matrix,
-    /// -phi_a'(s) at the instants, with the sign from integration by parts, and last phi_a(1), `[a][time or top]`: the test of the
-    /// conserved quantity. Where the last instant is the top, its column holds both.
+    /// -phi_a'(s) at the time points, with the sign from integration by parts, and last phi_a(1), `[a][time or top]`: the test of the
+    /// conserved quantity. Where the last time point is the top, its column holds both.
     pub test_rate: Matrix,
     /// The volume points, plane by plane.
     pub planes: Vec<Planes>,
@@ -223,15 +223,15 @@ impl<const D: usize> Tables<D> {
         let rule = quadrature.space_rule(D, orders);
         let time = RadauTime::new(orders.time);
         let time_rule = quadrature.time_rule(D, orders, &time);
-        let instants: Vec<_> =
+        let time_points: Vec<_> =
             (time_rule.points.iter().zip(&time_rule.weights)).map(|(&s, &w)| TimePoint::new(&time, s, w)).collect();
-        let (n_t, count) = (orders.time, instants.len());
+        let (n_t, count) = (orders.time, time_points.len());
         let collocation = match quadrature {
             Quadrature::Collocated(family) => Some(Collocation::new(orders, family)),
             _ => None,
         };
-        let test_rate = test_rate(&time, &instants, collocation.is_some());
-        // Of the state: values and gradients, moments and fluxes; of the mesh: velocity and Jacobian matrix.
+        let test_rate = test_rate(&time, &time_points, collocation.is_some());
+        // Of the state: values and gradients, mass product and fluxes; of the mesh: velocity and Jacobian matrix.
         let packs = (2 * components + D) * (1 + D);
         Tables {
             orders,
@@ -245,22 +245,22 @@ impl<const D: usize> Tables<D> {
                 None => Shape1d::new(orders.mesh, &rule.points),
             },
             top: TimePoint::new(&time, 1.0, 1.0),
-            values: Matrix::from_fn(count, n_t, |q, a| instants[q].values[(0, a)]),
+            values: Matrix::from_fn(count, n_t, |q, a| time_points[q].values[(0, a)]),
             values_and_top: Matrix::from_fn(test_rate.cols(), n_t, |q, a| {
-                instants.get(q).map_or(time.values(1.0)[a], |instant| instant.values[(0, a)])
+                time_points.get(q).map_or(time.values(1.0)[a], |time_point| time_point.values[(0, a)])
             }),
-            velocities: Matrix::from_fn(count, n_t + 1, |q, slot| instants[q].velocities[(0, slot)]),
-            test: Matrix::from_fn(n_t, count, |a, q| instants[q].values[(0, a)]),
+            velocities: Matrix::from_fn(count, n_t + 1, |q, slot| time_points[q].velocities[(0, slot)]),
+            test: Matrix::from_fn(n_t, count, |a, q| time_points[q].values[(0, a)]),
             test_rate,
             collocation,
-            instants,
+            time_points,
             time,
             facet_weights: rule.tensor_weights(D - 1),
             rule,
         }
     }
 
-    /// The times at which cells evaluate the conserved quantity: the instants and the top.
+    /// The times at which cells evaluate the conserved quantity: the time points and the top.
     pub(crate) fn times(&self) -> usize {
         self.values_and_top.rows()
     }
@@ -283,14 +283,14 @@ impl<const D: usize> Tables<D> {
     }
 }
 
-/// See [`Tables::test_rate`]. Moments at an instant have its weight already.
-fn test_rate(time: &RadauTime, instants: &[TimePoint], last_is_top: bool) -> Matrix {
-    let (n_t, count) = (time.order(), instants.len());
-    let rates: Vec<_> = instants.iter().map(|instant| time.derivatives(instant.s)).collect();
+/// See [`Tables::test_rate`]. Mass products at a time point have its weight already.
+fn test_rate(time: &RadauTime, time_points: &[TimePoint], last_is_top: bool) -> Matrix {
+    let (n_t, count) = (time.order(), time_points.len());
+    let rates: Vec<_> = time_points.iter().map(|time_point| time.derivatives(time_point.s)).collect();
     let top = time.values(1.0);
     if !last_is_top {
         return Matrix::from_fn(n_t, count + 1, |a, q| rates.get(q).map_or(top[a], |rates| -rates[a]));
     }
-    let at_top = |a: usize, q: usize| if q + 1 == count { top[a] / instants[q].weight } else { 0.0 };
+    let at_top = |a: usize, q: usize| if q + 1 == count { top[a] / time_points[q].weight } else { 0.0 };
     Matrix::from_fn(n_t, count, |a, q| at_top(a, q) - rates[q][a])
 }

@@ -1,7 +1,7 @@
 //! Values and gradients of tensor-product polynomials at quadrature points, and their transposes, in packs of cells.
 
 use crate::tables::Shape1d;
-use basis::{Matrix, contract};
+use basis::{AlongAxis, Matrix, contract};
 use tensor::pulp::Simd;
 use tensor::{Lanes, Pack};
 
@@ -26,26 +26,18 @@ impl Scratch {
     pub(crate) fn contract<S: Simd>(
         &mut self,
         simd: S,
-        axis: AlongAxis,
+        along: AlongAxis,
         input: &[Pack],
         output: &mut [Pack],
         add: bool,
     ) {
-        let AlongAxis { matrix, outer, inner } = axis;
+        let AlongAxis { matrix, outer, inner } = along;
         if is_identity(matrix) {
             return add_or_set(simd, &input[..outer * matrix.rows() * inner], output, add);
         }
-        self.multiplications += multiplications(matrix, outer, inner);
-        contract(simd, matrix, outer, inner, input, output, add);
+        self.multiplications += multiplications(along);
+        contract(simd, along, input, output, add);
     }
-}
-
-/// A matrix along one axis of a tensor, with so many entries outside and inside of the axis.
-#[derive(Clone, Copy)]
-pub(crate) struct AlongAxis<'a> {
-    pub(crate) matrix: &'a Matrix,
-    pub(crate) outer: usize,
-    pub(crate) inner: usize,
 }
 
 /// Whether a matrix is the identity: the map to points that are nodes.
@@ -56,7 +48,7 @@ fn is_identity(matrix: &Matrix) -> bool {
 }
 
 /// Multiplications of packs in one contraction.
-fn multiplications(matrix: &Matrix, outer: usize, inner: usize) -> usize {
+fn multiplications(AlongAxis { matrix, outer, inner }: AlongAxis) -> usize {
     matrix.rows() * matrix.cols() * outer * inner
 }
 
@@ -192,8 +184,9 @@ pub fn evaluate<S: Simd>(simd: S, lattice: Lattice, nodal: &[Pack], to: AtPoints
                 // Tensor t is differentiated along axis D - t.
                 (true, _) => &mut gradients[(dimension - tensor) * size_out..(dimension - tensor + 1) * size_out],
             };
-            *count += multiplications(matrix, outer, inner);
-            contract(simd, matrix, outer, inner, input, output, false);
+            let along = AlongAxis { matrix, outer, inner };
+            *count += multiplications(along);
+            contract(simd, along, input, output, false);
         }
         std::mem::swap(&mut from, &mut to);
     }
@@ -243,14 +236,16 @@ pub fn integrate<S: Simd>(
                     (false, 0) => &from[..size_in],
                     (false, _) => &from[(tensor + 1) * size_in..(tensor + 2) * size_in],
                 };
-                *count += multiplications(&line.values_transposed, outer, inner);
-                contract(simd, &line.values_transposed, outer, inner, input, output, joins);
+                let along = AlongAxis { matrix: &line.values_transposed, outer, inner };
+                *count += multiplications(along);
+                contract(simd, along, input, output, joins);
                 joins = true;
             }
             if tensor == 0 && with_gradients {
                 let input = if first { derivative(0) } else { &from[size_in..2 * size_in] };
-                *count += multiplications(&line.derivatives_transposed, outer, inner);
-                contract(simd, &line.derivatives_transposed, outer, inner, input, output, joins);
+                let along = AlongAxis { matrix: &line.derivatives_transposed, outer, inner };
+                *count += multiplications(along);
+                contract(simd, along, input, output, joins);
             }
         }
         std::mem::swap(&mut from, &mut to);

@@ -4,8 +4,8 @@ use crate::batches::{BATCHES_PER_TASK, cells_of};
 use crate::gather::{gather, scatter};
 use crate::per_thread::PerThread;
 use crate::tables::Shape1d;
-use basis::{Matrix, contract};
-use mesh::{axis_and_side, face_nodes};
+use basis::{AlongAxis, Matrix, contract};
+use mesh::{Side, axis_and_side, face_nodes};
 use rayon::prelude::*;
 use tensor::Arch;
 use tensor::pulp::{Simd, WithSimd};
@@ -122,6 +122,13 @@ struct Face<'a> {
     column: &'a Matrix,
 }
 
+impl<'a> Face<'a> {
+    #[inline(always)]
+    fn along(&self, matrix: &'a Matrix) -> AlongAxis<'a> {
+        AlongAxis { matrix, outer: self.outer, inner: self.inner }
+    }
+}
+
 struct Extract<'a> {
     maps: &'a FaceMaps,
     tensors: usize,
@@ -144,7 +151,7 @@ impl WithSimd for Extract<'_> {
                     .copy_from_slice(&self.coefficients[from..from + face.inner]);
             }
             if self.both {
-                contract(simd, face.row, face.outer, face.inner, self.coefficients, derivatives, false);
+                contract(simd, face.along(face.row), self.coefficients, derivatives, false);
             }
         }
     }
@@ -175,7 +182,7 @@ impl WithSimd for Lift<'_> {
                 }
             }
             if self.both {
-                contract(simd, face.column, face.outer, face.inner, derivatives, self.coefficients, true);
+                contract(simd, face.along(face.column), derivatives, self.coefficients, true);
             }
         }
     }
@@ -187,7 +194,6 @@ pub struct Traces {
     pub layout: TraceLayout,
     /// The numbers.
     pub data: Vec<f64>,
-    cells: usize,
     /// The coefficients, `[batch][slot][component][node]`.
     packs: Vec<Pack>,
     /// Traces of one batch.
@@ -199,21 +205,25 @@ impl Traces {
     pub fn new(layout: TraceLayout, cells: usize) -> Self {
         let packs = zeroed(cells.div_ceil(WIDTH) * layout.coefficients());
         let scratch = PerThread::new(|| zeroed(layout.cell_len()));
-        Traces { layout, data: vec![0.0; cells * layout.cell_len()], cells, packs, scratch }
+        Traces { layout, data: vec![0.0; cells * layout.cell_len()], packs, scratch }
     }
 
-    /// Computes the traces of `coefficients[cell][slot][component][node]`; derivatives only if `both`.
+    /// Computes the traces of `coefficients[cell][slot][component][node]`; derivatives only if `both`. If the coefficients are those of the
+    /// first cells alone, the traces of the others are without meaning.
     pub fn take(&mut self, maps: &FaceMaps, coefficients: &[f64], both: bool) {
-        let Traces { layout, ref mut data, cells, ref mut packs, ref scratch } = *self;
+        let Traces { layout, ref mut data, ref mut packs, ref scratch, .. } = *self;
         let len = layout.coefficients();
-        let batches = data.par_chunks_mut(WIDTH * layout.cell_len()).zip(packs.par_chunks_mut(len)).enumerate();
-        batches.with_max_len(BATCHES_PER_TASK).for_each(|(batch, (data, packs))| {
-            scratch.with(|traces| {
-                gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
-                maps.extract(layout.slots * layout.components, packs, both, traces);
-                scatter(traces, layout.cell_len(), data);
-            });
-        });
+        let cells = coefficients.len() / len;
+        let batches = data.par_chunks_mut(WIDTH * layout.cell_len()).zip(packs.par_chunks_mut(len));
+        batches.take(cells.div_ceil(WIDTH)).enumerate().with_max_len(BATCHES_PER_TASK).for_each(
+            |(batch, (data, packs))| {
+                scratch.with(|traces| {
+                    gather(cells_of(batch, cells).map(|cell| &coefficients[cell * len..(cell + 1) * len]), packs);
+                    maps.extract(layout.slots * layout.components, packs, both, traces);
+                    scatter(traces, layout.cell_len(), data);
+                });
+            },
+        );
     }
 
     /// The coefficients of a batch of cells, `[slot][component][node]`.
@@ -225,6 +235,18 @@ impl Traces {
     /// The coefficients of a cell, `[slot][component][node]`.
     pub fn coefficients_of(&self, cell: usize) -> impl Iterator<Item = f64> {
         self.coefficients(cell / WIDTH).iter().map(move |pack| pack.0[cell % WIDTH])
+    }
+
+    /// All traces on one face, derivatives only if `both`.
+    pub fn on_face(&self, side: Side, both: bool) -> &[f64] {
+        let start = self.layout.start(side.cell, side.face, 0);
+        &self.data[start..start + self.layout.kind_len() * if both { 2 } else { 1 }]
+    }
+
+    /// The same, to be written.
+    pub fn on_face_mut(&mut self, side: Side, both: bool) -> &mut [f64] {
+        let start = self.layout.start(side.cell, side.face, 0);
+        &mut self.data[start..start + self.layout.kind_len() * if both { 2 } else { 1 }]
     }
 
     /// One kind on one face.

@@ -44,10 +44,10 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 
     fn violation_in(&self, points: &Points, cell: usize) -> Option<Violation> {
-        let instants = self.tables.instants.iter().chain([&self.tables.top]).zip(&self.position_rows);
-        instants.into_iter().find_map(|(instant, row)| {
-            let found = self.violation_at(points, cell, instant.values.row(0), row.row(0));
-            let (cell, time) = (self.in_whole(cell), self.clock().time(instant.s));
+        let time_points = self.tables.time_points.iter().chain([&self.tables.top]).zip(&self.position_rows);
+        time_points.into_iter().find_map(|(time_point, row)| {
+            let found = self.violation_at(points, cell, time_point.values.row(0), row.row(0));
+            let (cell, time) = (self.in_whole(cell), self.clock().time(time_point.s));
             found.map(|(quantity, value)| Violation { quantity: quantity.to_string(), value, cell, time })
         })
     }

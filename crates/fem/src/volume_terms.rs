@@ -4,31 +4,30 @@ use crate::cell::{CellCoefficients, CellContext};
 use crate::cell_geometry::{CellGeometry, GeometryScratch, geometry_len};
 use crate::conservation_law::ConservationLaw;
 use crate::fields::Fields;
-use crate::instants::{TimePoint, TimePointIndex};
-use crate::mode::Mode;
-use crate::point::{Kernel, Metric, PointIndex, along_reference};
+use crate::point::{Kernel, KernelTypes, Metric, PointIndex, along_reference};
 use crate::scratch::CellScratch;
 use crate::tables::Planes;
-use crate::tensor_product::{AlongAxis, AtPoints, Lattice, evaluate, integrate};
+use crate::tensor_product::{AtPoints, Lattice, evaluate, integrate};
+use crate::time_points::{TimePoint, TimePointIndex};
+use basis::AlongAxis;
 use std::marker::PhantomData;
-use tensor::pulp::Simd;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
 /// A time at which the terms of space are evaluated.
 #[derive(Clone, Copy)]
 pub(crate) struct CellTime<'a> {
     /// The time.
-    pub(crate) instant: &'a TimePoint,
+    pub(crate) time_point: &'a TimePoint,
     /// Its place in the arrays of the scratch.
     pub(crate) of: TimePointIndex,
-    /// Weights of fluxes and sources, and of moments.
+    /// Weights of fluxes and sources, and of the mass product.
     pub(crate) weights: [f64; 2],
 }
 
-impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd> Kernel<'_, D, M, L, K, S> {
+impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     /// The state at all times; position and velocity too, where the geometry is not known or the source needs the position.
     #[inline(always)]
-    pub(crate) fn to_instants(
+    pub(crate) fn to_time_points(
         self,
         context: &CellContext<D>,
         coefficients: CellCoefficients,
@@ -47,11 +46,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The steps of the geometry, for the same numbers.
     #[inline(always)]
-    fn cell_geometry(&self) -> CellGeometry<'_, D, K, S> {
+    fn cell_geometry(&self) -> CellGeometry<'_, D, T::Mode, T::Simd> {
         CellGeometry { simd: self.simd, tables: self.tables, mode: PhantomData }
     }
 
-    /// Steps 1 to 4 of the volume terms at one instant, planes by planes: fluxes and moments with their weights. Planes of points whose
+    /// Steps 1 to 4 of the volume terms at one time point, planes by planes: fluxes and mass products with their weights. Planes of points whose
     /// `geometry` is not known find it in the scratch.
     #[inline(always)]
     pub(crate) fn space_terms(
@@ -65,7 +64,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let mut first = time.of.number * self.tables.volume_points();
         for (block, planes) in self.tables.planes.iter().enumerate() {
             self.state_to_points(planes, time.of, scratch); // 1. state, then geometry at the points
-            let known = geometry.map(|known| &known[K::GEOMETRY_BLOCKS * geometry_len(D) * first..]);
+            let known = geometry.map(|known| &known[T::GEOMETRY_BLOCKS * geometry_len(D) * first..]);
             if known.is_none() {
                 self.geometry_to_points(planes, time.of, &mut scratch.geometry);
             }
@@ -87,8 +86,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             };
             let (flow, start) = (self.flow_lattice(planes), time.of.number * len);
             integrate(self.simd, flow, tested, &mut flux_at[start..], room, block > 0); // 4. test
-            let moments = AtPoints::Values(&mass_product[..]);
-            integrate(self.simd, flow, moments, &mut mass_product_at[start..], room, block > 0);
+            let products = AtPoints::Values(&mass_product[..]);
+            integrate(self.simd, flow, products, &mut mass_product_at[start..], room, block > 0);
         }
     }
 
@@ -121,7 +120,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
     fn state_to_points(self, planes: &Planes, of: TimePointIndex, scratch: &mut CellScratch) {
         let (flow, points, viscous) = (self.flow_lattice(planes), planes.weights.len(), self.law.is_viscous());
         let CellScratch { u, gradient, state_at, scratch: room, .. } = scratch;
-        for b in 0..K::STATE_BLOCKS {
+        for b in 0..T::STATE_BLOCKS {
             let (u, gradient) = (&mut u[b * M * points..], &mut gradient[b * D * M * points..]);
             let state = of.block(state_at, b, flow.len());
             evaluate(self.simd, flow, state, AtPoints::new(u, gradient, viscous), room);
@@ -148,28 +147,28 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
         let Some(source) = context.source else { return false };
         let CellScratch { x, geometry, scratch: room, .. } = &mut *scratch;
         let (mesh, points) = (self.mesh_lattice(planes), planes.weights.len());
-        for b in 0..K::GEOMETRY_BLOCKS {
+        for b in 0..T::GEOMETRY_BLOCKS {
             let position = time.of.block(&geometry.position_at, b, mesh.len());
             evaluate(self.simd, mesh, position, AtPoints::Values(&mut x[b * D * points..]), room);
         }
-        source(context.clock.time(time.instant.s), points, &scratch.x, &mut scratch.source);
+        source(context.clock.time(time.time_point.s), points, &scratch.x, &mut scratch.source);
         true
     }
 
-    /// The point functions: fluxes in reference directions, moments, source, admissibility. `SPLIT` as [`ConservationLaw::is_split`]:
+    /// The point functions: fluxes in reference directions, mass product, source, admissibility. `SPLIT` as [`ConservationLaw::is_split`]:
     /// two loops, each with its own registers.
     #[inline(always)]
     fn fluxes<const SPLIT: bool>(
         self,
         known: Option<&[Pack]>,
         planes: &Planes,
-        [flux_weight, moment_weight]: [f64; 2],
+        [flux_weight, mass_weight]: [f64; 2],
         with_source: bool,
         scratch: &mut CellScratch,
     ) {
         let (points, law, viscous) = (planes.weights.len(), self.law, self.law.is_viscous());
         for p in 0..points {
-            for part in 0..Lanes::<S>::PARTS {
+            for part in 0..Lanes::<T::Simd>::PARTS {
                 let at = PointIndex { points, p, part };
                 let geometry = known.unwrap_or(&scratch.geometry.at_points);
                 let (metric, v) = (self.cell_metric(geometry, at), self.cell_velocity(geometry, at));
@@ -184,7 +183,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                 if !SPLIT || viscous {
                     self.test_gradients(&f, &metric.cof, weight, at, &mut scratch.flux);
                 }
-                self.moments(&u, metric.det, planes.weights[p] * moment_weight, at, &mut scratch.mass_product);
+                self.point_mass_product(&u, metric.det, planes.weights[p] * mass_weight, at, &mut scratch.mass_product);
                 if with_source {
                     let s = law.source(&u, &self.geometry::<M>(&scratch.source, at));
                     for m in 0..M {
@@ -193,10 +192,11 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
                         tested.result().write(&mut scratch.source[at.index(m)], part);
                     }
                 } else if law.is_split() {
-                    (0..M)
-                        .for_each(|m| Lanes::<S>::splat(self.simd, 0.0).write(&mut scratch.source[at.index(m)], part));
+                    (0..M).for_each(|m| {
+                        Lanes::<T::Simd>::splat(self.simd, 0.0).write(&mut scratch.source[at.index(m)], part)
+                    });
                 }
-                let admissibility = law.admissibility(&u).min(K::State::<S>::lift(metric.det));
+                let admissibility = law.admissibility(&u).min(T::State::lift(metric.det));
                 self.flag(admissibility, &mut scratch.violated, part);
             }
         }
@@ -208,7 +208,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// -F_v, where the inviscid flux is tested in (split).
     #[inline(always)]
-    fn viscous_part(self, u: &[K::State<S>; M], gradient: &[[K::State<S>; M]; D]) -> [[K::State<S>; M]; D] {
+    fn viscous_part(self, u: &[T::State; M], gradient: &[[T::State; M]; D]) -> [[T::State; M]; D] {
         let mut flux = [[u[0].zero(); M]; D];
         if self.law.is_viscous() {
             let viscous = self.law.viscous_flux(u, gradient);
@@ -223,22 +223,22 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// The metric at a point, of `geometry[b][number][p]`.
     #[inline(always)]
-    pub(crate) fn cell_metric(self, geometry: &[Pack], at: PointIndex) -> Metric<K::Geometry<S>, D> {
+    pub(crate) fn cell_metric(self, geometry: &[Pack], at: PointIndex) -> Metric<T::Geometry, D> {
         self.metric(geometry, Fields::new(geometry_len(D), at.points), [0, D * D + D], at)
     }
 
     /// The velocity of the mesh at a point, of `geometry[b][number][p]`.
     #[inline(always)]
-    fn cell_velocity(self, geometry: &[Pack], at: PointIndex) -> [K::Geometry<S>; D] {
+    fn cell_velocity(self, geometry: &[Pack], at: PointIndex) -> [T::Geometry; D] {
         Fields::new(geometry_len(D), at.points).from(D * D).vector(self.simd, geometry, at.p, at.part)
     }
 
-    /// weight grad_x w . f J as tests against reference derivatives: weight sum_k cof_kj f_k for direction j; `tested[j][m][p]`.
+    /// weight grad_x psi . f J as tests against reference derivatives: weight sum_k cof_kj f_k for direction j; `tested[j][m][p]`.
     #[inline(always)]
     fn test_gradients(
         self,
-        f: &[[K::State<S>; M]; D],
-        cof: &[[K::Geometry<S>; D]; D],
+        f: &[[T::State; M]; D],
+        cof: &[[T::Geometry; D]; D],
         weight: f64,
         at: PointIndex,
         tested: &mut [Pack],
@@ -253,14 +253,14 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 
     /// weight u J at a point.
     #[inline(always)]
-    fn moments(self, u: &[K::State<S>; M], det: K::Geometry<S>, weight: f64, at: PointIndex, moments: &mut [Pack]) {
+    fn point_mass_product(self, u: &[T::State; M], det: T::Geometry, weight: f64, at: PointIndex, out: &mut [Pack]) {
         for m in 0..M {
-            let moment = u[m].scale(det) * weight;
-            moment.result().write(&mut moments[at.index(m)], at.part);
+            let product = u[m].scale(det) * weight;
+            product.result().write(&mut out[at.index(m)], at.part);
         }
     }
 
-    /// Moments of the state at one time, int w u J. J is `known` at the points, `[p]`, or computed.
+    /// Mass product of the state at one time, int psi u J. J is `known` at the points, `[p]`, or computed.
     #[inline(always)]
     pub(crate) fn mass_product(self, known: Option<&[Pack]>, of: TimePointIndex, scratch: &mut CellScratch) {
         let mut first = 0;
@@ -272,20 +272,20 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
             first += planes.weights.len();
             let (flow, points) = (self.flow_lattice(planes), planes.weights.len());
             let CellScratch { state_at, geometry, u, mass_product, mass_product_at, scratch: room, .. } = &mut *scratch;
-            for b in 0..K::STATE_BLOCKS {
+            for b in 0..T::STATE_BLOCKS {
                 let u = AtPoints::Values(&mut u[b * M * points..]);
                 evaluate(self.simd, flow, of.block(state_at, b, flow.len()), u, room);
             }
             let determinants = known.unwrap_or(&geometry.at_points);
             for p in 0..points {
-                for part in 0..Lanes::<S>::PARTS {
+                for part in 0..Lanes::<T::Simd>::PARTS {
                     let at = PointIndex { points, p, part };
-                    let det = K::Geometry::<S>::load(self.simd, determinants, points, p, part);
-                    self.moments(&self.state(u, at), det, planes.weights[p], at, mass_product);
+                    let det = T::Geometry::load(self.simd, determinants, points, p, part);
+                    self.point_mass_product(&self.state(u, at), det, planes.weights[p], at, mass_product);
                 }
             }
-            let (moments, start) = (AtPoints::Values(&mass_product[..]), of.number * flow.len());
-            integrate(self.simd, flow, moments, &mut mass_product_at[start..], room, block > 0);
+            let (products, start) = (AtPoints::Values(&mass_product[..]), of.number * flow.len());
+            integrate(self.simd, flow, products, &mut mass_product_at[start..], room, block > 0);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The loads of the flow on boundaries that respond to it, in the scheme's own fluxes and quadrature.
 //!
 //! ```text
-//! L_q,i = dt w_q int_f N_i Fhat_m ds  at s_q,    Fhat_m the flux of momentum out of the flow                        (load)
+//! L_q,i = dt omega_q int_F N_i Fhat_m dS  at s_q,    Fhat_m the flux of momentum out of the flow                        (load)
 //! ```
 //!
 //! s_q and w_q are the quadrature points of the flow in time, N_i the shape functions of the mesh. Whoever has test functions phi_a in time
@@ -15,7 +15,7 @@ use tensor::{Pack, WIDTH};
 
 /// The loads of the last evaluation, and the tables that sum them.
 #[derive(Default)]
-pub(crate) struct WallLoads {
+pub(crate) struct NodalLoads {
     /// C0 nodes of the loaded boundaries, in increasing order.
     nodes: Vec<usize>,
     /// For every loaded facet of the whole mesh the positions of its nodes in `nodes`, `[facet][face node]`.
@@ -28,15 +28,15 @@ pub(crate) struct WallLoads {
     values: Vec<f64>,
 }
 
-impl WallLoads {
+impl NodalLoads {
     /// No loads, on a mesh with so many batches of facets.
     pub(crate) fn unloaded(batches: usize) -> Self {
-        WallLoads { terms: vec![Vec::new(); batches], ..WallLoads::default() }
+        NodalLoads { terms: vec![Vec::new(); batches], ..NodalLoads::default() }
     }
 
     /// Sums the terms of all facets of the whole mesh, in their order; on all ranks.
     fn sum(&mut self, share: &Share, dimension: usize, points: usize, face_nodes: usize) {
-        let WallLoads { nodes, positions, facets, terms, values } = self;
+        let NodalLoads { nodes, positions, facets, terms, values } = self;
         values.fill(0.0);
         if nodes.is_empty() {
             return;
@@ -65,7 +65,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     /// Has every evaluation leave the loads on the boundaries for which `loaded` holds, see [`Self::loads`]. A collective call.
     pub fn load_boundaries(&mut self, loaded: &[bool]) {
         let is_loaded = |batch: &&FacetBatch| batch.boundary.is_some_and(|boundary| loaded[boundary]);
-        let (points, face_nodes) = (self.tables.instants.len(), self.face_nodes_of_mesh());
+        let (points, face_nodes) = (self.tables.time_points.len(), self.face_nodes_of_mesh());
         let (mut facets, mut own, mut numbers) = (Vec::new(), Vec::new(), self.boundary_facets.iter());
         let mut terms = vec![Vec::new(); self.facets.batches.len()];
         for batch in self.facets.batches.iter().filter(|batch| batch.boundary.is_some()) {
@@ -86,7 +86,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         nodes.dedup();
         let positions = all.iter().map(|&node| nodes.partition_point(|&other| other < node)).collect();
         let values = vec![0.0; nodes.len() * D * points];
-        self.wall_loads = WallLoads { nodes, positions, facets, terms, values };
+        self.wall_loads = NodalLoads { nodes, positions, facets, terms, values };
     }
 
     /// C0 nodes of a face.
@@ -107,7 +107,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
 
     /// Sums the loads that the facets have left.
     pub(crate) fn sum_loads(&mut self) {
-        let (points, face_nodes) = (self.tables.instants.len(), self.face_nodes_of_mesh());
+        let (points, face_nodes) = (self.tables.time_points.len(), self.face_nodes_of_mesh());
         self.wall_loads.sum(&self.share, D, points, face_nodes);
     }
 }

@@ -37,8 +37,12 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         let (dt, clock) = (self.interval().1, self.clock());
         let geometry = self.facet_geometry(along, batch);
         let context = FacetContext { tables: &self.tables, dt, clock, geometry };
-        let times =
-            Times { instants: &self.tables.instants, in_time: self.in_time(), test: &self.tables.test, weight: dt };
+        let times = Times {
+            time_points: &self.tables.time_points,
+            in_time: self.in_time(),
+            test: &self.tables.test,
+            weight: dt,
+        };
         let state = [&self.state_traces, &self.state_traces];
         self.facet_scratch.with(|scratch| {
             self.gather_states(along, &state[..along.state_blocks()], batch, scratch);

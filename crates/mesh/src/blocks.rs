@@ -1,4 +1,4 @@
-//! The partition of a mesh into blocks of cells, and the colours of the cells at the cuts.
+//! The partition of a mesh into blocks of cells.
 //!
 //! Cells are the vertices of a graph, facets its edges. An edge weighs as much as the coupling through its facet, so that
 //! thin cells at a wall stay together. The graph is bisected recursively: [`multilevel`] bisects a coarser graph first, and
@@ -12,9 +12,7 @@
 //! | `multilevel` | the bisection of a graph |
 //! | `refinement` | Fiduccia-Mattheyses moves across a cut |
 //! | `sizes` | the sizes that blocks may have |
-//! | `colours` | colours of the cells at cuts |
 
-mod colours;
 mod coupling;
 mod graph;
 mod multilevel;
@@ -22,8 +20,6 @@ mod refinement;
 mod sizes;
 #[cfg(test)]
 mod tests;
-
-pub use colours::colours;
 
 use crate::{Mesh, MeshError};
 use graph::Graph;

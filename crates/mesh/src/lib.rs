@@ -19,7 +19,7 @@
 //! | `distance` | distances to curved boundaries |
 //! | `arcs` | arc lengths along closed curves and walls that are extruded ones |
 //! | `boundary` | normals at the nodes of a boundary |
-//! | `blocks` | the partition into blocks, and colours of the cells at its cuts |
+//! | `blocks` | the partition into blocks |
 //! | `locate` | the cell that contains a point |
 //! | `validity` | lower bounds of det J over a cell and a slab |
 //! | `generate` | meshes made from a few numbers |
@@ -67,7 +67,7 @@ mod subset;
 mod topology;
 mod validity;
 
-pub use blocks::{blocks, colours};
+pub use blocks::blocks;
 pub use boundary::outward_area;
 pub use distance::BoundaryDistance;
 pub use errors::MeshError;
@@ -76,7 +76,7 @@ pub use facet::{
 };
 pub use generate::{BoxMesh, Curving};
 pub use geometry::CellMap;
-pub use gmsh::{GmshError, ListedElement, MeshLists, Numbers, Place, Shape, Simplices, Span, is_su2};
+pub use gmsh::{FilePosition, GmshError, ListedElement, MeshLists, Numbers, Shape, Simplices, Span, is_su2};
 pub use locate::locate_in_cell;
 pub use mesh::{Mesh, ORDERS};
 pub use numbering::NodeNumbering;

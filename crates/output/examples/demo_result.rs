@@ -10,7 +10,9 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, ResultFile, RunDirectory, SolverState, Step, vtk_order};
+use output::{
+    ArraySpec, FieldSpec, FileLayout, Grid, Metadata, ResultFile, RunDirectory, SolverState, Step, vtk_order,
+};
 use serde_json::{Value, json};
 
 const TIMES: [f64; 4] = [0.0, 0.25, 0.5, 0.8];
@@ -74,10 +76,10 @@ impl Demo {
         (0..self.grid.cells).flat_map(|cell| lattice.iter().map(move |&r| self.rest(cell, r))).collect()
     }
 
-    fn layout(&self) -> Layout {
+    fn layout(&self) -> FileLayout {
         let fields = vec![FieldSpec::scalar("density"), FieldSpec::vector("velocity")];
         let axes = [("cell", self.grid.cells), ("space node", self.grid.points_per_cell())];
-        Layout { grid: self.grid, fields, exact: vec![ArraySpec::new("density", &axes)] }
+        FileLayout { grid: self.grid, fields, exact: vec![ArraySpec::new("density", &axes)] }
     }
 
     fn append(&self, result: &mut ResultFile, t: f64) -> Result<(), Box<dyn Error>> {

@@ -6,7 +6,7 @@ use crate::hdf::{
     append, constant, growing, read_integer, read_labels, read_length, read_text, write_integer, write_labels,
     write_text,
 };
-use crate::layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+use crate::layout::{ArraySpec, Axis, FieldSpec, FileLayout, Grid};
 use crate::rest_mesh::{self, RestMesh};
 
 /// Version of the group `/stsolve`; raised when a reader of the old one would misread the new one.
@@ -43,7 +43,7 @@ pub struct Metadata {
 }
 
 /// Creates the group without a step.
-pub(crate) fn create(group: &Group, layout: &Layout, metadata: &Metadata) -> Result<()> {
+pub(crate) fn create(group: &Group, layout: &FileLayout, metadata: &Metadata) -> Result<()> {
     write_integer(group, "format_version", FORMAT_VERSION)?;
     write_metadata(group, metadata)?;
     write_grid(group, &layout.grid)?;
@@ -108,13 +108,13 @@ fn read_grid(group: &Group) -> Result<Grid> {
 }
 
 /// Reads the layout of the steps.
-pub(crate) fn read_layout(group: &Group, vtkhdf: &Group) -> Result<Layout> {
+pub(crate) fn read_layout(group: &Group, vtkhdf: &Group) -> Result<FileLayout> {
     let (point_data, exact) = (vtkhdf.group("PointData")?, group.group("exact")?);
     let field = |name: String| {
         let components = point_data.dataset(&name)?.shape().get(1).copied().unwrap_or(1);
         Ok(FieldSpec { name, components })
     };
-    Ok(Layout {
+    Ok(FileLayout {
         grid: read_grid(group)?,
         fields: point_data.member_names()?.into_iter().map(field).collect::<Result<_>>()?,
         exact: exact.member_names()?.into_iter().map(|name| read_array(&exact, name)).collect::<Result<_>>()?,

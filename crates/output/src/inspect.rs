@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::OutputError;
 use crate::format;
-use crate::layout::Layout;
+use crate::layout::FileLayout;
 use crate::result_file::{damaged, open};
 use crate::state;
 use crate::vtkhdf;
@@ -27,7 +27,7 @@ pub struct ResultInfo {
     /// Checksum of the mesh.
     pub mesh_id: String,
     /// The layout of each step.
-    pub layout: Layout,
+    pub layout: FileLayout,
     /// Number of space nodes per direction.
     pub space_nodes: usize,
     /// Number of time nodes per slab.

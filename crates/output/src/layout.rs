@@ -84,7 +84,7 @@ impl ArraySpec {
 
 /// The contents of each step.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Layout {
+pub struct FileLayout {
     /// The lattice of points.
     pub grid: Grid,
     /// Fields on the lattice.

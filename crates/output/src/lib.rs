@@ -79,7 +79,7 @@ pub use format::{FORMAT_VERSION, Metadata};
 pub use history::{HISTORY_FILE, History, HistoryTable};
 pub use inspect::{CheckpointInfo, ResultInfo, inspect};
 pub use lagrange::{vtk_node, vtk_order};
-pub use layout::{ArraySpec, Axis, FieldSpec, Grid, Layout};
+pub use layout::{ArraySpec, Axis, FieldSpec, FileLayout, Grid};
 pub use line_file::LineFile;
 pub use poly_data::PolyData;
 pub use reader::ResultReader;

@@ -6,7 +6,7 @@ use hdf5::{File, Hyperslab, SliceOrIndex};
 
 use crate::error::OutputError;
 use crate::format::{self, Metadata};
-use crate::layout::Layout;
+use crate::layout::FileLayout;
 use crate::result_file::{damaged, open};
 use crate::series::{self, Series};
 use crate::vtkhdf;
@@ -19,7 +19,7 @@ pub struct ResultReader {
     /// Creator, case and mesh of the file.
     pub metadata: Metadata,
     /// The contents of each step.
-    pub layout: Layout,
+    pub layout: FileLayout,
     /// Time of each step.
     pub times: Vec<f64>,
 }

@@ -11,7 +11,7 @@ use crate::error::OutputError;
 use crate::files::{file_error, partial, publish};
 use crate::format::{self, FORMAT_VERSION, Metadata};
 use crate::lagrange::vtk_order;
-use crate::layout::{ArraySpec, Layout};
+use crate::layout::{ArraySpec, FileLayout};
 use crate::state::{self, SolverState};
 use crate::step::{Step, checked};
 use crate::{hdf, seal, series, vtkhdf};
@@ -24,7 +24,7 @@ pub const RESULT_FILE: &str = "result.vtkhdf";
 pub struct ResultFile {
     published: PathBuf,
     working: PathBuf,
-    layout: Layout,
+    layout: FileLayout,
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
     copy: WorkingCopy,
@@ -47,7 +47,7 @@ impl ResultFile {
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] if the file cannot be written.
-    pub fn create(directory: &RunDirectory, layout: Layout, metadata: &Metadata) -> Result<Self, OutputError> {
+    pub fn create(directory: &RunDirectory, layout: FileLayout, metadata: &Metadata) -> Result<Self, OutputError> {
         let mut result = Self::new(directory, layout);
         let create = || {
             let file = hdf::options().create(&result.working)?;
@@ -79,7 +79,7 @@ impl ResultFile {
         Ok((result, state))
     }
 
-    fn new(directory: &RunDirectory, layout: Layout) -> Self {
+    fn new(directory: &RunDirectory, layout: FileLayout) -> Self {
         let published = directory.path().join(RESULT_FILE);
         let (working, order) = (partial(&published), vtk_order(&layout.grid));
         Self { published, working, layout, order, copy: WorkingCopy::None, new_case: None }
@@ -91,7 +91,7 @@ impl ResultFile {
     }
 
     /// The contents of each step.
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &FileLayout {
         &self.layout
     }
 
@@ -196,7 +196,7 @@ pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputErr
     read(path).map(|(metadata, state, _)| (metadata, state))
 }
 
-fn read(path: &Path) -> Result<(Metadata, SolverState, Layout), OutputError> {
+fn read(path: &Path) -> Result<(Metadata, SolverState, FileLayout), OutputError> {
     let file = open(path)?;
     let read = || {
         let (group, vtkhdf) = (file.group(format::GROUP)?, file.group("VTKHDF")?);

@@ -1,7 +1,7 @@
 //! One step of a file, and whether it fits the layout.
 
 use crate::error::OutputError;
-use crate::layout::{ArraySpec, FieldSpec, Layout};
+use crate::layout::{ArraySpec, FieldSpec, FileLayout};
 
 /// One step: the grid and the solution at one time.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +22,7 @@ type Values<'a> = Vec<&'a [f64]>;
 
 impl<'a> Step<'a> {
     /// Fields and coefficients in the order of the `layout`, all lengths checked.
-    pub(crate) fn in_order(&self, layout: &Layout) -> Result<(Values<'a>, Values<'a>), OutputError> {
+    pub(crate) fn in_order(&self, layout: &FileLayout) -> Result<(Values<'a>, Values<'a>), OutputError> {
         let points = layout.grid.points();
         checked("points", self.points, 3 * points)?;
         let field = |field: &FieldSpec| find(self.fields, &field.name, field.components * points);

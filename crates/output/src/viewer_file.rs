@@ -7,7 +7,7 @@ use hdf5::File;
 use crate::error::OutputError;
 use crate::files::{partial, publish};
 use crate::lagrange::vtk_order;
-use crate::layout::Layout;
+use crate::layout::FileLayout;
 use crate::result_file::damaged;
 use crate::step::Step;
 use crate::{hdf, vtkhdf};
@@ -17,7 +17,7 @@ use crate::{hdf, vtkhdf};
 pub struct ViewerFile {
     path: PathBuf,
     file: File,
-    layout: Layout,
+    layout: FileLayout,
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
 }
@@ -27,7 +27,7 @@ impl ViewerFile {
     ///
     /// # Errors
     /// [`OutputError::Hdf5`] if the file cannot be written.
-    pub fn create(path: &Path, layout: Layout) -> Result<Self, OutputError> {
+    pub fn create(path: &Path, layout: FileLayout) -> Result<Self, OutputError> {
         let create = || {
             let file = hdf::options().create(partial(path))?;
             vtkhdf::create(&file.create_group("VTKHDF")?, &layout)?;

@@ -9,7 +9,7 @@ use hdf5::{Error, Group, Result};
 
 use crate::hdf::{append, constant, growing, indices, write_integer};
 use crate::lagrange::in_vtk_order;
-use crate::layout::{FieldSpec, Grid, Layout};
+use crate::layout::{FieldSpec, FileLayout, Grid};
 use crate::step::Step;
 
 const LAGRANGE_CURVE: u8 = 68;
@@ -26,7 +26,7 @@ const STEP_OFFSETS: [(&str, Option<usize>); 5] = [
 ];
 
 /// Creates the group without a step.
-pub(crate) fn create(root: &Group, layout: &Layout) -> Result<()> {
+pub(crate) fn create(root: &Group, layout: &FileLayout) -> Result<()> {
     let points = layout.grid.points();
     write_type(root)?;
     write_topology(root, &layout.grid)?;
@@ -86,7 +86,7 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
 /// Appends points and `fields` of a step, in the order of the layout. `order` is that of [`crate::vtk_order`].
 pub(crate) fn append_step(
     root: &Group,
-    layout: &Layout,
+    layout: &FileLayout,
     order: &[usize],
     step: &Step,
     fields: &[&[f64]],
@@ -101,7 +101,7 @@ pub(crate) fn append_step(
 }
 
 /// Makes the appended points and fields a step: they become valid when its number is raised here.
-pub(crate) fn close_step(root: &Group, time: f64, layout: &Layout) -> Result<()> {
+pub(crate) fn close_step(root: &Group, time: f64, layout: &FileLayout) -> Result<()> {
     let steps = root.group("Steps")?;
     let values = steps.dataset("Values")?;
     let step = values.size();

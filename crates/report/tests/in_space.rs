@@ -4,7 +4,7 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use output::{ArraySpec, Grid, History, Layout, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
+use output::{ArraySpec, FileLayout, Grid, History, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
 use report::Scenario;
 use serde_json::Value;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn run(directory: &Path, speed: f64) {
     let xi = basis::Lagrange::gauss_lobatto(ORDER).nodes().to_vec();
     let position = coefficients(&[-1.0, 1.0], |x| x);
     let cells = CELLS.pow(3);
-    let layout = Layout {
+    let layout = FileLayout {
         grid: Grid { dimension: 3, points_per_direction: 2, cells },
         fields: vec![],
         exact: vec![
@@ -199,7 +199,7 @@ fn a_movie_has_a_frame_for_every_step() {
     for (field, window, name) in
         [("mach", None, "mach.png"), ("q_criterion", Some("vortices, along y"), "q_criterion_vortices_along_y.png")]
     {
-        let movie = report::write_movie(directory.path(), &Scenario { field, window, q_level: None }).unwrap();
+        let movie = report::write_movie(directory.path(), &Scenario { field, window, ..Scenario::default() }).unwrap();
         assert_eq!((movie.frames, movie.path.file_name().unwrap().to_str()), (STEPS, Some(name)));
         let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(movie.path).unwrap()));
         let mut reader = decoder.read_info().unwrap();
@@ -212,7 +212,7 @@ fn a_movie_has_a_frame_for_every_step() {
         assert!(reader.next_frame(&mut pixels).is_err());
     }
     let refused = |field, window| {
-        let scenario = Scenario { field, window, q_level: None };
+        let scenario = Scenario { field, window, ..Scenario::default() };
         report::write_movie(directory.path(), &scenario).unwrap_err().to_string()
     };
     assert!(refused("much", None).contains("no pictures of `much`; accepted: mach, vorticity, pressure"));

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use output::{ArraySpec, Grid, History, Layout, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
+use output::{ArraySpec, FileLayout, Grid, History, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
 use report::Scenario;
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn position(step: usize) -> Vec<f64> {
 fn run(directory: &Path) {
     let place = RunDirectory::open(directory).unwrap();
     let cells = CELLS * CELLS;
-    let layout = Layout {
+    let layout = FileLayout {
         grid: Grid { dimension: 2, points_per_direction: 2, cells },
         fields: vec![],
         exact: vec![ArraySpec::new("position", &[("cell", cells), ("component", 2), ("node", 4)])],
@@ -71,7 +71,7 @@ fn each_body_has_a_window_and_the_moving_one_is_followed() {
         assert!((shift(1, step) - 0.5 * moved).abs() < 1e-12 && (shift(3, step) - moved).abs() < 1e-12);
     }
     assert!(windows[2]["shifts"].is_null());
-    let scenario = Scenario { field: "jacobian", window: Some("moving with right"), q_level: None };
+    let scenario = Scenario { field: "jacobian", window: Some("moving with right"), ..Scenario::default() };
     let movie = report::write_movie(directory.path(), &scenario).unwrap();
     assert_eq!((movie.frames, &movie.window[..]), (STEPS, "moving with right"));
 }

@@ -6,7 +6,7 @@ use case::{Case, Flow, Freedom, SolidPart, Structure};
 use coupled::block::{Body, BodyState};
 use coupled::blocks::rigid_body::Freedom as Direction;
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Drive, RigidBodyData, Surface, SurfaceNode, Vec3};
-use coupled::blocks::{Instants, RigidBody};
+use coupled::blocks::{RigidBody, SlabTimes};
 use elasticity::ElasticityError;
 use fem::SlabOperator;
 use mesh::{Mesh, NodeNumbering};
@@ -34,17 +34,17 @@ pub fn bodies<const D: usize, const M: usize>(
         return Ok(Vec::new());
     }
     operator.load_boundaries(&(0..flow.boundary.len()).map(|wall| is_of_body(case, wall)).collect::<Vec<_>>());
-    let points = operator.tables.instants.iter().map(|point| point.s).collect();
-    let instants = Instants { time: operator.tables.time.clone(), points, step: case.time.step };
+    let points = operator.tables.time_points.iter().map(|point| point.s).collect();
+    let times = SlabTimes { time: operator.tables.time.clone(), points, step: case.time.step };
     let body = |(number, body): (usize, &case::RigidBody<D>)| {
         let surface = surface(case, body, numbering, operator.loaded_nodes());
         let data = data(case, flow, body, &surface);
-        Box::new(RigidBody::new(data, surface, number, instants.clone())) as Box<dyn Body>
+        Box::new(RigidBody::new(data, surface, number, times.clone())) as Box<dyn Body>
     };
     let mut bodies: Vec<Box<dyn Body>> = case.bodies.iter().enumerate().map(body).collect();
     if let Some((structure, part)) = beside_flow(case) {
         let number = bodies.len();
-        bodies.push(Box::new(elastic_body(case, flow, (structure, part), operator, number, instants)?));
+        bodies.push(Box::new(elastic_body(case, flow, (structure, part), operator, number, times)?));
     }
     Ok(bodies)
 }

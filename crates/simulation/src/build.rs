@@ -7,11 +7,11 @@ use case::{
     Stiffness, Structure, StructureLaw, Support, Vector, constrained,
 };
 use coupled::{
-    BoundaryField, BoundaryMotion, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover, Method,
-    StartLayer, StructureMarch, Supports, System,
+    BoundaryDisplacement, BoundaryField, Discretisation, Discretised, Equations, FlowMarch, MeshMotion, MeshMover,
+    Method, StartLayer, StructureMarch, Supports, System,
 };
 use elasticity::{
-    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, Pressure, Quantity, Solid, Statics,
+    Accuracy, Dynamics, ElasticMesh, ElasticityError, Loads, Material, MaterialProperty, Pressure, Solid, Statics,
     Structure as Body, Traction, WallDistance,
 };
 use fem::{Orders, Problem, Share, SlabOperator, StateField, VectorField};
@@ -68,12 +68,12 @@ pub type PrescribedNode<const D: usize> = (usize, [f64; D], Arc<dyn BoundaryFiel
 /// The C0 nodes of a case with a prescribed motion: those of boundaries that move, or all.
 pub fn prescribed_nodes<const D: usize>(case: &Case<D>) -> Vec<PrescribedNode<D>> {
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
-    let motion: BoundaryMotion<D> = match &case.motion {
+    let motion: BoundaryDisplacement<D> = match &case.motion {
         None | Some(Motion::Followed) => return Vec::new(),
         Some(Motion::Elastic { boundary, .. }) => boundary_motion(case, &numbering, boundary),
         Some(Motion::Prescribed(displacement)) => {
             let fields = vec![Arc::new(displacement.clone()) as Arc<dyn BoundaryField<D>>];
-            BoundaryMotion { fields, field_of_node: vec![Some(0); numbering.count] }
+            BoundaryDisplacement { fields, field_of_node: vec![Some(0); numbering.count] }
         }
     };
     let positions = MeshMover::new(MeshMotion::Still, case.mesh.clone(), numbering, 1).positions().to_vec();
@@ -103,13 +103,13 @@ fn boundary_motion<const D: usize>(
     case: &Case<D>,
     numbering: &NodeNumbering,
     boundary: &[Option<case::BoundaryMotion<D>>],
-) -> BoundaryMotion<D> {
+) -> BoundaryDisplacement<D> {
     let field = |motion: &case::BoundaryMotion<D>| Arc::new(motion.clone()) as Arc<dyn BoundaryField<D>>;
     let fields = boundary.iter().flatten().map(field).collect();
     let mut field_of_node = moved_by(&case.mesh, numbering, boundary);
     let part = case.structure.as_ref().and_then(|structure| structure.part.as_ref());
     part.iter().flat_map(|part| &part.shared).for_each(|&(_, node)| field_of_node[node] = None);
-    BoundaryMotion { fields, field_of_node }
+    BoundaryDisplacement { fields, field_of_node }
 }
 
 /// For every C0 node the moving boundary that moves it: the first one that contains it.
@@ -142,6 +142,26 @@ where
     march_of(case, flow, mover(case)?, Share::whole(&case.mesh))
 }
 
+/// The march of a case with a flow, at its start, on a mesh with this `motion` in place of that of the case.
+///
+/// # Errors
+/// As [`march`].
+pub fn march_with_motion<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    motion: MeshMotion<D>,
+) -> Result<FlowMarch<D, M>, ElasticityError>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    State<D>: ExactState<D, M>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
+    let mover = MeshMover::new(motion, case.mesh.clone(), numbering, case.time.order);
+    march_of(case, flow, mover, Share::whole(&case.mesh))
+}
+
 /// The flow of a case on the cells of `share`, on the mesh at rest at the start.
 pub fn operator<const D: usize, const M: usize>(
     case: &Case<D>,
@@ -157,6 +177,24 @@ where
     let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
     let mut operator =
         SlabOperator::of_share(problem(flow), &case.mesh, &mover.numbering, orders, flow.quadrature, share);
+    operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
+    operator
+}
+
+/// An operator on all cells of a case for what is measured of the flow, on the mesh at rest at the start.
+pub fn measuring_operator<const D: usize, const M: usize>(
+    case: &Case<D>,
+    flow: &Flow<D>,
+    mover: &MeshMover<D>,
+) -> SlabOperator<D, M>
+where
+    NavierStokes<D>: Compiled<D, M, Boundary = navier_stokes::Boundary<D>>,
+    Exact<State<D>>: StateField<D, M>,
+    Manufactured<State<D>, D>: StateField<D, M>,
+{
+    let orders = Orders { flow: flow.order, mesh: case.mesh.order(), time: case.time.order };
+    let numbering = mover.numbering.clone();
+    let mut operator = SlabOperator::for_measuring(problem(flow), &case.mesh, numbering, orders, flow.quadrature);
     operator.mesh.set_bottom(Some(&mover.displacement_at_start(case.time.start)));
     operator
 }
@@ -309,10 +347,10 @@ pub fn structure_at_start<const D: usize>(
 /// The material of a structure.
 pub fn solid<const D: usize>(structure: &Structure<D>) -> Solid<D> {
     let quantity = |formula: &Program| match formula.as_constant() {
-        Some(value) => Quantity::Constant(value),
+        Some(value) => MaterialProperty::Constant(value),
         None => {
             let formula = formula.clone();
-            Quantity::Field(Arc::new(move |x: &[f64; D]| formula.evaluate(x, 0.0)))
+            MaterialProperty::Field(Arc::new(move |x: &[f64; D]| formula.evaluate(x, 0.0)))
         }
     };
     let plane = match structure.plane {

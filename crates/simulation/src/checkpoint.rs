@@ -2,10 +2,11 @@
 
 use crate::error::Failure;
 use case::Time;
-use coupled::preconditioner::Ordering;
+use coupled::preconditioner::{Ordering, TimeScales};
 use coupled::{Interval, JacobianReusePolicy, Linearisation, Past, State};
 use output::SolverState;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
@@ -15,10 +16,10 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     let counters = [
         ("slab", state.slab),
         ("nominal", state.nominal),
-        ("wear.base", state.reuse_policy.base),
-        ("wear.excess", state.reuse_policy.excess),
-        ("wear.slabs", state.reuse_policy.slabs),
-        ("wear.eager", state.reuse_policy.eager),
+        ("reuse.base", state.reuse_policy.base),
+        ("reuse.excess", state.reuse_policy.excess),
+        ("reuse.slabs", state.reuse_policy.slabs),
+        ("reuse.eager", state.reuse_policy.eager),
         ("stale", stale.into()),
     ];
     out.integers.extend(counters.map(|(name, value)| (name.to_string(), value as i64)));
@@ -34,18 +35,19 @@ pub fn store(state: &State, frozen: Option<&Linearisation>, stale: bool) -> Solv
     if let Some(past) = &state.past {
         put("past.interval", numbers(&past.interval).to_vec());
         put("past.displacement", past.bottom.clone());
-        put("past.flow", past.u.clone());
-        put("past.mesh_velocity", past.v.clone());
+        put("past.flow", past.u.to_vec());
+        put("past.mesh_velocity", past.v.to_vec());
         past.bodies.iter().enumerate().for_each(|(body, z)| put(&format!("past.body.{body}"), z.clone()));
     }
     if let Some(frozen) = frozen {
         let Linearisation { interval, built_for, ordering, .. } = frozen;
-        put("frozen.numbers", vec![interval.0, interval.1, built_for.0, built_for.1]);
+        put("frozen.numbers", vec![interval.0, interval.1, built_for.dt, built_for.damping]);
         put("frozen.displacement", frozen.bottom.clone());
         put("frozen.mesh_velocity", frozen.velocities.clone());
         put("frozen.flow", frozen.state.clone());
         put("frozen.cells", ordering.cells.iter().map(|&cell| cell as f64).collect());
         put("frozen.level_ends", ordering.level_ends.iter().map(|&end| end as f64).collect());
+        put("frozen.stage_ends", ordering.stage_ends().into_iter().map(|end| end as f64).collect());
     }
     out
 }
@@ -67,10 +69,10 @@ pub fn load(stored: &SolverState, time: &Time) -> Option<(State, Option<Linearis
         pending: array("pending")?.chunks_exact(3).map(interval).collect(),
         step: *array("step")?.first()?,
         reuse_policy: JacobianReusePolicy {
-            base: integer("wear.base")?,
-            excess: integer("wear.excess")?,
-            slabs: integer("wear.slabs")?,
-            eager: integer("wear.eager")?,
+            base: integer("reuse.base")?,
+            excess: integer("reuse.excess")?,
+            slabs: integer("reuse.slabs")?,
+            eager: integer("reuse.eager")?,
         },
     };
     reopen_short_slab(&mut state, time);
@@ -122,7 +124,8 @@ fn past(arrays: &Arrays) -> Option<Past> {
     let interval = get("interval").filter(|numbers| numbers.len() == 3).map(|numbers| interval(&numbers))?;
     let dt = interval.end - interval.start;
     let bodies = bodies(arrays, "past.body");
-    Some(Past { interval, dt, bottom: get("displacement")?, u: get("flow")?, v: get("mesh_velocity")?, bodies })
+    let (u, v) = (Arc::new(get("flow")?), Arc::new(get("mesh_velocity")?));
+    Some(Past { interval, dt, bottom: get("displacement")?, u, v, bodies })
 }
 
 /// The arrays `name`.0, `name`.1, ... as far as there are any.
@@ -139,19 +142,21 @@ fn frozen(arrays: &Arrays) -> Option<Linearisation> {
         bottom: get("displacement")?,
         velocities: get("mesh_velocity")?,
         state: get("flow")?,
-        built_for: (built_dt, damping),
-        ordering: ordering(indices("cells")?, indices("level_ends")?)?,
+        built_for: TimeScales { dt: built_dt, damping },
+        ordering: ordering(&indices("cells")?, indices("level_ends")?, &indices("stage_ends")?)?,
     })
 }
 
-/// `None` unless every cell has one position, and the levels end in increasing order, the last one with the cells.
-fn ordering(cells: Vec<usize>, level_ends: Vec<usize>) -> Option<Ordering> {
+/// `None` unless every cell has one position, and levels and stages end in increasing order, the last ones with the cells.
+fn ordering(cells: &[usize], level_ends: Vec<usize>, stage_ends: &[usize]) -> Option<Ordering> {
     let mut found = vec![false; cells.len()];
-    for &cell in &cells {
+    for &cell in cells {
         *found.get_mut(cell)? = true;
     }
-    let whole = !found.contains(&false) && level_ends.is_sorted() && level_ends.last() == Some(&cells.len());
-    whole.then(|| Ordering::whole(cells, level_ends))
+    let end_with_cells = |ends: &[usize]| ends.is_sorted() && ends.last().is_none_or(|last| *last == cells.len());
+    let whole = !found.contains(&false) && !level_ends.is_empty() && (!stage_ends.is_empty() || cells.is_empty());
+    let fits = whole && end_with_cells(&level_ends) && end_with_cells(stage_ends);
+    fits.then(|| Ordering::in_stages(cells, level_ends, stage_ends))
 }
 
 #[cfg(test)]
@@ -166,8 +171,8 @@ mod tests {
             interval: Interval { start: 0.1, end: 0.2, halvings: 0 },
             dt: 0.1,
             bottom: vec![1.0; 3],
-            u: vec![2.0; 8],
-            v: vec![3.0; 6],
+            u: vec![2.0; 8].into(),
+            v: vec![3.0; 6].into(),
             bodies: vec![vec![9.0; 2]],
         };
         let state = State {
@@ -182,8 +187,8 @@ mod tests {
             bottom: vec![6.0; 3],
             velocities: vec![7.0; 6],
             state: vec![8.0; 8],
-            built_for: (0.1, 0.0),
-            ordering: ordering(vec![1, 0, 2], vec![2, 3]).unwrap(),
+            built_for: TimeScales { dt: 0.1, damping: 0.0 },
+            ordering: ordering(&[1, 0, 2], vec![2, 3], &[1, 3]).unwrap(),
         };
         store(&state, Some(&frozen), true)
     }
@@ -194,7 +199,8 @@ mod tests {
         assert_eq!((state.slab, state.time, state.past.as_ref().unwrap().u.len(), stale), (2, 0.2, 8, true));
         let again = store(&state, frozen.as_ref(), stale);
         assert_eq!(again.arrays.keys().collect::<Vec<_>>(), stored().arrays.keys().collect::<Vec<_>>());
-        assert_eq!(frozen.unwrap().ordering.positions, [1, 0, 2]);
+        let ordering = frozen.unwrap().ordering;
+        assert_eq!((&ordering.positions[..], ordering.stages_of_cells()), (&[1, 0, 2][..], vec![1, 0, 1]));
     }
 
     /// Any stored data give either a consistent state or none.
@@ -215,10 +221,17 @@ mod tests {
                 assert!(frozen.is_none_or(|frozen| frozen.state.len() == 2 * state.u.len()), "{name} {change}");
             }
         }
-        for (cells, level_ends) in
-            [(vec![0, 0], vec![2]), (vec![0, 2], vec![2]), (vec![0, 1], vec![1]), (vec![0], vec![])]
-        {
-            assert_eq!(ordering(cells, level_ends), None);
+        for (cells, level_ends, stage_ends) in [
+            ([0, 0], vec![2], vec![2]),
+            ([0, 2], vec![2], vec![2]),
+            ([0, 1], vec![1], vec![2]),
+            ([0, 1], vec![], vec![2]),
+            ([0, 1], vec![2], vec![1]),
+            ([0, 1], vec![2], vec![2, 1]),
+            ([0, 1], vec![2], vec![]),
+        ] {
+            assert_eq!(ordering(&cells, level_ends, &stage_ends), None);
         }
+        assert!(ordering(&[0, 1], vec![2], &[1, 2]).is_some());
     }
 }

@@ -34,7 +34,7 @@ const REST: &str = PARTS[9].0;
 
 /// A clock that spans start and stop, shared by all its clones.
 #[derive(Clone, Debug)]
-pub struct Clock(Arc<Mutex<Times>>);
+pub struct CostClock(Arc<Mutex<Times>>);
 
 #[derive(Debug)]
 struct Times {
@@ -55,12 +55,12 @@ impl Times {
     }
 }
 
-impl Clock {
+impl CostClock {
     /// A clock of a run that has `begun` and is now set up.
     pub fn new(begun: Instant) -> Self {
         let now = Instant::now();
         let spent = BTreeMap::from([(SETUP, (now - begun, 1))]);
-        Clock(Arc::new(Mutex::new(Times { open: Vec::new(), last: now, spent })))
+        CostClock(Arc::new(Mutex::new(Times { open: Vec::new(), last: now, spent })))
     }
 
     /// Whether a span is one of the parts of a run.
@@ -85,7 +85,7 @@ impl Clock {
     }
 }
 
-impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for Clock {
+impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for CostClock {
     fn on_enter(&self, id: &Id, context: Context<'_, S>) {
         let Some(span) = context.span(id) else { return };
         self.with(|times| {

@@ -1,7 +1,7 @@
 //! Data of a run besides its march: sums, clock, progress; and its end.
 
 use super::statistics::RunStatistics;
-use crate::clock::{self, Clock};
+use crate::clock::{self, CostClock};
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
 use crate::time::rounded;
@@ -20,7 +20,7 @@ pub struct RunContext<'a> {
     pub slabs: usize,
     begun: Instant,
     setup_seconds: f64,
-    clock: Clock,
+    clock: CostClock,
 }
 
 /// Why a run stopped before its end.

@@ -70,7 +70,7 @@ pub fn update<const D: usize>(case: &Case<D>, row: &[f64], statistics: &mut RunS
 
 /// Sets the controls for which the preconditioner of the state `stored` was made, or the initial ones.
 pub fn set_for_preconditioner<const D: usize>(case: &Case<D>, stored: Option<&SolverState>) {
-    set(case, stored.and_then(|stored| stored.arrays.get(&format!("tally.{OF_PRECONDITIONER}"))));
+    set(case, stored.and_then(|stored| stored.arrays.get(&format!("statistics.{OF_PRECONDITIONER}"))));
 }
 
 /// Sets the controls where the run stands, or the initial ones.

@@ -115,7 +115,7 @@ pub(super) trait Run {
     /// Advances one slab.
     fn advance(&mut self) -> anyhow::Result<Self::Report>;
     /// Velocities and flow at the start, at every time node, laid out like those of a slab.
-    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>);
+    fn slab_at_start(&self) -> [Vec<f64>; 2];
     /// Prepares and records the start of the run; returns its row of history.csv, if it has one.
     fn open(&mut self, _context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
         Ok(None)
@@ -169,7 +169,7 @@ pub(super) struct Call<'a> {
 pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     case: &Case<D>,
     mut run: R,
-    mesh: &MeshView<D>,
+    mesh: &Arc<MeshView<D>>,
     call: Call<'_>,
 ) -> Result<Summary, Failure> {
     let Call { destination, observer, begun, origin } = call;
@@ -226,8 +226,8 @@ fn explained(
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
     let message = format!("the run stopped at t = {time}; the state then is in {}", directory.display());
-    let story = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
-    let hint = failure::tell(directory, &run.examine(&error, statistics), &story);
+    let report = FailureReport { case, error: &error, time, slabs: state.slab, again: Some(again) };
+    let hint = failure::tell(directory, &run.examine(&error, statistics), &report);
     Failure::solve(error.context(message + &hint))
 }
 
@@ -244,7 +244,7 @@ fn begin<const D: usize, const M: usize>(
     };
     let (velocities, flow) = match &run.state().past {
         Some(past) => (past.v.clone(), past.u.clone()),
-        None => run.slab_at_start(),
+        None => run.slab_at_start().map(Arc::new).into(),
     };
     let (time, displacement) = (run.state().time, &run.state().d[..]);
     let structure = StructureSnapshot::new(recorder.case(), run.state());
@@ -316,6 +316,7 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
         run.surfaces().iter().try_for_each(|(array, values)| recorder.append_to_series(array, *time, values))?;
     }
     run.cut(directory, run.is_done())?;
+    context.observer.state(&recorder.tell(&row, run.state()));
     if recorder.is_checkpoint_due() {
         recorder.checkpoint(run.store(), &context.statistics)?;
     }

@@ -5,7 +5,7 @@ use super::build::{StructureAtStart, structure_at_start};
 use case::{Case, Flow, SolidPart, Structure};
 use coupled::Observation;
 use coupled::blocks::elastic_body::{ElasticBodyData, Interface};
-use coupled::blocks::{ElasticBody, Instants};
+use coupled::blocks::{ElasticBody, SlabTimes};
 use elasticity::{ElasticityError, FluidLayer};
 use fem::SlabOperator;
 
@@ -22,7 +22,7 @@ pub fn elastic_body<const D: usize, const M: usize>(
     (structure, part): (&Structure<D>, &SolidPart<D>),
     operator: &SlabOperator<D, M>,
     number: usize,
-    instants: Instants,
+    times: SlabTimes,
 ) -> Result<ElasticBody<D>, ElasticityError> {
     let StructureAtStart { body, loads, supports, displacement, mut velocity } = structure_at_start(case, structure)?;
     supports.set(&body, &mut velocity, |field, x| field.rate(x, case.time.start));
@@ -42,5 +42,5 @@ pub fn elastic_body<const D: usize, const M: usize>(
     let points = structure.points.iter().filter_map(point).collect();
     let data = ElasticBodyData { structure: body, loads, supports, displacement, velocity, fluid, points };
     let interface = Interface::new(&part.shared, operator.loaded_nodes());
-    Ok(ElasticBody::new(data, interface, number, instants))
+    Ok(ElasticBody::new(data, interface, number, times))
 }

@@ -14,7 +14,7 @@ use super::probes::FlowAtPoints;
 use super::record::{MeshView, top};
 use super::statistics::RunStatistics;
 use super::surfaces::{self, SurfaceFlow};
-use super::walls::felt;
+use super::walls::wall_loads;
 use super::{build, checkpoint, controls, cuts, history, restart, summary};
 use crate::destination::Destination;
 use crate::error::Failure;
@@ -57,7 +57,8 @@ where
         false => restart::read::<D, M>(case, flow, &march.solver.system.mesh.mover)?,
     };
     let call = Call { destination, observer, begun, origin: origin.as_ref() };
-    let mesh = MeshView::new(&march.solver.system.mesh.mover.reference, &march.solver.system.mesh.mover.numbering);
+    let mover = &march.solver.system.mesh.mover;
+    let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     drive::<D, M, _>(case, FlowRun { case, flow, march, crew }, &mesh, call)
 }
 
@@ -216,31 +217,30 @@ where
         let stages = found.as_ref().map_or_else(|error| &error.stages, |flow| &flow.stages);
         stages.iter().for_each(|stage| context.observer.say(&told(stage)));
         let found = found?;
-        let felt = felt(self.flow, &found.report);
-        context.statistics.start_from_steady(&found, &felt);
+        let loads = wall_loads(self.flow, &found.report);
+        context.statistics.start_from_steady(&found, &loads);
         let SteadyFlow { report, reliability, .. } = found;
-        if let Some(warning) = doubt(&reliability) {
+        if let Some(warning) = warning(&reliability) {
             context.observer.say(&format!("warning: {warning}"));
         }
         context.statistics.totals_at_start = report.totals.clone();
         self.observe(context);
         context.observer.say(&format!("steady flow: {:.1} s", context.seconds()));
         context.observer.begin_slabs();
-        let row = history::row(self.flow, &report, &felt, &self.march.bodies(), &context.statistics);
+        let row = history::row(self.flow, &report, &loads, &self.march.bodies(), &context.statistics);
         Ok([row, self.observed()].concat())
     }
 }
 
 /// Whether no gas can enter or leave: all boundaries are walls, and nothing adds mass.
 fn is_closed<const D: usize>(flow: &Flow<D>) -> bool {
-    let adds_mass = flow.source.is_some() && flow.law.source != navier_stokes::Source::Acceleration;
     let lets_pass =
         |data: &BoundaryData<D>| !data.condition.is_wall() && !matches!(data.condition, Boundary::Symmetry(_));
-    !adds_mass && !flow.boundary.iter().any(lets_pass)
+    flow.conserves_mass() && !flow.boundary.iter().any(lets_pass)
 }
 
 /// What is wrong with a steady flow, and the remedy.
-fn doubt(reliability: &Reliability) -> Option<String> {
+fn warning(reliability: &Reliability) -> Option<String> {
     let stability = reliability.stability.filter(Stability::is_unstable)?;
     let seen = match stability.completed {
         true => {
@@ -291,11 +291,11 @@ where
         })
     }
 
-    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
+    fn slab_at_start(&self) -> [Vec<f64>; 2] {
         let (layout, state) = (self.operator().layout, self.state());
         let one = layout.at_one_time();
         let cell = |cell| (0..layout.time_order).flat_map(move |_| state.u[one.cell(cell)].iter().copied());
-        (vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect())
+        [vec![0.0; state.d.len() * layout.time_order], (0..layout.cells).flat_map(cell).collect()]
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {
@@ -319,8 +319,8 @@ where
     }
 
     fn enter(&self, report: &SlabReport<M>, context: &mut RunContext) -> Vec<f64> {
-        let felt = felt(self.flow, report);
-        context.statistics.add(report, &felt);
+        let loads = wall_loads(self.flow, report);
+        context.statistics.add(report, &loads);
         self.observe(context);
         context.observer.slab(&SlabDone {
             number: report.slab,
@@ -331,8 +331,8 @@ where
         });
         let bodies = self.march.bodies();
         self.average(&mut context.statistics.averages);
-        context.statistics.add_bodies(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
-        let row = history::row(self.flow, report, &felt, &bodies, &context.statistics);
+        context.statistics.add_bodies::<D, M>(&bodies, self.state().time, &report.totals, &self.walls_of_bodies());
+        let row = history::row(self.flow, report, &loads, &bodies, &context.statistics);
         [row, self.observed()].concat()
     }
 

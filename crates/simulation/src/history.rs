@@ -8,7 +8,8 @@ use super::{opening_states, probes};
 use case::{Case, Flow, Integral, Structure, Wall};
 use coupled::block::BodyState;
 use coupled::{Interval, MeshQuality, SlabReport, StructureReport};
-use navier_stokes::{Coefficients, WallForce};
+use navier_stokes::{Coefficients, Conserved, WallForce};
+use std::array::from_fn;
 
 /// Columns of every run.
 const OF_MESH: [&str; 6] =
@@ -104,13 +105,13 @@ fn of_wall<const D: usize>() -> Vec<String> {
 }
 
 /// The row of a wall; `total` are its impulses, work and heat since the start.
-fn row_of_wall<const D: usize>(wall: &Wall<D>, felt: &WallLoads<D>, total: &WallForce<D>) -> Vec<f64> {
-    let now = &felt.at_top;
+fn row_of_wall<const D: usize>(wall: &Wall<D>, loads: &WallLoads<D>, total: &WallForce<D>) -> Vec<f64> {
+    let now = &loads.at_top;
     let Coefficients { drag, lift, moment: turning } = wall.scales.coefficients(now);
     let mut row: Vec<f64> = [now.force(), now.pressure, now.friction].concat();
     row.extend(wall.moments(now));
     row.extend([now.power, now.heat, drag, lift, turning]);
-    for sum in [&felt.during, total] {
+    for sum in [&loads.during, total] {
         row.extend(sum.force());
         row.extend(wall.moments(sum));
         row.extend([sum.power, sum.heat]);
@@ -144,7 +145,7 @@ pub fn row_of_structure(report: &StructureReport, balance: &EnergyBalance) -> Ve
 pub fn row<const D: usize, const M: usize>(
     flow: &Flow<D>,
     report: &SlabReport<M>,
-    felt: &[WallLoads<D>],
+    loads: &[WallLoads<D>],
     bodies: &[BodyState],
     statistics: &RunStatistics,
 ) -> Vec<f64> {
@@ -153,10 +154,11 @@ pub fn row<const D: usize, const M: usize>(
     row.push(report.jump);
     row.extend([newton.steps.len() as f64, newton.krylov_iterations as f64, newton.initial_norm, newton.final_norm()]);
     row.extend([counts.rebuilds as f64, report.rejected as f64]);
-    row.extend([0, M - 1].into_iter().flat_map(|component| [totals[component], statistics.balance(totals, component)]));
+    let (held, created) = (Conserved::<f64, D>::unpack::<M>(&from_fn(|m| totals[m])), statistics.balances::<D, M>(totals));
+    row.extend([held.density, created.density, held.energy, created.energy]);
     let totals = |wall: usize| from_numbers(statistics.impulses.get(wall).map_or(&[][..], Vec::as_slice));
-    let walls = flow.walls.iter().zip(felt).enumerate();
-    row.extend(walls.flat_map(|(number, (wall, felt))| row_of_wall(wall, felt, &totals(number))));
+    let walls = flow.walls.iter().zip(loads).enumerate();
+    row.extend(walls.flat_map(|(number, (wall, loads))| row_of_wall(wall, loads, &totals(number))));
     row.extend(openings(flow).map(|boundary| statistics.mass_flows.get(boundary).copied().unwrap_or(f64::NAN)));
     row.extend(bodies.iter().flat_map(bodies::row));
     row

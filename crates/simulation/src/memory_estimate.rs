@@ -129,7 +129,7 @@ fn krylov_vectors(iterations: usize) -> usize {
 }
 
 /// The sizes of the blocks of a flow.
-struct Blocks {
+struct BlockSizes {
     /// Unknowns of a cell at one time.
     cell: usize,
     /// Nodes of a cell.
@@ -138,48 +138,55 @@ struct Blocks {
     traces: usize,
 }
 
-impl Blocks {
+impl BlockSizes {
     fn new<const D: usize>(flow: &Flow<D>) -> Self {
         let (nodes, kinds) = (flow.order.pow(D as u32), 1 + usize::from(is_viscous(flow)));
-        Blocks { cell: (D + 2) * nodes, nodes, traces: kinds * (D + 2) * nodes / flow.order }
+        BlockSizes { cell: (D + 2) * nodes, nodes, traces: kinds * (D + 2) * nodes / flow.order }
     }
 }
 
-/// In double precision: the square of a cell's unknowns and of its nodes. During assembly also the square of the traces of a facet, for
-/// rows and columns of either side.
+/// Entries of the Jacobian: the square of a cell's unknowns and of its nodes, and twice the square of the traces of a facet. Beside them, entries
+/// that only its assembly needs: the square of the traces for each side of a facet.
+fn jacobian_entries<const D: usize>(case: &Case<D>) -> (usize, usize) {
+    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
+    let BlockSizes { cell, nodes, traces } = BlockSizes::new(flow);
+    let (interior, boundary) = (mesh.interior_facets().len(), mesh.boundary_facets().len());
+    let kept = mesh.n_cells() * (cell * cell + nodes * nodes) + 2 * interior * traces * traces;
+    (kept, (2 * interior + boundary) * traces * traces)
+}
+
+/// In single precision, and what its assembly needs in double precision.
 fn jacobian<const D: usize>(case: &Case<D>) -> usize {
-    let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
-    let Blocks { cell, nodes, traces } = Blocks::new(flow);
-    let pairs = 4 * mesh.interior_facets().len() + mesh.boundary_facets().len();
-    8 * (mesh.n_cells() * (cell * cell + nodes * nodes) + pairs * traces * traces)
+    let (kept, assembly) = jacobian_entries(case);
+    4 * kept + 8 * assembly
 }
 
 /// In bfloat16: the square of a cell's unknowns for each time node, and of the traces for either side of a facet. In single precision:
 /// the data to invert a block, per thread.
 fn factors<const D: usize>(case: &Case<D>, time_order: usize) -> usize {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return 0 };
-    let Blocks { cell, traces, .. } = Blocks::new(flow);
+    let BlockSizes { cell, traces, .. } = BlockSizes::new(flow);
     let stored =
         mesh.n_cells() * time_order * cell * padded(cell) + 2 * mesh.interior_facets().len() * traces * padded(traces);
     2 * stored + 4 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
 }
 
-/// For the preconditioner by directions, in double precision: for every axis of a cell the squares of the unknowns and of the nodes of a line.
-/// In single precision: the former, padded, once for a real mode and four times for a complex pair.
+/// For the preconditioner by directions, in single precision: for every axis of a cell the squares of the unknowns and of the nodes of a line;
+/// and the former, padded, once for a real mode and four times for a complex pair.
 fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
     let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);
     let matrices = time_order % 2 + 4 * (time_order / 2);
-    (8 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
+    (4 * axes * (line * line + flow.order * flow.order), 4 * axes * matrices * line * padded(line))
 }
 
-/// That of the search for a steady flow, with its coarse level.
+/// That of the search for a steady flow. Its coarse level is made of the Jacobian in double precision.
 fn steady_preconditioner<const D: usize>(case: &Case<D>) -> usize {
     if case.preconditioner() == Preconditioner::LowOrder {
         let (blocks, factors) = node_blocks(case, 1);
         return blocks + factors;
     }
-    jacobian(case) + factors(case, 1) + coarse_level(case)
+    jacobian(case) + 8 * jacobian_entries(case).0 + factors(case, 1) + coarse_level(case)
 }
 
 /// Blocks between nodes in half precision, those of a node itself in single precision, the node's mass and neighbours; the factors, and the

@@ -14,6 +14,7 @@ use crate::time::rounded;
 use case::Case;
 use coupled::{MeshMarch, MeshQuality, MeshReport};
 use output::{SolverState, Summary};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Moves the mesh over the whole run, even where cells are inverted.
@@ -31,7 +32,7 @@ pub fn move_mesh<const D: usize, const M: usize>(
         return Err(Failure::bad_input(anyhow::anyhow!(problem)));
     }
     let mover = build::mover(case).map_err(Failure::bad_input)?;
-    let mesh = MeshView::new(&mover.reference, &mover.numbering);
+    let mesh = Arc::new(MeshView::new(&mover.reference, &mover.numbering));
     let case = &Case { flow: None, structure: None, ..case.clone() };
     let march = MeshMarch::new(mover, case.time.schedule(), case.solver.slab_halvings as u32);
     drive::<D, M, _>(case, MeshRun { case, march, inverted: None }, &mesh, call)
@@ -71,8 +72,8 @@ impl<const D: usize> Run for MeshRun<'_, D> {
         }
         Ok(report)
     }
-    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
-        (vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new())
+    fn slab_at_start(&self) -> [Vec<f64>; 2] {
+        [vec![0.0; self.march.state.d.len() * self.case.time.order], Vec::new()]
     }
 
     fn enter(&self, report: &MeshReport, context: &mut RunContext) -> Vec<f64> {
@@ -134,8 +135,8 @@ impl<const D: usize> MeshRun<'_, D> {
         );
         let Some(Inverted { finding, start, slabs }) = &self.inverted else { return Failure::solve(error) };
         let case = &self.case.about.name;
-        let story = FailureReport { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
-        let hint = failure::tell(directory, finding, &story);
+        let report = FailureReport { case, error: &error, time: rounded(*start), slabs: *slabs, again: None };
+        let hint = failure::tell(directory, finding, &report);
         Failure::solve(anyhow::anyhow!("{error}{hint}"))
     }
 }

@@ -1,8 +1,10 @@
 //! What a run tells its caller while it goes, and what it asks him.
 
-use crate::clock::Clock;
-use coupled::{MeshQuality, StructureReport};
+use crate::clock::CostClock;
+use coupled::{MeshQuality, State, StructureReport};
+use output::ArraySpec;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A slab of mesh and flow that is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +19,39 @@ pub struct SlabDone {
     pub krylov: usize,
     /// Its final residual, relative to the first one.
     pub residual: f64,
+}
+
+/// The positions of the nodes of a mesh, `[cell][component][node]`, as a function of its displacement, `[C0 node][component]`.
+pub type Positions = dyn Fn(&[f64]) -> Vec<f64> + Send + Sync;
+
+/// A run at the end of a slab, with the numbers of the solver. The files of the slab are written.
+#[derive(Clone, Copy)]
+pub struct RunState<'a> {
+    /// The columns of history.csv.
+    pub columns: &'a [String],
+    /// The row of the slab in history.csv.
+    pub row: &'a [f64],
+    /// Flow, displacement and bodies at the end of the slab. Its `past` holds the flow and the mesh velocities within the slab, which may be
+    /// kept without a copy.
+    pub state: &'a State,
+    /// The arrays of a step in the result file. The flow in `state.past` is the array `flow`.
+    pub arrays: &'a [ArraySpec],
+    /// The mesh; `positions(&state.d)` are the positions at the end of the slab.
+    pub positions: &'a Arc<Positions>,
+}
+
+impl RunState<'_> {
+    /// The value of a column of history.csv, for instance the force `airfoil_force_x`.
+    pub fn value(&self, column: &str) -> Option<f64> {
+        let number = self.columns.iter().position(|name| name == column)?;
+        self.row.get(number).copied()
+    }
+
+    /// The lengths of the axes of the array `name` of the result file.
+    pub fn shape(&self, name: &str) -> Option<Vec<usize>> {
+        let array = self.arrays.iter().find(|array| array.name == name)?;
+        Some(array.axes.iter().map(|axis| axis.length).collect())
+    }
 }
 
 /// What a user may do with a run that is there.
@@ -38,7 +73,7 @@ pub trait Observer: Sync {
     ///
     /// # Errors
     /// What forbids the run.
-    fn open(&self, _directory: &Path, _clock: &Clock) -> anyhow::Result<()> {
+    fn open(&self, _directory: &Path, _clock: &CostClock) -> anyhow::Result<()> {
         Ok(())
     }
     /// The run goes from time `start`, which is that of the checkpoint if it is resumed, to `end`.
@@ -51,6 +86,8 @@ pub trait Observer: Sync {
     fn mesh_slab(&self, _number: usize, _time: f64, _quality: &MeshQuality) {}
     /// A slab of a structure is done.
     fn structure_slab(&self, _report: &StructureReport) {}
+    /// A slab of any run is done, and its files are written.
+    fn state(&self, _state: &RunState<'_>) {}
     /// A message for the user, of one line or more.
     fn say(&self, _message: &str) {}
     /// No slab follows.

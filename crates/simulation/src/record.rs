@@ -8,17 +8,19 @@ use super::history::columns;
 use super::resume;
 use super::statistics::RunStatistics;
 use crate::error::Failure;
+use crate::observer::{Positions, RunState};
 use crate::session::Session;
 use case::{Case, SolidPart};
 use coupled::block::BodyState;
 use elasticity::{Solid, Stress};
-use fem::{Layout as FlowLayout, Sampler};
+use fem::{Layout, Sampler};
 use mesh::{Mesh, NodeNumbering};
 use output::{
-    ArraySpec, Checksum, FieldSpec, Grid, History, Layout, Metadata, RestMesh, ResultFile, SolverState, Step,
+    ArraySpec, Checksum, FieldSpec, FileLayout, Grid, History, Metadata, RestMesh, ResultFile, SolverState, Step,
 };
 use report::REPORT_FILE;
 use report::fields::{self, CellSample, Medium};
+use std::sync::Arc;
 
 /// The state of a run at the end of a slab, and within it.
 pub struct Snapshot<'a> {
@@ -61,7 +63,7 @@ impl StructureSnapshot {
 /// The files of a run.
 pub struct Recorder<'a, const D: usize, const M: usize> {
     case: &'a Case<D>,
-    mesh: &'a MeshView<D>,
+    mesh: Arc<MeshView<D>>,
     /// The mesh of a structure beside the flow.
     beside: Option<MeshView<D>>,
     /// The material of the structure, if there is one.
@@ -75,6 +77,22 @@ pub struct Recorder<'a, const D: usize, const M: usize> {
     /// det J at rest in every cell of the mesh, and then of the structure beside the flow.
     reference_determinants: Vec<Vec<f64>>,
     slabs_since_checkpoint: usize,
+    told: Told,
+}
+
+/// The parts of [`RunState`] that are the same for all slabs.
+struct Told {
+    columns: Vec<String>,
+    arrays: Vec<ArraySpec>,
+    positions: Arc<Positions>,
+}
+
+impl Told {
+    fn new<const D: usize, const M: usize>(case: &Case<D>, mesh: &Arc<MeshView<D>>) -> Self {
+        let mesh = mesh.clone();
+        let positions = Arc::new(move |d: &[f64]| mesh.all_displaced(d));
+        Told { columns: columns(case), arrays: layout::<D, M>(case).exact, positions }
+    }
 }
 
 /// The mesh as the recorder needs it: C0 nodes per cell and reference positions `[cell][component][node]`.
@@ -107,6 +125,11 @@ impl<const D: usize> MeshView<D> {
         let displacement = self.on_cell(cell, d);
         self.positions[cell].iter().zip(displacement).map(|(x, d)| x + d).collect()
     }
+
+    /// Positions of the nodes of all cells, displaced by `d`.
+    fn all_displaced(&self, d: &[f64]) -> Vec<f64> {
+        (0..self.cells.len()).flat_map(|cell| self.displaced(cell, d)).collect()
+    }
 }
 
 impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
@@ -118,7 +141,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     pub fn start(
         session: &Session<'_>,
         case: &'a Case<D>,
-        mesh: &'a MeshView<D>,
+        mesh: &Arc<MeshView<D>>,
         resume: bool,
         origin: Option<&SolverState>,
     ) -> Result<(Self, Option<SolverState>), Failure> {
@@ -134,7 +157,8 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         session.directory.clear(resume, &[REPORT_FILE])?;
         let before = stored.as_ref().or(origin);
         let rows = before.and_then(|before| before.arrays.get("history")).map_or(&[][..], Vec::as_slice);
-        let history = History::create(&session.directory, &columns(case), rows)?;
+        let told = Told::new::<D, M>(case, mesh);
+        let history = History::create(&session.directory, &told.columns, rows)?;
         let (sampler, n) = fields::equidistant::<D>(flow_order(case), case.mesh.order());
         let mesh_sampler = Sampler::new(case.mesh.order(), case.mesh.order(), &basis::equidistant_points(n));
         let beside =
@@ -143,7 +167,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let rest = mesh.positions.iter().chain(beside.iter().flat_map(|beside| &beside.positions));
         let recorder = Recorder {
             case,
-            mesh,
+            mesh: mesh.clone(),
             reference_determinants: rest.map(|nodes| sampler.determinants(nodes)).collect(),
             beside,
             solid: case.structure.as_ref().map(solid),
@@ -152,6 +176,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
             sampler,
             mesh_sampler,
             slabs_since_checkpoint: 0,
+            told,
         };
         Ok((recorder, stored))
     }
@@ -159,6 +184,12 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     /// The case of the run.
     pub fn case(&self) -> &'a Case<D> {
         self.case
+    }
+
+    /// A run in `state` at the end of a slab with the `row` of history.csv, for observers.
+    pub fn tell<'b>(&'b self, row: &'b [f64], state: &'b coupled::State) -> RunState<'b> {
+        let Told { columns, arrays, positions } = &self.told;
+        RunState { columns, row, state, arrays, positions }
     }
 
     /// Appends a step to the result.
@@ -173,7 +204,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let mut fields: Vec<(&str, &[f64])> =
             names.iter().map(String::as_str).zip(drawn.iter().map(Vec::as_slice)).collect();
         fields.extend(averages.iter().map(|average| (&average.name[..], &average.drawn[..])));
-        let (positions, velocities) = exact_mesh(self.mesh, snapshot.displacement, snapshot.velocities);
+        let (positions, velocities) = exact_mesh(&self.mesh, snapshot.displacement, snapshot.velocities);
         let beside = self.beside.as_ref().zip(snapshot.structure.as_ref());
         let of_structure =
             beside.map(|(mesh, structure)| exact_mesh(mesh, &structure.displacement, &structure.velocities));
@@ -241,7 +272,7 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
         let (determinants, of_structure) = self.reference_determinants.split_at(self.mesh.cells.len());
         let velocity = top(velocities, displacement);
         let time = snapshot.time;
-        let moving = Moving { mesh: self.mesh, determinants, displacement, velocity, solid, time };
+        let moving = Moving { mesh: &self.mesh, determinants, displacement, velocity, solid, time };
         (0..self.mesh.cells.len())
             .for_each(|cell| self.draw_cell(&moving, cell, self.top_state(cell, flow), &mut drawn));
         if let Some((mesh, structure)) = self.beside.as_ref().zip(snapshot.structure.as_ref()) {
@@ -354,7 +385,7 @@ pub fn top<'a>(velocities: &'a [f64], displacement: &[f64]) -> &'a [f64] {
 fn exact_mesh<const D: usize>(mesh: &MeshView<D>, displacement: &[f64], velocities: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let cells = 0..mesh.cells.len();
     let fields = || velocities.chunks_exact(displacement.len());
-    let positions = cells.clone().flat_map(|cell| mesh.displaced(cell, displacement)).collect();
+    let positions = mesh.all_displaced(displacement);
     let velocities = cells.flat_map(|cell| fields().flat_map(move |field| mesh.on_cell(cell, field))).collect();
     (positions, velocities)
 }
@@ -384,12 +415,12 @@ fn flow_order<const D: usize>(case: &Case<D>) -> usize {
 }
 
 /// The layout of the flow in a slab.
-fn flow_layout<const D: usize, const M: usize>(case: &Case<D>) -> FlowLayout {
+fn flow_layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
     let nodes = flow_order(case).pow(D as u32);
-    FlowLayout { cells: case.mesh.n_cells(), time_order: case.time.order, components: M, nodes }
+    Layout { cells: case.mesh.n_cells(), time_order: case.time.order, components: M, nodes }
 }
 
-fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
+fn layout<const D: usize, const M: usize>(case: &Case<D>) -> FileLayout {
     let (cells, mesh_nodes, time) = (case.mesh.n_cells(), case.mesh.nodes_per_cell(), case.time.order);
     let points_per_direction = flow_order(case).max(case.mesh.order());
     let position = ArraySpec::new("position", &[("cell", cells), ("component", D), ("mesh node", mesh_nodes)]);
@@ -412,7 +443,7 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> Layout {
         exact.extend(of_mesh.averages().iter().map(|average| of_mesh.array(average)));
         fields.extend(of_mesh.averages().iter().map(averages::spec));
     }
-    Layout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
+    FileLayout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
 }
 
 /// A checksum of the parts that a run must share with the run that it continues: the lasting part of the case, and the

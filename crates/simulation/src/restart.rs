@@ -8,11 +8,13 @@ use crate::error::Failure;
 use case::{AllowedChange, Case, Flow, Time, gas_of, motion_of, reference_pressure_of};
 use coupled::block::BodyState;
 use coupled::{Linearisation, MeshMotion, MeshMover, State};
-use fem::Orders;
+use fem::{Layout, Orders};
 use mesh::{Mesh, NodeNumbering};
+use navier_stokes::Conserved;
 use output::{RESULT_FILE, RestMesh, ResultReader, SolverState};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 type Arrays = BTreeMap<String, Vec<f64>>;
 
@@ -254,12 +256,12 @@ impl Origin {
     ) -> Result<(), RestartError> {
         let there = reference_pressure_of(&self.result.metadata.case_text).map_err(|reason| self.unreadable(reason))?;
         let shift = (flow.reference_pressure() - there) / (flow.law.gas.gamma() - 1.0);
+        let shifts: [f64; M] = Conserved { density: 0.0, momentum: [0.0; D], energy: shift }.pack();
         let nodes = order.pow(D as u32);
-        let past = state.past.iter_mut().flat_map(|past| past.u.iter_mut().enumerate());
+        let layout = Layout { cells: state.u.len() / (M * nodes), time_order: 1, components: M, nodes };
+        let past = state.past.iter_mut().flat_map(|past| Arc::make_mut(&mut past.u).iter_mut().enumerate());
         for (i, u) in state.u.iter_mut().enumerate().chain(past) {
-            if i / nodes % M == M - 1 {
-                *u += shift;
-            }
+            *u += shifts[layout.component_of(i)];
         }
         Ok(())
     }
@@ -308,8 +310,8 @@ impl Origin {
     fn sums<const D: usize>(&self, case: &Case<D>, flow: &Flow<D>) -> Result<Arrays, RestartError> {
         let len = |name: &str| self.stored.arrays.get(name).map_or(0, Vec::len);
         // Empty if nothing has been solved yet.
-        let walls = len("tally.forces") / numbers_per_wall(D);
-        let has_begun = len("tally.forces") + len("tally.left") > 0;
+        let walls = len("statistics.forces") / numbers_per_wall(D);
+        let has_begun = len("statistics.forces") + len("statistics.left") > 0;
         if has_begun && walls != flow.walls.len() {
             return Err(self.differs("the number of walls", walls.to_string(), flow.walls.len().to_string()));
         }
@@ -317,7 +319,7 @@ impl Origin {
         if !len("history").is_multiple_of(width) {
             return Err(self.differs("columns of the history", "others", width.to_string()));
         }
-        let kept = |name: &str| name == "history" || name.starts_with("tally.");
+        let kept = |name: &str| name == "history" || name.starts_with("statistics.");
         let arrays = self.stored.arrays.iter().filter(|(name, _)| kept(name));
         Ok(arrays.map(|(name, values)| (name.clone(), values.clone())).collect())
     }

@@ -1,6 +1,6 @@
 //! What a run sets up before its first slab.
 
-use crate::clock::Clock;
+use crate::clock::CostClock;
 use crate::destination::Destination;
 use crate::error::Failure;
 use crate::observer::Observer;
@@ -14,7 +14,7 @@ pub(crate) struct Session<'a> {
     /// Who called.
     pub(crate) observer: &'a dyn Observer,
     /// Where the time of the run goes.
-    pub(crate) clock: Clock,
+    pub(crate) clock: CostClock,
 }
 
 impl<'a> Session<'a> {
@@ -27,7 +27,7 @@ impl<'a> Session<'a> {
         observer: &'a dyn Observer,
         begun: Instant,
     ) -> Result<Self, Failure> {
-        let clock = Clock::new(begun);
+        let clock = CostClock::new(begun);
         let directory = RunDirectory::open(&destination.directory)?;
         observer.open(directory.path(), &clock).map_err(Failure::BadInput)?;
         Ok(Session { directory, observer, clock })

@@ -6,6 +6,8 @@ use super::openings::Record;
 use super::walls::{WallLoads, numbers_per_wall, to_numbers};
 use coupled::block::BodyState;
 use coupled::{EasedStart, MeshQuality, Reliability, SlabReport, Stability, SteadyFlow, StructureReport};
+use navier_stokes::Conserved;
+use std::array::from_fn;
 use std::collections::BTreeMap;
 
 /// The statistics of a run so far.
@@ -140,7 +142,7 @@ fn mass_flows<const M: usize>(report: &SlabReport<M>) -> Vec<f64> {
 
 impl RunStatistics {
     /// Adds a slab, with the loads of the walls.
-    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, felt: &[WallLoads<D>]) {
+    pub fn add<const D: usize, const M: usize>(&mut self, report: &SlabReport<M>, loads: &[WallLoads<D>]) {
         self.rejected += report.rejected as u64;
         let steps = report.newton.steps.len() as u64;
         self.newton += steps;
@@ -157,34 +159,41 @@ impl RunStatistics {
         }
         self.left.resize(M, 0.0);
         self.left.iter_mut().zip(fem::left_during_slab(&report.fluxes)).for_each(|(sum, left)| *sum += left);
-        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.forces = loads.iter().map(|loads| to_numbers(&loads.at_top)).collect();
         self.mass_flows = mass_flows(report);
-        self.impulses.resize(felt.len(), vec![0.0; numbers_per_wall(D)]);
-        for (sums, felt) in self.impulses.iter_mut().zip(felt) {
-            sums.iter_mut().zip(to_numbers(&felt.during)).for_each(|(sum, number)| *sum += number);
+        self.impulses.resize(loads.len(), vec![0.0; numbers_per_wall(D)]);
+        for (sums, loads) in self.impulses.iter_mut().zip(loads) {
+            sums.iter_mut().zip(to_numbers(&loads.during)).for_each(|(sum, number)| *sum += number);
         }
-        self.mass_error = self.mass_error.max(self.balance(&report.totals, 0).abs());
-        self.energy_error = self.energy_error.max(self.balance(&report.totals, M - 1).abs());
+        let created = self.balances::<D, M>(&report.totals);
+        self.mass_error = self.mass_error.max(created.density.abs());
+        self.energy_error = self.energy_error.max(created.energy.abs());
     }
 
     /// Adds the `states` of bodies at the end of a slab, the time `t`, in which the gas has the integrals `totals`. `walls` are the walls
     /// of all bodies, by their number in the list of walls.
-    pub fn add_bodies(&mut self, states: &[BodyState], t: f64, totals: &[f64], walls: &[usize]) {
+    pub fn add_bodies<const D: usize, const M: usize>(
+        &mut self,
+        states: &[BodyState],
+        t: f64,
+        totals: &[f64],
+        walls: &[usize],
+    ) {
         self.bodies.iter_mut().zip(states).for_each(|(record, state)| record.add(state, t));
-        let component = totals.len() - 1;
-        let Some(start) = self.totals_at_start.get(component) else { return };
+        let Ok(start) = <[f64; M]>::try_from(&self.totals_at_start[..]) else { return };
+        let start = Conserved::<f64, D>::unpack(&start).energy;
         // Work is the last but one of the numbers of a wall.
         let work = |wall: &usize| self.impulses[*wall].iter().rev().nth(1).copied().unwrap_or(0.0);
         let lost: f64 = walls.iter().map(work).sum();
         let gained: f64 = self.bodies.iter().zip(states).map(|(record, state)| record.gained(state)).sum();
-        let error = self.balance(totals, component) + (gained - lost) / start;
+        let error = self.balances::<D, M>(totals).energy + (gained - lost) / start;
         self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
     }
 
     /// Notes how the steady flow was found from which the run starts.
-    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, felt: &[WallLoads<D>]) {
+    pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, loads: &[WallLoads<D>]) {
         let SteadyFlow { report, stages, reliability } = found;
-        self.forces = felt.iter().map(|felt| to_numbers(&felt.at_top)).collect();
+        self.forces = loads.iter().map(|loads| to_numbers(&loads.at_top)).collect();
         self.mass_flows = mass_flows(report);
         self.steady = Some(Steady {
             newton: stages.iter().map(|stage| stage.steps as u64).sum(),
@@ -209,8 +218,12 @@ impl RunStatistics {
         self.quality = Some(self.quality.map_or(quality, |worst| worst.worst(quality)));
     }
 
-    /// (present amount + amount that has left - amount at the start) / amount at the start, of one component.
-    pub fn balance(&self, totals: &[f64], component: usize) -> f64 {
+    /// (present amount + amount that has left - amount at the start) / amount at the start, of every component.
+    pub fn balances<const D: usize, const M: usize>(&self, totals: &[f64]) -> Conserved<f64, D> {
+        Conserved::unpack::<M>(&from_fn(|component| self.balance(totals, component)))
+    }
+
+    fn balance(&self, totals: &[f64], component: usize) -> f64 {
         let at = |values: &[f64]| values.get(component).copied();
         let start = at(&self.totals_at_start).unwrap_or(f64::NAN);
         (totals[component] + at(&self.left).unwrap_or(0.0) - start) / start
@@ -232,37 +245,40 @@ impl RunStatistics {
             .quality
             .map_or(Vec::new(), |q| vec![q.lower_bound, q.sampled_min, q.scaled_jacobian, q.cell as f64, q.time]);
         let sums = BTreeMap::from([
-            ("tally.counts".into(), counts.map(|n| n as f64).to_vec()),
-            ("tally.quality".into(), quality),
+            ("statistics.counts".into(), counts.map(|n| n as f64).to_vec()),
+            ("statistics.quality".into(), quality),
             (
-                "tally.first_invalid".into(),
+                "statistics.first_invalid".into(),
                 self.first_invalid.map_or(Vec::new(), |first| vec![first.time, first.cell as f64]),
             ),
-            ("tally.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
-            ("tally.totals_at_start".into(), self.totals_at_start.clone()),
-            ("tally.start_layer".into(), self.start_layer.into_iter().collect()),
-            ("tally.left".into(), self.left.clone()),
-            ("tally.controls".into(), self.controls.clone()),
-            ("tally.controls_of_preconditioner".into(), self.controls_of_preconditioner.clone()),
-            ("tally.impulses".into(), self.impulses.concat()),
-            ("tally.forces".into(), self.forces.concat()),
-            ("tally.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
-            ("tally.reliability".into(), self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability))),
-            ("tally.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
-            ("tally.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
-            ("tally.structure".into(), {
+            ("statistics.first_invalid_sampled".into(), self.first_invalid_sampled.into_iter().collect()),
+            ("statistics.totals_at_start".into(), self.totals_at_start.clone()),
+            ("statistics.start_layer".into(), self.start_layer.into_iter().collect()),
+            ("statistics.left".into(), self.left.clone()),
+            ("statistics.controls".into(), self.controls.clone()),
+            ("statistics.controls_of_preconditioner".into(), self.controls_of_preconditioner.clone()),
+            ("statistics.impulses".into(), self.impulses.concat()),
+            ("statistics.forces".into(), self.forces.concat()),
+            ("statistics.steady".into(), self.steady.as_ref().map_or(Vec::new(), Steady::to_numbers)),
+            (
+                "statistics.reliability".into(),
+                self.steady.as_ref().map_or(Vec::new(), |s| of_reliability(&s.reliability)),
+            ),
+            ("statistics.errors".into(), vec![self.mass_error, self.energy_error, self.coupled_energy_error]),
+            ("statistics.bodies".into(), self.bodies.iter().flat_map(BodyRecord::numbers).collect()),
+            ("statistics.structure".into(), {
                 let EnergyBalance { energy_at_start, load_work, support_work, dissipation } = self.structure;
                 vec![energy_at_start, load_work, support_work, dissipation]
             }),
-            ("tally.mass_flows".into(), self.mass_flows.clone()),
-            ("tally.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
+            ("statistics.mass_flows".into(), self.mass_flows.clone()),
+            ("statistics.openings".into(), self.openings.iter().flat_map(|record| record.to_numbers()).collect()),
         ]);
         sums.into_iter().chain(self.averages.to_arrays()).collect()
     }
 
     /// Back from named numbers, for a run with a number of `walls`; `None` if some are missing.
     pub fn from_arrays(arrays: &BTreeMap<String, Vec<f64>>, walls: usize) -> Option<Self> {
-        let get = |name: &str| arrays.get(&format!("tally.{name}"));
+        let get = |name: &str| arrays.get(&format!("statistics.{name}"));
         let &[rejected, newton, newton_max, krylov, krylov_max, elasticity, residuals, products] = &get("counts")?[..]
         else {
             return None;

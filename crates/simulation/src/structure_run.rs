@@ -17,6 +17,7 @@ use coupled::{Observation, SlabError, StructureMarch, StructureReport};
 use elasticity::{ElasticityError, NaturalMode, natural_modes};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use output::{SolverState, Summary};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs a structure.
@@ -31,7 +32,7 @@ pub fn run_structure<const D: usize, const M: usize>(
 ) -> Result<Summary, Failure> {
     let call = Call { destination, observer, begun: Instant::now(), origin: None };
     let march = build::structure_march(case, structure).map_err(Failure::bad_input)?;
-    let mesh = MeshView::new(&case.mesh, march.structure().numbering());
+    let mesh = Arc::new(MeshView::new(&case.mesh, march.structure().numbering()));
     let observed = Observed::new(structure, &march).map_err(Failure::bad_input)?;
     drive::<D, M, _>(case, StructureRun { case, structure, march, observed }, &mesh, call)
 }
@@ -110,8 +111,8 @@ impl<const D: usize> Run for StructureRun<'_, D> {
             _ => error.into(),
         })
     }
-    fn slab_at_start(&self) -> (Vec<f64>, Vec<f64>) {
-        (self.march.velocity().repeat(self.case.time.order), Vec::new())
+    fn slab_at_start(&self) -> [Vec<f64>; 2] {
+        [self.march.velocity().repeat(self.case.time.order), Vec::new()]
     }
 
     fn open(&mut self, context: &mut RunContext) -> anyhow::Result<Option<Vec<f64>>> {

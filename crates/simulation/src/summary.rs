@@ -13,7 +13,8 @@ use coupled::blocks::rigid_body::{Freedom as Direction, Vec3};
 use coupled::{FlowMarch, MeshMover, StructureMarch};
 use elasticity::NaturalMode;
 use fem::{SlabOperator, StateField, squared_errors};
-use navier_stokes::{Coefficients, Exact};
+use navier_stokes::{Coefficients, Conserved, Exact};
+use newton_krylov::inner_product::largest;
 use output::{
     Body, Conservation, ErrorNorms, Krylov, MeshQuality, MeshSize, Misused, Newton, Opening, Steady, SteadyStability,
     SteadyWall, StructureSummary, Summary, Unknowns, Wall,
@@ -296,9 +297,10 @@ where
     let (flow, state) = (whole.operator, whole.state);
     let row = if state.slab == 0 { flow.tables.bottom_row() } else { flow.top_row() };
     let squares = squared_errors(flow, &state.u, row.row(0), &Exact(exact.clone()), state.time);
-    errors.density_l2 = Some(squares[0].sqrt());
-    errors.momentum_l2 = Some(squares[1..=D].iter().sum::<f64>().sqrt());
-    errors.energy_l2 = Some(squares[M - 1].sqrt());
+    let squares = Conserved::<f64, D>::unpack(&squares);
+    errors.density_l2 = Some(squares.density.sqrt());
+    errors.momentum_l2 = Some(squares.momentum.iter().sum::<f64>().sqrt());
+    errors.energy_l2 = Some(squares.energy.sqrt());
 }
 
 /// The largest difference of a coefficient from a uniform state, relative to the largest component of that state.
@@ -307,10 +309,9 @@ where
     Exact<State<D>>: StateField<D, M>,
 {
     let state = Exact(exact.clone()).value(&[0.0; D], 0.0);
-    let nodes = whole.operator.layout.nodes;
-    let difference = |(i, u): (usize, &f64)| (u - state[i / nodes % M]).abs();
-    let largest = state.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    whole.state.u.iter().enumerate().map(difference).fold(0.0, f64::max) / largest
+    let layout = whole.operator.layout;
+    let difference = |(i, u): (usize, &f64)| (u - state[layout.component_of(i)]).abs();
+    largest(whole.state.u.iter().enumerate().map(difference)) / largest(state.map(f64::abs))
 }
 
 /// The largest distance of a C0 node from its exact position, if that is known.
@@ -320,7 +321,7 @@ fn displacement_error<const D: usize>(case: &Case<D>, mover: &MeshMover<D>, stat
         let exact = exact(x);
         (0..D).map(|i| (d[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
     };
-    Some(mover.positions().iter().zip(state.d.chunks_exact(D)).map(distance).fold(0.0, f64::max))
+    Some(largest(mover.positions().iter().zip(state.d.chunks_exact(D)).map(distance)))
 }
 
 /// The displacement of every point at time `t`: prescribed everywhere, or the affine map that the whole boundary follows. With

@@ -14,13 +14,13 @@ pub struct WallLoads<const D: usize> {
 }
 
 /// The loads of every wall of `flow` in a slab.
-pub fn felt<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<M>) -> Vec<WallLoads<D>> {
-    let felt = |wall: &case::Wall<D>| {
+pub fn wall_loads<const D: usize, const M: usize>(flow: &Flow<D>, report: &SlabReport<M>) -> Vec<WallLoads<D>> {
+    let loads = |wall: &case::Wall<D>| {
         let top = report.fluxes.last().map(|top| WallForce::new(&top.boundaries[wall.boundary], &wall.point(top.time)));
         let during = WallForce::during_slab(&report.fluxes, wall.boundary, |t| wall.point(t));
         WallLoads { at_top: top.unwrap_or_default(), during }
     };
-    flow.walls.iter().map(felt).collect()
+    flow.walls.iter().map(loads).collect()
 }
 
 /// The count of numbers of [`to_numbers`] in `dimension` dimensions: two forces, a moment, a power and a heat flow.

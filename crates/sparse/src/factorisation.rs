@@ -112,35 +112,35 @@ impl<T: Scalar> Factorisation<T> {
         let local = self.largest * self.block * count;
         work.resize(2 * local, T::zero_impl());
         let (work, scratch) = work.split_at_mut(local);
+        let mut x = RightHandSides { entries: x, count };
         let fronts = || self.tree.fronts.iter().zip(&self.factors);
-        fronts().for_each(|(front, factors)| self.forward(front, factors, x, count, work, scratch));
-        fronts().rev().for_each(|(front, factors)| self.backward(front, factors, x, count, work));
+        fronts().for_each(|(front, factors)| self.forward(front, factors, &mut x, work, scratch));
+        fronts().rev().for_each(|(front, factors)| self.backward(front, factors, &mut x, work));
     }
 
     fn forward(
         &self,
         front: &Front,
         factors: &Factors<T>,
-        x: &mut [T],
-        count: usize,
+        x: &mut RightHandSides<T>,
         work: &mut [T],
         scratch: &mut [T],
     ) {
-        let [e, b] = self.rows(front);
+        let ([e, b], count) = (self.rows(front), x.count);
         let (x_e, change) = work[..(e + b) * count].split_at_mut(e * count);
-        self.gather(front.eliminated.clone(), x, x_e, count);
+        self.gather(front.eliminated.clone(), x, x_e);
         factors.forward(columns(x_e, e, count), columns(change, b, count), &mut scratch[..e * count]);
-        self.scatter(front.eliminated.clone(), x_e, x, count, |x, new| *x = new);
-        self.scatter(front.boundary.iter().copied(), change, x, count, |x, change| *x -= change);
+        self.scatter(front.eliminated.clone(), x_e, x, |x, new| *x = new);
+        self.scatter(front.boundary.iter().copied(), change, x, |x, change| *x -= change);
     }
 
-    fn backward(&self, front: &Front, factors: &Factors<T>, x: &mut [T], count: usize, work: &mut [T]) {
-        let [e, b] = self.rows(front);
+    fn backward(&self, front: &Front, factors: &Factors<T>, x: &mut RightHandSides<T>, work: &mut [T]) {
+        let ([e, b], count) = (self.rows(front), x.count);
         let (x_e, x_b) = work[..(e + b) * count].split_at_mut(e * count);
-        self.gather(front.eliminated.clone(), x, x_e, count);
-        self.gather(front.boundary.iter().copied(), x, x_b, count);
+        self.gather(front.eliminated.clone(), x, x_e);
+        self.gather(front.boundary.iter().copied(), x, x_b);
         factors.backward(columns(x_e, e, count), columns(x_b, b, count));
-        self.scatter(front.eliminated.clone(), x_e, x, count, |x, new| *x = new);
+        self.scatter(front.eliminated.clone(), x_e, x, |x, new| *x = new);
     }
 
     /// The numbers of rows that a front eliminates and of rows of its boundary.
@@ -154,11 +154,11 @@ impl<T: Scalar> Factorisation<T> {
     }
 
     /// Copies the entries of the nodes at `positions` of every right-hand side to `local`.
-    fn gather(&self, positions: impl Iterator<Item = usize> + Clone, x: &[T], local: &mut [T], count: usize) {
-        let (n, length, mut local) = (self.block, x.len() / count, local.chunks_exact_mut(self.block));
-        for column in 0..count {
+    fn gather(&self, positions: impl Iterator<Item = usize> + Clone, x: &RightHandSides<T>, local: &mut [T]) {
+        let mut local = local.chunks_exact_mut(self.block);
+        for x in x.entries.chunks_exact(x.length()) {
             for (position, local) in positions.clone().zip(&mut local) {
-                local.copy_from_slice(&x[column * length + self.start(position)..][..n]);
+                local.copy_from_slice(&x[self.start(position)..][..self.block]);
             }
         }
     }
@@ -168,17 +168,29 @@ impl<T: Scalar> Factorisation<T> {
         &self,
         positions: impl Iterator<Item = usize> + Clone,
         local: &[T],
-        x: &mut [T],
-        count: usize,
+        x: &mut RightHandSides<T>,
         change: impl Fn(&mut T, T),
     ) {
-        let (n, length, mut local) = (self.block, x.len() / count, local.chunks_exact(self.block));
-        for column in 0..count {
+        let (length, mut local) = (x.length(), local.chunks_exact(self.block));
+        for x in x.entries.chunks_exact_mut(length) {
             for (position, local) in positions.clone().zip(&mut local) {
-                let x = &mut x[column * length + self.start(position)..][..n];
+                let x = &mut x[self.start(position)..][..self.block];
                 x.iter_mut().zip(local).for_each(|(x, local)| change(x, *local));
             }
         }
+    }
+}
+
+/// The entries of `count` right-hand sides, `[right-hand side][node][row of the block]`.
+struct RightHandSides<'a, T> {
+    entries: &'a mut [T],
+    count: usize,
+}
+
+impl<T> RightHandSides<'_, T> {
+    /// The length of one, at least 1 so that it can be the length of chunks.
+    fn length(&self) -> usize {
+        (self.entries.len() / self.count).max(1)
     }
 }
 

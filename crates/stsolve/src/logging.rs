@@ -2,7 +2,7 @@
 
 use crate::cli::Verbosity;
 use crate::terminal::Terminal;
-use simulation::clock::Clock;
+use simulation::clock::CostClock;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -26,14 +26,14 @@ pub fn start(
     append: bool,
     verbosity: Verbosity,
     terminal: &Terminal,
-    clock: &Clock,
+    clock: &CostClock,
 ) -> io::Result<()> {
     let writer = terminal.clone();
     let human = layer().without_time().with_target(false).with_ansi(terminal.is_interactive());
     let human = human.with_writer(move || writer.clone()).with_filter(level(verbosity));
     let machine =
         layer().json().with_writer(Mutex::new(LogFile::new(directory, append))).with_filter(LevelFilter::DEBUG);
-    let clock = clock.clone().with_filter(filter_fn(Clock::counts));
+    let clock = clock.clone().with_filter(filter_fn(CostClock::counts));
     Registry::default().with(machine).with(human).with(clock).try_init().map_err(io::Error::other)
 }
 
@@ -87,7 +87,7 @@ mod tests {
     fn records_are_lines_of_json_whatever_is_printed() {
         let directory = tempfile::tempdir().unwrap();
         let quiet = Verbosity { quiet: true, verbose: 0 };
-        let clock = Clock::new(std::time::Instant::now());
+        let clock = CostClock::new(std::time::Instant::now());
         start(directory.path(), false, quiet, &Terminal::default(), &clock).unwrap();
         tracing::debug!(slab = 3, residual = 0.5, "newton step");
         let log = std::fs::read_to_string(directory.path().join(LOG_FILE)).unwrap();

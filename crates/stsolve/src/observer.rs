@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::signals::StopFlag;
 use crate::terminal::Terminal;
 use coupled::{MeshQuality, StructureReport};
-use simulation::clock::Clock;
+use simulation::clock::CostClock;
 use simulation::{NextStep, Observer, SlabDone};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -34,7 +34,7 @@ impl<'a> TerminalObserver<'a> {
 }
 
 impl Observer for TerminalObserver<'_> {
-    fn open(&self, directory: &Path, clock: &Clock) -> anyhow::Result<()> {
+    fn open(&self, directory: &Path, clock: &CostClock) -> anyhow::Result<()> {
         let RunArguments { force, verbosity, .. } = self.arguments;
         logging::start(directory, !force, *verbosity, &self.terminal, clock)?;
         Ok(self.stop.install(&self.terminal)?)

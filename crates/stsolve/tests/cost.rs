@@ -5,7 +5,7 @@
 mod common;
 
 use common::{number, on_case, shipped, stsolve, summary};
-use simulation::clock::{Clock, table};
+use simulation::clock::{CostClock, table};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -71,8 +71,8 @@ fn parts_add_up_to_the_wall_time() {
     let begun = Instant::now();
     let pause = || std::thread::sleep(Duration::from_millis(10));
     pause();
-    let clock = Clock::new(begun);
-    let layer = clock.clone().with_filter(filter_fn(Clock::counts));
+    let clock = CostClock::new(begun);
+    let layer = clock.clone().with_filter(filter_fn(CostClock::counts));
     tracing::subscriber::with_default(tracing_subscriber::registry().with(layer), || {
         let outer = tracing::trace_span!(target: "cost", "orthogonalisation").entered();
         for _ in 0..2 {

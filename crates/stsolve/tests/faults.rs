@@ -228,7 +228,7 @@ fn a_motion_that_inverts_a_cell_says_why() {
     let numbers = numbers_of(&directory.path().join("run"));
     // det J falls below zero at t = 0.929, in the third slab.
     assert_eq!((number(&numbers, "last_good_state.time"), number(&numbers, "last_good_state.slabs")), (0.8, 2.0));
-    assert!(number(&numbers, "evidence.mesh.smallest_det_j") < 0.0);
+    assert!(number(&numbers, "failure_data.mesh.smallest_det_j") < 0.0);
     assert!(numbers["worst_cell"]["because"].as_str().unwrap().starts_with("det J / det J_0 is -"));
 }
 
@@ -247,7 +247,7 @@ fn a_structure_whose_load_is_no_number_says_so() {
     let numbers = numbers_of(&directory.path().join("run"));
     assert_eq!(numbers["causes"][0]["name"], "bad_load");
     assert_eq!(number(&numbers, "last_good_state.slabs"), 2.0);
-    assert!(number(&numbers, "evidence.structure.waves_per_slab") > 1.0);
+    assert!(number(&numbers, "failure_data.structure.waves_per_slab") > 1.0);
 }
 
 /// The folder belongs to the run that wrote it.

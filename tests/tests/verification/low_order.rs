@@ -1,6 +1,7 @@
 //! The operator on the control volumes of the nodes, and the preconditioner made of it.
 
 use crate::lines::uniform_flow;
+use coupled::preconditioner::{TimeScales, low_order};
 use fem::{NO_NEIGHBOUR, Neighbours, Orders, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Viscosity};
@@ -97,7 +98,7 @@ fn both_operators_move_the_same_through_a_cell() {
 }
 
 /// |r - B P r| / |r| for a random residual: the preconditioner is an approximate inverse, in viscous and inviscid gas.
-fn remainder<const D: usize, const M: usize>(viscosity: Viscosity, dt: f64) -> f64
+fn remaining_residual<const D: usize, const M: usize>(viscosity: Viscosity, dt: f64) -> f64
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
@@ -107,7 +108,7 @@ where
     let x = Noise::new(3).vector(operator.layout.len(), 1.0);
     let (mut r, mut found) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     operator.product(&x, &mut r);
-    coupled::preconditioner::low_order(&operator, (dt, 0.0), None).apply(&r, &mut found);
+    low_order(&operator, TimeScales { dt, damping: 0.0 }, None).apply(&r, &mut found);
     let mut left = vec![0.0; x.len()];
     operator.product(&found, &mut left);
     verification::relative_difference(&left, &r)
@@ -116,7 +117,7 @@ where
 #[test]
 fn a_random_residual_shrinks() {
     for viscosity in [Viscosity::Inviscid, Viscosity::Constant(0.02)] {
-        let (plane, space) = (remainder::<2, 4>(viscosity, 0.05), remainder::<3, 5>(viscosity, 0.05));
+        let (plane, space) = (remaining_residual::<2, 4>(viscosity, 0.05), remaining_residual::<3, 5>(viscosity, 0.05));
         assert!(plane < 0.8 && space < 0.8, "{plane:.2} in 2-D, {space:.2} in 3-D");
     }
 }

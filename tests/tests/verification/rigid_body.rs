@@ -4,9 +4,9 @@ use crate::slab_operator::uniform_coefficients;
 use basis::Matrix;
 use coupled::block::Body;
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Freedom, RigidBodyData, Surface, SurfaceNode};
-use coupled::blocks::{Instants, RigidBody};
+use coupled::blocks::{RigidBody, SlabTimes};
 use coupled::{
-    BoundaryMotion, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, State, System,
+    BoundaryDisplacement, FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, State, System,
 };
 use elasticity::{Accuracy, ElasticMesh, Material, Stiffness};
 use fem::{Orders, StateField};
@@ -70,9 +70,9 @@ where
         force: None,
         added_mass: AddedMass { density: 1.0, speed_of_sound: 1.5, depth: 0.3, area: Matrix::identity(count) },
     };
-    let points = flow.tables.instants.iter().map(|point| point.s).collect();
-    let instants = Instants { time: flow.tables.time.clone(), points, step: 0.05 };
-    let body = RigidBody::new(data, surface, 0, instants);
+    let points = flow.tables.time_points.iter().map(|point| point.s).collect();
+    let times = SlabTimes { time: flow.tables.time.clone(), points, step: 0.05 };
+    let body = RigidBody::new(data, surface, 0, times);
     let mut state = [0.0; M];
     (state[0], state[M - 1]) = (1.0, 1.7 / 0.4);
     let u = uniform_coefficients(&flow, &state, 1);
@@ -87,7 +87,7 @@ fn elastic_mesh<const D: usize>(mesh: &Mesh<D>, numbering: &NodeNumbering) -> Me
     }
     let material = Material::new(1.0, 0.3).unwrap();
     let elastic = ElasticMesh::new(mesh, numbering, material, Stiffness::Constant, &constrained).unwrap();
-    let boundary = BoundaryMotion { fields: Vec::new(), field_of_node: vec![None; numbering.count] };
+    let boundary = BoundaryDisplacement { fields: Vec::new(), field_of_node: vec![None; numbering.count] };
     MeshMotion::Elastic { mesh: Box::new(elastic), boundary, accuracy: Accuracy { solve: 1e-13, position: 1e-11 } }
 }
 
@@ -158,7 +158,7 @@ where
     let mut march = FlowMarch::new(system, u, settings(1e-12));
     let energy = |march: &FlowMarch<D, M>| {
         let body = &march.bodies()[0];
-        march.totals()[M - 1] + body.kinetic_energy + body.potential_energy + body.ledger.numerical
+        march.totals()[M - 1] + body.energy() + body.ledger.numerical
     };
     let (start, mut largest, mut left) = (energy(&march), 0.0_f64, 0.0);
     for _ in 0..slabs {

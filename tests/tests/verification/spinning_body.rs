@@ -3,7 +3,7 @@
 use basis::{Matrix, RadauTime};
 use coupled::block::{Block, Body, BodyState, Exchange};
 use coupled::blocks::rigid_body::{AddedMass, Coordinate, Freedom, RigidBodyData, Surface, SurfaceNode, Vec3};
-use coupled::blocks::{Instants, RigidBody};
+use coupled::blocks::{RigidBody, SlabTimes};
 use coupled::{Interval, State};
 use std::sync::Arc;
 use tensor::{cross, dot, rotated};
@@ -31,7 +31,7 @@ fn body(coordinates: Vec<Coordinate>, centre_of_mass: Vec3, weight: Vec3, order:
     let node = SurfaceNode { node: 0, position: [1.0, 0.0, 0.0], weight: 1.0 };
     let surface = Surface { nodes: vec![node], loaded: vec![0], size: 1.0 };
     let time = RadauTime::new(order);
-    RigidBody::new(data, surface, 0, Instants { points: time.nodes().to_vec(), time, step })
+    RigidBody::new(data, surface, 0, SlabTimes { points: time.nodes().to_vec(), time, step })
 }
 
 /// A body in a vacuum over some slabs.

@@ -40,7 +40,7 @@ where
     let nodes = operator.loaded_nodes();
     let length = operator.mesh.field_len();
     let (mut work, mut impulse, mut size) = (0.0, [0.0; D], 0.0);
-    for (point, loads) in operator.tables.instants.iter().zip(loads.chunks_exact(nodes.len() * D)) {
+    for (point, loads) in operator.tables.time_points.iter().zip(loads.chunks_exact(nodes.len() * D)) {
         let phi = operator.tables.time.values(point.s);
         for (node, load) in nodes.iter().zip(loads.chunks_exact(D)) {
             for d in 0..D {

@@ -86,7 +86,7 @@ fn point<const D: usize>(
     time: &Time,
 ) -> Checked<Vector<D>> {
     let point = checker.formulas_of_time(key, formulas)?;
-    for t in time.instants() {
+    for t in time.check_times() {
         for (axis, value) in point.evaluate(&[0.0; D], t).into_iter().enumerate() {
             let quantity = format!("the coordinate of the point at t = {t}, {value},");
             checker.require(

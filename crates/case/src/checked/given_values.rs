@@ -1,5 +1,6 @@
 //! The values of boundary conditions by formulas.
 
+use super::boundary_data::{BoundaryData, Data};
 use super::mesh_crate::Mesh;
 use super::openings::nodes_with_normals;
 use super::time::Time;
@@ -9,7 +10,7 @@ use crate::key::Key;
 use crate::magnitude::{is_bounded, is_computable};
 use crate::point_data::PointData;
 use crate::vector::Vector;
-use navier_stokes::{Boundary, VelocityInflow};
+use navier_stokes::{Boundary, Outflow, VelocityInflow};
 
 /// The formulas of a condition, by the names of their keys.
 struct Named<'a, const D: usize> {
@@ -21,16 +22,21 @@ struct Named<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Named<'a, D> {
-    fn new(condition: &Boundary<D>, data: &'a PointData<D>) -> Option<Self> {
-        let PointData { first, vector, last } = data;
+    /// None if the condition has no formulas of its own.
+    fn of(data: &'a BoundaryData<D>) -> Option<Self> {
+        let Some(Data::Values(values)) = &data.data else { return None };
+        let PointData { first, vector, last } = &**values;
         let temperature = ("temperature", "the temperature", last);
         let total_temperature = ("total_temperature", "the temperature", last);
-        let (condition, positive, vector) = match condition {
+        let (condition, positive, vector) = match &data.condition {
             Boundary::Inflow(_) => {
                 let pressure = ("total_pressure", "the pressure", first);
                 ("inflow", vec![pressure, total_temperature], Some(("direction", vector)))
             }
-            Boundary::Outflow(_) => ("outflow", vec![("pressure", "the pressure", first), total_temperature], None),
+            Boundary::Outflow(outflow) => {
+                let velocity = (*outflow == Outflow::of_velocity()).then_some(("velocity", vector));
+                ("outflow", vec![("pressure", "the pressure", first), total_temperature], velocity)
+            }
             Boundary::VelocityInflow(VelocityInflow::OfVelocity) => {
                 ("velocity_inflow", vec![temperature], Some(("velocity", vector)))
             }
@@ -45,15 +51,16 @@ impl<'a, const D: usize> Named<'a, D> {
     }
 }
 
-/// Checks the `data` of a condition at `key` on the nodes of a boundary.
+/// Checks the formulas in the `data` of a condition at `key` on the nodes of a boundary.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
-    (condition, data): (&Boundary<D>, &PointData<D>),
-    (mesh, boundary): (&Mesh<D>, usize),
+    data: &BoundaryData<D>,
+    mesh: &Mesh<D>,
+    boundary: usize,
     time: &Time,
 ) -> Checked<()> {
-    let Some(Named { condition, positive, vector }) = Named::new(condition, data) else { return Ok(()) };
+    let Some(Named { condition, positive, vector }) = Named::of(data) else { return Ok(()) };
     let (key, nodes) = (key.child(condition), nodes_with_normals(mesh, boundary));
     for (name, quantity, formula) in positive {
         for (x, t) in places(&nodes, time, !formula.depends_on_position()) {
@@ -79,6 +86,6 @@ fn places<const D: usize>(
     of_time: bool,
 ) -> impl Iterator<Item = ([f64; D], f64)> {
     let at_start = nodes.iter().map(|(x, _)| (*x, time.start));
-    let later = nodes.iter().take(usize::from(of_time)).flat_map(|(x, _)| time.instants().map(|t| (*x, t)));
+    let later = nodes.iter().take(usize::from(of_time)).flat_map(|(x, _)| time.check_times().map(|t| (*x, t)));
     at_start.chain(later)
 }

@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 /// What holds a node, by component: None where it is free.
 type Held<const D: usize> = [Option<f64>; D];
 
-/// A node that the structure shares with the flow lies on other boundaries of the flow, too, at the ends of the wall between them. What those
-/// prescribe there a support of the structure must prescribe as well: else the node would leave its boundary.
+/// At the ends of the wall between structure and flow, shared nodes also lie on other boundaries of the flow. A support of the structure
+/// must prescribe there what these boundaries prescribe. Otherwise the node would leave its boundary.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     structure: Option<&Structure<D>>,
@@ -26,7 +26,7 @@ pub(super) fn check<const D: usize>(
     let shared: BTreeMap<usize, usize> = part.shared.iter().map(|&(solid, node)| (node, solid)).collect();
     let numbering = NodeNumbering::new(mesh, mesh.order());
     let tolerance = 1e-9 * mesh.diameter();
-    for t in time.instants() {
+    for t in time.check_times() {
         let supported = supported(structure, part, t);
         for boundary in (0..mesh.boundary_names().len()).filter(|boundary| !part.walls.contains(boundary)) {
             for (node, x) in super::shared_nodes::nodes_on(mesh, &numbering, boundary) {

@@ -9,7 +9,7 @@ use crate::state::{Formulas, State};
 use basis::gauss_lobatto;
 
 /// Where and when a state is checked.
-struct Place<const D: usize> {
+struct StatePoint<const D: usize> {
     cell: usize,
     x: [f64; D],
     t: f64,
@@ -28,7 +28,7 @@ pub(super) fn check<const D: usize>(
     let map = CellMap::<D>::on_grid(mesh.order(), &gauss_lobatto(order).points);
     let mut places = (0..mesh.n_cells()).flat_map(|cell| {
         let positions = map.positions(mesh.cell_coordinates(cell));
-        positions.into_iter().map(move |x| Place { cell, x, t: start })
+        positions.into_iter().map(move |x| StatePoint { cell, x, t: start })
     });
     let key = key.child("expression");
     places.try_for_each(|place| check_at(checker, &key, formulas, &place))
@@ -49,14 +49,21 @@ pub(super) fn check_on_boundary<const D: usize>(
         let (cell, nodes) = (facet.side.cell, mesh.cell_coordinates(facet.side.cell));
         for k in face_nodes(D, mesh.order(), facet.side.face) {
             let x = std::array::from_fn(|i| nodes[k * D + i]);
-            time.instants().into_iter().try_for_each(|t| check_at(checker, &key, formulas, &Place { cell, x, t }))?;
+            time.check_times()
+                .into_iter()
+                .try_for_each(|t| check_at(checker, &key, formulas, &StatePoint { cell, x, t }))?;
         }
     }
     Ok(())
 }
 
-fn check_at<const D: usize>(checker: &Checker<'_>, key: &Key, state: &Formulas<D>, place: &Place<D>) -> Checked<()> {
-    let Place { cell, x, t } = place;
+fn check_at<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    state: &Formulas<D>,
+    place: &StatePoint<D>,
+) -> Checked<()> {
+    let StatePoint { cell, x, t } = place;
     let state = state.primitive(x, *t);
     let at = format!("in cell {cell} at {x:?}, t = {t},");
     for (name, value) in [("density", state.density), ("pressure", state.pressure)] {

@@ -152,7 +152,7 @@ fn check_given<const D: usize>(
     mesh.coordinates().chunks_exact(D).map(position).try_for_each(|x| {
         check_start(checker, |axis| key.entry(axis), &x, &displacement.evaluate(&x, start), start, size)
     })?;
-    for t in time.instants() {
+    for t in time.check_times() {
         let mut all = mesh.coordinates().chunks_exact(D).map(position);
         all.try_for_each(|x| check_displacement(checker, &key, &x, &displacement.evaluate(&x, t), t, size))?;
     }

@@ -34,7 +34,7 @@ impl<const D: usize> SharedNodes<'_, D> {
     /// Checks the displacements of all boundaries, given at `keys`. They must have values over the whole run, and agree at nodes that two
     /// boundaries share or that periodicity identifies.
     pub(super) fn check(&self, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {
-        self.time.instants().into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
+        self.time.check_times().into_iter().try_for_each(|t| self.check_at(t, keys, displacement))
     }
 
     fn check_at(&self, t: f64, keys: &[Key], displacement: &Displacement<'_, D>) -> Checked<()> {

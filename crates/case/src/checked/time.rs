@@ -26,12 +26,12 @@ pub struct Time {
 
 /// Times at which formulas are checked, as fractions of the length of the run. Apart from the ends they have no simple ratio, so a
 /// formula that vanishes at all of them is likely to be zero.
-const INSTANTS: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
+const CHECK_TIMES: [f64; 5] = [0.0, 0.236068, 0.618034, 0.854102, 1.0];
 
 impl Time {
     /// Times of the run at which formulas are checked, including its ends.
-    pub(super) fn instants(&self) -> [f64; 5] {
-        INSTANTS.map(|part| (1.0 - part) * self.start + part * self.end)
+    pub(super) fn check_times(&self) -> [f64; 5] {
+        CHECK_TIMES.map(|part| (1.0 - part) * self.start + part * self.end)
     }
 
     /// The slabs.
@@ -172,4 +172,16 @@ pub(super) fn check_output(checker: &Checker<'_>, raw: &raw::Output) -> Checked<
             .list(checker.distinct(&key.child("integrals"), "integral", &raw.integrals).map(<[_]>::to_vec)),
     };
     errors.all().map(|()| output)
+}
+
+/// Checks that only a case with a structure writes fields of one.
+pub(super) fn check_fields_of_structure(checker: &Checker<'_>, fields: &[Field], has_structure: bool) -> Checked<()> {
+    match fields.iter().position(|field| field.is_of_structure()) {
+        Some(index) if !has_structure => {
+            let problem = "the case has no structure, and this is a field of one";
+            let key = Key::new("output.fields").entry(index);
+            Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"))
+        }
+        _ => Ok(()),
+    }
 }

@@ -1,13 +1,13 @@
 //! An elastic body that the flow moves: a structure on a mesh of its own, whose boundary nodes lie on those of the flow's mesh.
 //!
 //! ```text
-//! R_s,a = (dynamics) of `elasticity::structure_slab` - L_a        at free entries                                 (elastic body)
+//! R_s,a = (dynamics) - L_a                                        at free entries                                 (elastic body)
 //! R_s,a = D_a dt ( W_a - g'(s_a) )                                at entries that a support moves
 //! L_a,i = sum_q phi_a(s_q) L_q,i                                  the loads of the flow at its points in time
 //! ```
 //!
-//! The unknowns W are the velocities of all C0 nodes of the solid at the time nodes, and D_a is dt w_a (K_ii + |lambda/dt|^2 M_ii), the
-//! impulse that a displacement needs, with the largest |lambda|. The wall moves with the solid as a polynomial in time: the work of the
+//! with (dynamics) of `elasticity::structure_slab`. The unknowns W are the velocities of all C0 nodes of the solid at the time nodes.
+//! D_a = dt omega_a (K_ii + |lambda/dt|^2 M_ii), with the largest |lambda|, is the impulse that a displacement needs. The wall moves with the solid as a polynomial in time: the work of the
 //! loads on the wall is that on the solid, to rounding.
 
 mod interface;
@@ -16,7 +16,7 @@ mod slab;
 pub use interface::{Follower, Interface};
 
 use crate::block::{Block, Body, BodyState, Couplings, Exchange, Ledger, Quantity};
-use crate::blocks::Instants;
+use crate::blocks::SlabTimes;
 use crate::observation::Observation;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, State};
@@ -74,10 +74,10 @@ pub struct ElasticBody<const D: usize> {
 }
 
 impl<const D: usize> ElasticBody<D> {
-    /// Body number `number` of a run with the slabs of `instants`.
-    pub fn new(data: ElasticBodyData<D>, interface: Interface, number: usize, instants: Instants) -> Self {
-        let at_points = instants.test_functions();
-        let Instants { time, step, .. } = instants;
+    /// Body number `number` of a run with the slabs of `times`.
+    pub fn new(data: ElasticBodyData<D>, interface: Interface, number: usize, times: SlabTimes) -> Self {
+        let at_points = times.test_functions();
+        let SlabTimes { time, step, .. } = times;
         let length = data.structure.length() * time.order();
         let eigenvalues = TemporalModes::new(&time).eigenvalues;
         let mut body = ElasticBody {
@@ -225,7 +225,7 @@ impl<const D: usize> Block for ElasticBody<D> {
         self.write_walls(&vec![0.0; self.data.structure.length()], x, tangent);
     }
 
-    /// (1/dtau) dt w_a (M + added mass).
+    /// (1/dtau) dt omega_a (M + added mass).
     fn add_pseudo_time(&mut self, x: &[f64], out: &mut [f64]) {
         let (structure, length) = (&self.data.structure, self.data.structure.length());
         let rate = self.largest_eigenvalue / self.slab.dt;

@@ -2,7 +2,7 @@
 
 pub mod elastic_body;
 mod flow;
-mod instants;
+mod slab_times;
 mod mesh_motion;
 pub mod rigid_body;
 
@@ -10,6 +10,6 @@ pub use elastic_body::ElasticBody;
 pub(crate) use flow::inadmissible;
 pub(crate) use flow::totals_at;
 pub use flow::{Counts, FlowBlock, totals};
-pub use instants::Instants;
+pub use slab_times::SlabTimes;
 pub use mesh_motion::MeshBlock;
 pub use rigid_body::RigidBody;

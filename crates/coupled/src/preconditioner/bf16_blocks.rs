@@ -5,14 +5,14 @@
 //! one in a hundred at most, from an airfoil's thin boundary layer to cells of order 8.
 //!
 //! ```text
-//! y += A_low x_low + A_high x_high                                                                                   (pairs)
+//! y += A_low x_low + A_high x_high                                                                                    (bf16)
 //! ```
 //!
 //! For a real block A_low is the first half of its columns and A_high the second half; a column of zeros makes their number even. For a
 //! complex block they are the real and the imaginary part. Sums are done in single precision. Pairs lie in [`Panels`].
 
 use super::inverse::Shape;
-use super::panel::{ByTiles, Panels, Place, by_tiles, padded};
+use super::panel::{ByTiles, Panels, TilePosition, by_tiles, padded};
 use half::bf16;
 use tensor::pulp::{Simd, WithSimd};
 
@@ -40,7 +40,7 @@ fn rounded(number: f32) -> u32 {
     u32::from(bf16::from_f32(number).to_bits())
 }
 
-/// (pairs) for `columns` columns of x and y, x_high of each `half` numbers behind its x_low.
+/// (bf16) for `columns` columns of x and y, x_high of each `half` numbers behind its x_low.
 ///
 /// For a real block of n columns, `half` is (n + 1) / 2, and x ends with a zero if n is odd. For a complex block x has the two columns
 /// (re, -im) and (im, re), and y has the columns (re) and (im).
@@ -82,7 +82,7 @@ struct Product<'a, S: Simd> {
 
 impl<S: Simd> ByTiles for Product<'_, S> {
     #[inline(always)]
-    fn tile<const C: usize, const R: usize>(&mut self, Place { column, first, row, height }: Place) {
+    fn tile<const C: usize, const R: usize>(&mut self, TilePosition { column, first, row, height }: TilePosition) {
         let Product { simd, rows, matrix, half, x_len, x, ref mut y } = *self;
         let columns = matrix.len() / rows;
         let (x, y) = (&x[column * x_len..][..C * x_len], &mut y[column * rows..][..C * rows]);

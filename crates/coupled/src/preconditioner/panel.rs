@@ -47,7 +47,7 @@ const COLUMNS: usize = 4;
 
 /// Columns from `column` on, and registers of rows that belong to the panel of `height` registers that begins with register `first`.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct TilePosition {
     pub(super) column: usize,
     pub(super) first: usize,
     pub(super) row: usize,
@@ -57,7 +57,7 @@ pub(super) struct Place {
 /// A product that is made by a few columns and a few registers of rows at a time.
 pub(super) trait ByTiles {
     /// Makes C columns of R registers of rows.
-    fn tile<const C: usize, const R: usize>(&mut self, place: Place);
+    fn tile<const C: usize, const R: usize>(&mut self, place: TilePosition);
 }
 
 /// Makes all of `product`, `columns` columns of `rows` numbers, in tiles for which the machine has registers.
@@ -84,7 +84,7 @@ fn by_rows<const C: usize, S: Simd>(column: usize, rows: usize, product: &mut im
     let (mut first, mut row) = (0, 0);
     while first < rows {
         let height = panel.min(rows - first);
-        let (count, place) = ((height - row).min(at_once), Place { column, first, row, height });
+        let (count, place) = ((height - row).min(at_once), TilePosition { column, first, row, height });
         match count {
             1 => product.tile::<C, 1>(place),
             2 => product.tile::<C, 2>(place),
@@ -137,7 +137,7 @@ struct Product<'a, S: Simd> {
 impl<S: Simd> ByTiles for Product<'_, S> {
     /// Each register of A is read once for all columns.
     #[inline(always)]
-    fn tile<const C: usize, const R: usize>(&mut self, Place { column, first, row, height }: Place) {
+    fn tile<const C: usize, const R: usize>(&mut self, TilePosition { column, first, row, height }: TilePosition) {
         let Product { simd, rows, matrix, x_len, x, ref mut y } = *self;
         let columns = matrix.len() / rows;
         let (x, y) = (&x[column * x_len..][..C * x_len], &mut y[column * rows..][..C * rows]);

@@ -1,9 +1,51 @@
 //! What ranks send each other of a flow. Every call is collective.
 
-use super::Share;
+use super::{Cut, Share};
+use crate::traces::Traces;
+use mesh::Side;
 use std::ops::Range;
 
+/// At most as many numbers of a rank travel at a time when parts are joined: 32 MB.
+const CHUNK: usize = 1 << 22;
+
+/// The traces of own faces at the cuts, and room for those of ghosts, cut by cut.
+pub(crate) struct TraceMessages {
+    sent: Vec<Vec<f64>>,
+    received: Vec<Vec<f64>>,
+}
+
 impl Share {
+    /// Whether facets lead to other ranks.
+    pub(crate) fn has_cuts(&self) -> bool {
+        !self.cuts.is_empty()
+    }
+
+    /// The traces of own faces at the cuts, kind 0 and, if `both`, kind 1.
+    pub(crate) fn trace_messages(&self, traces: &Traces, both: bool) -> TraceMessages {
+        let of_faces = |cut: &Cut| cut.own.iter().flat_map(|side| traces.on_face(*side, both)).copied().collect();
+        let sent: Vec<Vec<f64>> = self.cuts.iter().map(of_faces).collect();
+        let received = sent.iter().map(|numbers| vec![0.0; numbers.len()]).collect();
+        TraceMessages { sent, received }
+    }
+
+    /// Sends and receives traces, and does `work` meanwhile. A collective call.
+    pub(crate) fn exchange_while(&self, messages: &mut TraceMessages, work: &mut dyn FnMut()) {
+        let sends: Vec<(usize, &[f64])> =
+            self.cuts.iter().zip(&messages.sent).map(|(cut, numbers)| (cut.rank, &numbers[..])).collect();
+        let mut receives: Vec<(usize, &mut [f64])> =
+            self.cuts.iter().zip(&mut messages.received).map(|(cut, numbers)| (cut.rank, &mut numbers[..])).collect();
+        self.sums.communicator().exchange_while(&sends, &mut receives, work);
+    }
+
+    /// Puts the traces that were received on the faces of ghosts.
+    pub(crate) fn put_traces(&self, messages: &TraceMessages, both: bool, traces: &mut Traces) {
+        for (cut, numbers) in self.cuts.iter().zip(&messages.received) {
+            let len = numbers.len() / cut.ghosts.len();
+            let put = |(side, numbers): (&Side, &[f64])| traces.on_face_mut(*side, both).copy_from_slice(numbers);
+            cut.ghosts.iter().zip(numbers.chunks_exact(len)).for_each(put);
+        }
+    }
+
     /// `of_own`, `len` numbers for every own cell, and after them those of the ghosts, from their owners.
     pub fn with_ghosts<'a>(&self, of_own: &'a [f64], len: usize, room: &'a mut Vec<f64>) -> &'a [f64] {
         if self.ghosts.is_empty() && self.sends.is_empty() {
@@ -33,7 +75,7 @@ impl Share {
     }
 
     /// Sends `len` numbers of every own cell for which `wanted` holds to the ranks where it is a ghost, and passes those of the ghosts for which
-    /// it holds to `put`. A collective call; without other ranks nothing is done.
+    /// it holds to `put`. A collective call; ranks that have nothing for each other send nothing.
     pub fn exchange_some(
         &self,
         wanted: impl Fn(usize) -> bool,
@@ -52,7 +94,7 @@ impl Share {
         }
         let own = self.own.len();
         let ghosts = |range: &Range<usize>| range.clone().map(|ghost| own + ghost).filter(|ghost| wanted(*ghost));
-        let received = self.swap(&sent, |_, range| ghosts(range).count() * len);
+        let received = self.swap(sent, |_, range| ghosts(range).count() * len);
         for ((_, range), numbers) in self.receives.iter().zip(&received) {
             ghosts(range).zip(numbers.chunks_exact(len)).for_each(|(ghost, numbers)| put(ghost, numbers));
         }
@@ -84,7 +126,7 @@ impl Share {
             let of_rank = from.iter().enumerate().filter(|(_, ghost)| is_of(range, **ghost));
             of_rank.map(|(item, _)| item).collect::<Vec<usize>>()
         };
-        let received = self.swap(&sent, |_, range| items(range).len() * len);
+        let received = self.swap(sent, |_, range| items(range).len() * len);
         for ((_, range), numbers) in self.receives.iter().zip(&received) {
             items(range)
                 .into_iter()
@@ -93,26 +135,45 @@ impl Share {
         }
     }
 
-    /// Sends `sent` and receives so many numbers from each rank with ghosts as `length` tells.
-    fn swap(&self, sent: &[(usize, Vec<f64>)], length: impl Fn(usize, &Range<usize>) -> usize) -> Vec<Vec<f64>> {
+    /// Sends `sent` and receives so many numbers from each rank with ghosts as `length` tells. Nothing is no message.
+    fn swap(&self, mut sent: Vec<(usize, Vec<f64>)>, length: impl Fn(usize, &Range<usize>) -> usize) -> Vec<Vec<f64>> {
+        sent.retain(|(_, numbers)| !numbers.is_empty());
         let sends: Vec<(usize, &[f64])> = sent.iter().map(|(rank, numbers)| (*rank, &numbers[..])).collect();
         let mut received: Vec<Vec<f64>> =
             self.receives.iter().map(|(rank, range)| vec![0.0; length(*rank, range)]).collect();
         let mut receives: Vec<(usize, &mut [f64])> =
             self.receives.iter().zip(&mut received).map(|((rank, _), numbers)| (*rank, &mut numbers[..])).collect();
-        self.sums.communicator().exchange(&sends, &mut receives);
+        receives.retain(|(_, numbers)| !numbers.is_empty());
+        if !(sends.is_empty() && receives.is_empty()) {
+            self.sums.communicator().exchange(&sends, &mut receives);
+        }
         received
     }
 
-    /// Joins the parts of all ranks, `len` numbers for every own cell, on rank 0; nothing elsewhere. A collective call.
+    /// Joins the parts of all ranks, equally many numbers for every own cell, on rank 0; nothing elsewhere. Rank 0 has no room for parts
+    /// but that for a chunk of them. A collective call.
     pub fn join(&self, of_own: &[f64]) -> Vec<f64> {
-        let cells: Vec<f64> = self.own.iter().map(|&cell| cell as f64).collect();
-        let communicator = self.sums.communicator();
-        let (cells, parts) = (to_first(&**communicator, &cells), to_first(&**communicator, of_own));
         let len = of_own.len() / self.own.len().max(1);
-        let mut whole = vec![0.0; if communicator.rank() == 0 { self.whole * len } else { 0 }];
-        for (cell, numbers) in cells.iter().zip(parts.chunks_exact(len.max(1))) {
-            whole[*cell as usize * len..][..len].copy_from_slice(numbers);
+        let in_chunk = (CHUNK / len.max(1)).max(1);
+        let communicator = self.sums.communicator();
+        if communicator.rank() > 0 {
+            of_own.chunks(in_chunk * len.max(1)).for_each(|chunk| communicator.exchange(&[(0, chunk)], &mut []));
+            return Vec::new();
+        }
+        let mut whole = vec![0.0; self.whole * len];
+        let mut put = |cells: &[usize], numbers: &[f64]| {
+            for (cell, numbers) in cells.iter().zip(numbers.chunks_exact(len.max(1))) {
+                whole[cell * len..][..len].copy_from_slice(numbers);
+            }
+        };
+        put(&self.own, of_own);
+        let mut chunk = Vec::new();
+        for (rank, cells) in self.cells_of_ranks.iter().enumerate().skip(1).filter(|_| len > 0) {
+            for cells in cells.chunks(in_chunk) {
+                chunk.resize(cells.len() * len, 0.0);
+                communicator.exchange(&[], &mut [(rank, &mut chunk)]);
+                put(cells, &chunk);
+            }
         }
         whole
     }
@@ -134,19 +195,4 @@ impl Share {
         items.sort_by(|a, b| a[0].total_cmp(&b[0]));
         items.into_iter().flat_map(|item| item[1..].to_vec()).collect()
     }
-}
-
-/// The parts of all ranks one after the other on rank 0; nothing elsewhere.
-fn to_first(communicator: &dyn ranks::Communicator, part: &[f64]) -> Vec<f64> {
-    let lengths = communicator.all_gather(&[part.len() as f64]);
-    if communicator.rank() > 0 {
-        communicator.exchange(&[(0, part)], &mut []);
-        return Vec::new();
-    }
-    let mut parts: Vec<Vec<f64>> = lengths.iter().map(|length| vec![0.0; length[0] as usize]).collect();
-    parts[0].copy_from_slice(part);
-    let mut receives: Vec<(usize, &mut [f64])> =
-        parts.iter_mut().enumerate().skip(1).map(|(rank, part)| (rank, &mut part[..])).collect();
-    communicator.exchange(&[], &mut receives);
-    parts.concat()
 }

@@ -1,7 +1,7 @@
-//! Partitions of meshes of the generators: sizes, connection, cuts whose best weight is known, colours.
+//! Partitions of meshes of the generators: sizes, connection, cuts whose best weight is known.
 
 #![allow(clippy::unwrap_used)]
-use super::{blocks, colours, coupling};
+use super::{blocks, coupling};
 use crate::generate::{
     AirfoilMesh, AnnulusMesh, ChannelCylinderMesh, ChannelFlagMesh, DiscMesh, EllipsoidMesh, Extrusion,
 };
@@ -62,21 +62,6 @@ fn check_blocks<const D: usize>(mesh: &Mesh<D>, count: usize) {
     let mean = mesh.n_cells() as f64 / count as f64;
     assert!(sizes.iter().all(|&size| (f64::from(size) - mean).abs() <= (0.03 * mean).max(1.0)), "{sizes:?}");
     assert_eq!(coupling::graph(mesh).pieces(&block), count, "{count} blocks of {} cells", mesh.n_cells());
-}
-
-/// Colours on both sides of every facet at a cut, different ones; nowhere else.
-fn check_colours<const D: usize>(mesh: &Mesh<D>, block: &[usize]) -> Option<usize> {
-    let colour = colours(mesh, block);
-    let mut at_cut = vec![false; mesh.n_cells()];
-    for facet in mesh.interior_facets() {
-        let (minus, plus) = (facet.minus.cell, facet.plus.cell);
-        if block[minus] != block[plus] {
-            assert_ne!(colour[minus], colour[plus]);
-            (at_cut[minus], at_cut[plus]) = (true, true);
-        }
-    }
-    assert!(colour.iter().zip(at_cut).all(|(c, cut)| c.is_some() == cut));
-    colour.into_iter().flatten().max()
 }
 
 #[test]
@@ -175,28 +160,4 @@ fn separate_meshes_are_not_cut() {
         assert_eq!(cut_facets(&mesh, &blocks(&mesh, count).unwrap()), cut);
         check_blocks(&mesh, count);
     }
-}
-
-#[test]
-fn two_colours_do_on_structured_meshes() {
-    for count in [3, 16] {
-        for mesh in plane_meshes() {
-            assert_eq!(check_colours(&mesh, &blocks(&mesh, count).unwrap()), Some(1));
-        }
-        for mesh in space_meshes() {
-            assert_eq!(check_colours(&mesh, &blocks(&mesh, count).unwrap()), Some(1));
-        }
-    }
-}
-
-/// A ring of an odd number of cells, each a block of its own, takes a third colour; one block takes none.
-#[test]
-fn odd_rings_take_three_colours() {
-    let ring = brick([5.0, 1.0], [5, 1], [true, false]);
-    assert_eq!(colours(&ring, &[0, 1, 2, 3, 4]), [0, 1, 0, 2, 1].map(Some));
-    assert_eq!(colours(&ring, &[7; 5]), [None; 5]);
-    assert_eq!(colours(&ring, &[0, 0, 0, 0, 1]), [Some(0), None, None, Some(0), Some(1)]);
-    let torus = brick([1.0; 2], [5, 5], [true; 2]);
-    let each: Vec<usize> = (0..25).collect();
-    assert!(check_colours(&torus, &each).is_some_and(|last| (2..5).contains(&last)));
 }

@@ -99,7 +99,7 @@ impl AirfoilMesh {
         [x, 5.0 * self.thickness * (0.2969 * s - x * (0.1260 + x * (0.3516 - x * (0.2843 - 0.1036 * x))))]
     }
 
-    fn lines(&self) -> Result<Lines<'_>, MeshError> {
+    fn lines(&self) -> Result<AirfoilLines<'_>, MeshError> {
         self.check()?;
         // By (naca) the nose has the radius (5 d 0.2969)^2 / 2.
         let focus = 0.25 * (5.0 * self.thickness * 0.2969).powi(2);
@@ -109,7 +109,7 @@ impl AirfoilMesh {
         let last_cell = trailing_edge - unrolled(self.profile(last_s), focus)[0];
         let near = self.near_wake.map(|near| (near.cells, (1.0 + near.extent - focus).sqrt() - trailing_edge));
         let wake = PiecewiseGrowth::new(near, self.wake_cells, last_cell, self.far_field.sqrt() - trailing_edge);
-        Ok(Lines { mesh: self, focus, trailing_edge, clustering, wake })
+        Ok(AirfoilLines { mesh: self, focus, trailing_edge, clustering, wake })
     }
 
     fn check(&self) -> Result<(), MeshError> {
@@ -186,7 +186,7 @@ const NEAR_WALL: [&str; 2] = ["the extent of the cells near the wall", "the numb
 const WAKE_OPENING: f64 = 0.3;
 
 /// The two families of lines of the mesh.
-struct Lines<'a> {
+struct AirfoilLines<'a> {
     mesh: &'a AirfoilMesh,
     /// z_0.
     focus: f64,
@@ -198,7 +198,7 @@ struct Lines<'a> {
     wake: PiecewiseGrowth,
 }
 
-impl Lines<'_> {
+impl AirfoilLines<'_> {
     /// (parabolic) after s cells from the nose, positive above and negative below, and t cells outwards.
     fn position(&self, s: f64, t: f64) -> [f64; 2] {
         let (z, w) = self.wall(s.abs());

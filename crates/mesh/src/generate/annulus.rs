@@ -38,11 +38,6 @@ impl AnnulusMesh {
         [r * angle.cos(), -r * angle.sin()]
     }
 
-    /// The factor by which cells grow from the wall outwards.
-    pub fn growth_factor(&self) -> Result<f64, MeshError> {
-        Ok(self.growth()?.factor())
-    }
-
     fn growth(&self) -> Result<Growth, MeshError> {
         let check = Check { mesh: "annulus" };
         let width = self.outer_radius - self.inner_radius;
@@ -99,7 +94,7 @@ mod tests {
         let mesh = CYLINDER.build().unwrap();
         let x = mesh.position(0, &[-1.0, 1.0]);
         assert!((x[0].hypot(x[1]) - 0.52).abs() < 1e-14);
-        let factor = CYLINDER.growth_factor().unwrap();
+        let factor = CYLINDER.growth().unwrap().factor();
         let x = mesh.position(24, &[-1.0, 1.0]);
         assert!((x[0].hypot(x[1]) - 0.52 - 0.02 * factor).abs() < 1e-13);
     }

@@ -91,14 +91,14 @@ impl ChannelFlagMesh {
         [-0.5, 0.5].map(|side| self.centre[1] + side * self.thickness)
     }
 
-    fn layout(&self) -> Result<Layout<'_>, MeshError> {
+    fn layout(&self) -> Result<GridLayout<'_>, MeshError> {
         let gap = self.gap()?;
         let [low, high] = self.flag_heights();
         let FlagCells { outwards, beside, along, after, .. } = self.cells;
         let (length, end) = (self.extent[0], 2.0 * self.centre[0]);
         let last = (self.flag_end - end) / along as f64;
         let rest = length - self.flag_end;
-        Ok(Layout {
+        Ok(GridLayout {
             mesh: self,
             end,
             outwards: Parts::new(outwards, self.first_cell, gap),
@@ -195,7 +195,7 @@ struct Side<'a> {
 }
 
 /// Where the lines of the mesh run.
-struct Layout<'a> {
+struct GridLayout<'a> {
     mesh: &'a ChannelFlagMesh,
     /// x of the end of the rectangle around the cylinder.
     end: f64,
@@ -208,7 +208,7 @@ struct Layout<'a> {
     after: Parts,
 }
 
-impl Layout<'_> {
+impl GridLayout<'_> {
     /// The fluid between the cylinder and the rectangle.
     fn add_around(&self, assembly: &mut Assembly) {
         let (height, end) = (self.mesh.extent[1], self.end);

@@ -3,23 +3,22 @@
 use super::remedies;
 use crate::MeshError;
 use std::fmt;
-use std::path::PathBuf;
 use thiserror::Error;
 
 /// The place of an error in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// In a text file: the line, counted from 1.
     Line(usize),
     /// In a binary file: the byte, counted from 0.
     Byte(usize),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Byte(byte) => write!(f, "byte {byte}"),
+            FilePosition::Line(line) => write!(f, "line {line}"),
+            FilePosition::Byte(byte) => write!(f, "byte {byte}"),
         }
     }
 }
@@ -27,19 +26,11 @@ impl fmt::Display for Place {
 /// Why a file of Gmsh or SU2, or the lists of another file, give no mesh. Elements and nodes have the numbers of the file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GmshError {
-    /// The file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The error of the operating system.
-        reason: String,
-    },
     /// The file does not follow the format.
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {
         /// The place.
-        place: Place,
+        place: FilePosition,
         /// The expected input.
         expected: String,
         /// The input found.
@@ -55,7 +46,7 @@ pub enum GmshError {
     #[error("{place}: version {version} of the MSH format is not supported: save as 4.1 or 2.2")]
     Version {
         /// The place.
-        place: Place,
+        place: FilePosition,
         /// The version.
         version: String,
     },
@@ -66,7 +57,7 @@ pub enum GmshError {
     )]
     Element {
         /// The place.
-        place: Place,
+        place: FilePosition,
         /// Gmsh's number of the type.
         code: i64,
         /// Its name.
@@ -82,7 +73,7 @@ pub enum GmshError {
     #[error("{place}: the file has a second section ${section}: keep one")]
     SecondSection {
         /// The beginning of the second one.
-        place: Place,
+        place: FilePosition,
         /// Its name.
         section: String,
     },
@@ -90,7 +81,7 @@ pub enum GmshError {
     #[error("{place}: {what} {number} is defined a second time: give every one a number of its own")]
     Twice {
         /// The place of the second definition.
-        place: Place,
+        place: FilePosition,
         /// The kind of the item.
         what: &'static str,
         /// Its number.

@@ -19,14 +19,14 @@ pub(super) fn format(bytes: &[u8]) -> Option<&'static str> {
     known.or_else(|| is_su2(bytes).then_some("an SU2 mesh"))
 }
 
-/// Whether a file is an SU2 mesh: a text with a line `NDIME= 2`, after comments and perhaps other keys.
+/// Whether a file is an SU2 mesh: a text with a line `NDIME= 2`, after comments and perhaps other keys, in capitals or not.
 pub fn is_su2(bytes: &[u8]) -> bool {
     if bytes.trim_ascii_start().starts_with(b"$") {
         return false;
     }
     let mut lines = bytes[..bytes.len().min(HEADER)].split(|&byte| byte == b'\n');
     lines.any(|line| {
-        let after = line.trim_ascii_start().strip_prefix(b"NDIME");
-        after.is_some_and(|rest| rest.trim_ascii_start().starts_with(b"="))
+        let key = line.split(|&byte| byte == b'=').next().filter(|key| key.len() < line.len());
+        key.is_some_and(|key| key.trim_ascii().eq_ignore_ascii_case(b"NDIME"))
     })
 }

@@ -41,14 +41,13 @@ mod tests;
 mod version2;
 mod version4;
 
-pub use error::{GmshError, Place};
+pub use error::{FilePosition, GmshError};
 pub use foreign::is_su2;
 pub use lists::{ListedElement, MeshLists};
 pub use places::{Numbers, Span};
 pub use shape::Shape;
 
 use crate::Mesh;
-use std::path::Path;
 
 /// The treatment of triangles, tetrahedra and prisms in a Gmsh file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,11 +95,5 @@ impl<const D: usize> Mesh<D> {
         simplices: Simplices,
     ) -> Result<Self, GmshError> {
         lists::mesh(lists, periodic, simplices)
-    }
-
-    /// The mesh in the file `path`, see [`Mesh::from_gmsh`].
-    pub fn from_gmsh_file(path: &Path, periodic: &[(String, String)]) -> Result<Self, GmshError> {
-        let unreadable = |error: std::io::Error| GmshError::Read { path: path.into(), reason: error.to_string() };
-        Self::from_gmsh(&std::fs::read(path).map_err(unreadable)?, periodic)
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers and lines of a file, in text or binary.
 
-use super::{GmshError, Place};
+use super::{FilePosition, GmshError};
 
 /// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ impl<'a> Source<'a> {
     }
 
     /// The place of the reading position. It counts lines anew, so it is used for errors only.
-    pub(super) fn place(&self) -> Place {
+    pub(super) fn place(&self) -> FilePosition {
         self.place_at(self.position)
     }
 
@@ -36,13 +36,13 @@ impl<'a> Source<'a> {
     }
 
     /// The place of the byte `position`.
-    pub(super) fn place_at(&self, position: usize) -> Place {
+    pub(super) fn place_at(&self, position: usize) -> FilePosition {
         match self.encoding {
             Encoding::Text => {
                 let before = &self.bytes[..position];
-                Place::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
+                FilePosition::Line(1 + before.iter().filter(|&&byte| byte == b'\n').count())
             }
-            _ => Place::Byte(position),
+            _ => FilePosition::Byte(position),
         }
     }
 

@@ -1,4 +1,4 @@
-//! SU2 meshes: texts with lines `KEY= value`, each followed by its list. `%` begins a comment.
+//! SU2 meshes: texts with lines `KEY= value`, each followed by its list. Keys may be in capitals or not. `%` begins a comment.
 //!
 //! Elements of a file have the number of their line, nodes count from 0. A marker becomes a group of dimension D - 1.
 
@@ -6,7 +6,7 @@ use super::element::Kind;
 use super::file::{Element, File};
 use super::places::Words;
 use super::shape::Shape;
-use super::{GmshError, Place};
+use super::{FilePosition, GmshError};
 use std::str::{FromStr, SplitWhitespace};
 
 /// Keys that do not belong to the mesh: angles of the flow, and periodic transformations of old versions.
@@ -14,7 +14,7 @@ const IGNORED: [&str; 7] =
     ["AOA", "AOS", "NPERIODIC", "PERIODIC_INDEX", "PERIODIC_CENTER", "PERIODIC_ROTATION", "PERIODIC_TRANSLATION"];
 
 /// The lines of a file that are not empty without their comments, with their numbers.
-struct Lines<'a> {
+struct KeywordLines<'a> {
     rest: std::iter::Peekable<Box<dyn Iterator<Item = (usize, &'a str)> + 'a>>,
     /// The number of the last line of the file.
     end: usize,
@@ -32,30 +32,39 @@ struct Reader {
 
 /// The lists of an SU2 file.
 pub(super) fn read(bytes: &[u8]) -> Result<File, GmshError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-        unexpected(line, "a line of text", "bytes that are not UTF-8")
-    })?;
-    let (mut lines, mut reader) = (Lines::new(text), Reader::default());
+    let (mut lines, mut reader) = (KeywordLines::new(text(bytes)?), Reader::default());
     while let Some((line, text)) = lines.rest.next() {
-        let (key, value) = text.split_once('=').ok_or_else(|| {
+        let (key, value) = keyword(text).ok_or_else(|| {
             unexpected(line, "a key, such as NELEM= 4 (or the list before is longer than its count)", text)
         })?;
-        match key.trim() {
-            // Boxes of free-form deformation end a file.
-            key if key.starts_with("FFD_") => break,
-            key => reader.list(line, key, value.trim(), &mut lines)?,
+        // Boxes of free-form deformation end a file.
+        if key.starts_with("FFD_") {
+            break;
         }
+        reader.list(line, &key, value, &mut lines)?;
     }
     reader.finish(lines.end)
 }
 
-impl<'a> Lines<'a> {
+fn text(bytes: &[u8]) -> Result<&str, GmshError> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        unexpected(line, "a line of text", "bytes that are not UTF-8")
+    })
+}
+
+/// The key of a line `KEY= value` in capitals, because SU2 takes keys in any case, and the value.
+fn keyword(text: &str) -> Option<(String, &str)> {
+    let (key, value) = text.split_once('=')?;
+    Some((key.trim().to_ascii_uppercase(), value.trim()))
+}
+
+impl<'a> KeywordLines<'a> {
     fn new(text: &'a str) -> Self {
         let bare = |(index, line): (usize, &'a str)| (index + 1, line.split('%').next().unwrap_or_default().trim());
         let rest: Box<dyn Iterator<Item = _>> =
             Box::new(text.lines().enumerate().map(bare).filter(|(_, line)| !line.is_empty()));
-        Lines { rest: rest.peekable(), end: text.lines().count().max(1) }
+        KeywordLines { rest: rest.peekable(), end: text.lines().count().max(1) }
     }
 
     /// The words of the next line, which is one of a list.
@@ -73,16 +82,12 @@ impl<'a> Lines<'a> {
 
 impl Reader {
     /// Reads the value of `key` and the list that follows it.
-    fn list(&mut self, line: usize, key: &str, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+    fn list(&mut self, line: usize, key: &str, value: &str, lines: &mut KeywordLines) -> Result<(), GmshError> {
         match key {
             "NDIME" => self.dimension(line, value),
             "NELEM" => self.cells(line, value, lines),
             "NPOIN" => self.points(line, value, lines),
-            "NMARK" => {
-                self.once(line, "NMARK")?;
-                self.markers = Some(number(line, value, "the number of markers")?);
-                Ok(())
-            }
+            "NMARK" => self.marker_count(line, value),
             "MARKER_TAG" => self.marker(line, value, lines),
             "NZONE" if value == "1" => Ok(()),
             "NZONE" => Err(unexpected(line, "NZONE= 1: save every zone as a file of its own", value)),
@@ -90,6 +95,12 @@ impl Reader {
             key if IGNORED.contains(&key) => Ok(()),
             key => Err(unexpected(line, "one of the keys NDIME, NELEM, NPOIN, NMARK and MARKER_TAG", key)),
         }
+    }
+
+    fn marker_count(&mut self, line: usize, value: &str) -> Result<(), GmshError> {
+        self.once(line, "NMARK")?;
+        self.markers = Some(number(line, value, "the number of markers")?);
+        Ok(())
     }
 
     fn once(&mut self, line: usize, key: &'static str) -> Result<(), GmshError> {
@@ -115,7 +126,7 @@ impl Reader {
         self.dimension.ok_or_else(|| unexpected(line, "NDIME= before every other key", "a list of unknown dimension"))
     }
 
-    fn cells(&mut self, line: usize, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+    fn cells(&mut self, line: usize, value: &str, lines: &mut KeywordLines) -> Result<(), GmshError> {
         self.once(line, "NELEM")?;
         let dimension = self.required_dimension(line)?;
         let count: u64 = number(line, value, "the number of elements")?;
@@ -129,14 +140,11 @@ impl Reader {
         Ok(())
     }
 
-    fn marker(&mut self, line: usize, name: &str, lines: &mut Lines) -> Result<(), GmshError> {
+    fn marker(&mut self, line: usize, name: &str, lines: &mut KeywordLines) -> Result<(), GmshError> {
         let dimension = self.required_dimension(line)? - 1;
         let group = self.file.names.len() as i64 + 1;
         self.file.names.insert((dimension, group), name.to_owned());
-        let what = format!("MARKER_ELEMS= with the number of elements of marker {name}");
-        let (line, text) = lines.rest.next().unwrap_or((lines.end, "the end of the file"));
-        let value = text.strip_prefix("MARKER_ELEMS").and_then(|rest| rest.trim_start().strip_prefix('='));
-        let count: usize = number(line, value.ok_or_else(|| unexpected(line, &what, text))?, &what)?;
+        let count = marker_elements(name, lines)?;
         for k in 1..=count {
             self.element(dimension, Some(group), lines, &format!("element {k} of {count} of marker {name}"))?;
         }
@@ -148,12 +156,12 @@ impl Reader {
         &mut self,
         dimension: usize,
         group: Option<i64>,
-        lines: &mut Lines,
+        lines: &mut KeywordLines,
         what: &str,
     ) -> Result<(), GmshError> {
         let (line, mut words) = lines.words(what)?;
         let code = next(line, &mut words, &format!("the VTK type of {what}"))?;
-        let shape = shape(code, dimension).map_err(|expected| unexpected(line, &expected, &code.to_string()))?;
+        let shape = shape(code, dimension).map_err(|expected| unexpected(line, expected, &code.to_string()))?;
         let kind = Kind { shape, degree: 1 };
         let node = format!("a node of {what}");
         let nodes = (0..kind.n_nodes()).map(|_| next(line, &mut words, &node)).collect::<Result<_, _>>()?;
@@ -163,20 +171,14 @@ impl Reader {
     }
 
     /// The value is the number of points, in old versions followed by that without halos.
-    fn points(&mut self, line: usize, value: &str, lines: &mut Lines) -> Result<(), GmshError> {
+    fn points(&mut self, line: usize, value: &str, lines: &mut KeywordLines) -> Result<(), GmshError> {
         self.once(line, "NPOIN")?;
         let dimension = self.required_dimension(line)?;
         let mut counts = value.split_whitespace();
         let count: u64 = next(line, &mut counts, "the number of points")?;
         end(line, counts)?;
         for k in 0..count {
-            let what = format!("point {} of {count}", k + 1);
-            let (line, mut words) = lines.words(&what)?;
-            let mut position = [0.0; 3];
-            for x in &mut position[..dimension] {
-                *x = next(line, &mut words, &format!("a coordinate of {what}"))?;
-            }
-            end(line, words)?;
+            let position = position(dimension, lines, &format!("point {} of {count}", k + 1))?;
             self.file.nodes.insert(k, position);
         }
         Ok(())
@@ -196,24 +198,42 @@ impl Reader {
     }
 }
 
-/// The shape with the VTK type `code`, or what was expected in place of it.
-fn shape(code: u64, dimension: usize) -> Result<Shape, String> {
-    let known = [
-        (3, Shape::Line),
-        (5, Shape::Triangle),
-        (9, Shape::Quadrilateral),
-        (10, Shape::Tetrahedron),
-        (12, Shape::Hexahedron),
-        (13, Shape::Prism),
-    ];
-    let found = known.iter().find(|(known, shape)| *known == code && shape.dimension() == dimension);
-    found.map(|(_, shape)| *shape).ok_or_else(|| {
-        let accepted = match dimension {
-            1 => "3 (a line)",
-            2 => "9 (a quadrilateral) or, to be split, 5 (a triangle)",
-            _ => "12 (a hexahedron) or, to be split, 10 (a tetrahedron) or 13 (a prism)",
-        };
-        format!("the VTK type {accepted}")
+/// The number of elements of the marker `name`, in the line below its tag.
+fn marker_elements(name: &str, lines: &mut KeywordLines) -> Result<usize, GmshError> {
+    let what = format!("MARKER_ELEMS= with the number of elements of marker {name}");
+    let (line, text) = lines.rest.next().unwrap_or((lines.end, "the end of the file"));
+    let value = keyword(text).filter(|(key, _)| key == "MARKER_ELEMS").map(|(_, value)| value);
+    number(line, value.ok_or_else(|| unexpected(line, &what, text))?, &what)
+}
+
+/// The coordinates in the next line, perhaps followed by an index; `what` names the point.
+fn position(dimension: usize, lines: &mut KeywordLines, what: &str) -> Result<[f64; 3], GmshError> {
+    let (line, mut words) = lines.words(what)?;
+    let mut position = [0.0; 3];
+    for x in &mut position[..dimension] {
+        *x = next(line, &mut words, &format!("a coordinate of {what}"))?;
+    }
+    end(line, words)?;
+    Ok(position)
+}
+
+/// The shapes of SU2 and their VTK types.
+const SHAPES: [(u64, Shape); 6] = [
+    (3, Shape::Line),
+    (5, Shape::Triangle),
+    (9, Shape::Quadrilateral),
+    (10, Shape::Tetrahedron),
+    (12, Shape::Hexahedron),
+    (13, Shape::Prism),
+];
+
+/// The shape with the VTK type `code`, or the types that are accepted.
+fn shape(code: u64, dimension: usize) -> Result<Shape, &'static str> {
+    let found = SHAPES.iter().find(|(known, shape)| *known == code && shape.dimension() == dimension);
+    found.map(|(_, shape)| *shape).ok_or(match dimension {
+        1 => "the VTK type 3 (a line)",
+        2 => "the VTK type 9 (a quadrilateral) or, to be split, 5 (a triangle)",
+        _ => "the VTK type 12 (a hexahedron) or, to be split, 10 (a tetrahedron) or 13 (a prism)",
     })
 }
 
@@ -237,7 +257,7 @@ fn end(line: usize, mut words: SplitWhitespace) -> Result<(), GmshError> {
 fn unexpected(line: usize, expected: &str, found: &str) -> GmshError {
     let found = if found.is_empty() { "nothing" } else { found };
     let found = format!("`{}`", found.chars().take(60).collect::<String>());
-    GmshError::Syntax { place: Place::Line(line), expected: expected.to_owned(), found }
+    GmshError::Syntax { place: FilePosition::Line(line), expected: expected.to_owned(), found }
 }
 
 /// The error of the lists of an SU2 file, with its line and a remedy that does not speak of Gmsh.

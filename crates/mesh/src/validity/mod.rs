@@ -142,11 +142,6 @@ impl<const D: usize> ValidityCheck<D> {
         self.search(positions, None).decide(&self.directions, f64::INFINITY)
     }
 
-    /// The same for det J / det J_0, where `reference` holds the positions `[node][D]` of the cell with det J_0 > 0.
-    pub fn decide_relative(&self, positions: &[f64], reference: &[f64]) -> Validity<D> {
-        self.search(positions, Some(reference)).decide(&self.directions, f64::INFINITY)
-    }
-
     /// [`Self::decide`] for cells 0..n_cells on all threads; `positions(cell, x)` fills the array x, `[time][node][D]`.
     pub fn decide_cells(&self, n_cells: usize, positions: impl Fn(usize, &mut [f64]) + Sync) -> Vec<Validity<D>> {
         let buffer = || vec![0.0; self.positions_length()];
@@ -157,6 +152,8 @@ impl<const D: usize> ValidityCheck<D> {
         (0..n_cells).into_par_iter().map_init(buffer, answer).collect()
     }
 
+    /// The search for the smallest det J; with a `reference`, the positions `[node][D]` of the cell with det J_0 > 0, for that of
+    /// det J / det J_0.
     fn search(&self, positions: &[f64], reference: Option<&[f64]>) -> Search<D> {
         let (values, numerator) = self.determinant(positions, &self.time_values);
         // A cell at rest has the same position at every time.

@@ -11,7 +11,7 @@ use tensor::WIDTH;
 ///
 /// 1. Bound eight cells at a time, see `sweep`.
 /// 2. Bound all halves of the undecided cells, eight cells at a time.
-/// 3. Search in the cells that are still undecided, as [`ValidityCheck::decide_relative`].
+/// 3. Search in the cells that are still undecided, as [`ValidityCheck::decide`] for det J / det J_0.
 ///
 /// Data of the mesh at rest are kept.
 #[derive(Clone, Debug)]

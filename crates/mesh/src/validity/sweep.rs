@@ -73,6 +73,12 @@ impl Part {
     }
 }
 
+/// Bounds of all terms, and of those with a T_i, line by line.
+struct TermBounds {
+    all: Vec<Pack>,
+    tail: Vec<Pack>,
+}
+
 /// Work space and input of [`Sweep`].
 pub(super) struct Scratch {
     /// Positions, relative to some point of the cell: `[time node][component][node]`.
@@ -89,9 +95,7 @@ pub(super) struct Scratch {
     /// c_i, and e_i.
     coefficients: Vec<Pack>,
     reference_coefficients: Vec<Pack>,
-    /// Bounds of all terms, and of those with a T_i.
-    all: Vec<Pack>,
-    tail: Vec<Pack>,
+    term_bounds: TermBounds,
     between: Vec<Pack>,
 }
 
@@ -135,8 +139,7 @@ impl<const D: usize> Sweep<D> {
             values: zeroed(m * n),
             coefficients: zeroed(m * n),
             reference_coefficients: zeroed(n),
-            all: zeroed(m * n),
-            tail: zeroed(m * n),
+            term_bounds: TermBounds { all: zeroed(m * n), tail: zeroed(m * n) },
             between: zeroed(between),
         }
     }

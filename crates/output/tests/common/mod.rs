@@ -5,12 +5,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use output::{ArraySpec, FieldSpec, Grid, Layout, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
+use output::{ArraySpec, FieldSpec, FileLayout, Grid, Metadata, RestMesh, ResultFile, RunDirectory, SolverState, Step};
 
 pub const CASE: &str = "0123456789abcdef";
 
-pub fn layout() -> Layout {
-    Layout {
+pub fn layout() -> FileLayout {
+    FileLayout {
         grid: Grid { dimension: 2, points_per_direction: 3, cells: 40 },
         fields: vec![FieldSpec::vector("velocity"), FieldSpec::scalar("density")],
         exact: vec![ArraySpec::new("flow", &[("cell", 40), ("time node", 2), ("component", 4), ("space node", 9)])],

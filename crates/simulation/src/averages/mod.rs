@@ -46,7 +46,7 @@ pub struct FlowAverages<'a> {
 }
 
 /// A time at which a slab is evaluated.
-struct Instant {
+struct TimeSample {
     phase: usize,
     /// Its weight in the integral over time.
     weight: f64,
@@ -64,45 +64,45 @@ impl FlowAverages<'_> {
         if parts.is_empty() {
             return;
         }
-        let instants: Vec<Instant> = parts.iter().flat_map(|part| self.instants(part, past)).collect();
+        let samples: Vec<TimeSample> = parts.iter().flat_map(|part| self.samples(part, past)).collect();
         if sums.is_empty() {
             let displacement = if self.wanted.phases.is_some() { past.bottom.len() } else { 0 };
             *sums = AverageSums::new(self.wanted, [self.layout.cells, moments.len(), self.layout.nodes], displacement);
-            sums.offsets = self.at::<D, M>(&moments, past, &instants[0]);
+            sums.offsets = self.at::<D, M>(&moments, past, &samples[0]);
         }
         parts.iter().for_each(|part| sums.durations[part.phase] += part.end - part.start);
-        self.add_flow::<D, M>(&moments, past, &instants, sums);
+        self.add_flow::<D, M>(&moments, past, &samples, sums);
         if !sums.displacements.is_empty() {
-            instants.iter().for_each(|instant| add_mesh(past, instant, sums));
+            samples.iter().for_each(|sample| add_mesh(past, sample, sums));
         }
     }
 
     /// The Gauss points of a part of the slab.
-    fn instants(&self, part: &Part, past: &Past) -> Vec<Instant> {
+    fn samples(&self, part: &Part, past: &Past) -> Vec<TimeSample> {
         let time = RadauTime::new(self.layout.time_order);
         let rule = gauss(self.layout.time_order + 1).on(part.start, part.end);
-        let instant = |(t, weight): (&f64, &f64)| {
+        let sample = |(t, weight): (&f64, &f64)| {
             let s = ((t - past.interval.start) / past.dt).clamp(0.0, 1.0);
             let integrals = time.integrals(s).iter().map(|integral| past.dt * integral).collect();
-            Instant { phase: part.phase, weight: *weight, values: time.values(s), integrals }
+            TimeSample { phase: part.phase, weight: *weight, values: time.values(s), integrals }
         };
-        rule.points.iter().zip(&rule.weights).map(instant).collect()
+        rule.points.iter().zip(&rule.weights).map(sample).collect()
     }
 
-    /// The quantities of all cells at an instant, `[cell][quantity][node]`.
-    fn at<const D: usize, const M: usize>(&self, moments: &Moments, past: &Past, instant: &Instant) -> Vec<f64> {
-        let cell = |cell: usize| self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], instant);
+    /// The quantities of all cells at a time, `[cell][quantity][node]`.
+    fn at<const D: usize, const M: usize>(&self, moments: &Moments, past: &Past, sample: &TimeSample) -> Vec<f64> {
+        let cell = |cell: usize| self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], sample);
         (0..self.layout.cells).flat_map(cell).collect()
     }
 
-    /// The quantities of a cell with the coefficients `u`, `[time node][component][node]`, at an instant: `[quantity][node]`.
-    fn of_cell<const D: usize, const M: usize>(&self, moments: &Moments, u: &[f64], instant: &Instant) -> Vec<f64> {
+    /// The quantities of a cell with the coefficients `u`, `[time node][component][node]`, at a time: `[quantity][node]`.
+    fn of_cell<const D: usize, const M: usize>(&self, moments: &Moments, u: &[f64], sample: &TimeSample) -> Vec<f64> {
         let (nodes, length) = (self.layout.nodes, self.layout.time_len());
         let mut out = vec![0.0; moments.quantities.len() * nodes];
         for node in 0..nodes {
             let coefficients = |m: usize| u.iter().skip(m * nodes + node).step_by(length);
             let state: [f64; M] =
-                std::array::from_fn(|m| coefficients(m).zip(&instant.values).map(|(u, phi)| u * phi).sum());
+                std::array::from_fn(|m| coefficients(m).zip(&sample.values).map(|(u, phi)| u * phi).sum());
             let state = Primitive::<f64, D>::unpack(self.gas, &state);
             for (k, quantity) in moments.quantities.iter().enumerate() {
                 out[k * nodes + node] = quantity.of(self.gas, &state);
@@ -116,18 +116,18 @@ impl FlowAverages<'_> {
         &self,
         moments: &Moments,
         past: &Past,
-        instants: &[Instant],
+        samples: &[TimeSample],
         sums: &mut AverageSums,
     ) {
         let (nodes, AverageSums { moments: of_run, offsets, durations, .. }) = (self.layout.nodes, sums);
         let (each, first) = (durations.len() * moments.len() * nodes, moments.quantities.len() * nodes);
         of_run.par_chunks_exact_mut(each).zip(offsets.par_chunks_exact(first)).enumerate().for_each(
             |(cell, (sums, offsets))| {
-                for instant in instants {
-                    let mut values = self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], instant);
+                for sample in samples {
+                    let mut values = self.of_cell::<D, M>(moments, &past.u[self.layout.cell(cell)], sample);
                     values.iter_mut().zip(offsets).for_each(|(value, offset)| *value -= offset);
                     let length = moments.len() * nodes;
-                    moments.add(&values, instant.weight, &mut sums[instant.phase * length..][..length]);
+                    moments.add(&values, sample.weight, &mut sums[sample.phase * length..][..length]);
                 }
             },
         );
@@ -135,12 +135,12 @@ impl FlowAverages<'_> {
 }
 
 /// Adds the displacement of the mesh: that at the bottom and the integral of its velocity.
-fn add_mesh(past: &Past, instant: &Instant, sums: &mut AverageSums) {
+fn add_mesh(past: &Past, sample: &TimeSample, sums: &mut AverageSums) {
     let length = past.bottom.len();
-    let sums = &mut sums.displacements[instant.phase * length..][..length];
+    let sums = &mut sums.displacements[sample.phase * length..][..length];
     for (i, (sum, bottom)) in sums.iter_mut().zip(&past.bottom).enumerate() {
         let velocities = past.v.iter().skip(i).step_by(length);
-        let moved: f64 = velocities.zip(&instant.integrals).map(|(v, integral)| v * integral).sum();
-        *sum += instant.weight * (bottom + moved);
+        let moved: f64 = velocities.zip(&sample.integrals).map(|(v, integral)| v * integral).sum();
+        *sum += sample.weight * (bottom + moved);
     }
 }

@@ -5,7 +5,7 @@ use navier_stokes::{Gas, Primitive};
 
 /// A quantity of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum AveragedQuantity {
     /// The density.
     Density,
     /// The pressure.
@@ -18,15 +18,15 @@ pub enum Quantity {
     Momentum(usize),
 }
 
-impl Quantity {
+impl AveragedQuantity {
     /// Its value in a state.
     pub fn of<const D: usize>(self, gas: &Gas, state: &Primitive<f64, D>) -> f64 {
         match self {
-            Quantity::Density => state.density,
-            Quantity::Pressure => state.pressure,
-            Quantity::Temperature => gas.temperature(state.density, state.pressure),
-            Quantity::Velocity(axis) => state.velocity[axis],
-            Quantity::Momentum(axis) => state.density * state.velocity[axis],
+            AveragedQuantity::Density => state.density,
+            AveragedQuantity::Pressure => state.pressure,
+            AveragedQuantity::Temperature => gas.temperature(state.density, state.pressure),
+            AveragedQuantity::Velocity(axis) => state.velocity[axis],
+            AveragedQuantity::Momentum(axis) => state.density * state.velocity[axis],
         }
     }
 }
@@ -61,7 +61,7 @@ impl Averaged {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moments {
     /// The quantities.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<AveragedQuantity>,
     /// Pairs of quantities.
     products: Vec<[usize; 2]>,
     /// The averages that the case asks for.
@@ -85,37 +85,37 @@ impl Moments {
 
     fn add_average<const D: usize>(&mut self, average: Average) {
         match average {
-            Average::Density => self.add_mean("density", &[Quantity::Density]),
-            Average::Pressure => self.add_mean("pressure", &[Quantity::Pressure]),
-            Average::Temperature => self.add_mean("temperature", &[Quantity::Temperature]),
-            Average::Velocity => self.add_mean("velocity", &std::array::from_fn::<_, D, _>(Quantity::Velocity)),
-            Average::Momentum => self.add_mean("momentum", &std::array::from_fn::<_, D, _>(Quantity::Momentum)),
-            Average::RmsDensity => self.add_rms("density", Quantity::Density),
-            Average::RmsPressure => self.add_rms("pressure", Quantity::Pressure),
-            Average::RmsTemperature => self.add_rms("temperature", Quantity::Temperature),
+            Average::Density => self.add_mean("density", &[AveragedQuantity::Density]),
+            Average::Pressure => self.add_mean("pressure", &[AveragedQuantity::Pressure]),
+            Average::Temperature => self.add_mean("temperature", &[AveragedQuantity::Temperature]),
+            Average::Velocity => self.add_mean("velocity", &std::array::from_fn::<_, D, _>(AveragedQuantity::Velocity)),
+            Average::Momentum => self.add_mean("momentum", &std::array::from_fn::<_, D, _>(AveragedQuantity::Momentum)),
+            Average::RmsDensity => self.add_rms("density", AveragedQuantity::Density),
+            Average::RmsPressure => self.add_rms("pressure", AveragedQuantity::Pressure),
+            Average::RmsTemperature => self.add_rms("temperature", AveragedQuantity::Temperature),
             Average::ReynoldsStress => (0..D).for_each(|i| (i..D).for_each(|j| self.add_stress(i, j))),
         }
     }
 
-    fn add_mean(&mut self, name: &str, quantities: &[Quantity]) {
+    fn add_mean(&mut self, name: &str, quantities: &[AveragedQuantity]) {
         let terms = quantities.iter().map(|quantity| Term::Mean(self.quantity(*quantity))).collect();
         self.averages.push(Averaged { name: format!("mean_{name}"), terms });
     }
 
-    fn add_rms(&mut self, name: &str, quantity: Quantity) {
+    fn add_rms(&mut self, name: &str, quantity: AveragedQuantity) {
         let number = self.quantity(quantity);
         let terms = vec![Term::Rms(number, self.product([number, number]))];
         self.averages.push(Averaged { name: format!("rms_{name}"), terms });
     }
 
     fn add_stress(&mut self, i: usize, j: usize) {
-        let pair = [i, j].map(|axis| self.quantity(Quantity::Velocity(axis)));
+        let pair = [i, j].map(|axis| self.quantity(AveragedQuantity::Velocity(axis)));
         let terms = vec![Term::Covariance(pair, self.product(pair))];
         self.averages.push(Averaged { name: format!("reynolds_stress_{}{}", AXES[i], AXES[j]), terms });
     }
 
     /// The number of a quantity, which is added if it is new.
-    fn quantity(&mut self, quantity: Quantity) -> usize {
+    fn quantity(&mut self, quantity: AveragedQuantity) -> usize {
         position_or_push(&mut self.quantities, quantity)
     }
 

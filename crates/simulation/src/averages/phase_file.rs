@@ -5,7 +5,7 @@ use super::{AverageSums, Averaged};
 use case::{Averages, Phases};
 use coupled::MeshMover;
 use fem::Sampler;
-use output::{Grid, Layout, OutputError, Step, ViewerFile};
+use output::{FileLayout, Grid, OutputError, Step, ViewerFile};
 use report::fields::equidistant;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ impl<const D: usize> PhaseFile<'_, D> {
         let of_mesh = AverageFields::new::<D>(self.wanted, self.sums, mesh.n_cells(), nodes);
         let grid = Grid { dimension: D, points_per_direction: n, cells: mesh.n_cells() };
         let fields = of_mesh.averages().iter().map(spec).collect();
-        let file = ViewerFile::create(&directory.join(PHASE_FILE), Layout { grid, fields, exact: Vec::new() })?;
+        let file = ViewerFile::create(&directory.join(PHASE_FILE), FileLayout { grid, fields, exact: Vec::new() })?;
         for phase in (0..phases.count).filter(|&phase| self.sums.durations.get(phase).is_some_and(|t| *t > 0.0)) {
             let values =
                 |average: &Averaged| drawn::<D>(average, &of_mesh.coefficients(average, Some(phase)), nodes, &sampler);

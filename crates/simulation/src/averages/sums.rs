@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 type Arrays = BTreeMap<String, Vec<f64>>;
 
 /// The beginning of the names of the arrays.
-const NAME: &str = "tally.averages";
+const NAME: &str = "statistics.averages";
 
 /// The sums of a run; empty before the first slab that is averaged.
 #[derive(Clone, Debug, Default, PartialEq)]

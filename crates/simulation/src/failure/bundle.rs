@@ -55,8 +55,8 @@ pub fn clear(directory: &Path) -> Result<(), OutputError> {
 
 /// Writes the files into a folder of `directory`. Returns the likeliest cause and the path of the report, for the end of a
 /// message.
-pub fn tell(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> String {
-    match write(directory, finding, story) {
+pub fn tell(directory: &Path, finding: &Finding, report: &FailureReport<'_>) -> String {
+    match write(directory, finding, report) {
         Ok((path, causes)) => hint(&path, &causes),
         // The earlier failure is more important.
         Err(unwritten) => format!("\n  {unwritten}"),
@@ -64,16 +64,20 @@ pub fn tell(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> S
 }
 
 /// The path of the text, and the causes.
-fn write(directory: &Path, finding: &Finding, story: &FailureReport<'_>) -> Result<(PathBuf, Vec<Cause>), OutputError> {
+fn write(
+    directory: &Path,
+    finding: &Finding,
+    report: &FailureReport<'_>,
+) -> Result<(PathBuf, Vec<Cause>), OutputError> {
     let folder = directory.join(FOLDER);
     std::fs::create_dir_all(&folder).map_err(|source| OutputError::File { path: folder.clone(), source })?;
     let causes = causes(&finding.data);
     if let Some(cell) = &finding.cell {
         write_atomically(&folder.join(PICTURE_FILE), cell.svg.as_bytes())?;
     }
-    write_atomically(&folder.join(NUMBERS_FILE), numbers(finding, &causes, story).as_bytes())?;
+    write_atomically(&folder.join(NUMBERS_FILE), numbers(finding, &causes, report).as_bytes())?;
     let path = folder.join(TEXT_FILE);
-    write_atomically(&path, text(finding, &causes, story).as_bytes())?;
+    write_atomically(&path, text(finding, &causes, report).as_bytes())?;
     Ok((path, causes))
 }
 
@@ -84,23 +88,23 @@ fn hint(path: &Path, causes: &[Cause]) -> String {
     format!("{likeliest}\n  more causes, the worst cell: {}", path.display())
 }
 
-fn numbers(finding: &Finding, causes: &[Cause], story: &FailureReport<'_>) -> String {
+fn numbers(finding: &Finding, causes: &[Cause], report: &FailureReport<'_>) -> String {
     let residuals: serde_json::Map<_, _> =
         finding.residuals.iter().map(|(name, norm)| ((*name).to_owned(), json!(norm))).collect();
     let all = json!({
-        "case": story.case,
-        "error": coupled::chain(story.error.as_ref()),
+        "case": report.case,
+        "error": coupled::chain(report.error.as_ref()),
         "causes": causes,
-        "last_good_state": { "file": format!("../{RESULT_FILE}"), "time": story.time, "slabs": story.slabs },
+        "last_good_state": { "file": format!("../{RESULT_FILE}"), "time": report.time, "slabs": report.slabs },
         "worst_cell": finding.cell,
         "residuals": residuals,
-        "evidence": finding.data,
+        "failure_data": finding.data,
     });
     format!("{all:#}\n")
 }
 
-fn text(finding: &Finding, causes: &[Cause], story: &FailureReport<'_>) -> String {
-    let FailureReport { case, error, time, slabs, again } = story;
+fn text(finding: &Finding, causes: &[Cause], report: &FailureReport<'_>) -> String {
+    let FailureReport { case, error, time, slabs, again } = report;
     let ended = if again.is_some() { "stopped at" } else { "is no longer good after" };
     let mut text = format!("# `{case}` {ended} t = {time}, after {slabs} slabs\n\n");
     for message in error.chain() {
@@ -115,7 +119,7 @@ fn text(finding: &Finding, causes: &[Cause], story: &FailureReport<'_>) -> Strin
     }
     text += &worst_cell(finding);
     text += &residuals(finding);
-    text += &last_good_state(story);
+    text += &last_good_state(report);
     text
 }
 

@@ -17,7 +17,7 @@ pub struct FailureData {
     /// The gas, if there is one.
     pub gas: Option<Gas>,
     /// The structure, if it is one.
-    pub structure: Option<Structure>,
+    pub structure: Option<StructureData>,
     /// The bodies that the flow moves, if there are any.
     pub bodies: Option<Bodies>,
 }
@@ -151,7 +151,7 @@ pub enum Motion {
 
 /// The structure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Structure {
+pub struct StructureData {
     /// Poisson's ratio.
     pub poisson_ratio: f64,
     /// Node spacings that a shear wave travels in the slab.

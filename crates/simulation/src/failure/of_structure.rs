@@ -1,6 +1,6 @@
 //! The examination of a failed run of a structure.
 
-use super::data::{Attempt, BadLoad, FailureData, GaveUp, Structure};
+use super::data::{Attempt, BadLoad, FailureData, GaveUp, StructureData};
 use super::finding::{Finding, WorstCell, most_squeezed, squeezed};
 use super::grid::{Grid, difference};
 use super::of_mesh::shape;
@@ -31,7 +31,7 @@ pub fn examine<const D: usize>(
             newton: None,
             mesh: shape(&grid, &state.d),
             gas: None,
-            structure: Some(Structure {
+            structure: Some(StructureData {
                 poisson_ratio: structure.largest.poisson_ratio,
                 waves_per_slab: structure.shear_speed() * length / smallest_distance(&grid, &state.d),
                 bad_load,

@@ -38,7 +38,7 @@ fn points<const D: usize>(order: usize) -> usize {
 /// J, four arrays of determinants and 2 D arrays between contractions. To these come two arrays of det J_0, and positions at times
 /// and at points in time.
 fn proof<const D: usize>(order: usize, time_order: usize) -> usize {
-    let (points, instants) = (points::<D>(order), D * time_order + 1);
-    let positions = D * order.pow(D as u32) * (time_order + 1 + instants);
-    LANES * (points * (instants * (D * D + 4 + 2 * D) + 2) + positions)
+    let (points, time_points) = (points::<D>(order), D * time_order + 1);
+    let positions = D * order.pow(D as u32) * (time_order + 1 + time_points);
+    LANES * (points * (time_points * (D * D + 4 + 2 * D) + 2) + positions)
 }

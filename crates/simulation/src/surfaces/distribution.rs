@@ -162,7 +162,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
     where
         NavierStokes<D>: ConservationLaw<D, M, Boundary = Boundary<D>>,
     {
-        let BoundaryData { condition, data } = &self.flow.boundary[here.wall.boundary];
+        let BoundaryData { condition, data, .. } = &self.flow.boundary[here.wall.boundary];
         let (law, condition) = (&self.flow.law, *condition);
         let (normal, size) = unit_normal(here);
         let data = data.as_ref().map_or([0.0; M], |data| data.at(&here.position, self.time));
@@ -172,7 +172,7 @@ impl<const D: usize> SurfaceFlow<'_, D> {
             sigma: size / det(&here.jacobian).abs() * self.flow.order.pow(2) as f64,
             grid: grid(&here.jacobian, self.flow.order),
         });
-        let PointFlux { inviscid, viscous, .. } = PointFlux::new((law, condition), &here.u, at, inside.as_ref());
+        let PointFlux { inviscid, viscous, .. } = PointFlux::new(law, condition, &here.u, at, inside.as_ref());
         let friction = law.momentum(&viscous);
         let moving = law.boundary_velocity(condition, at);
         let heat = law.energy(&viscous) - dot(&friction, &moving);

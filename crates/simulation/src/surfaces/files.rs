@@ -2,7 +2,7 @@
 
 use super::columns::{Column, columns};
 use basis::{Lagrange, Matrix, Rule, equidistant_points};
-use output::{FieldSpec, Grid, Layout, OutputError, Series, Step, ViewerFile, write_atomically};
+use output::{FieldSpec, FileLayout, Grid, OutputError, Series, Step, ViewerFile, write_atomically};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub fn write(
     let shown: Vec<Column> = columns(dimension).into_iter().filter(|column| column.is_field).collect();
     let file = ViewerFile::create(
         &path("vtkhdf"),
-        Layout { grid, fields: shown.iter().map(spec).collect(), exact: Vec::new() },
+        FileLayout { grid, fields: shown.iter().map(spec).collect(), exact: Vec::new() },
     )?;
     for (time, values) in series.times.iter().zip(series.values.chunks_exact(series.array.len())) {
         let field = |name: &str| on_lattice(&quantity(dimension, values, name), dimension - 1, &at_lattice);

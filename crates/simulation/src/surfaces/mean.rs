@@ -248,7 +248,7 @@ mod tests {
     fn means_over_time_and_span_have_zeros_where_the_flow_attaches_and_separates() {
         for dimension in [2, 3] {
             let directory = tempfile::tempdir().unwrap();
-            // Whole periods without their last instant.
+            // Whole periods without their last time.
             write_means(directory.path(), dimension, &circle(dimension), [1.0, 3.99]).unwrap();
             let mean = lines(directory.path(), "surface_wall_mean.csv");
             assert_eq!(mean.len(), 41);

@@ -31,7 +31,7 @@ const COARSER: [(&str, &str, &str); 2] =
 
 /// The treatment of a damaged file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Verdict {
+enum Treatment {
     /// Refused at the damaged line, with the damaged key if the file is still TOML.
     RefusedThere,
     /// Refused where the damage has its effect, with its name.
@@ -47,14 +47,14 @@ enum Verdict {
 #[test]
 fn every_slip_is_refused_at_its_place_or_is_none() {
     let mut random = Random(4);
-    let mut tally = BTreeMap::<_, usize>::new();
+    let mut counts = BTreeMap::<_, usize>::new();
     let mut problems = Vec::new();
     let cases: Vec<_> = case_files().into_iter().map(|path| (path.clone(), original(&path))).collect();
     for number in 0..FILES {
         let (path, original) = &cases[number % cases.len()];
         let damaged = damage(original, &mut random);
         match judge(path, original, &damaged) {
-            Ok(verdict) => *tally.entry((damaged.kind, verdict)).or_default() += 1,
+            Ok(treatment) => *counts.entry((damaged.kind, treatment)).or_default() += 1,
             Err(problem) => {
                 let line = damaged.text.lines().nth(damaged.line - 1).unwrap_or_default();
                 let (file, number) = (path.file_name().unwrap().display(), damaged.line);
@@ -62,10 +62,10 @@ fn every_slip_is_refused_at_its_place_or_is_none() {
             }
         }
     }
-    print_tally(&tally);
+    print_counts(&counts);
     assert!(problems.is_empty(), "{} of {FILES}:\n{}", problems.len(), problems.join("\n\n"));
-    let refused = |verdict: &Verdict| matches!(verdict, Verdict::RefusedThere | Verdict::RefusedByName);
-    let refusals: usize = tally.iter().filter(|((_, verdict), _)| refused(verdict)).map(|(_, n)| n).sum();
+    let refused = |treatment: &Treatment| matches!(treatment, Treatment::RefusedThere | Treatment::RefusedByName);
+    let refusals: usize = counts.iter().filter(|((_, treatment), _)| refused(treatment)).map(|(_, n)| n).sum();
     assert!(refusals > 3 * FILES / 4, "{refusals} of {FILES} refused: the damage is too mild to show anything");
 }
 
@@ -87,9 +87,9 @@ fn original(path: &Path) -> String {
 }
 
 #[allow(clippy::print_stdout)]
-fn print_tally(tally: &BTreeMap<(damage::Kind, Verdict), usize>) {
-    for ((kind, verdict), count) in tally {
-        println!("{:10} {:14} {count:4}", format!("{kind:?}"), format!("{verdict:?}"));
+fn print_counts(counts: &BTreeMap<(damage::Kind, Treatment), usize>) {
+    for ((kind, treatment), count) in counts {
+        println!("{:10} {:14} {count:4}", format!("{kind:?}"), format!("{treatment:?}"));
     }
 }
 
@@ -97,8 +97,8 @@ fn check(path: &Path, text: &str) -> Result<AnyCase, Box<CaseError>> {
     AnyCase::check(&Document::parse(path, text.to_owned(), &[])?)
 }
 
-/// The verdict on a damaged file, or the error in its treatment.
-fn judge(path: &Path, original: &str, damaged: &Damaged) -> Result<Verdict, String> {
+/// The treatment of a damaged file, or the error in its treatment.
+fn judge(path: &Path, original: &str, damaged: &Damaged) -> Result<Treatment, String> {
     let before = leaves(original).ok_or("the original is no TOML")?;
     match (check(path, &damaged.text), leaves(&damaged.text)) {
         (Ok(_), None) => Err("accepted, and no TOML".to_owned()),
@@ -118,7 +118,7 @@ fn place(error: &CaseError) -> Result<(usize, &str), String> {
 
 /// If a text is not TOML, the error must show where it stops being TOML: in the damaged line, or in the next non-empty one. Or it
 /// shows the unclosed bracket before the damaged line.
-fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<Verdict, String> {
+fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<Treatment, String> {
     let (line, _) = place(error)?;
     let filled = |text: &&str| !text.trim().is_empty() && !text.trim_start().starts_with('#');
     let between = damaged.text.lines().take(line.saturating_sub(1)).skip(damaged.line).filter(filled).count();
@@ -126,16 +126,16 @@ fn refused_as_text(error: &CaseError, damaged: &Damaged) -> Result<Verdict, Stri
     let bracket = message.split("the bracket of line ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
     let unclosed = bracket.is_some_and(|bracket: usize| bracket <= damaged.line);
     if line == damaged.line {
-        Ok(Verdict::RefusedThere)
+        Ok(Treatment::RefusedThere)
     } else if line > damaged.line && (between == 0 || unclosed) {
-        Ok(Verdict::RefusedByName)
+        Ok(Treatment::RefusedByName)
     } else {
         Err(format!("refused at line {line}: {error}"))
     }
 }
 
 /// A refusal must concern one of the `differing` paths, and show it.
-fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result<Verdict, String> {
+fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result<Treatment, String> {
     let (line, _) = place(error)?;
     let concerns = |path: &String| within(path, &error.key) || within(&error.key, path);
     let message = error.to_string();
@@ -147,9 +147,9 @@ fn refused(error: &CaseError, damaged: &Damaged, differing: &[String]) -> Result
     };
     let named = |path: &String| is_named(&message, last_name(path)) || missing(path) || renamed(path);
     if line == damaged.line && differing.iter().any(concerns) {
-        Ok(Verdict::RefusedThere)
+        Ok(Treatment::RefusedThere)
     } else if differing.iter().any(named) {
-        Ok(Verdict::RefusedByName)
+        Ok(Treatment::RefusedByName)
     } else {
         Err(format!("refused, but not by what differs, {differing:?}: {error}"))
     }
@@ -170,7 +170,7 @@ fn is_named(text: &str, name: &str) -> bool {
 }
 
 /// An accepted case must hold the written values, and these must be legal.
-fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Verdict, String> {
+fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Treatment, String> {
     let resolved = leaves(&case.about().resolved).ok_or("the resolved case is no TOML")?;
     let lost = |(path, value): &(&String, &toml::Value)| !is_empty(value) && !holds(&resolved, path, value);
     if let Some((path, value)) = after.iter().find(lost) {
@@ -179,7 +179,7 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Verdict, 
     let mut differing = differing(before, after);
     differing.retain(|path| !matches!((before.get(path), after.get(path)), (Some(a), Some(b)) if same_in_quotes(a, b)));
     if differing.is_empty() {
-        return Ok(Verdict::Equal);
+        return Ok(Treatment::Equal);
     }
     if let Some(path) = differing.iter().find(|path| after.get(*path).is_some_and(|v| !is_legal_number(path, v))) {
         return Err(format!("accepted, but {path} = {} makes no sense", after[path]));
@@ -192,8 +192,8 @@ fn accepted(case: &AnyCase, before: &Leaves, after: &Leaves) -> Result<Verdict, 
     };
     match (written.is_empty(), missing.iter().all(has_default)) {
         (_, false) => Err(format!("accepted without {missing:?}, which have no default")),
-        (true, true) => Ok(Verdict::Default),
-        (false, true) => Ok(Verdict::OtherValue),
+        (true, true) => Ok(Treatment::Default),
+        (false, true) => Ok(Treatment::OtherValue),
     }
 }
 

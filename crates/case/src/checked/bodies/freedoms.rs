@@ -98,7 +98,7 @@ impl<const D: usize> Given<'_, D> {
         })
     }
 
-    /// A driven coordinate starts at zero and has a value over the whole run.
+    /// A prescribed coordinate starts at zero and has a value over the whole run.
     fn drive(&self, key: &Key, raw: &raw::Formula) -> Checked<Program> {
         let motion = self.checker.formula_of_time(key, raw)?;
         let start = motion.evaluate::<f64>(&[], self.time.start);
@@ -109,7 +109,7 @@ impl<const D: usize> Given<'_, D> {
             at_rest,
             "a formula that is zero at the start",
         )?;
-        for t in self.time.instants() {
+        for t in self.time.check_times() {
             let value = motion.evaluate::<f64>(&[], t);
             let quantity = format!("the motion at t = {t}, {value},");
             self.checker.require(key, &quantity, value.is_finite(), "a formula that is finite over the whole run")?;

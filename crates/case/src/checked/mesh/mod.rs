@@ -84,18 +84,18 @@ fn refuse_keys_of_files(checker: &Checker<'_>, raw: &Raw) -> Checked<()> {
 /// The mesh of a file, in the requested order.
 fn raised(checker: &Checker<'_>, raw: &Raw, mesh: AnyMesh) -> Checked<AnyMesh> {
     let (key, of_file) = (Key::new("mesh.order"), mesh.order());
-    let Some(asked) = raw.order else {
+    let Some(wanted) = raw.order else {
         checker.note_default(&key, &format!("{of_file}, that of the file"));
         return Ok(mesh);
     };
-    let asked = order(checker, &key, "the order of the mesh", asked)?;
+    let wanted = order(checker, &key, "the order of the mesh", wanted)?;
     let accepted = format!("{of_file}, the order of the file, or more: with less the shape of the cells would change");
-    checker.require(&key, "the order of the mesh", asked >= of_file, &accepted)?;
+    checker.require(&key, "the order of the mesh", wanted >= of_file, &accepted)?;
     match &mesh {
-        AnyMesh::Plane(mesh) => family::check_size::<2>(checker, &key, mesh.n_cells(), asked)?,
-        AnyMesh::Space(mesh) => family::check_size::<3>(checker, &key, mesh.n_cells(), asked)?,
+        AnyMesh::Plane(mesh) => family::check_size::<2>(checker, &key, mesh.n_cells(), wanted)?,
+        AnyMesh::Space(mesh) => family::check_size::<3>(checker, &key, mesh.n_cells(), wanted)?,
     }
-    Ok(mesh.with_order(asked))
+    Ok(mesh.with_order(wanted))
 }
 
 fn extruded(checker: &Checker<'_>, raw: &Extrude, mesh: AnyMesh) -> Checked<AnyMesh> {

@@ -2,7 +2,7 @@
 
 use super::ElasticBody;
 use crate::block::{Exchange, Ledger};
-use crate::blocks::instants::at_each_point;
+use crate::blocks::slab_times::at_each_point;
 use crate::state::extend;
 use elasticity::{SlabBottom, StructureSlab};
 use newton_krylov::inner_product::{Euclidean, InnerProduct};

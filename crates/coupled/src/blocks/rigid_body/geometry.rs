@@ -65,7 +65,7 @@ impl<const D: usize> Surface<D> {
 }
 
 /// Where a body is.
-pub(super) struct Place<T> {
+pub(super) struct BodyPosition<T> {
     /// h
     pub(super) h: [T; 3],
     /// Theta
@@ -74,8 +74,8 @@ pub(super) struct Place<T> {
 
 impl RigidBodyData {
     /// h and Theta at the coordinates `q`.
-    pub(super) fn place<T: Transcendental>(&self, q: &[T]) -> Place<T> {
-        let mut place = Place { h: [T::from(0.0); 3], theta: [T::from(0.0); 3] };
+    pub(super) fn place<T: Transcendental>(&self, q: &[T]) -> BodyPosition<T> {
+        let mut place = BodyPosition { h: [T::from(0.0); 3], theta: [T::from(0.0); 3] };
         for (coordinate, q) in self.coordinates.iter().zip(q) {
             let (sum, direction) = match coordinate.freedom {
                 Freedom::Translation(direction) => (&mut place.h, direction),
@@ -92,7 +92,7 @@ impl RigidBodyData {
     }
 
     /// The displacement of `node`, (rigid motion).
-    fn displacement<T: Transcendental, const D: usize>(&self, node: &SurfaceNode<D>, place: &Place<T>) -> [T; D] {
+    fn displacement<T: Transcendental, const D: usize>(&self, node: &SurfaceNode<D>, place: &BodyPosition<T>) -> [T; D] {
         let arm = self.arm(&node.position).map(T::from);
         let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
         std::array::from_fn(|d| place.h[d] * node.weight + turned[d])
@@ -119,7 +119,7 @@ impl RigidBodyData {
         modes
     }
 
-    /// (v_c, omega) at the coordinates `q` and their rates `w`.
+    /// (v_c, Omega) at the coordinates `q` and their rates `w`.
     pub(super) fn velocity<T: Transcendental>(&self, q: &[T], w: &[T]) -> Six<T> {
         let mut sum = [T::from(0.0); 6];
         for (mode, w) in self.modes(q).iter().zip(w) {
@@ -128,7 +128,7 @@ impl RigidBodyData {
         sum
     }
 
-    /// (m v_c, H) at the coordinates `q`, where the velocity is (v_c, omega).
+    /// (m v_c, H) at the coordinates `q`, where the velocity is (v_c, Omega).
     pub(super) fn momentum<T: Transcendental>(&self, q: &[T], velocity: &Six<T>) -> Six<T> {
         let theta = self.place(q).theta;
         let spin = rotated(&theta.map(|theta| -theta), &[velocity[3], velocity[4], velocity[5]]);

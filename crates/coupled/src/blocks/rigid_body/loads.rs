@@ -11,7 +11,7 @@
 
 use super::geometry::six;
 use super::{RigidBody, Six, SurfaceNode, along, derivatives, lifted};
-use crate::blocks::instants::at_each_point;
+use crate::blocks::slab_times::at_each_point;
 use tensor::{Transcendental, cross, dot};
 
 /// The load without the correction, and what the wall does.

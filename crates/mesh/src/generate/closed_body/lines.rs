@@ -11,7 +11,7 @@ const CANDIDATES: [f64; 10] = [2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 
 const SAMPLES: [usize; 2] = [256, 48];
 
 /// (body)
-pub(super) struct Lines<'a> {
+pub(super) struct BodyLines<'a> {
     outline: &'a Outline<'a>,
     /// D.
     width: f64,
@@ -29,12 +29,16 @@ struct Foot {
     direction: [f64; 2],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> BodyLines<'a> {
     pub(super) fn new(outline: &'a Outline<'a>, outer_radius: f64) -> Self {
         let parameters = outline.divided(SAMPLES[0]);
         let start = mean_angle(outline, &parameters);
-        let with =
-            |share: f64| Lines { outline, width: outer_radius - outline.reach, start, blending: share * outline.reach };
+        let with = |share: f64| BodyLines {
+            outline,
+            width: outer_radius - outline.reach,
+            start,
+            blending: share * outline.reach,
+        };
         let rated = CANDIDATES.map(|share| (with(share).worst_quality(&parameters), share));
         let best = rated.into_iter().fold(rated[0], |best, other| if other.0 > best.0 { other } else { best });
         with(best.1)

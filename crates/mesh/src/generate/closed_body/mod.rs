@@ -11,7 +11,7 @@
 //!
 //! w and its derivative vanish at d = 0: lines leave the wall at right angles. At d = D the points lie on the circle of radius R around
 //! C.
-//! The length L is one of a few candidates: the one with the best cells, see [`Lines`]. Every cell of the result is proved valid; nothing is
+//! The length L is one of a few candidates: the one with the best cells, see [`BodyLines`]. Every cell of the result is proved valid; nothing is
 //! assumed about the shape of the body.
 
 mod lines;
@@ -23,7 +23,7 @@ use super::ClosedCurve;
 use super::assembly::Assembly;
 use super::growth::{Check, Growth};
 use crate::{Mesh, MeshError};
-use lines::Lines;
+use lines::BodyLines;
 use outline::Outline;
 
 /// Cells between a closed curve and a circle around its centroid, growing by a constant factor outwards. Edges along the wall have equal
@@ -47,7 +47,7 @@ impl ClosedBodyMesh {
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         let outline = Outline::new(&self.body);
         let growth = self.growth(&outline)?;
-        let lines = Lines::new(&outline, self.outer_radius);
+        let lines = BodyLines::new(&outline, self.outer_radius);
         let parameters = outline.divided(self.cells[0]);
         let mut assembly = Assembly::new(self.order)?;
         assembly.add(self.cells, [None, None, Some("wall"), Some("far")], |[s, t]| {

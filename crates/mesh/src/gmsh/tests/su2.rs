@@ -87,6 +87,19 @@ fn left_handed_cells_are_turned_and_lists_come_in_any_order() {
 }
 
 #[test]
+fn keys_may_be_in_small_letters() {
+    let keys = ["NDIME", "NELEM", "NPOIN", "NMARK", "MARKER_TAG", "MARKER_ELEMS"];
+    let change =
+        |change: fn(&str) -> String| keys.iter().fold(SQUARES.to_owned(), |text, key| text.replace(key, &change(key)));
+    let mixed = change(|key| key[..1].to_owned() + &key[1..].to_ascii_lowercase());
+    for text in [change(str::to_ascii_lowercase), mixed] {
+        assert!(!text.contains("NDIME") && is_su2(text.as_bytes()), "{text}");
+        let ending = format!("{text}ffd_nbox= 1\nany");
+        assert_eq!(read::<2>(&ending).unwrap(), read::<2>(SQUARES).unwrap());
+    }
+}
+
+#[test]
 fn triangles_are_refused_or_split() {
     let text = SQUARES.replace("NELEM= 2", "NELEM= 3").replace("9 0 1 4 3 0", "5 0 1 4\n5 0 4 3");
     let message = read::<2>(&text).unwrap_err();

@@ -1,7 +1,7 @@
 //! The kernel of [`Sweep`].
 
-use super::{Part, Scratch, Sweep};
-use basis::{apply_all_axes, contract};
+use super::{Part, Scratch, Sweep, TermBounds};
+use basis::{AllAxes, AlongAxis, apply_all_axes, contract};
 use tensor::pulp::{Simd, WithSimd};
 use tensor::{Lanes, Pack, Real, WIDTH, cofactor, determinant};
 
@@ -35,28 +35,15 @@ impl<const D: usize> Sweep<D> {
     /// Columns of J: interpolation in time, then along the axes of space, differentiated along one.
     #[inline(always)]
     fn jacobians<S: Simd>(&self, simd: S, work: &mut Scratch) {
-        contract(
-            simd,
-            &self.time_values,
-            1,
-            work.nodes.len() / self.time_values.cols(),
-            &work.nodes,
-            &mut work.in_time,
-            false,
-        );
+        let matrix = &self.time_values;
+        let in_time = AlongAxis { matrix, outer: 1, inner: work.nodes.len() / matrix.cols() };
+        contract(simd, in_time, &work.nodes, &mut work.in_time, false);
         let length = work.columns.len() / D;
         for (j, column) in work.columns.chunks_exact_mut(length).enumerate() {
             let mut matrices = [&self.values; D];
             matrices[j] = &self.derivatives;
-            apply_all_axes(
-                simd,
-                &matrices,
-                self.time_values.rows() * D,
-                &work.in_time,
-                column,
-                &mut work.between,
-                false,
-            );
+            let axes = AllAxes { matrices: &matrices, components: matrix.rows() * D };
+            apply_all_axes(simd, axes, &work.in_time, column, &mut work.between, false);
         }
     }
 
@@ -120,15 +107,17 @@ impl<const D: usize> Sweep<D> {
         let mut matrices = [&part.matrices[0]; 4];
         part.matrices.iter().enumerate().for_each(|(axis, matrix)| matrices[axis] = matrix);
         let Scratch { values, coefficients, reference, reference_coefficients, between, .. } = work;
-        apply_all_axes(simd, &matrices[..=D], 1, values, coefficients, between, false);
-        apply_all_axes(simd, &matrices[..D], 1, reference, reference_coefficients, between, false);
+        let (whole, in_space) = (&matrices[..=D], &matrices[..D]);
+        apply_all_axes(simd, AllAxes { matrices: whole, components: 1 }, values, coefficients, between, false);
+        let axes = AllAxes { matrices: in_space, components: 1 };
+        apply_all_axes(simd, axes, reference, reference_coefficients, between, false);
         let in_space = &self.kept[..D];
         for register in 0..Lanes::<S>::PARTS {
             let read = |pack: &Pack| Lanes::read(simd, pack, register);
-            let tail = self.tail(simd, &self.kept, &work.coefficients, &mut work.all, &mut work.tail, register);
+            let tail = self.tail(simd, &self.kept, &work.coefficients, &mut work.term_bounds, register);
             let largest = read(&out.largest) * part.sum_error;
             let margin = read(&out.error) * self.lebesgue + largest + tail;
-            let tail = self.tail(simd, in_space, &work.reference_coefficients, &mut work.all, &mut work.tail, register);
+            let tail = self.tail(simd, in_space, &work.reference_coefficients, &mut work.term_bounds, register);
             let reference_margin =
                 read(&work.reference_error) + largest_of(simd, &work.reference, register) * part.sum_error + tail;
             let lower = self.lower(simd, work, [margin, reference_margin], register);
@@ -143,8 +132,7 @@ impl<const D: usize> Sweep<D> {
         simd: S,
         kept: &[usize],
         coefficients: &[Pack],
-        all: &mut [Pack],
-        tail: &mut [Pack],
+        TermBounds { all, tail }: &mut TermBounds,
         part: usize,
     ) -> Lanes<S> {
         let (zero, n) = (Lanes::splat(simd, 0.0), [self.values.rows(), self.time_values.rows()]);

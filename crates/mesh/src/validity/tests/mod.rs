@@ -75,7 +75,8 @@ fn the_relative_bound_ignores_grading_of_the_reference() {
     let reference = positions(4, &[0.0], graded);
     let times = [0.0, 0.5, 1.0];
     let x = positions(4, &times, |xi, s| graded(xi, s).map(|x| x * (1.0 - 0.4 * s)));
-    let bound = *ValidityCheck::<2>::new(4, &times).decide_relative(&x, &reference).bound();
+    let check = ValidityCheck::<2>::new(4, &times);
+    let bound = *check.search(&x, Some(&reference)).decide(&check.directions, f64::INFINITY).bound();
     assert!((bound.sampled_min - 0.36).abs() < 1e-12 && bound.lower <= 0.36 && bound.lower >= 0.18, "{bound:?}");
     assert!((bound.sampled_max - 1.0).abs() < 1e-12 && bound.at.s == 1.0);
 }

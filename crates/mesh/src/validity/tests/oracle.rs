@@ -1,6 +1,6 @@
 //! Dense sampling of eight cells, independent of the proof.
 
-use basis::{Lagrange, Matrix, apply_all_axes, contract, gauss_lobatto, scratch_length};
+use basis::{AllAxes, AlongAxis, Lagrange, Matrix, apply_all_axes, contract, gauss_lobatto, scratch_length};
 use tensor::Arch;
 use tensor::pulp::{Scalar, Simd, WithSimd};
 use tensor::{Lanes, Pack, WIDTH, cofactor, determinant, zeroed};
@@ -53,7 +53,8 @@ impl<const D: usize> Oracle<D> {
     fn visit(&self, positions: &[Pack], mut visit: impl FnMut(usize, &[Pack])) {
         let (n, length) = (self.rows.len(), positions.len() / self.times.cols());
         let mut nodes = zeroed(length * self.times.rows());
-        contract(Scalar, &self.times, 1, length, positions, &mut nodes, false);
+        let along = AlongAxis { matrix: &self.times, outer: 1, inner: length };
+        contract(Scalar, along, positions, &mut nodes, false);
         let points = n.pow(D as u32 - 1);
         let mut work = SliceWork::new::<D>(&self.along[0], length, points);
         for nodes in nodes.chunks_exact(length) {
@@ -102,12 +103,14 @@ impl<const D: usize> WithSimd for Slice<'_, D> {
         let SliceWork { across, columns, ratios, scratch } = work;
         let points = ratios.len();
         for k in 0..2 {
-            contract(simd, &oracle.rows[slice][k], D, across[k].len() / D, nodes, &mut across[k], false);
+            let along = AlongAxis { matrix: &oracle.rows[slice][k], outer: D, inner: across[k].len() / D };
+            contract(simd, along, nodes, &mut across[k], false);
         }
         for (j, column) in columns.chunks_exact_mut(D * points).enumerate() {
             let mut matrices = [&oracle.along[0]; D];
             matrices[j] = &oracle.along[usize::from(j < last)];
-            apply_all_axes(simd, &matrices[..last], D, &across[usize::from(j == last)], column, scratch, false);
+            let axes = AllAxes { matrices: &matrices[..last], components: D };
+            apply_all_axes(simd, axes, &across[usize::from(j == last)], column, scratch, false);
         }
         for q in 0..points {
             for part in 0..Lanes::<S>::PARTS {

@@ -4,8 +4,8 @@
 
 use super::*;
 use crate::failure::data::{
-    Attempt, BadLoad, Bodies, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling, Structure,
-    Undefined,
+    Attempt, BadLoad, Bodies, Extreme, Gas, Mesh, Mismatch, Moment, Motion, Newton, OpeningMisuse, Settling,
+    StructureData, Undefined,
 };
 use crate::openings::{Misuse, Record, Seen};
 
@@ -200,9 +200,9 @@ fn a_neo_hookean_mesh_is_not_told_to_be_neo_hookean() {
 }
 
 /// A structure has failed, and nothing is suspicious.
-fn structure(change: fn(&mut Structure, &mut Mesh), gave_up: GaveUp) -> FailureData {
+fn structure(change: fn(&mut StructureData, &mut Mesh), gave_up: GaveUp) -> FailureData {
     let mut data = FailureData { gave_up, newton: None, gas: None, ..nothing_suspicious() };
-    let mut structure = Structure { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
+    let mut structure = StructureData { poisson_ratio: 0.3, waves_per_slab: 10.0, bad_load: None };
     change(&mut structure, &mut data.mesh);
     FailureData { structure: Some(structure), ..data }
 }
@@ -214,7 +214,7 @@ fn a_fact_of_the_structure_names_its_cause() {
     assert_eq!(names(|s, _| s.waves_per_slab = 1e6, GaveUp::Structure)[0], "long_slab");
     assert_eq!(names(|_, m| m.aspect_ratio = 1e5, GaveUp::Structure)[0], "slender_cells");
     assert_eq!(names(|s, _| s.poisson_ratio = 0.499_999, GaveUp::Structure)[0], "nearly_incompressible");
-    let load = |s: &mut Structure, _: &mut Mesh| s.bad_load = Some(BadLoad { time: 0.5, position: vec![1.0, 0.0] });
+    let load = |s: &mut StructureData, _: &mut Mesh| s.bad_load = Some(BadLoad { time: 0.5, position: vec![1.0, 0.0] });
     assert_eq!(names(load, GaveUp::Load), ["bad_load"]);
 }
 

@@ -9,10 +9,10 @@ use std::collections::BTreeSet;
 const NODES: usize = 200;
 
 /// The number of times examined in a slab, and the largest number in a run.
-const INSTANTS: [usize; 2] = [8, 4000];
+const TIMES: [usize; 2] = [8, 4000];
 
 /// The least number of times in a run, for formulas of any length.
-const FEWEST_INSTANTS: usize = 40;
+const FEWEST_TIMES: usize = 40;
 
 /// The largest number of operations of formulas for all of that, below a second.
 const OPERATIONS: usize = 200_000_000;
@@ -40,21 +40,21 @@ impl MotionScales {
         let stride = nodes.len().div_ceil(NODES).max(1);
         let operations =
             case.motion.as_ref().map_or(0, Motion::operations).max(1) * nodes.len().div_ceil(stride).max(1);
-        let affordable = (OPERATIONS / operations).max(FEWEST_INSTANTS);
-        let instants = INSTANTS[0].saturating_mul(case.time.slabs).clamp(1, INSTANTS[1]).min(affordable);
-        let (start, dt) = (case.time.start, (case.time.end - case.time.start) / instants as f64);
+        let affordable = (OPERATIONS / operations).max(FEWEST_TIMES);
+        let times = TIMES[0].saturating_mul(case.time.slabs).clamp(1, TIMES[1]).min(affordable);
+        let (start, dt) = (case.time.start, (case.time.end - case.time.start) / times as f64);
         let mut scales = MotionScales::default();
         for (node, x, field) in nodes.iter().step_by(stride) {
-            let path = |instant: f64| field.displacement(*node, x, start + instant * dt);
-            scales = scales.larger(&MotionScales::of_path(path, instants, dt));
+            let path = |number: f64| field.displacement(*node, x, start + number * dt);
+            scales = scales.larger(&MotionScales::of_path(path, times, dt));
         }
         (scales.amplitude > 0.0).then_some(scales)
     }
 
     /// The scales of a path, the displacement as a function of the number of the time. Times are `dt` apart, the last one is number
-    /// `instants`.
-    fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], instants: usize, dt: f64) -> Self {
-        let path: Vec<[f64; D]> = (0..=instants).map(|i| at(i as f64)).collect();
+    /// `times`.
+    fn of_path<const D: usize>(at: impl Fn(f64) -> [f64; D], times: usize, dt: f64) -> Self {
+        let path: Vec<[f64; D]> = (0..=times).map(|i| at(i as f64)).collect();
         let extent = |axis: usize| {
             let along = path.iter().map(|d| d[axis]);
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
@@ -77,7 +77,7 @@ impl MotionScales {
 
 /// The largest initial speed of a node with a prescribed motion on a wall of `flow`; None if there is no such wall.
 pub(super) fn walls_at_start<const D: usize>(case: &Case<D>, flow: &Flow<D>) -> Option<f64> {
-    let moment = MOMENT * case.time.step / INSTANTS[0] as f64;
+    let moment = MOMENT * case.time.step / TIMES[0] as f64;
     let numbering = NodeNumbering::new(&case.mesh, case.mesh.order());
     let on_wall = |wall: &Wall<D>| numbering.on_boundary(&case.mesh, wall.boundary);
     let walls: BTreeSet<usize> = flow.walls.iter().flat_map(on_wall).collect();

@@ -4,7 +4,7 @@ use basis::{Matrix, RadauTime};
 
 /// When a run is solved for.
 #[derive(Clone, Debug)]
-pub struct Instants {
+pub struct SlabTimes {
     /// The time nodes of a slab.
     pub time: RadauTime,
     /// The quadrature points of the flow in time.
@@ -13,7 +13,7 @@ pub struct Instants {
     pub step: f64,
 }
 
-impl Instants {
+impl SlabTimes {
     /// phi_a at the quadrature points, `[point][a]`.
     pub fn test_functions(&self) -> Matrix {
         let values: Vec<f64> = self.points.iter().flat_map(|s| self.time.values(*s)).collect();
