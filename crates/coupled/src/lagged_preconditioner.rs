@@ -4,10 +4,9 @@
 //! another slab length or pseudo-time needs new factors of its modes only.
 
 use crate::preconditioner::{
-    CoarseLevel, FlowPreconditioner, LinePreconditioner, LowOrderPreconditioner, Ordering, low_order,
+    BlockIlu, FlowPreconditioner, LinePreconditioner, Ordering, TimeScales, TwoLevel, low_order,
 };
 use crate::reuse_policy::{FREEZING, RebuiltInSlab};
-use basis::TemporalModes;
 use fem::{Bottom, SlabOperator};
 
 /// A slab length, or a damping, that differs by this part needs new factors.
@@ -24,8 +23,8 @@ pub struct Linearisation {
     pub velocities: Vec<f64>,
     /// The flow.
     pub state: Vec<f64>,
-    /// Slab length and damping for which the modes are factored now.
-    pub built_for: (f64, f64),
+    /// The times for which the modes are factored now.
+    pub built_for: TimeScales,
     /// The order of elimination.
     pub ordering: Ordering,
 }
@@ -52,14 +51,8 @@ pub enum Method {
     LowOrder,
 }
 
-enum Preconditioner {
-    BlockIlu(Box<FlowPreconditioner>, Option<Box<CoarseLevel>>),
-    LineAdi(Box<LinePreconditioner>),
-    LowOrder(Box<dyn LowOrderPreconditioner>),
-}
-
 /// The preconditioner of the flow and what it is made of.
-pub struct LaggedPreconditioner {
+pub struct LaggedPreconditioner<const D: usize, const M: usize> {
     /// Set to have the Jacobian frozen at the next update.
     pub stale: bool,
     /// What kind of preconditioner is made next.
@@ -72,11 +65,11 @@ pub struct LaggedPreconditioner {
     /// Times the preconditioner was applied since the Jacobian was frozen, or since the bottom of the slab.
     applications: usize,
     in_slab: RebuiltInSlab,
-    preconditioner: Option<Preconditioner>,
+    preconditioner: Option<Box<dyn FlowPreconditioner<D, M>>>,
     frozen: Option<Linearisation>,
 }
 
-impl Default for LaggedPreconditioner {
+impl<const D: usize, const M: usize> Default for LaggedPreconditioner<D, M> {
     /// Nothing is frozen yet.
     fn default() -> Self {
         LaggedPreconditioner {
@@ -92,7 +85,7 @@ impl Default for LaggedPreconditioner {
     }
 }
 
-impl LaggedPreconditioner {
+impl<const D: usize, const M: usize> LaggedPreconditioner<D, M> {
     /// Counts applications from here, the bottom of a slab.
     pub fn begin_slab(&mut self) {
         self.applications = 0;
@@ -113,22 +106,14 @@ impl LaggedPreconditioner {
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         self.applications += 1;
         match &mut self.preconditioner {
-            Some(Preconditioner::BlockIlu(sweeps, Some(coarse))) => coarse.apply(sweeps, r, z),
-            Some(Preconditioner::BlockIlu(sweeps, None)) => sweeps.apply(r, z),
-            Some(Preconditioner::LineAdi(lines)) => lines.apply(r, z),
-            Some(Preconditioner::LowOrder(nodes)) => nodes.apply(r, z),
+            Some(preconditioner) => preconditioner.apply(r, z),
             None => z.copy_from_slice(r),
         }
     }
 
     /// Bytes held by the preconditioner.
     pub fn bytes(&self) -> usize {
-        match &self.preconditioner {
-            Some(Preconditioner::BlockIlu(sweeps, _)) => sweeps.bytes(),
-            Some(Preconditioner::LineAdi(lines)) => lines.bytes(),
-            Some(Preconditioner::LowOrder(nodes)) => nodes.bytes(),
-            None => 0,
-        }
+        self.preconditioner.as_ref().map_or(0, |preconditioner| preconditioner.bytes())
     }
 
     /// What the preconditioner is made of.
@@ -138,32 +123,21 @@ impl LaggedPreconditioner {
 
     /// Freezes, refactors or keeps the Jacobian of `flow`, linearised in a slab with displacement `bottom` and mesh `velocities`, with
     /// pseudo-time of `rate` = 1/dtau.
-    pub fn update<const D: usize, const M: usize>(
-        &mut self,
-        flow: &SlabOperator<D, M>,
-        bottom: &[f64],
-        velocities: &[f64],
-        rate: f64,
-    ) -> Update {
+    pub fn update(&mut self, flow: &SlabOperator<D, M>, bottom: &[f64], velocities: &[f64], rate: f64) -> Update {
         self.stale |= self.applications > self.patience || self.steady && self.has_served(rate);
         let (_, dt) = flow.interval();
-        let built_for = (dt, dt * rate);
-        let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
+        let scales = TimeScales { dt, damping: dt * rate };
         match (&mut self.preconditioner, &mut self.frozen) {
             (Some(preconditioner), Some(frozen)) if !self.stale => {
-                if !change(frozen.built_for.0, built_for.0) && !change(frozen.built_for.1, built_for.1) {
+                if !differ(frozen.built_for, scales) {
                     return Update::Kept;
                 }
-                match preconditioner {
-                    Preconditioner::BlockIlu(sweeps, _) => sweeps.factor(built_for.0, built_for.1),
-                    Preconditioner::LineAdi(lines) => lines.factor(built_for.0, built_for.1),
-                    Preconditioner::LowOrder(nodes) => nodes.factor(built_for.0, built_for.1),
-                }
-                frozen.built_for = built_for;
+                preconditioner.factor(scales);
+                frozen.built_for = scales;
                 Update::Refactored
             }
             _ => {
-                self.freeze(flow, bottom, velocities, built_for);
+                self.freeze(flow, bottom, velocities, scales);
                 Update::Rebuilt
             }
         }
@@ -171,28 +145,26 @@ impl LaggedPreconditioner {
 
     /// Whether the Jacobian of a steady flow, damped by `rate`, has paid for itself, or was damped.
     fn has_served(&self, rate: f64) -> bool {
-        let damped = rate > 0.0 || self.frozen.as_ref().is_some_and(|frozen| frozen.built_for.1 > 0.0);
+        let damped = rate > 0.0 || self.frozen.as_ref().is_some_and(|frozen| frozen.built_for.damping > 0.0);
         damped || self.applications >= FREEZING
     }
 
     /// Freezes the flow's Jacobian here, with the order of elimination of the first time.
-    fn freeze<const D: usize, const M: usize>(
-        &mut self,
-        flow: &SlabOperator<D, M>,
-        bottom: &[f64],
-        velocities: &[f64],
-        built_for: (f64, f64),
-    ) {
-        let ordering = self.frozen.take().map(|frozen| frozen.ordering);
-        let ordering = self.build(flow, built_for, ordering);
+    fn freeze(&mut self, flow: &SlabOperator<D, M>, bottom: &[f64], velocities: &[f64], scales: TimeScales) {
+        let known = self.frozen.take().map(|frozen| frozen.ordering);
+        let preconditioner = match self.preconditioner.take() {
+            Some(old) => old.updated(flow, scales),
+            None => self.made(flow, scales, known),
+        };
         self.frozen = Some(Linearisation {
             interval: flow.interval(),
             bottom: bottom.to_vec(),
             velocities: velocities.to_vec(),
             state: flow.linearisation(),
-            built_for,
-            ordering,
+            built_for: scales,
+            ordering: preconditioner.ordering(),
         });
+        self.preconditioner = Some(preconditioner);
         let first = self.applications == 0 && self.in_slab == RebuiltInSlab::No;
         self.in_slab = if first { RebuiltInSlab::AtFirst } else { RebuiltInSlab::Later };
         self.applications = 0;
@@ -201,7 +173,7 @@ impl LaggedPreconditioner {
 
     /// Makes the preconditioner again from what it was made of. The slab, the mesh and the linearisation of `flow` are then those of
     /// `frozen`.
-    pub fn rebuild<const D: usize, const M: usize>(&mut self, flow: &mut SlabOperator<D, M>, frozen: Linearisation) {
+    pub fn rebuild(&mut self, flow: &mut SlabOperator<D, M>, frozen: Linearisation) {
         let (start, dt) = frozen.interval;
         let nothing = vec![0.0; flow.layout.at_one_time().len()];
         flow.begin_slab(start, dt, Bottom::new(&nothing, &frozen.bottom));
@@ -209,101 +181,28 @@ impl LaggedPreconditioner {
         flow.linearise(&frozen.state);
         // One that is there may have another order of elimination.
         self.preconditioner = None;
-        self.build(flow, frozen.built_for, Some(frozen.ordering.clone()));
+        self.preconditioner = Some(self.made(flow, frozen.built_for, Some(frozen.ordering.clone())));
         self.frozen = Some(frozen);
     }
 
-    /// Makes the preconditioner of the Jacobian of `flow`; returns its order of elimination, which lines have not.
-    fn build<const D: usize, const M: usize>(
-        &mut self,
+    /// A new preconditioner of the Jacobian of `flow`, with the order of elimination that is `known`.
+    fn made(
+        &self,
         flow: &SlabOperator<D, M>,
-        built_for: (f64, f64),
-        ordering: Option<Ordering>,
-    ) -> Ordering {
-        if self.method == Method::LineAdi && !self.steady {
-            self.preconditioner = Some(Preconditioner::LineAdi(lines(self.preconditioner.take(), flow, built_for)));
-            return Ordering::none();
-        }
-        if self.method == Method::LowOrder {
-            // The old one gives its memory back before the new one is made.
-            self.preconditioner = None;
-            let nodes = low_order(flow, built_for, ordering);
-            let ordering = nodes.ordering().clone();
-            self.preconditioner = Some(Preconditioner::LowOrder(nodes));
-            return ordering;
-        }
-        let (sweeps, coarse) = self.blocks(flow, built_for, ordering);
-        let ordering = sweeps.ordering().clone();
-        self.preconditioner = Some(Preconditioner::BlockIlu(sweeps, coarse));
-        ordering
-    }
-
-    fn blocks<const D: usize, const M: usize>(
-        &mut self,
-        flow: &SlabOperator<D, M>,
-        (dt, damping): (f64, f64),
-        ordering: Option<Ordering>,
-    ) -> (Box<FlowPreconditioner>, Option<Box<CoarseLevel>>) {
-        let (mut sweeps, old) = match self.preconditioner.take() {
-            Some(Preconditioner::BlockIlu(mut old, coarse)) => {
-                old.replace_jacobian(|jacobian| flow.update_space_jacobian(0.5, jacobian));
-                (old, coarse)
-            }
-            _ => {
-                let modes = TemporalModes::new(&flow.tables.time);
-                let ordering = ordering.filter(|ordering| ordering.own().count() == flow.layout.cells);
-                let jacobian = flow.space_jacobian(0.5);
-                (
-                    Box::new(FlowPreconditioner::unfactored(
-                        flow.layout,
-                        modes,
-                        jacobian,
-                        dt,
-                        (ordering, flow.share.clone()),
-                    )),
-                    None,
-                )
-            }
-        };
-        // As long as pseudo-time damps the sweeps do alone, and loose solves keep to the path of the flow in time: exact ones were seen to
-        // lead to a solution of the discrete equations that no flow has.
-        if !self.steady || damping != 0.0 {
-            sweeps.factor(dt, damping);
-            return (sweeps, None);
-        }
-        let coarse = sweeps.factor_beside(dt, damping, |sweeps| coarse_level(old.map(|old| *old), sweeps, flow));
-        (sweeps, coarse.map(Box::new))
-    }
-}
-
-/// The preconditioner by lines, in the memory of an old one if it is such.
-fn lines<const D: usize, const M: usize>(
-    old: Option<Preconditioner>,
-    flow: &SlabOperator<D, M>,
-    (dt, damping): (f64, f64),
-) -> Box<LinePreconditioner> {
-    let jacobian = flow.line_jacobian(0.5);
-    match old {
-        Some(Preconditioner::LineAdi(mut lines)) => {
-            lines.replace_jacobian(jacobian);
-            lines.factor(dt, damping);
-            lines
-        }
-        _ => {
-            let modes = TemporalModes::new(&flow.tables.time);
-            Box::new(LinePreconditioner::new((flow.layout, flow.share.clone()), modes, jacobian, dt, damping))
+        scales: TimeScales,
+        known: Option<Ordering>,
+    ) -> Box<dyn FlowPreconditioner<D, M>> {
+        match self.method {
+            Method::LowOrder => low_order(flow, scales, known),
+            _ if self.steady => Box::new(TwoLevel::new(flow, scales, known)),
+            Method::LineAdi => Box::new(LinePreconditioner::new(flow, scales)),
+            Method::BlockIlu => Box::new(BlockIlu::new(flow, scales, known)),
         }
     }
 }
 
-/// The coarse level of an undamped steady flow, in the memory of an `old` one; None where its matrix is singular, or too large.
-fn coarse_level<const D: usize, const M: usize>(
-    old: Option<CoarseLevel>,
-    sweeps: &FlowPreconditioner,
-    flow: &SlabOperator<D, M>,
-) -> Option<CoarseLevel> {
-    match old {
-        Some(coarse) => coarse.updated(sweeps),
-        None => CoarseLevel::new(sweeps, flow.layout, flow.tables.orders.flow).ok().flatten(),
-    }
+/// Whether a length or a damping has changed so much that new factors are needed.
+fn differ(old: TimeScales, new: TimeScales) -> bool {
+    let change = |old: f64, new: f64| (old - new).abs() > CHANGED * old.abs().max(new.abs());
+    change(old.dt, new.dt) || change(old.damping, new.damping)
 }

@@ -1,4 +1,4 @@
-//! Blocks of the Jacobian of the operator of space alone at one time of the slab, for flow preconditioners.
+//! Blocks of the Jacobian of the operator of space at one time of the slab, for flow preconditioners.
 //!
 //! The residual of a cell depends on a neighbour only through the traces on their facet. So an off-diagonal block is A_ik
 //! = T_f^T B T_g with the traces T_g of cell k and a small square matrix B. Its rows and columns are traces

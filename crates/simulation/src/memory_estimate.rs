@@ -26,6 +26,10 @@ const VECTORS: usize = 23;
 /// The same for the unknowns of an elastic mesh, in addition to every mesh.
 const VECTORS_OF_MESH: usize = 6;
 
+/// The number of vectors as long as the unknowns of the whole flow in a slab that the first of several ranks has: the last slab, and fields for the
+/// result file.
+const VECTORS_OF_FIRST: usize = 4;
+
 /// The count of numbers in single precision per entry of a block while a thread inverts it: its parts, panels of their rows, and the data for
 /// neighbours.
 const NUMBERS_TO_INVERT: usize = 11;
@@ -89,6 +93,24 @@ impl MemoryEstimate {
         }
     }
 
+    /// Of one of several ranks: its part of the flow, and all of the mesh. The first one also has the state of the whole flow, and searches
+    /// the steady flow alone.
+    fn of_rank<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Self {
+        let whole = MemoryEstimate::of_flow(case);
+        if ranks == 1 {
+            return whole;
+        }
+        let of_flow = if rank == 0 { 8 * case.flow_unknowns() * VECTORS_OF_FIRST } else { 0 };
+        MemoryEstimate {
+            jacobian: whole.jacobian / ranks,
+            factors: whole.factors / ranks,
+            vectors: whole.vectors / ranks + of_flow,
+            most_krylov: whole.most_krylov / ranks,
+            mesh: whole.mesh,
+            steady: whole.steady.filter(|_| rank == 0),
+        }
+    }
+
     /// The largest memory of a typical run.
     pub fn peak(&self) -> usize {
         let slab = self.jacobian + self.factors + self.vectors;
@@ -96,12 +118,12 @@ impl MemoryEstimate {
     }
 }
 
-/// Refuses a run whose flow needs more memory than is available, by a margin wider than the error of the estimate.
+/// Refuses a run in which this `rank`, one of `ranks`, needs more memory than is available, by a margin wider than the error of the estimate.
 ///
 /// # Errors
 /// The memory needed, and the memory available.
-pub fn require_memory<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
-    let needed = MemoryEstimate::of_flow(case).peak();
+pub fn require_memory<const D: usize>(case: &Case<D>, rank: usize, ranks: usize) -> Result<(), Failure> {
+    let needed = MemoryEstimate::of_rank(case, rank, ranks).peak();
     let Some(_) = memory::shortage((needed as f64 / MARGIN) as u64) else { return Ok(()) };
     let shortage = memory::shortage(needed as u64).unwrap_or_default();
     Err(Failure::bad_input(anyhow::anyhow!(

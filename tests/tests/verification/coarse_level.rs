@@ -1,8 +1,7 @@
 //! The coarse level of the preconditioner of steady flows.
 
 use crate::slab_operator::moving_slab;
-use basis::{RadauTime, TemporalModes};
-use coupled::preconditioner::{CoarseLevel, FlowPreconditioner};
+use coupled::preconditioner::{BlockIlu, CoarseLevel, TimeScales};
 use fem::{Orders, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Riemann, Viscosity};
@@ -43,11 +42,9 @@ where
     let mut r = vec![0.0; z.len()];
     operator.product(&z, &mut r);
 
-    let modes = TemporalModes::new(&RadauTime::new(1));
-    let mut sweeps =
-        FlowPreconditioner::new(layout, modes, operator.space_jacobian(0.5), dt, 0.0, (None, operator.share.clone()));
-    let mut coarse =
-        CoarseLevel::new(&sweeps, layout, N).expect("memory suffices").expect("the coarse matrix is regular");
+    let mut sweeps = BlockIlu::new(&operator, TimeScales { dt, damping: 0.0 }, None);
+    let coarse = CoarseLevel::new(&sweeps, &operator.space_jacobian(0.5), N).expect("memory suffices");
+    let mut coarse = coarse.expect("the coarse matrix is regular");
     let mut found = vec![0.0; z.len()];
     coarse.apply(&mut sweeps, &r, &mut found);
     relative_difference(&found, &z)

@@ -1,8 +1,7 @@
 //! The preconditioner by directions.
 
 use crate::slab_operator::{Operator, uniform_coefficients};
-use basis::{RadauTime, TemporalModes};
-use coupled::preconditioner::LinePreconditioner;
+use coupled::preconditioner::{LinePreconditioner, TimeScales};
 use fem::{Orders, StateField};
 use mesh::{BoxMesh, Curving};
 use navier_stokes::exact::FreeStream;
@@ -52,9 +51,7 @@ where
     x[middle.clone()].copy_from_slice(&Noise::new(3).vector(middle.len(), 1.0));
     let (mut r, mut found) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     operator.product(&x, &mut r);
-    let modes = TemporalModes::new(&RadauTime::new(ORDERS.time));
-    let of_cells = (layout, operator.share.clone());
-    LinePreconditioner::new(of_cells, modes, operator.line_jacobian(0.5), dt, 0.0).apply(&r, &mut found);
+    LinePreconditioner::new(&operator, TimeScales { dt, damping: 0.0 }).apply(&r, &mut found);
     relative_difference(&found[middle.clone()], &x[middle])
 }
 

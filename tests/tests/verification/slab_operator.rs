@@ -367,7 +367,7 @@ where
     let mut product = vec![0.0; state.len()];
     operator.product(&x, &mut product);
 
-    let a = operator.space_jacobian(0.5);
+    let a = operator.space_jacobian::<f64>(0.5);
     let (dt, n) = (operator.interval().1, a.block);
     let nodes = a.traces.nodes;
     let mut blocks = vec![0.0; state.len()];

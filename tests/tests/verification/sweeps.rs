@@ -2,8 +2,7 @@
 
 use crate::lines::uniform_flow;
 use crate::slab_operator::Operator;
-use basis::{RadauTime, TemporalModes};
-use coupled::preconditioner::FlowPreconditioner;
+use coupled::preconditioner::{BlockIlu, TimeScales};
 use fem::{Orders, StateField};
 use navier_stokes::exact::FreeStream;
 use navier_stokes::{Boundary, Compiled, Exact, NavierStokes, Viscosity};
@@ -14,7 +13,7 @@ fn row<const D: usize, const M: usize>(
     orders: Orders,
     viscosity: Viscosity,
     dt: f64,
-) -> (Operator<D, M>, FlowPreconditioner)
+) -> (Operator<D, M>, BlockIlu)
 where
     Exact<FreeStream<D>>: StateField<D, M>,
     NavierStokes<D>: Compiled<D, M, Boundary = Boundary<D>>,
@@ -22,15 +21,7 @@ where
     let cells = std::array::from_fn(|d| if d == 0 { 3 } else { 1 });
     let (mut operator, state) = uniform_flow::<D, M>(cells, orders, viscosity, dt);
     operator.linearise(&state);
-    let modes = TemporalModes::new(&RadauTime::new(orders.time));
-    let sweeps = FlowPreconditioner::new(
-        operator.layout,
-        modes,
-        operator.space_jacobian(0.5),
-        dt,
-        0.0,
-        (None, operator.share.clone()),
-    );
+    let sweeps = BlockIlu::new(&operator, TimeScales { dt, damping: 0.0 }, None);
     (operator, sweeps)
 }
 

@@ -1,7 +1,7 @@
 //! The graph of cells and the blocks on it, as the factorisation sees them.
 
 use faer::Mat;
-use fem::SpaceJacobian;
+use fem::{SpaceJacobian, Stored};
 
 /// How a cell couples to a neighbour: A_ik = T_f^T B T_g, i this cell, k the neighbour.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub struct Link {
 }
 
 /// For every cell its links, in the order of couplings; none for ghosts, which come after the `own` cells.
-pub fn links(jacobian: &SpaceJacobian, own: usize, ghosts: usize) -> Vec<Vec<Link>> {
+pub fn links<T: Stored>(jacobian: &SpaceJacobian<T>, own: usize, ghosts: usize) -> Vec<Vec<Link>> {
     let mut links = vec![Vec::new(); own + ghosts];
     for (number, coupling) in jacobian.couplings.iter().enumerate() {
         for side in 0..2 {
@@ -35,18 +35,17 @@ pub fn links(jacobian: &SpaceJacobian, own: usize, ghosts: usize) -> Vec<Vec<Lin
 }
 
 /// The block B of `link`: rows traces of this cell, columns traces of the neighbour, by columns.
-pub fn coupling_block(jacobian: &SpaceJacobian, link: Link) -> &[f64] {
+pub fn coupling_block<T: Stored>(jacobian: &SpaceJacobian<T>, link: Link) -> &[T] {
     let coupling = &jacobian.couplings[link.coupling];
     if link.side == 0 { &coupling.minus_plus } else { &coupling.plus_minus }
 }
 
 /// lambda M + dt A_ii of `cell` for a real lambda.
-pub fn diagonal_block(jacobian: &SpaceJacobian, cell: usize, dt: f64, lambda: f64) -> Mat<f64> {
+pub fn diagonal_block<T: Stored>(jacobian: &SpaceJacobian<T>, cell: usize, dt: f64, lambda: f64) -> Mat<f64> {
     let (n, nodes) = (jacobian.block, jacobian.traces.nodes);
-    let a = &jacobian.diagonal[cell * n * n..(cell + 1) * n * n];
-    let mass = &jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
+    let (a, mass) = (jacobian.block_of(cell), jacobian.mass_of(cell));
     Mat::from_fn(n, n, |i, j| {
-        let m = if i / nodes == j / nodes { mass[j % nodes * nodes + i % nodes] } else { 0.0 };
-        lambda * m + dt * a[j * n + i]
+        let m = if i / nodes == j / nodes { mass[j % nodes * nodes + i % nodes].into() } else { 0.0 };
+        lambda * m + dt * a[j * n + i].into()
     })
 }

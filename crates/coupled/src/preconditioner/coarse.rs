@@ -9,10 +9,10 @@
 //! which pseudo-time does not damp, then take 29 iterations instead of 117.
 
 use super::blocks::{Link, coupling_block, diagonal_block};
-use super::ilu::FlowPreconditioner;
+use super::ilu::BlockIlu;
 use basis::{Lagrange, Matrix};
 use faer::{Mat, MatRef};
-use fem::{Layout, TraceSpace};
+use fem::{Layout, SpaceJacobian, TraceSpace};
 use rayon::prelude::*;
 use sparse::{BlockMatrix, EliminationTree, Factorisation, Kind};
 use std::sync::Arc;
@@ -59,9 +59,8 @@ pub struct CoarseLevel {
     images: Vec<Mat<f64>>,
     /// B_ik P of every cell.
     coupled: Vec<Vec<CoupledImage>>,
-    matrix: BlockMatrix<f64>,
     tree: Arc<EliminationTree>,
-    /// Of `matrix`, once it is assembled.
+    /// Of P^T B P, once it is assembled.
     factors: Option<Factorisation<f64>>,
     coefficients: Vec<f64>,
     solve: Vec<f64>,
@@ -69,41 +68,42 @@ pub struct CoarseLevel {
 }
 
 impl CoarseLevel {
-    /// The coarse level of lambda M + dt A, with dt, A and the one mode of `sweeps`, undamped; `order` nodes per direction.
+    /// The coarse level of lambda M + dt A, with dt and the one mode of `sweeps`, undamped, and A in `jacobian`; `order` nodes per direction.
     ///
     /// # Errors
     /// If memory runs out.
-    pub fn new(sweeps: &FlowPreconditioner, layout: Layout, order: usize) -> Result<Option<Self>, sparse::Error> {
-        let (jacobian, links) = (sweeps.jacobian(), sweeps.links());
+    pub fn new(
+        sweeps: &BlockIlu,
+        jacobian: &SpaceJacobian<f64>,
+        order: usize,
+    ) -> Result<Option<Self>, sparse::Error> {
+        let (layout, links) = (sweeps.layout, sweeps.links());
         let (components, dimension) = (jacobian.block / jacobian.traces.nodes, layout.nodes.ilog(order));
         let functions = functions_per_direction(layout.cells, components, dimension, order);
         let prolongation = prolongation(dimension, order, functions);
         let p = over_components(&prolongation, components);
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = (0..faces).map(|face| traces_of(&jacobian.traces, face, &p)).collect();
-        let neighbours = links.iter().map(|links| links.iter().map(|link| link.cell).collect()).collect();
-        let matrix = BlockMatrix::new(Kind::Lu, p.ncols(), neighbours);
         let coarse = CoarseLevel {
             layout,
             prolongation,
             traces,
             images: Vec::new(),
             coupled: Vec::new(),
-            tree: Arc::new(matrix.elimination_tree()?),
+            tree: Arc::new(zero_matrix(links, p.ncols()).elimination_tree()?),
             factors: None,
-            matrix,
             coefficients: vec![0.0; layout.cells * p.ncols()],
             solve: Vec::new(),
             rest: vec![0.0; layout.len()],
             p,
         };
-        Ok(coarse.updated(sweeps))
+        Ok(coarse.updated(sweeps, jacobian))
     }
 
-    /// The same with the dt and the A that `sweeps` have now; None if the coarse matrix is singular.
-    pub fn updated(mut self, sweeps: &FlowPreconditioner) -> Option<Self> {
+    /// The same with the dt that `sweeps` have now, and A in `jacobian`; None if the coarse matrix is singular.
+    pub fn updated(mut self, sweeps: &BlockIlu, jacobian: &SpaceJacobian<f64>) -> Option<Self> {
         let (dt, lambda) = (sweeps.dt, sweeps.modes.eigenvalues[0].re);
-        let (jacobian, t, traces) = (sweeps.jacobian(), sweeps.jacobian().traces.len(), &self.traces);
+        let (t, traces) = (jacobian.traces.len(), &self.traces);
         let image = |cell: usize| diagonal_block(jacobian, cell, dt, lambda) * &self.p;
         self.images = (0..self.layout.cells).into_par_iter().map(image).collect();
         let coupled_image = |link: &Link| {
@@ -111,35 +111,42 @@ impl CoarseLevel {
             CoupledImage { link: *link, image: faer::Scale(dt) * (block * &traces[link.other_face]) }
         };
         self.coupled = sweeps.links().par_iter().map(|links| links.iter().map(coupled_image).collect()).collect();
-        self.assemble();
         // The memory of old factors is free before new ones are made.
         self.factors = None;
-        self.factors = Some(self.matrix.factor(self.tree.clone()).ok()?);
+        self.factors = Some(self.assemble(sweeps.links()).factor(self.tree.clone()).ok()?);
         Some(self)
     }
 
     /// P^T B P.
-    fn assemble(&mut self) {
-        self.matrix.clear();
+    fn assemble(&self, links: &[Vec<Link>]) -> BlockMatrix<f64> {
+        let mut matrix = zero_matrix(links, self.p.ncols());
         for (cell, (image, coupled)) in self.images.iter().zip(&self.coupled).enumerate() {
             let own = self.p.transpose() * image;
-            self.matrix.add(cell, cell, |i, j| own[(i, j)]);
+            matrix.add(cell, cell, |i, j| own[(i, j)]);
             for CoupledImage { link, image } in coupled {
                 let block = self.traces[link.face].transpose() * image;
-                self.matrix.add(cell, link.cell, |i, j| block[(i, j)]);
+                matrix.add(cell, link.cell, |i, j| block[(i, j)]);
             }
         }
+        matrix
+    }
+
+    /// Bytes of B P and of the factors.
+    pub fn bytes(&self) -> usize {
+        let images = self.images.iter().chain(self.coupled.iter().flatten().map(|coupled| &coupled.image));
+        let factors = self.factors.as_ref().map_or(0, Factorisation::bytes);
+        images.map(|image| image.nrows() * image.ncols() * size_of::<f64>()).sum::<usize>() + factors
     }
 
     /// z by (two-level).
-    pub fn apply(&mut self, sweeps: &mut FlowPreconditioner, r: &[f64], z: &mut [f64]) {
+    pub fn apply(&mut self, sweeps: &mut BlockIlu, r: &[f64], z: &mut [f64]) {
         self.restrict(r);
         if let Some(factors) = &self.factors {
             factors.solve(&mut self.coefficients, 1, &mut self.solve);
         }
         let mut rest = std::mem::take(&mut self.rest);
         rest.copy_from_slice(r);
-        self.subtract_images(&sweeps.jacobian().traces, &mut rest);
+        self.subtract_images(&sweeps.jacobian.traces, &mut rest);
         sweeps.apply(&rest, z);
         self.rest = rest;
         self.add_prolonged(z);
@@ -193,6 +200,12 @@ impl CoarseLevel {
             },
         );
     }
+}
+
+/// The matrix without entries of the coarse unknowns of cells, `block` in each.
+fn zero_matrix(links: &[Vec<Link>], block: usize) -> BlockMatrix<f64> {
+    let neighbours = links.iter().map(|links| links.iter().map(|link| link.cell).collect()).collect();
+    BlockMatrix::new(Kind::Lu, block, neighbours)
 }
 
 /// y -= A x, column by column.

@@ -23,7 +23,7 @@ use tensor::Arch;
 /// What the factors are made of.
 pub struct Elimination<'a> {
     /// A and M.
-    pub jacobian: &'a SpaceJacobian,
+    pub jacobian: &'a SpaceJacobian<f32>,
     /// The neighbours of every cell.
     pub links: &'a [Vec<Link>],
     /// The order of elimination.
@@ -65,7 +65,7 @@ type Updates = Vec<Mutex<Vec<Update>>>;
 
 impl Elimination<'_> {
     /// The blocks D of a mode.
-    pub fn shape(jacobian: &SpaceJacobian, shift: c64) -> Shape {
+    pub fn shape(jacobian: &SpaceJacobian<f32>, shift: c64) -> Shape {
         Shape::shifted(jacobian.block, shift)
     }
 
@@ -92,7 +92,7 @@ impl Elimination<'_> {
         dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| {
             let position = own.start + k;
             let mut mine = std::mem::take(&mut *lock(&updates[position]));
-            // As they came, they would be added in an order of chance.
+            // Threads deliver the updates in an undefined order.
             mine.sort_by_key(|update| update.from);
             let stored = &stored[self.ordering.among_own(position)];
             let new = scratch.with(|block| self.cell(position, &mine, block, &mut lock(stored)));
@@ -128,14 +128,14 @@ impl Elimination<'_> {
         let (rows, stride) = (padded(n), shape.stride());
         block.clear();
         block.resize(shape.len(), 0.0);
-        let a = self.jacobian.diagonal[cell * n * n..(cell + 1) * n * n].chunks_exact(n);
-        let mass = &self.jacobian.mass[cell * nodes * nodes..(cell + 1) * nodes * nodes];
+        let (a, mass) = (self.jacobian.block_of(cell).chunks_exact(n), self.jacobian.mass_of(cell));
+        let dt = self.dt as f32;
         for (j, (column, a)) in block.chunks_exact_mut(stride).zip(a).enumerate() {
-            column.iter_mut().zip(a).for_each(|(column, a)| *column = (self.dt * a) as f32);
+            column.iter_mut().zip(a).for_each(|(column, a)| *column = dt * a);
             let (component, m) = (j / nodes * nodes, &mass[j % nodes * nodes..][..nodes]);
-            for (part, lambda) in [shift.re, shift.im].into_iter().take(shape.parts).enumerate() {
+            for (part, lambda) in [shift.re as f32, shift.im as f32].into_iter().take(shape.parts).enumerate() {
                 let d = &mut column[part * rows + component..][..nodes];
-                d.iter_mut().zip(m).for_each(|(d, m)| *d += (lambda * m) as f32);
+                d.iter_mut().zip(m).for_each(|(d, m)| *d += lambda * m);
             }
         }
     }
@@ -144,11 +144,11 @@ impl Elimination<'_> {
     fn fill(&self, position: usize, mode: usize, shape: Shape, inverse: &[f32], new: &mut Vec<Update>) {
         let links = &self.links[self.ordering.cells[position]];
         for link in links.iter().filter(|link| self.ordering.positions[link.cell] > position) {
-            let there = single(coupling_block(self.jacobian, *link));
-            let back = single(coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link }));
+            let there = coupling_block(self.jacobian, *link);
+            let back = coupling_block(self.jacobian, Link { side: 1 - link.side, ..*link });
             let part = |part: usize| {
                 let inverse = &inverse[part * padded(shape.n)..];
-                self.product(&back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), &there)
+                self.product(back, &self.faces[link.face].of_matrix(inverse, shape.n, shape.stride()), there)
             };
             new.push(Update {
                 from: self.from(position, link),
@@ -247,8 +247,4 @@ impl Elimination<'_> {
 
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn single(matrix: &[f64]) -> Vec<f32> {
-    matrix.iter().map(|a| *a as f32).collect()
 }

@@ -6,26 +6,27 @@ use super::couplings::Couplings;
 use super::face_traces::FaceTraces;
 use super::factor::Elimination;
 use super::inverse::Shape;
-use super::modal::{join, largest, split};
+use super::modal::{Split, join, largest};
 use super::ordering::{Ordering, minimum_discarded_fill};
 use super::panel::padded;
 use super::sweeps::Shared;
+use super::{FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, PerThread, Share, SpaceJacobian};
+use fem::{Layout, PerThread, Share, SlabOperator, SpaceJacobian};
 use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
 
 /// Block ILU(0) of every temporal mode of a slab.
 ///
-/// Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are stored in bfloat16: the
-/// iteration that uses them works in double, and loses nothing.
-pub struct FlowPreconditioner {
-    layout: Layout,
+/// The Jacobian is kept in single precision. Off-diagonal blocks are the same for all modes and kept in traces; they and the factors are stored
+/// in bfloat16. The iteration that uses them works in double precision and loses nothing.
+pub struct BlockIlu {
+    pub(super) layout: Layout,
     pub(super) share: Arc<Share>,
     pub(super) modes: TemporalModes,
-    pub(super) jacobian: SpaceJacobian,
+    pub(super) jacobian: SpaceJacobian<f32>,
     links: Vec<Vec<Link>>,
     pub(super) ordering: Ordering,
     pub(super) couplings: Couplings,
@@ -40,41 +41,38 @@ pub struct FlowPreconditioner {
     pub(super) swept: Vec<Shared>,
 }
 
-impl FlowPreconditioner {
-    /// Factors the modes of a slab of length `dt` around `jacobian`, damped by `damping` = dt / dtau. The order of
-    /// elimination is found anew unless one is given.
-    pub fn new(
-        layout: Layout,
-        modes: TemporalModes,
-        jacobian: SpaceJacobian,
-        dt: f64,
-        damping: f64,
-        (ordering, share): (Option<Ordering>, Arc<Share>),
+impl BlockIlu {
+    /// Factors the modes of the Jacobian of `operator` in the middle of its slab. The order of elimination is found anew unless one is given.
+    pub fn new<const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
+        scales: TimeScales,
+        ordering: Option<Ordering>,
     ) -> Self {
-        let mut preconditioner = Self::unfactored(layout, modes, jacobian, dt, (ordering, share));
-        preconditioner.factor(dt, damping);
+        let mut preconditioner = Self::unfactored(operator, scales.dt, ordering);
+        preconditioner.factor(scales);
         preconditioner
     }
 
     /// All but the factors.
-    pub fn unfactored(
-        layout: Layout,
-        modes: TemporalModes,
-        jacobian: SpaceJacobian,
+    fn unfactored<const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
         dt: f64,
-        (ordering, share): (Option<Ordering>, Arc<Share>),
+        ordering: Option<Ordering>,
     ) -> Self {
+        let (layout, share) = (operator.layout, operator.share.clone());
+        let (modes, jacobian) = (TemporalModes::new(&operator.tables.time), operator.space_jacobian(0.5));
         let ghosts = share.ghosts.len();
         let links = links(&jacobian, layout.cells, ghosts);
+        let known = ordering.filter(|ordering| ordering.own().count() == layout.cells);
         let ordering =
-            ordering.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift()));
+            known.unwrap_or_else(|| minimum_discarded_fill(&jacobian, &links, &share, dt, modes.mean_shift()));
         let couplings = Couplings::new(&jacobian, &links, &ordering);
         let (columns, rows) = (modes.forward.rows(), padded(jacobian.block));
         let faces = links.iter().flatten().map(|link| link.face + 1).max().unwrap_or(0);
         let traces = columns * couplings.rows();
         let room = move || vec![0.0; traces];
         let scratch = PerThread::new(move || Scratch { taken: room(), sent: room(), turned: vec![0.0; 4 * rows] });
-        FlowPreconditioner {
+        BlockIlu {
             layout,
             share,
             modes,
@@ -91,27 +89,40 @@ impl FlowPreconditioner {
         }
     }
 
-    /// Puts another Jacobian, which `update` makes of the old one, in its place. Factors are those of the old one still.
-    pub fn replace_jacobian(&mut self, update: impl FnOnce(&mut SpaceJacobian)) {
-        update(&mut self.jacobian);
+    /// Takes the Jacobian that `operator` has now, in the memory of the old one, and factors its modes.
+    pub fn update<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
+        operator.update_space_jacobian(0.5, &mut self.jacobian);
         self.couplings.update(&self.jacobian);
+        self.factor(scales);
     }
 
-    /// Factors the modes of a slab of length `dt`, damped by `damping` = dt / dtau.
-    pub fn factor(&mut self, dt: f64, damping: f64) {
-        self.factor_beside(dt, damping, |_| ());
+    /// Takes `jacobian`, rounded, and factors its modes while `other` works.
+    pub(super) fn update_beside<T: Send>(
+        &mut self,
+        jacobian: &SpaceJacobian<f64>,
+        scales: TimeScales,
+        other: impl FnOnce(&Self) -> T + Send,
+    ) -> T {
+        self.jacobian.round(jacobian);
+        self.couplings.update(&self.jacobian);
+        self.factor_beside(scales, other)
     }
 
-    /// The same while `other` works with the Jacobian, too.
-    pub fn factor_beside<T: Send>(&mut self, dt: f64, damping: f64, other: impl FnOnce(&Self) -> T + Send) -> T {
-        self.dt = dt;
+    /// Factors the modes for other times.
+    pub fn factor(&mut self, scales: TimeScales) {
+        self.factor_beside(scales, |_| ());
+    }
+
+    /// The same while `other` works.
+    fn factor_beside<T: Send>(&mut self, scales: TimeScales, other: impl FnOnce(&Self) -> T + Send) -> T {
+        self.dt = scales.dt;
         let mut inverses = std::mem::take(&mut self.inverses);
-        let ((), result) = rayon::join(|| self.factorise(dt, damping, &mut inverses), || other(self));
+        let ((), result) = rayon::join(|| self.factorise(scales, &mut inverses), || other(self));
         self.inverses = inverses;
         result
     }
 
-    fn factorise(&self, dt: f64, damping: f64, inverses: &mut Vec<u32>) {
+    fn factorise(&self, TimeScales { dt, damping }: TimeScales, inverses: &mut Vec<u32>) {
         let len: usize = self.shapes().map(|shape| bf16_blocks::panels(shape).len()).sum();
         inverses.resize(len * self.layout.cells, 0);
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
@@ -143,21 +154,14 @@ impl FlowPreconditioner {
         &self.ordering
     }
 
-    /// The Jacobian that the modes are made of.
-    pub(super) fn jacobian(&self) -> &SpaceJacobian {
-        &self.jacobian
-    }
-
     /// The couplings of every cell.
     pub(super) fn links(&self) -> &[Vec<Link>] {
         &self.links
     }
 
-    /// Bytes held by the Jacobian, in double precision, and by factors and couplings.
+    /// Bytes held by the Jacobian, by couplings and by factors.
     pub fn bytes(&self) -> usize {
-        let couplings: usize = self.jacobian.couplings.iter().map(|c| c.minus_plus.len() + c.plus_minus.len()).sum();
-        let double = self.jacobian.diagonal.len() + self.jacobian.mass.len() + couplings;
-        self.couplings.bytes() + size_of_val(&self.inverses[..]) + 8 * double
+        self.jacobian.bytes() + self.couplings.bytes() + size_of_val(&self.inverses[..])
     }
 
     /// Bytes that an application reads: couplings once, factors in both sweeps.
@@ -180,19 +184,20 @@ impl FlowPreconditioner {
             z.fill(0.0);
             return;
         }
-        self.split_into_modes(r, 1.0 / scale);
+        self.split_into_modes(r, scale);
         self.sweep();
         self.join_modes(scale, z);
     }
 
-    /// c = (Q^{-1} W^{-1} (x) I) r, scaled so that single precision does not underflow.
+    /// c = (Q^{-1} W^{-1} (x) I) r, divided by `scale`, so that single precision does not underflow.
     fn split_into_modes(&mut self, r: &[f64], scale: f64) {
-        let (block, layout, modes, cells) = (self.jacobian.block, self.layout, &self.modes, &self.ordering.cells);
+        let (block, layout, cells) = (self.jacobian.block, self.layout, &self.ordering.cells);
+        let right_side = Split { modes: &self.modes, layout, r, scale };
         let own = self.swept.par_iter_mut().zip(cells).filter(|(_, cell)| **cell < layout.cells);
         own.for_each(|(swept, &cell)| {
             for (column, panel) in swept.get().right_side.chunks_exact_mut(padded(block)).enumerate() {
                 let (c, padding) = panel.split_at_mut(block);
-                split(modes, layout, cell, column, scale, r, c);
+                right_side.take(cell, column, c);
                 padding.fill(0.0);
             }
         });
@@ -208,6 +213,29 @@ impl FlowPreconditioner {
                 join(&self.modes, column, scale, panel, z);
             }
         });
+    }
+}
+
+impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for BlockIlu {
+    fn updated(
+        mut self: Box<Self>,
+        flow: &SlabOperator<D, M>,
+        scales: TimeScales,
+    ) -> Box<dyn FlowPreconditioner<D, M>> {
+        self.update(flow, scales);
+        self
+    }
+    fn factor(&mut self, scales: TimeScales) {
+        BlockIlu::factor(self, scales);
+    }
+    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        BlockIlu::apply(self, r, z);
+    }
+    fn ordering(&self) -> Ordering {
+        self.ordering.clone()
+    }
+    fn bytes(&self) -> usize {
+        BlockIlu::bytes(self)
     }
 }
 

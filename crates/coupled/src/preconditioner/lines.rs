@@ -7,15 +7,17 @@
 //! ```
 //!
 //! which is exact up to products of two and more L_k where coefficients are constant (alternating directions; Peaceman & Rachford
-//! 1955). A block has as many rows as a line has unknowns, not as a cell has: set-up and application cost little beside residuals at
-//! any order, and no memory to speak of. It serves where slabs are short: where sound crosses no more than a cell or so in each.
+//! 1955). A block has as many rows as a line has unknowns, not as a cell has. At any order, set-up and application cost little beside residuals,
+//! and the memory is small. It serves where slabs are short: where sound crosses no more than a cell or so in each.
 
 use super::inverse::{Shape, as_real, invert};
-use super::modal::{join, largest, split};
+use super::modal::{Split, join, largest};
+use super::ordering::Ordering;
 use super::panel::{Multiply, padded};
+use super::{FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use faer::c64;
-use fem::{Layout, LineJacobian, PerThread, Share};
+use fem::{Layout, LineJacobian, PerThread, Share, SlabOperator};
 use rayon::prelude::*;
 use std::sync::Arc;
 use tensor::Arch;
@@ -43,31 +45,29 @@ struct Scratch {
 }
 
 impl LinePreconditioner {
-    /// Factors the modes of a slab of length `dt` around `jacobian`, damped by `damping` = dt / dtau.
-    pub fn new(
-        (layout, share): (Layout, Arc<Share>),
-        modes: TemporalModes,
-        jacobian: LineJacobian,
-        dt: f64,
-        damping: f64,
-    ) -> Self {
+    /// Factors the modes of the Jacobian of `operator` in the middle of its slab.
+    pub fn new<const D: usize, const M: usize>(operator: &SlabOperator<D, M>, scales: TimeScales) -> Self {
+        let (layout, share, modes) =
+            (operator.layout, operator.share.clone(), TemporalModes::new(&operator.tables.time));
+        let jacobian = operator.line_jacobian(0.5);
         let (cell, block) = (2 * layout.time_len(), jacobian.block);
         let images = 2 * padded(block) * layout.nodes / jacobian.nodes;
         let room = || Scratch { cell: vec![0.0; cell], lines: vec![0.0; cell], images: vec![0.0; images] };
         let (arch, scratch) = (Arch::new(), PerThread::new(room));
         let mut preconditioner =
             LinePreconditioner { layout, share, modes, jacobian, inverses: Vec::new(), arch, scratch };
-        preconditioner.factor(dt, damping);
+        preconditioner.factor(scales);
         preconditioner
     }
 
-    /// Puts another Jacobian in the place of the old one. Factors are those of the old one still.
-    pub fn replace_jacobian(&mut self, jacobian: LineJacobian) {
-        self.jacobian = jacobian;
+    /// Takes the Jacobian that `operator` has now.
+    pub fn update<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
+        self.jacobian = operator.line_jacobian(0.5);
+        self.factor(scales);
     }
 
-    /// Factors the modes of a slab of length `dt`, damped by `damping` = dt / dtau.
-    pub fn factor(&mut self, dt: f64, damping: f64) {
+    /// Factors the modes for other times.
+    pub fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
         let len: usize = self.shapes().map(|shape| self.jacobian.dimension * matrix_len(shape)).sum();
         let mut inverses = std::mem::take(&mut self.inverses);
         inverses.resize(len * self.layout.cells, 0.0);
@@ -94,15 +94,15 @@ impl LinePreconditioner {
         let LineJacobian { dimension, nodes, block, .. } = self.jacobian;
         let (operator, mass) = (self.jacobian.operator(cell, axis), self.jacobian.mass(cell, axis));
         let (rows, across) = (padded(block), (1 << (dimension - 1)) as f64);
-        let mean = mass.iter().sum::<f64>() / (1 << dimension) as f64;
+        let mean = mass.iter().map(|&m| f64::from(m)).sum::<f64>() / (1 << dimension) as f64;
         let scale = if axis == 0 { c64::new(across, 0.0) } else { lambda * (across * mean) };
         let mut f = vec![0.0; shape.len()];
         for (j, (f, l)) in f.chunks_exact_mut(shape.stride()).zip(operator.chunks_exact(block)).enumerate() {
             let (component, m) = (j / nodes * nodes, &mass[j % nodes * nodes..][..nodes]);
             for i in 0..block {
-                let m = if i / nodes * nodes == component { m[i % nodes] } else { 0.0 };
+                let m = if i / nodes * nodes == component { f64::from(m[i % nodes]) } else { 0.0 };
                 // F / scale, so that its inverse has the scale.
-                let entry = (lambda * m + dt * l[i]) / scale;
+                let entry = (lambda * m + dt * f64::from(l[i])) / scale;
                 f[i] = entry.re as f32;
                 if shape.parts == 2 {
                     f[rows + i] = entry.im as f32;
@@ -119,11 +119,12 @@ impl LinePreconditioner {
             0.0 => 1.0,
             largest => largest,
         };
+        let right_side = Split { modes: &self.modes, layout: self.layout, r, scale };
         let len = self.inverses.len() / self.layout.cells;
         z.par_chunks_exact_mut(self.layout.cell_len()).enumerate().with_min_len(4).for_each(|(cell, z)| {
             z.fill(0.0);
             let inverses = &self.inverses[cell * len..(cell + 1) * len];
-            self.scratch.with(|scratch| self.apply_to_cell(cell, inverses, scale, r, z, scratch));
+            self.scratch.with(|scratch| self.apply_to_cell(cell, inverses, &right_side, z, scratch));
         });
     }
 
@@ -132,15 +133,14 @@ impl LinePreconditioner {
         &self,
         cell: usize,
         mut inverses: &[f32],
-        scale: f64,
-        r: &[f64],
+        right_side: &Split,
         z: &mut [f64],
         scratch: &mut Scratch,
     ) {
         let (block, mut first) = (self.layout.time_len(), 0);
         for shape in self.shapes() {
             for (part, c) in scratch.cell.chunks_exact_mut(block).take(shape.parts).enumerate() {
-                split(&self.modes, self.layout, cell, first + part, 1.0 / scale, r, c);
+                right_side.take(cell, first + part, c);
             }
             for axis in 0..self.jacobian.dimension {
                 let (matrix, rest) = inverses.split_at(matrix_len(shape));
@@ -148,7 +148,7 @@ impl LinePreconditioner {
                 inverses = rest;
             }
             for (part, c) in scratch.cell.chunks_exact(block).take(shape.parts).enumerate() {
-                join(&self.modes, first + part, scale, c, z);
+                join(&self.modes, first + part, right_side.scale, c, z);
             }
             first += shape.parts;
         }
@@ -195,6 +195,29 @@ impl LinePreconditioner {
     pub fn bytes(&self) -> usize {
         let LineJacobian { operators, masses, .. } = &self.jacobian;
         size_of_val(&self.inverses[..]) + size_of_val(&operators[..]) + size_of_val(&masses[..])
+    }
+}
+
+impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for LinePreconditioner {
+    fn updated(
+        mut self: Box<Self>,
+        flow: &SlabOperator<D, M>,
+        scales: TimeScales,
+    ) -> Box<dyn FlowPreconditioner<D, M>> {
+        self.update(flow, scales);
+        self
+    }
+    fn factor(&mut self, scales: TimeScales) {
+        LinePreconditioner::factor(self, scales);
+    }
+    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        LinePreconditioner::apply(self, r, z);
+    }
+    fn ordering(&self) -> Ordering {
+        Ordering::none()
+    }
+    fn bytes(&self) -> usize {
+        LinePreconditioner::bytes(self)
     }
 }
 

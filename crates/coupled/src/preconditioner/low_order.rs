@@ -20,6 +20,7 @@ mod walk;
 
 use super::modal::largest;
 use super::ordering::Ordering;
+use super::{FlowPreconditioner, TimeScales};
 use basis::TemporalModes;
 use factor::Factor;
 use faer::c64;
@@ -30,28 +31,16 @@ use matrix::NodeBlocks;
 use vectors::Modes;
 use walk::Walk;
 
-/// A preconditioner made of a low-order operator, for any dimension and number of components.
-pub trait LowOrderPreconditioner: Send + Sync {
-    /// Factors the modes of a slab of length `dt`, damped by `damping` = dt / dtau.
-    fn factor(&mut self, dt: f64, damping: f64);
-    /// z = P r.
-    fn apply(&mut self, r: &[f64], z: &mut [f64]);
-    /// The order of elimination.
-    fn ordering(&self) -> &Ordering;
-    /// Bytes of the blocks and of what they are made from.
-    fn bytes(&self) -> usize;
-}
-
 /// Makes the preconditioner of the flow in the middle of a slab; the order of elimination is found anew unless one is given.
 pub fn low_order<const D: usize, const M: usize>(
     operator: &SlabOperator<D, M>,
-    (dt, damping): (f64, f64),
+    scales: TimeScales,
     ordering: Option<Ordering>,
-) -> Box<dyn LowOrderPreconditioner> {
+) -> Box<dyn FlowPreconditioner<D, M>> {
     if M <= 4 {
-        Box::new(NodeIlu::<D, M, 4>::new(operator, dt, damping, ordering))
+        Box::new(NodeIlu::<D, M, 4>::new(operator, scales, ordering))
     } else {
-        Box::new(NodeIlu::<D, M, 8>::new(operator, dt, damping, ordering))
+        Box::new(NodeIlu::<D, M, 8>::new(operator, scales, ordering))
     }
 }
 
@@ -65,25 +54,31 @@ struct NodeIlu<const D: usize, const M: usize, const W: usize> {
 }
 
 impl<const D: usize, const M: usize, const W: usize> NodeIlu<D, M, W> {
-    fn new(operator: &SlabOperator<D, M>, dt: f64, damping: f64, ordering: Option<Ordering>) -> Self {
+    fn new(operator: &SlabOperator<D, M>, scales: TimeScales, ordering: Option<Ordering>) -> Self {
         let (layout, modes) = (operator.layout, TemporalModes::new(&operator.tables.time));
-        let matrix = NodeBlocks::new(operator, dt);
+        let matrix = NodeBlocks::new(operator, scales.dt);
         let ordering = ordering.filter(|ordering| ordering.own().count() == layout.cells);
-        let alone = operator.share.without_cuts();
         let ordering =
-            ordering.map(|known| Ordering::of_own(&known.own().collect::<Vec<_>>(), known.level_ends, &alone));
+            ordering.map(|known| Ordering::whole(known.own().collect(), known.level_ends));
         let ordering = ordering.unwrap_or_else(|| matrix.ordering(modes.mean_shift()));
         let walk = Walk::new(&matrix, ordering);
         let factor = Factor::empty(layout.cells, &modes);
         let iteration = Iteration::new(layout, &operator.share);
         let mut preconditioner = NodeIlu { modes, matrix, walk, factor, iteration };
-        preconditioner.factor(dt, damping);
+        preconditioner.factor(scales);
         preconditioner
     }
 }
 
-impl<const D: usize, const M: usize, const W: usize> LowOrderPreconditioner for NodeIlu<D, M, W> {
-    fn factor(&mut self, dt: f64, damping: f64) {
+impl<const D: usize, const M: usize, const W: usize> FlowPreconditioner<D, M> for NodeIlu<D, M, W> {
+    fn updated(self: Box<Self>, flow: &SlabOperator<D, M>, scales: TimeScales) -> Box<dyn FlowPreconditioner<D, M>> {
+        // The old one gives its memory back before the new one is made.
+        let ordering = self.ordering();
+        drop(self);
+        low_order(flow, scales, Some(ordering))
+    }
+
+    fn factor(&mut self, TimeScales { dt, damping }: TimeScales) {
         let shifts: Vec<c64> = self.modes.eigenvalues.iter().map(|lambda| lambda + damping).collect();
         self.factor.compute::<D, M, W>(&self.matrix, &self.walk, self.matrix.ratio(dt), shifts);
     }
@@ -100,8 +95,8 @@ impl<const D: usize, const M: usize, const W: usize> LowOrderPreconditioner for 
         between.join(&self.iteration.vector, scale, z);
     }
 
-    fn ordering(&self) -> &Ordering {
-        &self.walk.ordering
+    fn ordering(&self) -> Ordering {
+        self.walk.ordering.clone()
     }
 
     fn bytes(&self) -> usize {

@@ -21,11 +21,39 @@ mod low_order;
 mod modal;
 mod ordering;
 mod panel;
+mod singles;
 mod sweeps;
+mod two_level;
 
 pub use coarse::{CoarseLevel, functions_per_direction as coarse_functions_per_direction};
-pub use ilu::FlowPreconditioner;
+pub use ilu::BlockIlu;
 pub use lines::LinePreconditioner;
-pub use low_order::{LowOrderPreconditioner, VECTORS as LOW_ORDER_VECTORS, low_order};
+pub use low_order::{VECTORS as LOW_ORDER_VECTORS, low_order};
 pub use ordering::{Ordering, Stage};
 pub use panel::padded;
+pub use two_level::TwoLevel;
+
+use fem::SlabOperator;
+
+/// The times that scale a temporal mode (lambda + damping) M + dt A.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TimeScales {
+    /// The length of the slab.
+    pub dt: f64,
+    /// dt / dtau: the length of the slab over the step of pseudo-time.
+    pub damping: f64,
+}
+
+/// A preconditioner of the flow in a slab, made of the Jacobian in its middle. The Jacobian itself is not kept in double precision.
+pub trait FlowPreconditioner<const D: usize, const M: usize>: Send {
+    /// The preconditioner of the Jacobian that `flow` has now, in the same order of elimination.
+    fn updated(self: Box<Self>, flow: &SlabOperator<D, M>, scales: TimeScales) -> Box<dyn FlowPreconditioner<D, M>>;
+    /// Factors the modes of the same Jacobian for other times.
+    fn factor(&mut self, scales: TimeScales);
+    /// z = P^{-1} r.
+    fn apply(&mut self, r: &[f64], z: &mut [f64]);
+    /// The order of elimination; [`Ordering::none`] if no cell is eliminated.
+    fn ordering(&self) -> Ordering;
+    /// Bytes held.
+    fn bytes(&self) -> usize;
+}

@@ -8,20 +8,22 @@ pub(super) fn largest(share: &Share, r: &[f64]) -> f64 {
     share.sums.largest(r.iter().fold(0.0, |m: f64, x| m.max(x.abs())))
 }
 
-/// Column `column` of (Q^{-1} W^{-1} (x) I) r in `cell`, times `scale`, which keeps single precision from underflow.
-pub(super) fn split(
-    modes: &TemporalModes,
-    layout: Layout,
-    cell: usize,
-    column: usize,
-    scale: f64,
-    r: &[f64],
-    c: &mut [f32],
-) {
-    c.fill(0.0);
-    for a in 0..layout.time_order {
-        let weight = modes.forward[(column, a)] * scale;
-        c.iter_mut().zip(&r[layout.cell_at(cell, a)]).for_each(|(c, r)| *c += (weight * r) as f32);
+/// The vector (Q^{-1} W^{-1} (x) I) r, divided by `scale`, which keeps single precision from underflow.
+pub(super) struct Split<'a> {
+    pub(super) modes: &'a TemporalModes,
+    pub(super) layout: Layout,
+    pub(super) r: &'a [f64],
+    pub(super) scale: f64,
+}
+
+impl Split<'_> {
+    /// Its column `column` in `cell`.
+    pub(super) fn take(&self, cell: usize, column: usize, c: &mut [f32]) {
+        c.fill(0.0);
+        for a in 0..self.layout.time_order {
+            let weight = self.modes.forward[(column, a)] * (1.0 / self.scale);
+            c.iter_mut().zip(&self.r[self.layout.cell_at(cell, a)]).for_each(|(c, r)| *c += (weight * r) as f32);
+        }
     }
 }
 

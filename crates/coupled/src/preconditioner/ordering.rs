@@ -1,15 +1,19 @@
-//! The order of elimination: minimum discarded fill (Persson & Peraire 2008).
+//! The order of elimination.
 //!
-//! Eliminating cell k would create the fill A_ik A_kk^{-1} A_kj between its remaining neighbours i and j, which ILU(0)
-//! discards; the cell whose fill is least comes next.
-//!
-//! Where the mesh is cut into blocks, inner cells of all blocks come first, then the cells at cuts, colour by colour. Cells of one colour in
-//! different blocks are not neighbours. So all blocks work at the same time, and a sweep sends one message per colour.
+//! It is that of [`minimum_discarded_fill`]. Where the mesh is cut into blocks, cells are eliminated in [`stages`]: cells of one stage in
+//! different blocks are not neighbours. So all blocks work at the same time, and ranks exchange results after every stage.
+
+mod graph;
+mod minimum_discarded_fill;
+mod stages;
 
 use super::blocks::{Link, coupling_block, diagonal_block};
 use faer::linalg::solvers::DenseSolveCore;
 use fem::{Share, SpaceJacobian};
+use graph::Graph;
+use minimum_discarded_fill::eliminate;
 use rayon::prelude::*;
+use stages::stages;
 use std::ops::Range;
 
 /// The cells in the order of elimination, and the ranges of positions that do not depend on each other.
@@ -25,13 +29,15 @@ pub struct Ordering {
     pub stages: Vec<Stage>,
 }
 
-/// The positions of cells that all blocks eliminate at the same time: inner cells, or cells at cuts of one colour.
+/// The positions of cells that all blocks eliminate at the same time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stage {
     /// Own cells.
     pub own: Range<usize>,
     /// Ghosts, which follow them.
     pub ghosts: Range<usize>,
+    /// Own cells of earlier stages.
+    before: usize,
 }
 
 impl Ordering {
@@ -40,29 +46,37 @@ impl Ordering {
         Ordering { cells: Vec::new(), positions: Vec::new(), level_ends: vec![0], stages: Vec::new() }
     }
 
-    /// The own cells of a rank in the order `own` of their stages, and the ghosts after the own cells of their stage.
-    pub fn of_own(own: &[usize], level_ends: Vec<usize>, share: &Share) -> Self {
-        let ghosts = share.own.len()..share.own.len() + share.ghosts.len();
-        let (mut cells, mut stages) = (Vec::with_capacity(ghosts.end), Vec::new());
-        for stage in 0..=share.colours {
-            let start = cells.len();
-            cells.extend(own.iter().copied().filter(|&cell| stage_of(share, cell) == stage));
-            let middle = cells.len();
-            cells.extend(ghosts.clone().filter(|&cell| stage_of(share, cell) == stage));
-            stages.push(Stage { own: start..middle, ghosts: middle..cells.len() });
-        }
+    /// The own cells of a rank in the order `own` in each stage, and the ghosts after the own cells of their stage. `stages` are those of own
+    /// cells and ghosts.
+    pub fn of_own(own: &[usize], level_ends: Vec<usize>, stages: &[usize]) -> Self {
+        let mut cells: Vec<usize> = own.iter().copied().chain(own.len()..stages.len()).collect();
+        let place = |cell: usize| (stages[cell], cell >= own.len());
+        cells.sort_by_key(|&cell| place(cell));
+        let count = stages.iter().max().map_or(1, |stage| stage + 1);
+        let position = |stage: usize, ghosts: bool| cells.partition_point(|&cell| place(cell) < (stage, ghosts));
+        let mut before = 0;
+        let stage = |number: usize| {
+            let (start, middle, end) = (position(number, false), position(number, true), position(number + 1, false));
+            before += middle - start;
+            Stage { own: start..middle, ghosts: middle..end, before: before + start - middle }
+        };
+        let stages = (0..count).map(stage).collect();
         Ordering { positions: inverse(&cells), cells, level_ends, stages }
     }
 
-    /// The order of all cells of a mesh in one block.
+    /// The order of cells that are in one stage.
     pub fn whole(cells: Vec<usize>, level_ends: Vec<usize>) -> Self {
-        let all = cells.len();
-        Ordering {
-            positions: inverse(&cells),
-            cells,
-            level_ends,
-            stages: vec![Stage { own: 0..all, ghosts: all..all }],
+        let stages = vec![0; cells.len()];
+        Self::of_own(&cells, level_ends, &stages)
+    }
+
+    /// The order of own cells without ghosts in stages with these ends, in increasing order.
+    pub fn in_stages(cells: &[usize], level_ends: Vec<usize>, stage_ends: &[usize]) -> Self {
+        let mut stages = vec![0; cells.len()];
+        for (position, &cell) in cells.iter().enumerate() {
+            stages[cell] = stage_ends.partition_point(|&end| end <= position);
         }
+        Self::of_own(cells, level_ends, &stages)
     }
 
     /// Own cells in their order.
@@ -70,11 +84,20 @@ impl Ordering {
         self.stages.iter().flat_map(|stage| self.cells[stage.own.clone()].iter().copied())
     }
 
-    /// The number of `position` among those of own cells.
+    /// The number of the own cell at `position` among own cells.
     pub fn among_own(&self, position: usize) -> usize {
-        let before = self.stages.iter().take_while(|stage| stage.own.start <= position);
-        position
-            - before.map(|stage| if stage.ghosts.start <= position { stage.ghosts.len() } else { 0 }).sum::<usize>()
+        let Stage { own, before, .. } = &self.stages[self.stage(position)];
+        before + position - own.start
+    }
+
+    /// The number of own cells up to the end of every stage.
+    pub fn stage_ends(&self) -> Vec<usize> {
+        self.stages.iter().map(|Stage { own, before, .. }| before + own.len()).collect()
+    }
+
+    /// The stage of every cell.
+    pub fn stages_of_cells(&self) -> Vec<usize> {
+        self.positions.iter().map(|&position| self.stage(position)).collect()
     }
 
     /// The stage of `position`.
@@ -89,25 +112,32 @@ impl Ordering {
     }
 }
 
-/// The order for lambda M + dt A with one real lambda.
+/// The order for lambda M + dt A with one real lambda. A collective call.
 pub fn minimum_discarded_fill(
-    jacobian: &SpaceJacobian,
+    jacobian: &SpaceJacobian<f32>,
     links: &[Vec<Link>],
     share: &Share,
     dt: f64,
     lambda: f64,
 ) -> Ordering {
-    let links: Vec<Vec<Link>> = (0..share.own.len()).map(|cell| in_block(&links[cell], cell, share)).collect();
+    let links = &links[..share.own.len()];
     let strengths: Vec<Vec<f64>> =
         (0..links.len()).into_par_iter().map(|cell| strengths(jacobian, &links[cell], cell, dt, lambda)).collect();
-    minimum_discarded_fill_of(&links, &strengths, share)
+    let graph = Graph::of_all(links, &strengths, share);
+    let order = eliminate(&graph);
+    let stages = stages(&graph, &order, share.blocks.groups);
+    let position = inverse(&order);
+    let number: Vec<usize> = share.cells().collect();
+    let mut own: Vec<usize> = (0..links.len()).collect();
+    own.sort_by_key(|&cell| (stages[number[cell]], position[number[cell]]));
+    let links: Vec<Vec<Link>> = (0..links.len()).map(|cell| in_block(&links[cell], cell, share)).collect();
+    let stages: Vec<usize> = number.iter().map(|&cell| stages[cell]).collect();
+    by_level(own, &links, &stages)
 }
 
-/// The order by the strength |A_ii^{-1} A_ik| of every link of the own cell i inside of its block.
-pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>], share: &Share) -> Ordering {
-    let mut order = eliminate(links, strengths);
-    order.sort_by_key(|&cell| stage_of(share, cell));
-    by_level(order, links, share)
+/// The order by the strength |A_ii^{-1} A_ik| of every link of the own cell i, where no link leads to another block.
+pub fn minimum_discarded_fill_of(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Ordering {
+    by_level(eliminate(&Graph::of_own(links, strengths)), links, &vec![0; links.len()])
 }
 
 /// The links of `cell` inside of its block.
@@ -116,13 +146,8 @@ fn in_block(links: &[Link], cell: usize, share: &Share) -> Vec<Link> {
     links.iter().filter(|link| of_cell[link.cell] == of_cell[cell]).copied().collect()
 }
 
-/// 0 for inner cells, else one more than the colour.
-fn stage_of(share: &Share, cell: usize) -> usize {
-    share.blocks.colours[cell].map_or(0, |colour| colour + 1)
-}
-
 /// |A_ii^{-1} A_ik| in the Frobenius norm for every link of cell i, up to the norm of a trace.
-fn strengths(jacobian: &SpaceJacobian, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
+fn strengths(jacobian: &SpaceJacobian<f32>, links: &[Link], cell: usize, dt: f64, lambda: f64) -> Vec<f64> {
     let inverse = diagonal_block(jacobian, cell, dt, lambda).partial_piv_lu().inverse();
     let (n, t) = (jacobian.block, jacobian.traces.len());
     let norm = |link: &Link| {
@@ -131,45 +156,13 @@ fn strengths(jacobian: &SpaceJacobian, links: &[Link], cell: usize, dt: f64, lam
         for (lifted, b) in lifted.chunks_exact_mut(n).zip(b.chunks_exact(t)) {
             for (row, b) in b.iter().enumerate() {
                 let (offset, functional) = jacobian.traces.functional(link.face, row);
-                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += dt * weight * b);
+                functional.iter().for_each(|&(node, weight)| lifted[offset + node] += dt * weight * f64::from(*b));
             }
         }
         let lifted = faer::MatRef::from_column_major_slice(&lifted, n, t);
         (&inverse * lifted).norm_l2()
     };
     links.iter().map(norm).collect()
-}
-
-/// Takes the cell of least discarded fill again and again; the lower number where two are equal.
-fn eliminate(links: &[Vec<Link>], strengths: &[Vec<f64>]) -> Vec<usize> {
-    let mut gone = vec![false; links.len()];
-    // C_ik is stored with cell i; seen from k it is found among the links of i that lead back across the same facet.
-    let towards = |from: usize, link: &Link| -> f64 {
-        let back = links[link.cell].iter().position(|l| l.coupling == link.coupling && l.cell == from);
-        back.map_or(0.0, |number| strengths[link.cell][number])
-    };
-    let weight = |k: usize, gone: &[bool]| -> f64 {
-        let alive = || links[k].iter().enumerate().filter(|(_, link)| !gone[link.cell]);
-        alive()
-            .flat_map(|(a, i)| alive().filter(move |(b, _)| *b != a).map(move |(b, _)| (i, b)))
-            .map(|(i, b)| (towards(k, i) * strengths[k][b]).powi(2))
-            // A sum of nothing is -0, of which the bits are not those of the least number.
-            .fold(0.0, |sum, fill| sum + fill)
-    };
-    let mut weights: Vec<f64> = (0..links.len()).map(|k| weight(k, &gone)).collect();
-    let mut queue: std::collections::BTreeSet<(u64, usize)> =
-        weights.iter().enumerate().map(|(k, w)| (w.to_bits(), k)).collect();
-    let mut order = Vec::with_capacity(links.len());
-    while let Some((_, k)) = queue.pop_first() {
-        gone[k] = true;
-        order.push(k);
-        for link in links[k].iter().filter(|link| !gone[link.cell]) {
-            queue.remove(&(weights[link.cell].to_bits(), link.cell));
-            weights[link.cell] = weight(link.cell, &gone);
-            queue.insert((weights[link.cell].to_bits(), link.cell));
-        }
-    }
-    order
 }
 
 /// The position of each entry of an order.
@@ -180,7 +173,7 @@ fn inverse(order: &[usize]) -> Vec<usize> {
 }
 
 /// Sorts the positions of each stage into levels: the factor is the same for every order that keeps each pair of neighbours in theirs.
-fn by_level(order: Vec<usize>, links: &[Vec<Link>], share: &Share) -> Ordering {
+fn by_level(order: Vec<usize>, links: &[Vec<Link>], stages: &[usize]) -> Ordering {
     let rank = inverse(&order);
     let mut level = vec![0_usize; order.len()];
     for &cell in &order {
@@ -188,7 +181,7 @@ fn by_level(order: Vec<usize>, links: &[Vec<Link>], share: &Share) -> Ordering {
         level[cell] = before.map(|link| level[link.cell] + 1).max().unwrap_or(0);
     }
     let mut cells = order;
-    let place = |cell: usize| (stage_of(share, cell), level[cell]);
+    let place = |cell: usize| (stages[cell], level[cell]);
     cells.sort_by_key(|&cell| place(cell));
     let levels = cells.chunk_by(|&a, &b| place(a) == place(b));
     let end = |end: &mut usize, level: &[usize]| {
@@ -196,5 +189,5 @@ fn by_level(order: Vec<usize>, links: &[Vec<Link>], share: &Share) -> Ordering {
         Some(*end)
     };
     let level_ends = levels.scan(0, end).collect();
-    Ordering::of_own(&cells, level_ends, share)
+    Ordering::of_own(&cells, level_ends, stages)
 }

@@ -2,9 +2,10 @@
 
 use super::bf16_blocks::{self, MultiplyBf16};
 use super::couplings::Step;
-use super::ilu::{FlowPreconditioner, Scratch};
+use super::ilu::{BlockIlu, Scratch};
 use super::ordering::Stage;
 use super::panel::padded;
+use super::singles;
 use sparse::dependency_schedule;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
@@ -35,13 +36,13 @@ impl Shared {
     }
 }
 
-impl FlowPreconditioner {
+impl BlockIlu {
     /// The forward sweep, position by position, and the backward sweep, from the last position to the first.
     pub(super) fn sweep(&self) {
         if let [_] = self.ordering.stages[..] {
             return self.sweep_at_once();
         }
-        // Inner cells, stage 0, have no neighbours in other blocks. Ghosts matter for later stages on the way forward, for earlier ones back.
+        // Ghosts matter for later stages on the way forward, and for earlier ones on the way back.
         let (stages, last) = (&self.ordering.stages, self.ordering.stages.len() - 1);
         for (number, stage) in stages.iter().enumerate() {
             let Stage { own, .. } = stage;
@@ -50,7 +51,7 @@ impl FlowPreconditioner {
                 neighbours.filter_map(|neighbour| neighbour.checked_sub(own.start))
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.eliminate(own.start + k));
-            if (1..last).contains(&number) {
+            if number < last {
                 self.exchange(stage);
             }
         }
@@ -61,7 +62,7 @@ impl FlowPreconditioner {
                 neighbours.filter(|neighbour| *neighbour < own.end).map(|neighbour| own.end - 1 - neighbour)
             };
             dependency_schedule(own.len(), self.ordering.widest_level(), needs, |k| self.substitute(own.end - 1 - k));
-            if number > 1 {
+            if number > 0 {
                 self.exchange(stage);
             }
         }
@@ -72,12 +73,9 @@ impl FlowPreconditioner {
         let positions = &self.ordering.positions;
         let len = self.modes.forward.rows() * padded(self.jacobian.block);
         let is_in_stage = |cell: usize| (stage.own.start..stage.ghosts.end).contains(&positions[cell]);
-        let result = |cell: usize, out: &mut Vec<f64>| {
-            out.extend(self.swept[positions[cell]].read().result.iter().map(|&x| f64::from(x)));
-        };
-        self.share.exchange_some(is_in_stage, len, result, |ghost, numbers| {
-            let mut there = self.swept[positions[ghost]].write();
-            there.result.iter_mut().zip(numbers).for_each(|(x, number)| *x = *number as f32);
+        let send = |cell: usize, out: &mut Vec<f64>| singles::pack(&self.swept[positions[cell]].read().result, out);
+        self.share.exchange_some(is_in_stage, singles::packed(len), send, |ghost, message| {
+            singles::unpack(message, &mut self.swept[positions[ghost]].write().result);
         });
     }
 

@@ -2,8 +2,7 @@
 
 use super::flow::{DT, Flow, PLANE_NODES, SPACE_NODES};
 use super::subject::{Build, Size, Subject, Work, bytes};
-use basis::TemporalModes;
-use coupled::preconditioner::{FlowPreconditioner, LinePreconditioner};
+use coupled::preconditioner::{BlockIlu, LinePreconditioner, TimeScales};
 use navier_stokes::{Boundary, Compiled, NavierStokes};
 
 /// The largest memory of the blocks of A in bytes; the factors take about half as much again.
@@ -15,23 +14,12 @@ const LARGEST_BLOCK: usize = 1100;
 /// An operator with its preconditioner.
 pub(super) struct Preconditioned<const D: usize, const M: usize> {
     flow: Flow<D, M>,
-    preconditioner: FlowPreconditioner,
+    preconditioner: BlockIlu,
     out: Vec<f64>,
 }
 
-/// The blocks and their factors.
-fn set_up<const D: usize, const M: usize>(flow: &Flow<D, M>) -> FlowPreconditioner {
-    let operator = &flow.operator;
-    let modes = TemporalModes::new(&operator.tables.time);
-    FlowPreconditioner::new(
-        operator.layout,
-        modes,
-        operator.space_jacobian(0.5),
-        DT,
-        0.0,
-        (None, operator.share.clone()),
-    )
-}
+/// Those of the slabs of the flow.
+const SCALES: TimeScales = TimeScales { dt: DT, damping: 0.0 };
 
 impl<const D: usize, const M: usize> Build for Preconditioned<D, M>
 where
@@ -43,7 +31,7 @@ where
         let wanted = size.even_cells(96, 12);
         let Some(cells) = (2..=wanted).rev().find(fits).filter(|_| block <= LARGEST_BLOCK) else { return Ok(None) };
         let flow = Flow::<D, M>::on(cells, size)?;
-        let (preconditioner, out) = (set_up(&flow), vec![0.0; flow.state.len()]);
+        let (preconditioner, out) = (BlockIlu::new(&flow.operator, SCALES, None), vec![0.0; flow.state.len()]);
         Ok(Some(Preconditioned { flow, preconditioner, out }))
     }
 }
@@ -62,10 +50,7 @@ impl<const D: usize, const M: usize> Subject for Preconditioned<D, M> {
     fn run(&mut self, number: usize) {
         match number {
             // As in a run: with the order of elimination and the memory of the first set-up.
-            0 => {
-                self.preconditioner.replace_jacobian(|a| self.flow.operator.update_space_jacobian(0.5, a));
-                self.preconditioner.factor(DT, 0.0);
-            }
+            0 => self.preconditioner.update(&self.flow.operator, SCALES),
             _ => self.preconditioner.apply(&self.flow.state, &mut self.out),
         }
     }
@@ -84,14 +69,7 @@ where
 {
     fn build(size: Size) -> anyhow::Result<Option<Self>> {
         let flow = Flow::<D, M>::on(size.even_cells(PLANE_NODES, SPACE_NODES), size)?;
-        let (operator, modes) = (&flow.operator, TemporalModes::new(&flow.operator.tables.time));
-        let lines = LinePreconditioner::new(
-            (operator.layout, operator.share.clone()),
-            modes,
-            operator.line_jacobian(0.5),
-            DT,
-            0.0,
-        );
+        let lines = LinePreconditioner::new(&flow.operator, SCALES);
         Ok(Some(ByLines { out: vec![0.0; flow.state.len()], lines, flow }))
     }
 }
@@ -113,10 +91,7 @@ impl<const D: usize, const M: usize> Subject for ByLines<D, M> {
 
     fn run(&mut self, number: usize) {
         match number {
-            0 => {
-                self.lines.replace_jacobian(self.flow.operator.line_jacobian(0.5));
-                self.lines.factor(DT, 0.0);
-            }
+            0 => self.lines.update(&self.flow.operator, SCALES),
             _ => self.lines.apply(&self.flow.state, &mut self.out),
         }
     }

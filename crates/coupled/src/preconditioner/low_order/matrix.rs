@@ -126,7 +126,7 @@ impl<const D: usize, const M: usize> NodeBlocks<D, M> {
         let links: Vec<Vec<Link>> = (0..self.layout.cells).map(|cell| self.links(cell)).collect();
         let strengths: Vec<Vec<f64>> =
             links.par_iter().enumerate().map(|(cell, links)| self.strengths(cell, links, lambda)).collect();
-        minimum_discarded_fill_of(&links, &strengths, &self.share.without_cuts())
+        minimum_discarded_fill_of(&links, &strengths)
     }
 
     fn links(&self, cell: usize) -> Vec<Link> {

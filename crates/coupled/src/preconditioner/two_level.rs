@@ -1,0 +1,72 @@
+//! Block ILU(0) with a coarse level, for steady flows.
+
+use super::coarse::CoarseLevel;
+use super::ilu::BlockIlu;
+use super::ordering::Ordering;
+use super::{FlowPreconditioner, TimeScales};
+use fem::{SlabOperator, SpaceJacobian};
+
+/// Block ILU(0), with a coarse level as soon as pseudo-time does not damp the flow.
+///
+/// As long as it does, the sweeps work alone. With exact solves Newton's method can then converge to spurious solutions; loose ones keep to
+/// the path of the flow in time.
+pub struct TwoLevel {
+    sweeps: BlockIlu,
+    coarse: Option<CoarseLevel>,
+}
+
+impl TwoLevel {
+    /// The preconditioner of the Jacobian of `operator` in the middle of its slab.
+    pub fn new<const D: usize, const M: usize>(
+        operator: &SlabOperator<D, M>,
+        scales: TimeScales,
+        ordering: Option<Ordering>,
+    ) -> Self {
+        let mut levels = TwoLevel { sweeps: BlockIlu::new(operator, scales, ordering), coarse: None };
+        if scales.damping == 0.0 {
+            levels.update_both(operator, scales);
+        }
+        levels
+    }
+
+    /// The coarse level needs the Jacobian in double precision: in it large entries cancel. None where its matrix is singular, or too large.
+    fn update_both<const D: usize, const M: usize>(&mut self, operator: &SlabOperator<D, M>, scales: TimeScales) {
+        let (jacobian, old): (SpaceJacobian<f64>, _) = (operator.space_jacobian(0.5), self.coarse.take());
+        let order = operator.tables.orders.flow;
+        self.coarse = self.sweeps.update_beside(&jacobian, scales, |sweeps| match old {
+            Some(coarse) => coarse.updated(sweeps, &jacobian),
+            None => CoarseLevel::new(sweeps, &jacobian, order).ok().flatten(),
+        });
+    }
+}
+
+impl<const D: usize, const M: usize> FlowPreconditioner<D, M> for TwoLevel {
+    fn updated(
+        mut self: Box<Self>,
+        flow: &SlabOperator<D, M>,
+        scales: TimeScales,
+    ) -> Box<dyn FlowPreconditioner<D, M>> {
+        if scales.damping == 0.0 {
+            self.update_both(flow, scales);
+        } else {
+            self.coarse = None;
+            self.sweeps.update(flow, scales);
+        }
+        self
+    }
+    fn factor(&mut self, scales: TimeScales) {
+        self.sweeps.factor(scales);
+    }
+    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        match &mut self.coarse {
+            Some(coarse) => coarse.apply(&mut self.sweeps, r, z),
+            None => self.sweeps.apply(r, z),
+        }
+    }
+    fn ordering(&self) -> Ordering {
+        self.sweeps.ordering.clone()
+    }
+    fn bytes(&self) -> usize {
+        self.sweeps.bytes() + self.coarse.as_ref().map_or(0, CoarseLevel::bytes)
+    }
+}
