@@ -10,7 +10,7 @@ pub(super) fn choices(key: &Key) -> Vec<String> {
     at(&schema, key).into_iter().flat_map(names).collect()
 }
 
-/// The choice at `key` whose only setting is a number, if there is one: what a number alone was probably meant for.
+/// The choice at `key` whose only setting is a number, if there is one: a number alone probably meant this choice.
 pub(super) fn choice_of_number(key: &Key) -> Option<String> {
     let schema = raw::schema().to_value();
     let is_number = |value: &Value| alternatives(&schema, value).iter().any(|value| value["type"] == "number");

@@ -18,7 +18,8 @@ pub(super) fn is_computable(value: f64) -> bool {
     value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs())
 }
 
-/// Whether the value of a formula may be used. It may be as small as it likes where it is not divided by: the tail of exp(-x^2) is.
+/// Whether the value of a formula may be used. Values near zero are accepted, such as the tail of exp(-x^2), because the program does not
+/// divide by them.
 pub(super) fn is_bounded(value: f64) -> bool {
     value.abs() <= LARGEST
 }

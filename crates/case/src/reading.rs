@@ -1,6 +1,6 @@
 //! From the document to the raw case: all errors of keys and types at once, and formulas where numbers are needed.
 //!
-//! A key with an error is taken out, and the rest is read again. An error that follows from a missing key is not told.
+//! A key with an error is removed, and the rest is read again. An error that follows from a missing key is not reported.
 
 use super::checker::{Checked, Checker};
 use super::document::Document;
@@ -21,7 +21,7 @@ const INDEPENDENT: [&str; 3] = ["output", "parallel", "solver"];
 /// A number is whole if it is off by less than this, relative to its size.
 const WHOLE: f64 = 1e-9;
 
-/// Larger whole numbers are not told apart in double precision.
+/// Double precision cannot distinguish larger whole numbers.
 const MOST: f64 = 9e15;
 
 /// A raw case, as far as it can be read, and the errors on the way.
@@ -61,9 +61,9 @@ pub(super) fn read(document: &Document) -> Result<Read, Box<CaseError>> {
 struct Reader<'a> {
     document: &'a Document,
     errors: Errors,
-    /// The keys that were taken out.
+    /// The keys that were removed.
     removed: Vec<Key>,
-    /// What is wrong with the constants, where numbers need them.
+    /// The errors of the constants that numbers need.
     of_constants: Option<Box<CaseError>>,
 }
 
@@ -96,7 +96,7 @@ impl Reader<'_> {
         values
     }
 
-    /// The case; None if a part of it that must be there has an error.
+    /// The case; None if a required part has an error.
     fn deserialised(&mut self, tree: &mut Spanned<DeTable<'_>>) -> Option<raw::Case> {
         for key in self.removed.clone() {
             take_out(tree.get_mut(), &key.0);
@@ -118,7 +118,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Takes a key out of the tree; false if it is not there.
+    /// Removes a key from the tree; false if it is not there.
     fn remove(&mut self, tree: &mut Spanned<DeTable<'_>>, key: &Key) -> bool {
         let key = named(key);
         let found = take_out(tree.get_mut(), &key.0);
@@ -126,7 +126,7 @@ impl Reader<'_> {
         found
     }
 
-    /// Whether all sections but those on which no other one depends are as written.
+    /// Whether all sections on which others depend are as written.
     fn rest_is_whole(&self) -> bool {
         let section =
             |key: &Key| matches!(key.0.first(), Some(Step::Name(name)) if INDEPENDENT.contains(&name.as_str()));

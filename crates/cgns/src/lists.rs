@@ -80,8 +80,8 @@ impl Lists {
         faces.into_iter().for_each(|face| self.push(faces::element(face, names.clone())));
     }
 
-    /// Whether a condition names a face: a boundary leaves faces that are joined, a periodic interface also those that have a
-    /// name.
+    /// Whether a condition may name a face. A boundary does not name faces that are joined. A periodic interface names neither these nor
+    /// faces that have a name already.
     pub(crate) fn may_name(&self, role: Role, face: &Key) -> bool {
         !self.joined.contains(face) && (role == Role::Boundary || !self.named.contains(face))
     }

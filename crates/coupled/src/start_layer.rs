@@ -1,7 +1,7 @@
 //! An initial state with a boundary layer at its walls.
 //!
-//! A uniform state contradicts walls to which gas sticks: the velocity jumps within the first node, and the first slab may have no solution
-//! that Newton's method finds. The remedy is a layer in which the velocity falls to that of the wall,
+//! A uniform state contradicts no-slip walls: the velocity jumps at the first node, and Newton's method may fail in the first slab. In the
+//! layer the velocity falls to that of the wall,
 //!
 //! ```text
 //! w(x) = w_b + (w_0(x) - w_b) (1 - exp(-(d_w(x) / delta)^2))                                                   (start layer)
@@ -17,13 +17,13 @@ use navier_stokes::Conserved;
 use newton_krylov::inner_product::{largest, smallest, sum};
 use std::array::from_fn;
 
-/// The first thickness tried, in sizes of the flow around the walls. Thinner layers were seen to let the first slab pass, and a later one fail.
+/// The first thickness tried, relative to the size of the flow around the walls. With thinner layers a later slab was seen to fail.
 const FIRST: f64 = 0.3;
 
 /// How many thicknesses are tried, each twice the one before.
 const ATTEMPTS: i32 = 2;
 
-/// What is known of a start that was made easier.
+/// An initial state that was made easier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EasedStart {
     /// delta of (start layer).
@@ -35,7 +35,7 @@ pub struct EasedStart {
 /// The layer at the walls of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StartLayer {
-    /// The boundaries to which gas sticks.
+    /// The no-slip boundaries.
     pub walls: Vec<usize>,
     attempts: i32,
     /// The state without a layer.
@@ -53,7 +53,7 @@ impl StartLayer {
         !self.walls.is_empty() && self.attempts == 0
     }
 
-    /// Gives `u` the next thicker layer; returns its thickness. None if there are no walls, or all thicknesses were tried.
+    /// Gives `u` the next thicker layer; returns its thickness. `None` if there are no walls, or all thicknesses were tried.
     pub(crate) fn thicken<const D: usize, const M: usize>(
         &mut self,
         flow: &SlabOperator<D, M>,
@@ -73,7 +73,7 @@ impl StartLayer {
         Some(thickness)
     }
 
-    /// (start layer) of the state `u` at one time.
+    /// Applies (start layer) to the state `u` at one time.
     pub fn apply<const D: usize, const M: usize>(
         &self,
         flow: &SlabOperator<D, M>,
@@ -111,12 +111,12 @@ fn nodes_of_flow<const D: usize, const M: usize>(flow: &SlabOperator<D, M>) -> C
     CellMap::on_grid(orders.mesh, &gauss_lobatto(orders.flow).points)
 }
 
-/// The C0 nodes on these boundaries; those on two of them count twice.
+/// The C0 nodes on these boundaries. A node on two of them is listed twice.
 fn nodes_on<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> Vec<usize> {
     walls.iter().flat_map(|&wall| mover.numbering.on_boundary(&mover.reference, wall)).collect()
 }
 
-/// The size of the flow around the walls: the smaller of their own largest extent along an axis, and of the largest distance from them.
+/// The size of the flow around the walls: the largest extent of the walls along an axis, or the largest distance from them if that is less.
 fn size<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> f64 {
     let distance = BoundaryDistance::new(&mover.reference, walls);
     let farthest = largest(mover.positions().iter().map(|x| distance.at(x)));
@@ -128,7 +128,7 @@ fn size<const D: usize>(mover: &MeshMover<D>, walls: &[usize]) -> f64 {
     largest((0..D).map(extent)).min(farthest)
 }
 
-/// The state `u` with the part `factor` of its velocity relative to `wall`, and the same density and pressure.
+/// The state `u` with its velocity relative to `wall` multiplied by `factor`, at the same density and pressure.
 fn slowed<const D: usize, const M: usize>(u: &[f64; M], wall: &[f64; D], factor: f64) -> [f64; M] {
     let state = Conserved::<f64, D>::unpack(u);
     let before = state.velocity();

@@ -87,7 +87,7 @@ impl<const D: usize> Operator<D> {
         Self::weighted(law, lame, order, batches, sampler, |sample| sample.stiffness)
     }
 
-    /// The same with another factor on the constants of Lame than the stiffness of the samples.
+    /// The same with another factor of the constants of Lame in place of the stiffness of the samples.
     pub(crate) fn weighted(
         law: Law,
         lame: Lame,
@@ -126,7 +126,7 @@ impl<const D: usize> Operator<D> {
         let _ = self.apply::<Forces, _>(Viscous(self.lame), &[d, v], out);
     }
 
-    /// out = their derivative at the displacement and velocity `at`, along those of `along`.
+    /// out = the derivative of these forces at the displacement and velocity `at`, along the displacement and velocity `along`.
     pub(crate) fn viscous_product(&self, at: (&[f64], &[f64]), along: (&[f64], &[f64]), out: &mut [f64]) {
         let _ = self.apply::<Tangent, _>(Viscous(self.lame), &[at.0, at.1, along.0, along.1], out);
     }

@@ -120,7 +120,8 @@ impl<const D: usize> ElasticSlab<'_, D> {
         })
     }
 
-    /// out += factor diag(K) g at constrained entries: what their rows of (slab) have of the displacements `g[a][..]`, negative there.
+    /// out += factor diag(K) g at constrained entries, for the displacements `g[a][..]`. Their rows of (slab) contain this term with the
+    /// factor -1.
     pub fn add_prescribed(&self, factor: f64, g: &[f64], out: &mut [f64]) {
         let length = self.mesh.length();
         for (g, out) in g.chunks_exact(length).zip(out.chunks_exact_mut(length)) {

@@ -6,7 +6,7 @@
 //! mu_s(x) = s(x) mu_0,   lambda_s(x) = s(x) lambda_0 + e(x)                                                    (relative)
 //! ```
 //!
-//! A stress is s times that of (mu_0, lambda_0). Where Poisson's ratio varies, e times that of (0, 1) is added; elsewhere e = 0.
+//! The stress is s times the stress for (mu_0, lambda_0), plus e times the stress for (0, 1). e = 0 unless Poisson's ratio varies.
 
 use crate::{ElasticityError, Lame, Law, Material, Plane};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub struct Solid<const D: usize> {
     pub poisson: MaterialProperty<D>,
     /// Plane strain or plane stress, in 2-D.
     pub plane: Plane,
-    /// The stress of a strain that is not small.
+    /// The law for strains that are not small.
     pub law: Law,
 }
 
@@ -70,7 +70,7 @@ impl<const D: usize> Solid<D> {
         Ok(material.map_err(at_point)?.in_plane(self.plane).lame())
     }
 
-    /// The law, if it exists for what is plane.
+    /// The law, if it exists for this plane state.
     pub(crate) fn law(&self) -> Result<Law, ElasticityError> {
         if self.plane == Plane::Stress && !self.law.is_linear() {
             Err(ElasticityError::PlaneStress)

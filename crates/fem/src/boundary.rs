@@ -23,7 +23,7 @@ pub struct PointFlux<T, const D: usize, const M: usize> {
     pub jump_flux: [[T; M]; D],
 }
 
-/// What viscous fluxes through a boundary need of the inside.
+/// The state inside of a boundary, for viscous fluxes.
 pub struct Inside<T, G, const D: usize, const M: usize> {
     /// grad u-, `[direction][component]`.
     pub gradient: [[T; M]; D],
@@ -173,7 +173,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
     }
 }
 
-/// The flux through each facet of a batch on a boundary at one time, of the inviscid and then of the viscous flux,
+/// The inviscid and then the viscous flux through each facet of a batch on a boundary at one time,
 ///
 /// ```text
 /// int_F Fhat dS,   int_F Fhat_m dS   and   int_F x x Fhat_m dS,   Fhat_m the flux of momentum                   (through)
@@ -237,7 +237,7 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>> WithSimd for Face
 }
 
 impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, S: Simd> Kernel<'_, D, M, Types<L, Values, S>> {
-    /// (through) and (power) from what is at the points.
+    /// (through) and (power) from states, positions and velocities at the points.
     #[inline(always)]
     fn flux_through(self, condition: L::Boundary, scratch: &mut FacetScratch) {
         let (points, law) = (self.tables.facet_points(), self.law);

@@ -95,8 +95,8 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode> WithSimd
     }
 }
 
-/// The terms of space alone at one time. Reads `state_at` of one time and the `known` geometry of the scratch, overwrites `flux_at` and
-/// `mass_product_at` of time 0.
+/// The terms of the operator of space at one time. Reads `state_at` of one time and the `known` geometry of the scratch, overwrites
+/// `flux_at` and `mass_product_at` of time 0.
 pub struct SpaceCells<'a, 'c, const D: usize, const M: usize, L, K> {
     /// The conservation law.
     pub law: &'c L,

@@ -9,7 +9,7 @@ pub struct BoundaryPoint<'a, G, const D: usize, const M: usize> {
     pub normal: &'a [G; D],
     /// The velocity of the mesh.
     pub velocity: &'a [G; D],
-    /// What is prescribed at the point where [`ConservationLaw::takes_data`], otherwise arbitrary.
+    /// The prescribed data at the point; arbitrary for conditions that take none, see [`ConservationLaw::takes_data`].
     pub data: &'a [G; M],
 }
 
@@ -85,8 +85,8 @@ pub trait ConservationLaw<const D: usize, const M: usize>: Send + Sync {
     /// F_c(u) . n - v_n u, and antisymmetric under exchange of the sides.
     fn numerical_flux<T: Over<G>, G: Real>(&self, minus: &[T; M], plus: &[T; M], n: &[G; D], v_n: G) -> [T; M];
 
-    /// Whether `condition` takes data at every point and time. The law says what they mean: a state, or numbers of which the condition
-    /// makes one.
+    /// Whether `condition` takes data at every point and time. The law says what they mean: a state, or numbers from which the condition
+    /// computes a state.
     fn takes_data(&self, condition: Self::Boundary) -> bool;
 
     /// The state u_b that `condition` imposes: the one at which viscous terms are evaluated and towards which the penalty

@@ -59,7 +59,7 @@ pub struct FacetContext<'a, const D: usize> {
 
 /// The facet terms at a list of times: reads traces, overwrites `terms`.
 ///
-/// In a slab the times are its Gauss points, with weights; for the operator of space alone there is one time, weight one.
+/// In a slab the times are its Gauss points, with weights. The operator of space has one time, with weight one.
 pub struct FacetTerms<'a, 'c, const D: usize, const M: usize, L: ConservationLaw<D, M>, K> {
     /// The conservation law.
     pub law: &'c L,

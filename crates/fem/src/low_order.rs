@@ -1,8 +1,8 @@
 //! The operator of space on the control volumes of the nodes: a finite-volume method of first order with the unknowns of the flow, for
 //! preconditioners (low-order refinement; Canuto, Quarteroni 1985; Pazner 2020).
 //!
-//! The control volume of a Gauss-Lobatto node has the extents omega_i of its quadrature weights. Faces inside a cell lie at b_i = -1 + omega_1 +
-//! .. + omega_i. With the cofactors S_k of the map, of the axis k across which a face lies,
+//! The control volume of a Gauss-Lobatto node has the extents omega_i of its quadrature weights. Faces inside a cell lie at b_i = -1 +
+//! omega_1 + .. + omega_i. With the cofactors S_k of the map for the axis k normal to a face,
 //!
 //! ```text
 //! R_i = sum over the faces of i:  Fhat |S_k| prod_(l /= k) omega_l,      M_i = J prod_l omega_l                      (low order)
@@ -58,7 +58,7 @@ pub struct LowOrderRows {
     pub couplings: Vec<f64>,
 }
 
-/// What lies across the faces of every cell. A cell that is its own neighbour has none.
+/// The neighbours across the faces of every cell. A cell that is its own neighbour has none.
 pub struct Neighbours {
     /// The number of the coinciding node of the neighbour, cell times nodes plus node, or [`NO_NEIGHBOUR`]; `[cell][face][face node]`.
     pub nodes: Vec<u32>,
@@ -196,7 +196,7 @@ impl<const D: usize, const M: usize> LowOrder<'_, D, M> {
         let face = |node: usize, face: usize| node * 2 * D + face;
         for (number, node) in minus_nodes().enumerate() {
             let next = node + stride;
-            // What leaves the node enters the next one.
+            // The flux out of the node enters the next one.
             pairs.add(number, 0, 1.0, block::<M>(&mut rows.diagonal, node));
             pairs.add(number, 1, 1.0, block::<M>(&mut rows.couplings, face(node, high)));
             pairs.add(number, 1, -1.0, block::<M>(&mut rows.diagonal, next));
@@ -259,7 +259,7 @@ impl<const D: usize, const M: usize> LowOrder<'_, D, M> {
     }
 }
 
-/// What lies across a face of a cell.
+/// The neighbour across a face of a cell.
 #[derive(Clone, Copy)]
 enum Opposite<'a> {
     Boundary(usize),

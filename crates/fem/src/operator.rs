@@ -33,7 +33,7 @@ pub struct Problem<const D: usize, const M: usize> {
     pub source: Option<Arc<dyn StateField<D, M>>>,
 }
 
-/// What a slab stands on.
+/// The state and the mesh at the bottom of a slab.
 #[derive(Clone, Copy, Debug)]
 pub struct Bottom<'a> {
     /// The state, laid out at one time.
@@ -70,8 +70,8 @@ pub struct Violation {
 /// R_a(U; V) = (volume) + (facet) - phi_a(0) int_K psi u_n J |_{t_n}                                                 (slab)
 /// ```
 ///
-/// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh. A rank has those of its own cells; then
-/// evaluations are collective.
+/// with `u` laid out by [`Layout`], and its exact derivatives along directions of state and mesh. On a rank it holds the rows of the own
+/// cells, and evaluations are collective.
 pub struct SlabOperator<const D: usize, const M: usize> {
     /// The law, its boundary conditions and source.
     pub problem: Problem<D, M>,
@@ -168,7 +168,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         state_traces.take(flow_faces, all, problem.kernels.is_viscous());
     }
 
-    /// Takes the traces of a direction of the state in own cells. Those of ghosts at the cuts are received before they are read.
+    /// Takes the traces of a direction of the state in own cells. The traces of ghosts at the cuts are received before they are read.
     fn take_direction(&mut self, direction: &[f64]) {
         self.direction_traces.take(&self.flow_faces, direction, self.problem.kernels.is_viscous());
     }

@@ -38,9 +38,9 @@ impl<const D: usize, const M: usize, L: ConservationLaw<D, M>, K: Mode, S: Simd>
 pub(crate) type Condition<const D: usize, const M: usize, T> =
     <<T as KernelTypes<D, M>>::Law as ConservationLaw<D, M>>::Boundary;
 
-/// A run of the kernels. What kernels do are its methods.
+/// A run of the kernels. Its methods are the steps of the kernels.
 ///
-/// Two references and nothing else: it is passed in registers.
+/// It holds two references only, so that it is passed in registers.
 pub(crate) struct Kernel<'a, const D: usize, const M: usize, T: KernelTypes<D, M>> {
     pub(crate) simd: T::Simd,
     pub(crate) law: &'a T::Law,

@@ -118,7 +118,7 @@ pub struct FacetScratch {
     pub(crate) work_velocity: Vec<Pack>,
     /// The geometry at the points that is not known, `[b][number][p]`, see [`crate::facet_geometry`].
     pub(crate) geometry: Vec<Pack>,
-    /// What area vectors of collocated rules are made of.
+    /// Intermediate results of the area vectors of collocated rules.
     pub(crate) on_nodes: FaceNodes,
     pub(crate) scratch: Scratch,
 }

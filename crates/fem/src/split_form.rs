@@ -49,7 +49,7 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         }
     }
 
-    /// The flux of a pair: what the first node receives, the second one loses, its matrix being skew.
+    /// The flux of a pair: The matrix is skew, so the second node loses what the first one receives.
     #[inline(always)]
     fn add_pair(self, [u, geometry]: [&[Pack]; 2], pair: Pair, part: usize, tested: &mut [Pack]) {
         let points = self.tables.volume_points();

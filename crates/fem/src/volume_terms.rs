@@ -50,8 +50,8 @@ impl<const D: usize, const M: usize, T: KernelTypes<D, M>> Kernel<'_, D, M, T> {
         CellGeometry { simd: self.simd, tables: self.tables, mode: PhantomData }
     }
 
-    /// Steps 1 to 4 of the volume terms at one time point, planes by planes: fluxes and mass products with their weights. Planes of points whose
-    /// `geometry` is not known find it in the scratch.
+    /// Steps 1 to 4 of the volume terms at one time point, planes by planes: fluxes and mass products with their weights. If `geometry` is
+    /// not known, it is computed in the scratch.
     #[inline(always)]
     pub(crate) fn space_terms(
         self,

@@ -29,7 +29,7 @@ pub(crate) struct NodalLoads {
 }
 
 impl NodalLoads {
-    /// No loads, on a mesh with so many batches of facets.
+    /// No loads, on a mesh with `batches` batches of facets.
     pub(crate) fn unloaded(batches: usize) -> Self {
         NodalLoads { terms: vec![Vec::new(); batches], ..NodalLoads::default() }
     }
@@ -62,7 +62,7 @@ pub(crate) fn scatter_loads(packs: &[Pack], terms: &mut [f64]) {
 }
 
 impl<const D: usize, const M: usize> SlabOperator<D, M> {
-    /// Has every evaluation leave the loads on the boundaries for which `loaded` holds, see [`Self::loads`]. A collective call.
+    /// From now on every evaluation computes the loads on the boundaries for which `loaded` holds, see [`Self::loads`]. A collective call.
     pub fn load_boundaries(&mut self, loaded: &[bool]) {
         let is_loaded = |batch: &&FacetBatch| batch.boundary.is_some_and(|boundary| loaded[boundary]);
         let (points, face_nodes) = (self.tables.time_points.len(), self.face_nodes_of_mesh());
@@ -99,8 +99,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         &self.wall_loads.nodes
     }
 
-    /// L of (load) at the loaded nodes, `[time point][loaded node][component]`, with the weights of the time points: that of the residual last evaluated, or its derivative along
-    /// the direction of the product last taken.
+    /// L of (load) at the loaded nodes, `[time point][loaded node][component]`, with the weights of the time points. They belong to the
+    /// last evaluation: the residual, or a product, which leaves the derivative of L along its direction.
     pub fn loads(&self) -> &[f64] {
         &self.wall_loads.values
     }

@@ -1,7 +1,14 @@
-//! Ranks that are processes: which of them this process is, and how they talk.
+//! Ranks that are processes: the rank of this process, and the communication.
 //!
-//! [`world`] tells from the way the process was started. The feature `mpi` links MPI and adds `Mpi`. Nothing but the program depends on this
-//! crate, so the feature changes no other one.
+//! [`world`] decides by the way the process was started. The feature `mpi` links MPI and adds `Mpi`. Nothing but the program depends on
+//! this crate, so the feature changes no other one.
+//!
+//! ```
+//! // Alone, unless mpirun has started several ranks.
+//! let ranks = message_passing::world()?;
+//! assert!(ranks.rank() < ranks.size());
+//! # Ok::<(), message_passing::Error>(())
+//! ```
 
 #[cfg(feature = "mpi")]
 mod processes;

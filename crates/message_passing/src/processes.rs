@@ -10,7 +10,7 @@ use mpi::topology::{Communicator as _, SimpleCommunicator};
 use mpi::traits::{Destination, Equivalence, Root, Source};
 use ranks::Communicator;
 
-/// At most as many bytes go into one call of MPI, which counts in 32 bits.
+/// The largest number of bytes in one call of MPI, which counts in 32 bits.
 const CHUNK: usize = 1 << 30;
 
 /// The code with which all ranks end when one of them panics: that of any Rust program that panics.

@@ -1,10 +1,10 @@
-//! The ranks of this process, as the way it was started tells them.
+//! The ranks of this process, from the environment in which it was started.
 
 use ranks::{Alone, Communicator};
 use std::env;
 use std::sync::Arc;
 
-/// Why the ranks of this process cannot work together.
+/// The reason why the ranks of this process cannot work together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// Several processes were started, and each would do the whole work.

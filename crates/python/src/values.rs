@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::Serialize;
 
-/// A value of a case file as TOML: what stands behind `key =`.
+/// A value of a case file as TOML: the text behind `key =`.
 pub fn to_toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if value.is_instance_of::<PyBool>() {
         return Ok(value.extract::<bool>()?.to_string());
@@ -41,7 +41,7 @@ fn quoted(text: &str) -> PyResult<String> {
     serde_json::to_string(text).map_err(|error| PyTypeError::new_err(error.to_string()))
 }
 
-/// What can be written as JSON as objects of Python.
+/// A value that JSON can hold, as objects of Python.
 pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(|error| PyTypeError::new_err(error.to_string()))?;
     py.import("json")?.call_method1("loads", (text,))

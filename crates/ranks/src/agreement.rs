@@ -2,7 +2,7 @@
 
 use crate::Communicator;
 
-/// Agreement: the same result on all ranks. It is the error of the lowest rank that has one, else Ok.
+/// Agreement: the same result on all ranks. It is the error of the lowest rank with an error, otherwise Ok.
 ///
 /// Every step that may fail on one rank alone ends in it, before the next collective call. With one rank the result is returned as it is.
 /// With more, all ranks return what `decode` makes of the bytes of the error, also the rank whose error it is.
@@ -42,7 +42,7 @@ mod tests {
         agree(ranks, result, |error| error.clone().into_bytes(), decode)
     }
 
-    /// What the ranks agree on when those of `bad` have an error each.
+    /// The result on which the ranks agree if each rank of `bad` has an error.
     fn outcomes(size: usize, bad: &[usize]) -> Vec<Result<usize, String>> {
         Threads::run(size, |ranks| {
             let rank = ranks.rank();

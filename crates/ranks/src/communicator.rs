@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 /// A group of ranks that solve one case together. Every call is collective: all ranks make the same calls in the same order.
 ///
-/// A call ends when this rank has what it needs. A failure of the network or of another rank ends the process, or panics; it is not an
+/// A call ends when this rank has received its data. A failure of the network or of another rank ends the process, or panics; it is not an
 /// error value.
 pub trait Communicator: Send + Sync {
     /// The number of this rank, from 0.

@@ -3,7 +3,7 @@
 use crate::Communicator;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What one rank has sent: the measure of tests, since counts do not depend on the machine.
+/// Counts of the messages of a rank. Tests measure communication by them, because counts do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Calls of `exchange` and `exchange_while`.
@@ -34,12 +34,12 @@ impl<C: Communicator> Counting<C> {
         Self { communicator, exchanges: zero(), messages: zero(), collectives: zero(), bytes: zero() }
     }
 
-    /// What was sent since the start or the last `reset`.
+    /// The counts since the start or the last `reset`.
     pub fn traffic(&self) -> Traffic {
         self.read(|counter| counter.load(Ordering::Relaxed))
     }
 
-    /// Counts from zero again, and returns what was sent until now.
+    /// Sets the counts to zero, and returns those until now.
     pub fn reset(&self) -> Traffic {
         self.read(|counter| counter.swap(0, Ordering::Relaxed))
     }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Which blocks of the mesh this rank owns, and sums over all blocks in a fixed order.
+/// The blocks of the mesh that this rank owns, and sums over all blocks in a fixed order.
 ///
 /// The order is that of a binary tree over the blocks. The sum of the blocks a..b is that of a..m plus that of m..b, m = (a + b) / 2. A
 /// rank adds up the largest nodes of the tree that hold its own blocks only; these sums go to all ranks, and each adds up the rest.
@@ -14,7 +14,7 @@ pub struct Sums {
     communicator: Arc<dyn Communicator>,
     /// Contiguous, in the order of ranks.
     blocks_of_rank: Vec<Range<usize>>,
-    /// How many sums each rank contributes to a total.
+    /// The number of sums that each rank contributes to a total.
     nodes_of_rank: Vec<usize>,
 }
 
@@ -24,7 +24,7 @@ impl Sums {
         Self::new(Arc::new(Alone), 1)
     }
 
-    /// Deals the blocks out evenly: rank r of P owns the blocks r B / P .. (r + 1) B / P.
+    /// Distributes the blocks evenly: rank r of P owns the blocks r B / P .. (r + 1) B / P.
     ///
     /// # Panics
     ///
@@ -83,7 +83,7 @@ impl Sums {
         })
     }
 
-    /// The largest value of all ranks. One that is not a number wins.
+    /// The largest value of all ranks; NaN if one of them is NaN.
     pub fn largest(&self, value: f64) -> f64 {
         if self.communicator.size() == 1 {
             return value;

@@ -42,7 +42,7 @@ pub struct CellSample<'a> {
     pub gradients: &'a [Vec<f64>],
     /// The displacement; empty if it is not known.
     pub displacement: &'a [f64],
-    /// The stress at each point of a structure; empty in a flow.
+    /// The stress at each point of a structure; empty for a flow.
     pub stress: &'a [Stress],
 }
 
@@ -89,12 +89,12 @@ pub fn of_mesh(field: Field) -> bool {
     matches!(field, Field::MeshVelocity | Field::Jacobian | Field::Displacement) || of_structure(field)
 }
 
-/// Whether a field is defined in a structure alone.
+/// Whether only structures have the field.
 pub fn of_structure(field: Field) -> bool {
     matches!(field, Field::VonMises | Field::PrincipalStress)
 }
 
-/// The values of `field` at the points of a cell, `[point][component]`; NaN where it is not defined. `medium` is that of a cell of the flow.
+/// The values of `field` at the points of a cell, `[point][component]`; NaN where it is not defined. Cells of a flow have a `medium`.
 pub fn values<const D: usize, const M: usize>(
     field: Field,
     medium: Option<&Medium>,

@@ -1,4 +1,4 @@
-//! Bodies that the flow moves, rigid or elastic: how rigid ones are built, what is told of all.
+//! Bodies that the flow moves, rigid or elastic: the construction of rigid ones, and the columns of all.
 
 use super::elastic_body::elastic_body;
 use case::expression::Program;
@@ -17,7 +17,7 @@ use tensor::Dual;
 /// The name of a structure among bodies.
 pub const STRUCTURE: &str = "structure";
 
-/// The part of the size of a body that is the depth of the fluid that moves with it, for the preconditioner: that of a plate.
+/// The depth of the fluid that moves with a body, as a fraction of the size of the body, for the preconditioner: that of a plate.
 const DEPTH: f64 = FRAC_PI_8;
 
 /// The bodies of `case` on the mesh of `operator`, whose walls it has leave their loads: rigid ones, then the structure.
@@ -97,7 +97,7 @@ fn surface<const D: usize>(
     }
 }
 
-/// The nodes of the facets of a mesh on `walls`, facet by facet. Cells know them where nodes are one by periodicity.
+/// The nodes of the facets of a mesh on `walls`, facet by facet.
 fn wall_facets<const D: usize>(mesh: &Mesh<D>, walls: &[usize]) -> impl Iterator<Item = Vec<[f64; D]>> {
     mesh.boundary_facets().iter().filter(|facet| walls.contains(&facet.boundary)).map(|facet| {
         let x = mesh.cell_coordinates(facet.side.cell);

@@ -3,7 +3,7 @@
 use case::AnyCase;
 use std::path::{Path, PathBuf};
 
-/// What becomes of a run that the output directory holds.
+/// The treatment of a run that the output directory holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
     /// It is kept: the new run is refused.
@@ -15,7 +15,7 @@ pub enum Existing {
     Replace,
 }
 
-/// Where a run writes, and what becomes of a run that is there.
+/// The output directory of a run, and the treatment of a run that is there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Destination {
     /// The output directory.

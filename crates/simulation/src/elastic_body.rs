@@ -9,7 +9,7 @@ use coupled::blocks::{ElasticBody, SlabTimes};
 use elasticity::{ElasticityError, FluidLayer};
 use fem::SlabOperator;
 
-/// The part of the extent of a structure that is the depth of the fluid that moves with it, for the preconditioner.
+/// The depth of the fluid that moves with a structure, as a fraction of the extent of the structure, for the preconditioner.
 const DEPTH: f64 = 0.1;
 
 /// Body number `number` of `case`: the structure and its part of the mesh.

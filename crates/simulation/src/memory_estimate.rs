@@ -10,7 +10,7 @@ use coupled::preconditioner::{LOW_ORDER_VECTORS, coarse_functions_per_direction,
 use fem::Orders;
 use navier_stokes::Viscosity;
 
-/// Krylov iterations of a Newton step of a run without surprises.
+/// Krylov iterations of a typical Newton step.
 pub fn typical_iterations<const D: usize>(case: &Case<D>) -> usize {
     if case.preconditioner() == Preconditioner::LowOrder { 16 } else { 8 }
 }
@@ -193,8 +193,8 @@ fn factors<const D: usize>(case: &Case<D>, time_order: usize) -> usize {
     2 * stored + 4 * rayon::current_num_threads() * NUMBERS_TO_INVERT * cell * cell
 }
 
-/// For the preconditioner by directions, in single precision: for every axis of a cell the squares of the unknowns and of the nodes of a line;
-/// and the former, padded, once for a real mode and four times for a complex pair.
+/// For the preconditioner by directions, in single precision. Every axis of a cell has the squares of the unknowns and of the nodes of a
+/// line. The former, padded, occurs once for a real mode and four times for a complex pair.
 fn lines<const D: usize>(case: &Case<D>, time_order: usize) -> (usize, usize) {
     let (mesh, Some(flow)) = (&case.mesh, &case.flow) else { return (0, 0) };
     let (axes, line) = (D * mesh.n_cells(), (D + 2) * flow.order);

@@ -1,4 +1,4 @@
-//! What a run tells its caller while it goes, and what it asks him.
+//! The reports of a run to its caller, and the questions that it asks.
 
 use crate::clock::CostClock;
 use coupled::{MeshQuality, State, StructureReport};
@@ -96,7 +96,7 @@ pub trait Observer: Sync {
     fn is_stop_requested(&self) -> bool {
         false
     }
-    /// How a user takes a `step` with the run in `directory`, for the end of a message.
+    /// The command with which a user takes a `step` with the run in `directory`, for the end of a message.
     fn advice(&self, step: NextStep, directory: &Path) -> String {
         let directory = directory.display();
         match step {

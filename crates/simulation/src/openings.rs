@@ -1,4 +1,4 @@
-//! The flow through inflows and outflows, and whether their conditions are made for it.
+//! The flow through inflows and outflows, and whether their conditions are suited to it.
 //!
 //! Measured at the start and at the end of every slab, at points of the facets of inflows and outflows.
 
@@ -58,7 +58,7 @@ pub struct Record {
     pub largest_share: f64,
 }
 
-/// Whether gas is meant to cross a boundary in one direction only.
+/// Whether the condition of a boundary assumes that gas crosses it in one direction only.
 pub fn is_opening<const D: usize>(condition: &Boundary<D>) -> bool {
     matches!(
         condition,

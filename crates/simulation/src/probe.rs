@@ -10,7 +10,7 @@ use navier_stokes::{Compiled, Exact, ExactState, Manufactured, NavierStokes};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use std::time::Instant;
 
-/// The number of evaluations, of which the fastest counts.
+/// The number of evaluations; the shortest time is taken.
 const REPEATS: usize = 3;
 
 /// Seconds of the parts of a run on this machine.

@@ -1,4 +1,4 @@
-//! The flow at points, from the coefficients of the cell that holds each: columns of history.csv, and the values of lines and slices.
+//! The flow at points, from the coefficients of the cells that contain them: columns of history.csv, and the values of lines and slices.
 
 use super::opening_states::{by_node, dot_of, slopes_at};
 use super::surfaces::physical;

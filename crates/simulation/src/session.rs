@@ -21,7 +21,7 @@ impl<'a> Session<'a> {
     /// Sets up a run that has `begun`.
     ///
     /// # Errors
-    /// An output directory that cannot be written or is in use, and what the observer says.
+    /// An output directory that cannot be written or is in use, and errors of the observer.
     pub(crate) fn start(
         destination: &Destination,
         observer: &'a dyn Observer,

@@ -37,7 +37,7 @@ pub struct RunStatistics {
     pub first_invalid_sampled: Option<f64>,
     /// Integrals of all components at the start.
     pub totals_at_start: Vec<f64>,
-    /// The thickness of the layer at walls that the initial state was given, if it was.
+    /// The thickness of the layer at walls that was added to the initial state, if there is one.
     pub start_layer: Option<f64>,
     /// The amount that has left through all boundaries, per component.
     pub left: Vec<f64>,
@@ -190,7 +190,7 @@ impl RunStatistics {
         self.coupled_energy_error = self.coupled_energy_error.max(error.abs());
     }
 
-    /// Notes how the steady flow was found from which the run starts.
+    /// Records the search for the steady flow from which the run starts.
     pub fn start_from_steady<const D: usize, const M: usize>(&mut self, found: &SteadyFlow<M>, loads: &[WallLoads<D>]) {
         let SteadyFlow { report, stages, reliability } = found;
         self.forces = loads.iter().map(|loads| to_numbers(&loads.at_top)).collect();

@@ -129,7 +129,7 @@ fn of_body<const D: usize>(body: &case::RigidBody<D>, state: &BodyState, record:
     }
 }
 
-/// The translation and the rotation vector where the coordinates of a body are `q`; their rates where these are rates.
+/// The translation and the rotation vector of a body with the coordinates `q`; if `q` are rates, their rates.
 fn moved<const D: usize>(body: &case::RigidBody<D>, q: &[f64]) -> (Vec3, Vec3) {
     let (mut translation, mut rotation) = ([0.0; 3], [0.0; 3]);
     for (freedom, q) in body.freedoms.iter().zip(q) {
@@ -142,7 +142,7 @@ fn moved<const D: usize>(body: &case::RigidBody<D>, q: &[f64]) -> (Vec3, Vec3) {
     (translation, rotation)
 }
 
-/// Of an elastic body; its displacement is that of the first point that is observed.
+/// The figures of an elastic body; its displacement is that of its first observed point.
 pub fn of_elastic_body<const D: usize>(structure: &case::Structure<D>, state: &BodyState, record: &BodyRecord) -> Body {
     let first = |field: &[f64]| field.iter().take(D).copied().collect();
     Body {

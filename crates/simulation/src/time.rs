@@ -1,6 +1,6 @@
 //! Times for reading.
 
-/// A time without the last digits, which round-off may have spoiled.
+/// A time without its last digits, which contain round-off.
 pub fn rounded(time: f64) -> f64 {
     format!("{time:.11e}").parse().unwrap_or(time)
 }

@@ -3,7 +3,7 @@
 use ranks::Communicator;
 use std::sync::Arc;
 
-/// How launchers of MPI tell the number of processes on this machine.
+/// Variables in which launchers of MPI pass the number of processes on this machine.
 const PROCESSES_HERE: [&str; 2] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"];
 
 /// The exit code of a panic.

@@ -81,8 +81,8 @@ fn a_steady_flow_takes_few_iterations() {
     assert!(steady["newton"].as_u64().unwrap() <= 9 && steady["krylov"].as_u64().unwrap() <= 85, "{steady}");
 }
 
-/// With a coarse level also in damped steps, this start once ended in a spurious solution of the discrete equations, with drag 0.043 and
-/// lift -0.06, on 484 cells. The mesh of the case gives 0.05253.
+/// With a coarse level also in damped steps, this start ends in a spurious solution of the discrete equations on 484 cells, with drag 0.043
+/// and lift -0.06. The mesh of the case gives 0.05253.
 #[test]
 fn the_steady_flow_at_re_5000_is_the_one_that_finer_meshes_have() {
     let mesh = "mesh.generate.airfoil={ first_cell = 0.01, trailing_edge_cell = 0.02, surface_cells = 14, wake_cells = 8, normal_cells = 11, \

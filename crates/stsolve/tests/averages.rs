@@ -185,7 +185,7 @@ fn averages_of_a_resumed_run_have_the_same_bits() {
     }
 }
 
-/// A run that starts from another one goes on with its averages, but not with others.
+/// A run that starts from another one continues averages with the same settings, and begins others anew.
 #[test]
 fn a_restart_continues_averages_of_the_same_kind() {
     let directory = TempDir::new().unwrap();

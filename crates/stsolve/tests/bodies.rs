@@ -45,7 +45,7 @@ fn a_piston_that_moves_smoothly_has_the_order_of_radau() {
     }
 }
 
-/// Gas, a free piston and a driven wall that move alike stay as they are, while the mesh between them stretches.
+/// Gas, a free piston and a wall that move with one velocity keep it, while the mesh between them stretches.
 #[test]
 fn bodies_that_move_with_the_stream_leave_it_alone() {
     let directory = TempDir::new().unwrap();
@@ -84,7 +84,7 @@ fn bodies_have_the_same_bits_for_threads_and_after_a_resume() {
     assert!(y.iter().any(|y| y.abs() > 1e-4), "{y:?}");
 }
 
-/// A driven coordinate follows its formula, and is free from its release on.
+/// A prescribed coordinate follows its formula, and is free from its release on.
 #[test]
 fn a_driven_coordinate_is_released() {
     let directory = TempDir::new().unwrap();

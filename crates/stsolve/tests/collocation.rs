@@ -1,4 +1,4 @@
-//! Collocated quadrature and split forms in whole runs: accuracy, conservation, survival, the same bits after a resume.
+//! Collocated quadrature and split forms in whole runs: accuracy, conservation, robustness, the same bits after a resume.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 /// A vortex on a mesh whose nodes move by sines, coarse.
 const STIRRED: [&str; 3] = ["mesh.generate.box.cells=[8,8]", "time.end=1", "time.slabs=10"];
 
-/// The error of the density of the stirred vortex.
+/// The error of the density of the vortex on the swirling mesh.
 fn stirred(quadrature: &str) -> f64 {
     let directory = TempDir::new().unwrap();
     let quadrature = format!("flow.quadrature={quadrature}");
@@ -91,7 +91,7 @@ fn two_point_fluxes_ask_for_points_that_are_nodes() {
     refused.expect(2, &["flow.volume_flux", "collocated_lobatto"]);
 }
 
-/// A mesh of order 5 whose thin cells the order 3 of the flow cannot follow: the run once failed with a residual that is no number.
+/// A mesh of order 5 with thin cells, which order 3 of the flow cannot represent. Unchecked, the residual would be NaN.
 #[test]
 fn a_mesh_that_the_order_of_the_flow_turns_inside_out_is_refused() {
     let directory = TempDir::new().unwrap();

@@ -182,7 +182,7 @@ fn a_slice_of_curved_cells_is_plane() {
     assert!((area(&text) - 1.01_f64.sqrt()).abs() < 2e-3, "{}", area(&text));
 }
 
-/// The vortex on its stirred mesh: the line is as accurate as the flow, also where the mesh carries it.
+/// The vortex on its swirling mesh: a line is as accurate as the flow, also if the mesh carries it.
 #[test]
 fn a_line_through_the_vortex_follows_the_exact_solution() {
     let directory = TempDir::new().unwrap();

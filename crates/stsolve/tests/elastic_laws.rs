@@ -65,7 +65,7 @@ fn check_names_the_law() {
     }
 }
 
-/// With the tolerance 1e-2, once the default, the run failed at 30 degrees, and det J was wrong by 40 % before that.
+/// With the tolerance 1e-2 the run would fail at 30 degrees, and det J would be wrong by 40 % before that.
 #[test]
 fn a_neo_hookean_mesh_is_converged_where_it_is_accepted() {
     let directory = TempDir::new().unwrap();

@@ -289,7 +289,7 @@ fn a_control_has_the_same_bits_after_a_resume() {
     assert_eq!(history("whole"), history("parts"));
 }
 
-/// Two controls give the outflow the pressure of a wave that leaves.
+/// Two controls set the outflow to the pressure of a wave that leaves.
 #[test]
 fn controls_let_a_pulse_of_sound_leave() {
     let directory = TempDir::new().unwrap();

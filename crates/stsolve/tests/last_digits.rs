@@ -29,8 +29,8 @@ fn uniform(mach: f64, height: f64, slab: f64, gas: &str) -> String {
 
 const VISCOUS: &str = ", viscosity = { constant = 0.01 }";
 
-/// Newton's tolerance was once 1e-13 in units of the reference state. These flows have a residual above that, which is pure round-off,
-/// and slabs were halved until the run failed.
+/// These flows have a residual above 1e-13 in units of the reference state, which is pure round-off. With this number as the tolerance,
+/// slabs would be halved until the run fails.
 #[test]
 fn a_uniform_flow_takes_at_most_one_newton_step_a_slab_at_low_mach_number_on_thin_cells_in_long_slabs() {
     let directory = TempDir::new().unwrap();
@@ -48,8 +48,8 @@ fn a_uniform_flow_takes_at_most_one_newton_step_a_slab_at_low_mach_number_on_thi
     }
 }
 
-/// The rounding of the residual grows with the length of a slab. With 1e-13 a steady flow at Mach 0.1 was once cut into sixteen
-/// parts.
+/// The rounding of the residual grows with the length of a slab. With the tolerance 1e-13 a slab of a steady flow at Mach 0.1 would be cut
+/// into sixteen parts.
 #[test]
 fn a_cylinder_at_mach_0_1_goes_on_from_its_steady_flow_without_a_rejection() {
     let directory = TempDir::new().unwrap();
@@ -76,7 +76,8 @@ fn a_faint_vortex_is_not_taken_for_rounding() {
     assert!((faint / strong - 1.0).abs() < 0.01, "{faint:e} against {strong:e}");
 }
 
-/// With the tolerances of the shipped cases, 1e-4 to 1e-8, mass and energy once had errors of 1e-9 to 1e-13.
+/// Without the correction of the balances, mass and energy would have errors of 1e-9 to 1e-13 at the tolerances of the shipped cases, 1e-4
+/// to 1e-8.
 #[test]
 fn balances_hold_to_round_off_at_any_tolerance() {
     let directory = TempDir::new().unwrap();

@@ -49,14 +49,13 @@ fn in_three_dimensions() {
     }
 }
 
-/// The mesh has many more nodes than the flow. The estimate was once 0.57 of the need.
+/// The mesh has many more nodes than the flow, so the mesh dominates the estimate.
 #[test]
 fn of_a_mesh_of_high_order() {
     assert_estimate("couette", &["mesh.order=12", "flow.order=3", "mesh.generate.box.cells=[16,16]", "time.end=0.1"]);
 }
 
-/// In three dimensions the proof that cells are valid takes more memory than the flow: the estimate was once 0.18 of
-/// the need.
+/// In three dimensions the proof that cells are valid takes more memory than the flow.
 #[test]
 fn of_a_mesh_of_high_order_in_three_dimensions() {
     let set = ["mesh.generate.box.cells=[4,4,4]", "mesh.order=8", "flow.order=2", "flow.boundary.others=slip_wall"];

@@ -1,5 +1,5 @@
-//! Gas that enters and leaves: vortices through an outflow, shear through an inflow, a blade started from a uniform stream, a channel
-//! with a given mass flux. Also the reports of a run about flow that a condition is not made for.
+//! Gas that enters and leaves: vortices through an outflow, shear through an inflow, a blade started from a uniform stream, a channel with
+//! a given mass flux. Also the reports of a run about flow for which a condition is not suited.
 //!
 //! The long versions: `cargo test --release -p stsolve --test openings -- --ignored`
 
@@ -145,8 +145,7 @@ fn survives(case: &str, set: &[&str]) -> serde_json::Value {
     summary(&directory.path().join("run"))
 }
 
-/// A strength of 2.5 once failed at t = 5.1, because gas that came back had the entropy and the shear of the gas
-/// inside.
+/// At a strength of 2.5 a run fails at t = 5.1 if gas that comes back has the entropy and the shear of the gas inside.
 #[test]
 fn vortices_leave_through_an_outflow() {
     for strength in ["1", "2.5", "4"] {
@@ -264,7 +263,7 @@ fn long_the_pressure_is_that_of_the_outlet_after_shear() {
     }
 }
 
-/// All of these once failed before t = 0.4, when shear was imposed on gas that left.
+/// All of these would fail before t = 0.4 if shear were imposed on gas that leaves.
 #[test]
 fn shear_passes_an_inflow() {
     for push in ["0.3", "0.1", "0", "-0.1"] {
@@ -272,7 +271,7 @@ fn shear_passes_an_inflow() {
     }
 }
 
-/// It once failed at t = 0.565.
+/// The waves of the start push gas back through the inflow.
 #[test]
 fn a_blade_starts_from_a_uniform_stream() {
     let summary = survives(BLADE, &[]);
@@ -307,8 +306,7 @@ fn a_supersonic_stream_enters_by_its_state() {
     assert!((number(&summary, "openings.left.mass_flow") + 1.0).abs() < 1e-12, "{summary}");
 }
 
-/// `inflow` once accepted M = 2 silently, and the run failed later with another cause named. Now check, run and summary report
-/// it.
+/// Check, run and summary report a supersonic stream through `inflow`.
 #[test]
 fn a_supersonic_stream_through_a_subsonic_inflow_is_told() {
     // p_0 = p 1.8^3.5 and T_0 = 1.8 T of M = 2.
@@ -339,8 +337,8 @@ fn a_misused_opening_is_the_first_cause() {
     );
 }
 
-/// DFG 2D-1 (Schäfer & Turek 1996) at M = 0.025: the drag, and the given mass flux of 0.2 times the height. A prescribed state once lost 2.5
-/// % of the mass flux.
+/// DFG 2D-1 (Schäfer & Turek 1996) at M = 0.025: the drag, and the given mass flux of 0.2 times the height. A prescribed state would lose
+/// 2.5 % of the mass flux.
 #[test]
 fn the_cylinder_in_a_channel_has_the_drag_of_the_benchmark() {
     let directory = TempDir::new().unwrap();

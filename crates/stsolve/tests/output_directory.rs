@@ -1,4 +1,4 @@
-//! Existing output directories: a run is not replaced unasked, and never the source of a restart.
+//! Existing output directories: a run is replaced only with `--force`, and the source of a restart never.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]

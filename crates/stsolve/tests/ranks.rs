@@ -202,7 +202,7 @@ fn a_full_disk_ends_all_ranks_with_the_same_message_and_the_last_good_state() {
     assert_same_bits(&directory.path().join("whole"), &directory.path().join("3"), "resumed after a full disk");
 }
 
-/// All ranks hear the number of a control before each slab.
+/// All ranks receive the number of a control before each slab.
 #[test]
 fn a_control_has_the_same_bits_on_any_number_of_ranks() {
     let controlled = [

@@ -155,7 +155,7 @@ fn in_space_a_cut_is_shown_and_named() {
     assert_eq!(density[0], density[1], "{density}");
 }
 
-/// A run that failed tells causes, remedies and its worst cell.
+/// The page of a failed run shows causes, remedies and the worst cell.
 #[test]
 fn the_page_of_a_failed_run_tells_why() {
     let directory = TempDir::new().unwrap();

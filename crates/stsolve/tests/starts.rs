@@ -1,4 +1,4 @@
-//! Starts from a uniform state: at walls to which gas sticks the velocity jumps.
+//! Starts from a uniform state: at no-slip walls the velocity jumps.
 
 #![allow(clippy::unwrap_used)]
 
@@ -43,7 +43,7 @@ fn a_sudden_start_is_made_easier_by_a_layer_at_the_wall() {
     }
 }
 
-/// The layer that a case asks for is the layer that the program takes.
+/// The program uses the layer that a case sets.
 #[test]
 fn the_layer_may_be_given() {
     let directory = TempDir::new().unwrap();

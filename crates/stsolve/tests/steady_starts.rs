@@ -17,8 +17,7 @@ fn run(directory: &Path, name: &str, case: &str) -> Outcome {
     stsolve(directory, &["run", file.to_str().unwrap(), "--output", name, "--quiet"])
 }
 
-/// The state on the boundary varies in time: at t = 0 its density is 1. Its mean over the slab of the solver, 1.0969,
-/// was once taken.
+/// The state on the boundary varies in time: at t = 0 its density is 1, and its mean over the slab of the solver 1.0969.
 #[test]
 fn a_steady_start_takes_boundary_states_of_its_own_time() {
     let case = |start: f64| {
@@ -48,7 +47,7 @@ fn a_steady_start_takes_boundary_states_of_its_own_time() {
 const COARSE: &str = "mesh.generate.airfoil={ first_cell = 0.015, trailing_edge_cell = 0.02, surface_cells = 8, wake_cells = 6, \
                       normal_cells = 10, far_field = 20 }";
 
-/// A gust that begins at t = 0 exerts no lift at that time; C_L was once 0.02.
+/// A gust that begins at t = 0 exerts no lift at that time.
 #[test]
 fn a_gust_is_not_felt_before_it_has_begun() {
     let gust = "flow.boundary.far={prescribed_state={expression={density=1,velocity=[1,\"0.1*sin(2*pi*t/5.3)\"],pressure=\"1/(1.4*0.2^2)\"}}}";
@@ -177,7 +176,7 @@ fn unresolved(directory: &Path, changes: &[&str]) -> Option<(serde_json::Value, 
 }
 
 /// Newton's method finds a lift of 0.448 from a uniform stream and of 0.113 from gas at rest, both with residuals of 4e-10. No flow in time
-/// stays at the first: a march fails within a time unit. Before, nothing was said.
+/// stays at the first: a march fails within a time unit.
 #[test]
 fn a_spurious_steady_flow_is_told_by_a_march_in_time() {
     let directory = TempDir::new().unwrap();

@@ -36,7 +36,7 @@ fn modes_swing_at_their_frequencies() {
     assert_eq!(column(&run, "tip_y").len(), 60);
 }
 
-/// The summary of a structure by itself says how its points swing, as that of a structure in a flow does.
+/// The summary of a structure alone has the amplitudes and frequencies of its points, like that of a structure in a flow.
 #[test]
 fn amplitude_and_frequency_of_a_point_are_told() {
     let directory = TempDir::new().unwrap();
@@ -189,7 +189,7 @@ fn what_does_not_go_with_a_structure_is_refused() {
     stsolve(directory.path(), &["motion", &shipped("cantilever.toml")]).expect(2, &["use `stsolve run`"]);
 }
 
-/// Newton's method stalls in a slab of this flag near t = 0.5. The run once ended there; now the slab is halved.
+/// Newton's method stalls in a slab of this flag near t = 0.5, so the slab is halved.
 #[test]
 fn a_slab_that_cannot_be_solved_is_halved() {
     let directory = TempDir::new().unwrap();

@@ -81,8 +81,8 @@ fn a_resumed_run_does_not_look_for_the_steady_flow_again() {
     assert_eq!(summary(&at("through"))["steady"], summary(&at("resumed"))["steady"]);
 }
 
-/// Between the time nodes a wall that turns is a polynomial, and its volume oscillates. Pressure at rest once did work on that, 9 % of
-/// the peak, and -0.019 at the end, where the airfoil rests.
+/// Between the time nodes a wall that turns is a polynomial, and its volume oscillates. With the velocity of the mesh, the pressure at rest
+/// would do work on that: 9 % of the peak, and -0.019 at the end, where the airfoil rests.
 #[test]
 fn power_of_a_rotating_wall_is_force_times_velocity_and_moment_times_angular_velocity() {
     let directory = TempDir::new().unwrap();

@@ -56,7 +56,7 @@ pub struct Freedom {
     pub rate: f64,
     /// Springs outside of a range.
     pub stops: Option<Stops>,
-    /// The displacement or angle that it is driven to.
+    /// The prescribed displacement or angle.
     pub motion: Option<Program>,
     /// When it is released.
     pub release: Option<f64>,

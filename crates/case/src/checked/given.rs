@@ -58,7 +58,7 @@ fn states<const D: usize>(
     Ok([states.next().flatten(), states.next().flatten()])
 }
 
-/// The gas. A Reynolds number needs the reference, and that the states of a gas of any viscosity.
+/// The gas. A Reynolds number needs the reference state. This follows from the given states, for which a gas of any viscosity will do.
 fn gas<const D: usize>(checker: &Checker<'_>, flow_key: &Key, flow: &raw::Flow) -> Checked<Gas> {
     let (key, raw) = (&flow_key.child("gas"), &flow.gas);
     let mut errors = Errors::default();
@@ -110,7 +110,7 @@ pub(super) fn shock_capturing(
     Ok(Some(checker.physics(key, navier_stokes::ShockCapturing::new(strength, threshold))?))
 }
 
-/// The viscosity; that of a Reynolds number is any.
+/// The viscosity; an arbitrary one if a Reynolds number is given.
 fn viscosity(checker: &Checker<'_>, key: &Key, raw: &raw::Viscosity) -> Checked<Viscosity> {
     match *raw {
         raw::Viscosity::Inviscid => Ok(Viscosity::Inviscid),

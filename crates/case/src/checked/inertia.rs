@@ -17,7 +17,7 @@ pub(super) fn component(raw: &raw::Body) -> Option<&'static str> {
     given.into_iter().find(|(_, freedom)| freedom.is_some()).map(|(name, _)| name)
 }
 
-/// The tensor of the body at `key`. A moment about one axis stands for all of them; a body that cannot turn needs none.
+/// The tensor of the body at `key`. A single moment is taken about every axis; a body that cannot turn needs none.
 pub(super) fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Body) -> Checked<Tensor> {
     match (&raw.inertia, &raw.moment_of_inertia) {
         (Some(_), Some(_)) => {

@@ -41,7 +41,7 @@ pub(super) fn check_held<const D: usize>(checker: &Checker<'_>, key: &Key, slide
     ))
 }
 
-/// A wall without slip does not slide: gas would stick to nodes of the mesh, not to the wall.
+/// A no-slip wall does not slide: gas would stick to nodes of the mesh, not to the wall.
 pub(super) fn check_walls<const D: usize>(
     checker: &Checker<'_>,
     mesh: &Mesh<D>,

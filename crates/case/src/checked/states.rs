@@ -112,7 +112,8 @@ pub(super) fn free_stream<const D: usize>(
     Ok(stream)
 }
 
-/// The highest Mach number. The pressure is a difference of energies, of which the kinetic one is M^2 gamma (gamma - 1) / 2 times as large.
+/// The highest Mach number. The pressure follows from the total minus the kinetic energy, which is M^2 gamma (gamma - 1) / 2 times the
+/// internal one. At high Mach numbers this difference has few digits.
 const HIGHEST_MACH: f64 = 100.0;
 
 fn check_mach<const D: usize>(checker: &Checker<'_>, key: &Key, stream: &Primitive<f64, D>, gas: Gas) -> Checked<()> {

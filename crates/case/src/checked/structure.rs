@@ -23,7 +23,7 @@ pub struct Structure<const D: usize> {
     pub young_modulus: Program,
     /// nu, in the position at rest.
     pub poisson_ratio: Program,
-    /// The stress of a strain.
+    /// The law of the material, stress by strain.
     pub law: StructureLaw,
     /// Rayleigh damping.
     pub damping: Damping,
@@ -175,7 +175,7 @@ fn check_beside_flow(checker: &Checker<'_>, key: &Key, raw: &raw::Structure) -> 
     Ok(())
 }
 
-/// What is given of the boundaries, where walls to the flow are free unless they are named.
+/// The given boundaries. Walls to the flow are free unless they are named.
 fn with_free_walls<const D: usize>(
     raw: &raw::Structure,
     part: Option<&SolidPart<D>>,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// The walls that are its surface. Without it, the wall that has the name of the body.
+    /// The walls that are its surface. Default: the wall that has the name of the body.
     pub walls: Option<Vec<String>>,
     /// Its mass.
     pub mass: Formula,
@@ -18,14 +18,14 @@ pub struct Body {
     /// Its tensor of inertia about the centre of mass at rest, in three dimensions: three rows of three numbers, or the three numbers of its
     /// diagonal. Needed with `rotation_x`, `rotation_y`, `rotation_z`.
     pub inertia: Option<Vec<InertiaEntry>>,
-    /// A point on the axis of rotation, at rest; with rotations about several axes the point about which the body turns. Without it the
+    /// A point on the axis of rotation, at rest; with rotations about several axes the point about which the body turns. Default: the
     /// origin.
     pub pivot: Option<Vec<f64>>,
-    /// The axis of `rotation` in three dimensions. Without it z.
+    /// The axis of `rotation` in three dimensions. Default: z.
     pub axis: Option<[f64; 3]>,
-    /// The centre of mass at rest. Without it the pivot.
+    /// The centre of mass at rest. Default: the pivot.
     pub centre_of_mass: Option<Vec<f64>>,
-    /// An outer force on the centre of mass, a formula per axis in the time t: weight, for example.
+    /// An outer force on the centre of mass, such as its weight: a formula per axis in the time t.
     pub force: Option<Vec<Formula>>,
     /// The translation along x, if the body has it.
     pub x: Option<Freedom>,
@@ -42,11 +42,11 @@ pub struct Body {
     pub rotation_y: Option<Freedom>,
     /// The component along z of the rotation vector, if the body has it.
     pub rotation_z: Option<Freedom>,
-    /// How the mesh follows the body. Without it the mesh is an elastic body, see `motion`.
+    /// How the mesh follows the body. Default: the mesh is an elastic body, see `motion`.
     pub mesh: Option<FollowingMesh>,
 }
 
-/// A translation or rotation of a body. An empty section is one that is free.
+/// A translation or rotation of a body. An empty section makes it free, without spring and damper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Freedom {
@@ -67,9 +67,9 @@ pub struct Freedom {
     pub rate: Formula,
     /// Springs that act outside of a range only.
     pub stops: Option<Stops>,
-    /// The displacement or angle as a formula in the time t, zero at the start: it is driven, not free.
+    /// The displacement or angle as a formula in the time t, zero at the start: it is prescribed, not free.
     pub motion: Option<Formula>,
-    /// The time from which on a driven one is free. A slab must begin there.
+    /// The time from which a prescribed coordinate is free. A slab must begin there.
     pub release: Option<f64>,
 }
 

@@ -23,7 +23,7 @@ pub struct Motion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Elasticity {
-    /// Poisson's ratio nu, -1 < nu < 0.5. The nearer to 0.5, the better cells keep their volume.
+    /// Poisson's ratio nu, -1 < nu < 0.5. Values near 0.5 keep the volumes of cells nearly constant.
     #[serde(default = "poisson_ratio")]
     pub poisson_ratio: f64,
     /// Young's modulus over the mesh. Only its variation matters, not its magnitude.
@@ -151,11 +151,11 @@ pub enum BoundaryMotion {
     /// At rest.
     Fixed,
     /// Its nodes slide in its plane, which must be normal to an axis: displacements along the normal are zero, along the plane they follow
-    /// the elastic interior. A node that it shares with another boundary moves with that one. Not for walls without slip.
+    /// the elastic interior. A node that it shares with another boundary moves with that one. Not for no-slip walls.
     Slide,
     /// A displacement, a formula per axis in the position x, y, z at rest and the time t; zero at the start.
     Displacement(Vec<Formula>),
-    /// A rigid motion: a list of steps, applied in order. At the start the result must be no motion.
+    /// A rigid motion: a list of steps, applied in order. At the start the displacement must be zero.
     Rigid(Vec<RigidStep>),
     /// A displacement along the unit normal at rest, which points out of the mesh: positive into the wall. It is a formula in the
     /// position x, y, z at rest and the time t. On a closed curve, also on one that is extruded along z, it may contain s, the length along

@@ -138,8 +138,8 @@ pub struct Steady {
     /// Whether to try lower orders, the lowest with a dissipative flux, if the order of the case does not converge at once, and to
     /// march in time for some slabs if that fails.
     pub sequence: bool,
-    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether it
-    /// is stable. 0: never. Default: 8 where the residual at the next higher order tells that the flow is not resolved, otherwise 0.
+    /// For so many time units (reference length / reference speed) the steady flow is marched in time, slightly disturbed, to see whether
+    /// it is stable. 0: never. Default: 8 if the residual at the next higher order shows that the flow is not resolved, otherwise 0.
     pub stability_time: Option<f64>,
 }
 

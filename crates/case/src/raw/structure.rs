@@ -7,19 +7,19 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// An elastic body that fills the mesh, or beside a flow some regions of it. Its displacement has the order of the mesh. Positions and
-/// loads are those of the body at rest: with the linear law the displacement is small.
+/// loads refer to the body at rest, so with the linear law displacements must be small.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
-    /// The regions of the mesh that the body fills. A flow fills all others: they move each other. Default: the body fills the mesh, and
-    /// there is no flow.
+    /// The regions of the mesh that the body fills. A flow fills all others; structure and flow move each other. Default: the body fills
+    /// the mesh, and there is no flow.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<String>,
     /// Young's modulus E: a number, or a formula in the position x, y, z at rest.
     pub young_modulus: Formula,
     /// Poisson's ratio nu, -1 < nu < 0.5: a number, or a formula in the position x, y, z at rest.
     pub poisson_ratio: Formula,
-    /// The stress of a strain. A law that is not linear needs plane strain, or three dimensions.
+    /// The law of the material, stress by strain. A nonlinear law needs plane strain or three dimensions.
     #[serde(default)]
     pub law: StructureLaw,
     /// Rayleigh damping. By default the body is undamped.
@@ -50,7 +50,7 @@ pub struct Structure {
     pub points: BTreeMap<String, Vec<f64>>,
 }
 
-/// The stress of a strain.
+/// The law of the material, stress by strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StructureLaw {

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! with (dynamics) of `elasticity::structure_slab`. The unknowns W are the velocities of all C0 nodes of the solid at the time nodes.
-//! D_a = dt omega_a (K_ii + |lambda/dt|^2 M_ii), with the largest |lambda|, is the impulse that a displacement needs. The wall moves with the solid as a polynomial in time: the work of the
-//! loads on the wall is that on the solid, to rounding.
+//! D_a = dt omega_a (K_ii + |lambda/dt|^2 M_ii), with the largest |lambda|, is the impulse per displacement. Wall and solid move by the same
+//! polynomial in time, so the work of the loads on both is equal to rounding.
 
 mod interface;
 mod slab;
@@ -32,11 +32,11 @@ const MODE_TOLERANCE: f64 = 1e-2;
 /// How often an increment is halved until the law has a stress.
 const HALVINGS: i32 = 8;
 
-/// What an elastic body is.
+/// The data of an elastic body.
 pub struct ElasticBodyData<const D: usize> {
-    /// Its mesh, material, and where it is supported.
+    /// Its mesh, material and supports.
     pub structure: Structure<D>,
-    /// The loads on it beside those of the flow.
+    /// The loads on it, except those of the flow.
     pub loads: Loads<D>,
     /// How its supports move.
     pub supports: Supports<D>,
@@ -117,13 +117,13 @@ impl<const D: usize> ElasticBody<D> {
         weights.iter().flat_map(|w| scales.iter().map(move |scale| self.step * w * scale)).collect()
     }
 
-    /// Does something with all fixed entries of the slab.
+    /// Calls `act` with every fixed entry of the slab.
     fn at_fixed(&self, mut act: impl FnMut(usize)) {
         let fixed = self.data.structure.fixed();
         (0..self.w.len()).filter(|i| fixed[i % fixed.len()]).for_each(&mut act);
     }
 
-    /// Replaces rows of fixed entries by those of (elastic body) for the difference `w` to the prescribed velocity.
+    /// Sets the rows of fixed entries by (elastic body), for the difference `w` to the prescribed velocity.
     fn constrain(&self, w: impl Fn(usize) -> f64, r: &mut [f64]) {
         self.at_fixed(|i| r[i] = self.scales[i] * self.step * w(i));
     }
@@ -135,7 +135,7 @@ impl<const D: usize> ElasticBody<D> {
         entries.filter(|(i, _)| !fixed[i % fixed.len()]).for_each(|(_, (r, load))| *r -= load);
     }
 
-    /// Makes the systems of the slab, if there are others.
+    /// Factors the systems of the slab, unless they are known.
     fn factor(&mut self) -> Option<&ModalSolver<D>> {
         let dt = elasticity::nominal_length(self.slab.dt, self.step);
         let rate = self.inverse_pseudo_time;
@@ -158,7 +158,7 @@ impl<const D: usize> Block for ElasticBody<D> {
         Couplings { reads: &[Quantity::WallLoads], writes: &[Quantity::WallDisplacement] }
     }
 
-    /// An impulse R moves a node by R / D_a: an error of position, here relative to the node spacing.
+    /// R / D_a is an error of position. The weights divide it by the node spacing.
     fn weights(&self) -> Vec<f64> {
         let (spacing, length) = (self.data.structure.node_spacing(), self.data.structure.length());
         let weight =
@@ -178,7 +178,7 @@ impl<const D: usize> Block for ElasticBody<D> {
         self.slab.forces = self.in_slab().forces().map_err(SlabError::Structure)?;
         self.slab.supports = self.prescribed();
         if !self.data.structure.law().is_linear() {
-            // K is that at the bottom.
+            // K is taken at the bottom of the slab.
             self.modal = None;
         }
         self.inverse_pseudo_time = 0.0;
@@ -218,7 +218,7 @@ impl<const D: usize> Block for ElasticBody<D> {
         x.copy_from_slice(r);
         self.factor();
         if let Some((_, modal)) = &self.modal {
-            // An unconverged increment still is a good one: the iteration outside is flexible.
+            // FGMRES is flexible: an increment that has not converged is good enough.
             let _ = modal.solve(&self.data.structure, self.slab.dt, MODE_TOLERANCE, x);
         }
         self.at_fixed(|i| x[i] = r[i] / (self.scales[i] * self.step));

@@ -103,7 +103,7 @@ impl PostOffice {
 }
 
 impl Desk {
-    /// Why a message of the rank `from`, which is not here, will never come.
+    /// The reason why a missing message of the rank `from` will never come.
     fn hopeless(&self, from: usize) -> Option<String> {
         if let Some(failed) = self.first_failure {
             return Some(format!("rank {failed} has failed"));

@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 const SIZES: [usize; 5] = [1, 2, 3, 5, 8];
 
-/// What the rank `from` sends to the rank `to`: its length depends on both.
+/// The message of the rank `from` to the rank `to`: its length depends on both.
 fn letter(from: usize, to: usize) -> Vec<f64> {
     (0..1 + (3 * from + to) % 4).map(|k| (100 * from + 10 * to + k) as f64).collect()
 }

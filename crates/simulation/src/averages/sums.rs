@@ -16,7 +16,7 @@ pub struct AverageSums {
     plan: Vec<f64>,
     /// The averaged time of every phase; of the whole time without phases.
     pub durations: Vec<f64>,
-    /// What is subtracted from each quantity, `[cell][quantity][node]`.
+    /// The offset that is subtracted from each quantity, `[cell][quantity][node]`.
     pub offsets: Vec<f64>,
     /// `[cell][phase][sum][node]`, see [`Moments`].
     pub moments: Vec<f64>,

@@ -21,7 +21,7 @@ pub enum Order {
 
 const ORDERS: [Order; 5] = [Order::Build, Order::Restore, Order::Advance, Order::Store, Order::Finish];
 
-/// The voice of rank 0. At its end it orders the others to finish.
+/// Sends the orders of rank 0. When it is dropped, it orders the others to finish.
 pub struct Orders(Arc<dyn Communicator>);
 
 impl Orders {
@@ -51,7 +51,7 @@ impl Drop for Orders {
     }
 }
 
-/// Waits for the next order, and what goes with it.
+/// Waits for the next order and its data.
 pub(super) fn receive(communicator: &dyn Communicator) -> (Order, Vec<u8>) {
     let mut bytes = Vec::new();
     communicator.broadcast(&mut bytes);

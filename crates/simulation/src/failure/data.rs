@@ -186,7 +186,7 @@ pub struct Gas {
     pub is_split: bool,
     /// The speed with which a boundary is set in motion at the start, over the speed of sound.
     pub kick: f64,
-    /// Flow at inflows and outflows that their conditions are not made for.
+    /// Flow at inflows and outflows for which their conditions are not suited.
     pub openings: Vec<OpeningMisuse>,
 }
 

@@ -7,7 +7,7 @@ pub struct Column {
     pub name: &'static str,
     /// The number of its components.
     pub components: usize,
-    /// Whether it is a field for viewers, who know positions anyway.
+    /// Whether it is a field for viewers, which have the positions already.
     pub is_field: bool,
 }
 

@@ -6,9 +6,10 @@
 //! error = 2.36 sd(<q>_1, ..., <q>_8) / 8^1/2,    <q>_b the means over eight parts of the times                                        (error)
 //! ```
 //!
-//! A wall that is a curve extruded along z has many rows with the same s: the mean is also one over the span. The flow separates where <c_s>
-//! falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s> goes from
-//! minus to plus, as at a stagnation point. The error is that of 95 %, if the parts are longer than the memory of the flow.
+//! A wall that is a curve extruded along z has many rows with the same s: the mean is also one over the span. The flow separates where
+//! <c_s> falls through zero along the direction from which it comes: where <c_s> goes from plus to minus with s. It attaches where <c_s>
+//! goes from minus to plus, as at a stagnation point. The error is half of a 95 % confidence interval, if the parts are longer than the
+//! correlation time of the flow.
 
 use super::columns::{Column, columns};
 use output::{OutputError, Series, write_atomically};
@@ -24,7 +25,7 @@ const SAME: f64 = 1e-9;
 const PARTS: usize = 8;
 const STUDENT: f64 = 2.365;
 
-/// The columns of the file after the place, by the names of the distribution.
+/// The columns of the file after the position, by the names of the distribution.
 const QUANTITIES: [&str; 6] =
     ["pressure", "pressure_coefficient", "skin_friction", "friction_coefficient", "heat_flux", "y_plus"];
 

@@ -49,7 +49,7 @@ impl Measurement {
         }
     }
 
-    /// Compares with the roofs. The lower roof at this intensity is the one of which the larger fraction is reached.
+    /// Compares with the roofs of the roofline model. The kernel reaches a larger fraction of the lower roof, which limits it.
     pub(super) fn against(self, machine: &Machine) -> Self {
         let arithmetic = self.gflops.unwrap_or(0.0) / machine.gflops_one;
         Measurement { share_of_limit: arithmetic.max(self.gbytes / machine.gbytes_one), ..self }

@@ -1,4 +1,4 @@
-//! The best of many short bursts, since a shared machine is not always busy.
+//! The shortest time of many short bursts, because other programs may use the machine from time to time.
 
 use rayon::ThreadPool;
 use std::time::Instant;
@@ -10,7 +10,7 @@ fn time(mut call: impl FnMut()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// The seconds of a kernel before another has its turn.
+/// The seconds of a burst, after which the next kernel follows.
 const BURST: f64 = 0.02;
 
 /// The shortest time of a call in a burst; its first calls refill the caches after other kernels.

@@ -11,7 +11,7 @@ use std::path::Path;
 /// Figures of two runs that are at most this far apart, relative to the larger, count as the same.
 const SAME: f64 = 1e-12;
 
-/// Parts of summary.json that tell of the machine, not of the case.
+/// Parts of summary.json that describe the machine, not the case.
 const OF_THE_MACHINE: [&str; 3] = ["cost", "machine", "version"];
 
 /// Prints what differs between the runs in the directories `first` and `second`: keys of the cases, figures of summary.json, and curves of

@@ -26,12 +26,12 @@ impl Points {
     /// Reads a file. The chord is scaled to 1, and the trailing edge closed at (1, 0).
     ///
     /// # Errors
-    /// A file that cannot be read; or, inside, what is wrong with its points.
+    /// A file that cannot be read. The inner result has the error of its points.
     pub(super) fn read(path: &Path) -> Result<Result<Self, String>, Box<Cause>> {
         Ok(Self::through(point_file::read(path)?))
     }
 
-    /// The airfoil through points, or what is wrong with them.
+    /// The airfoil through points, or their error.
     pub(super) fn through(mut points: Vec<[f64; 2]>) -> Result<Self, String> {
         let extent = points.iter().fold(0.0, |extent: f64, x| extent.max((x[0] - points[0][0]).abs()));
         points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) <= SAME * extent);

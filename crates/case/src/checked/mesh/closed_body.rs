@@ -20,7 +20,7 @@ const PARAMETERS: &[(&str, &str)] = &[
 /// The most points of a body. The spline through them takes memory that grows with the square of their number.
 const MOST_POINTS: usize = 2000;
 
-/// What a body must be for this mesh, if a cell is inverted.
+/// The requirements on a body, for the error of an inverted cell.
 const REMEDY: &str = "a smooth closed curve that does not cross itself and is at most slightly concave, with points in order; more \
                       `cells` around, a smaller `first_cell`, a larger `outer_radius`, or a higher order; for other bodies a file of Gmsh, `mesh.file`";
 

@@ -55,7 +55,7 @@ impl Family<'_> {
         }
     }
 
-    /// What may differ where the quantities together make a cell that is inverted.
+    /// The quantities to change if together they make a cell that is inverted.
     fn less_curved(&self) -> String {
         let mut keys: Vec<&str> = self.parameters.iter().filter_map(|(_, path)| path.split('.').next()).collect();
         keys.dedup();

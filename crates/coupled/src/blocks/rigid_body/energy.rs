@@ -1,11 +1,11 @@
-//! The energy of a rigid body, and where it goes.
+//! The energy of a rigid body and its balance.
 //!
 //! ```text
 //! dE = sum_a,k W_a,k (terms of inertia of R_a,k) - D,    E = v_c . m v_c / 2 + Omega . H / 2                       (numerical)
 //! ```
 //!
-//! D is the energy that the time integration takes. With translations and one rotation about a fixed axis it is that of the jumps of v_c and
-//! Omega at the bottom of the slab and never negative.
+//! D is the energy that the time integration takes. With translations and one rotation about a fixed axis it is the energy of the jumps of
+//! v_c and Omega at the bottom of the slab, and never negative.
 
 use super::RigidBody;
 use crate::block::Ledger;
@@ -35,7 +35,7 @@ impl<const D: usize> RigidBody<D> {
         ledger
     }
 
-    /// Adds what outer forces, dampers and the time integration take and give in a slab with the rates `z`.
+    /// Adds the work of outer forces, dampers and the time integration in a slab with the rates `z`.
     fn add_forces(&self, z: &[f64], ledger: &mut Ledger) {
         let (count, positions) = (self.count(), self.positions(z));
         let mut springs = 0.0;

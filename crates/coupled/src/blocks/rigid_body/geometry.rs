@@ -14,7 +14,7 @@ pub struct SurfaceNode<const D: usize> {
     pub weight: f64,
 }
 
-/// The nodes that a body moves, and those of them that are loaded.
+/// The nodes that a body moves; the flow loads some of them.
 #[derive(Clone, Debug, Default)]
 pub struct Surface<const D: usize> {
     /// All nodes; those of the wall come first.
@@ -42,7 +42,7 @@ impl<const D: usize> Surface<D> {
         self.wall().iter().flat_map(|node| data.displacement(node, &place)).collect()
     }
 
-    /// Adds the displacement at the coordinates `q`, or the `part` of it, to the field `out`, `[C0 node][component]`.
+    /// Adds the displacement at the coordinates `q` to the field `out`, `[C0 node][component]`. `part` selects its value or its derivative.
     pub(super) fn add_displacement<T: Transcendental>(
         &self,
         data: &RigidBodyData,
@@ -64,7 +64,7 @@ impl<const D: usize> Surface<D> {
     }
 }
 
-/// Where a body is.
+/// The position of a body.
 pub(super) struct BodyPosition<T> {
     /// h
     pub(super) h: [T; 3],
@@ -137,7 +137,7 @@ impl RigidBodyData {
     }
 }
 
-/// Two vectors of space in one.
+/// Joins two vectors of space.
 pub(super) fn six<T: Copy>(first: &[T; 3], second: &[T; 3]) -> Six<T> {
     std::array::from_fn(|i| if i < 3 { first[i] } else { second[i - 3] })
 }

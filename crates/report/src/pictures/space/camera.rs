@@ -62,7 +62,7 @@ impl Camera {
         std::array::from_fn(mix)
     }
 
-    /// Whether the side to which `normal` points is seen.
+    /// Whether the side to which `normal` points is visible.
     pub fn sees(&self, normal: &[f64; 3]) -> bool {
         dot(&self.toward, normal) > 0.0
     }

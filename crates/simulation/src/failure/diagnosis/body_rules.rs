@@ -28,7 +28,7 @@ pub fn folding_weights(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The fluid that moves with a body weighs much more than it. The first slabs feel that most.
+/// The fluid that moves with a body is much heavier than the body. This matters most in the first slabs.
 pub fn light_body(data: &FailureData) -> Option<Cause> {
     let ratio = data.bodies?.added_mass;
     let recent = 1.0 / (1.0 + data.attempt.slabs_done as f64 / 20.0);

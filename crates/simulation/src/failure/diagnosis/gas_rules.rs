@@ -21,7 +21,7 @@ pub fn near_vacuum(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// Gas at an inflow or outflow does what the condition is not made for.
+/// The flow at an inflow or outflow is not suited to its condition.
 pub fn opening(data: &FailureData) -> Option<Cause> {
     // A state of the wrong side of the speed of sound has too many or too few data wherever it stands. Gas that turns round is treated
     // well: it explains a failure only where there is much of it now.
@@ -132,7 +132,7 @@ fn change(quantity: &str, value: f64) -> String {
     }
 }
 
-/// Fewer quadrature points than preserve a free stream.
+/// Fewer quadrature points than a free stream needs.
 pub fn quadrature(data: &FailureData) -> Option<Cause> {
     let [points, needed] = data.gas.as_ref()?.quadrature;
     (points < needed).then(|| Cause {

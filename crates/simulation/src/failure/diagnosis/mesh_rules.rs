@@ -19,7 +19,7 @@ pub fn undefined_motion(data: &FailureData) -> Option<Cause> {
     })
 }
 
-/// The displacement is so large that coordinates keep no digits for the cells.
+/// The displacement is so large that coordinates lose the digits that the cells need.
 pub fn far_away(data: &FailureData) -> Option<Cause> {
     let reach = data.mesh.reach;
     (reach > 1.0).then(|| Cause {

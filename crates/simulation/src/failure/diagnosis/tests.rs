@@ -72,7 +72,7 @@ fn a_fact_of_the_gas_names_its_cause() {
     assert_eq!(first(|e| gas(e).quadrature = [4, 6]), "quadrature");
 }
 
-/// A run with a supersonic flow through `inflow` was once told another cause.
+/// Supersonic flow through `inflow` is named as the first cause.
 #[test]
 fn a_misused_opening_is_named_first() {
     let seen = |misuse, share| {

@@ -1,4 +1,4 @@
-//! What a case observes: averages over time, distributions along walls.
+//! The observations of a case: averages over time, distributions along walls.
 
 use super::super::table::Table;
 use case::{Averages, Case};
