@@ -9,7 +9,7 @@
 //!
 //! as long as the gas is a simple wave. gamma = 1.4, rho0 = c0 = 1, p0 = 1 / gamma.
 
-use coupled::block::BodyState;
+use coupled::block::Ledger;
 use coupled::blocks::elastic_body::{ElasticBodyData, Follower, Interface};
 use coupled::blocks::{ElasticBody, SlabTimes};
 use coupled::{FlowMarch, Jacobian, MeshMotion, MeshMover, Predictor, Schedule, Settings, Supports, System};
@@ -187,6 +187,7 @@ pub fn followers<const D: usize>(
 /// The energy of gas and bar and all that has left them: constant but for rounding.
 pub fn coupled_energy(march: &FlowMarch<2, 4>) -> f64 {
     let body = &march.bodies()[0];
-    let left = ledger.numerical + ledger.damped - ledger.force - ledger.drive - ledger.defect;
+    let Ledger { numerical, damped, force, drive, defect, .. } = body.ledger;
+    let left = numerical + damped - force - drive - defect;
     march.totals()[3] + body.energy() + left
 }

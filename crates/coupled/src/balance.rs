@@ -108,7 +108,8 @@ pub fn correct<const D: usize, const M: usize>(
 }
 
 impl<const D: usize, const M: usize> Unbalanced<'_, D, M> {
-    /// Newton's method for (correction). It begins with the Jacobian of the storage. If that leaves too much, boundary fluxes are probed too.
+    /// Newton's method for (correction). It begins with the Jacobian of the storage. If that leaves too much, boundary fluxes are probed
+    /// too.
     fn correct(&mut self) {
         let (mut inverse, mut probed) = (self.balance.storage().inverse(), false);
         for _ in 0..CORRECTIONS {

@@ -35,8 +35,8 @@ pub struct Couplings {
 /// The quantities that blocks exchange at a point z; in a product, their derivatives along the direction.
 #[derive(Clone, Debug, Default)]
 pub struct Exchange {
-    /// Displacement at the time nodes, `[time node][C0 node][component]`; only constrained entries are read. It is first set to the prescribed
-    /// one, then bodies add to it.
+    /// Displacement at the time nodes, `[time node][C0 node][component]`; only constrained entries are read. It is first set to the
+    /// prescribed one, then bodies add to it.
     pub wall_displacement: Vec<f64>,
     /// Velocity of the mesh, `[time node][C0 node][component]`.
     pub mesh_velocity: Vec<f64>,
@@ -57,8 +57,8 @@ pub trait Block: Send {
     /// The quantities that it reads and writes.
     fn couplings(&self) -> Couplings;
 
-    /// Its weights in the norm of residuals, one for each unknown. They make the norm an error of position relative to the spacing of nodes,
-    /// or an error of the state relative to its scales.
+    /// Its weights in the norm of residuals, one for each unknown. They make the norm an error of position relative to the spacing of
+    /// nodes, or an error of the state relative to its scales.
     fn weights(&self) -> Vec<f64>;
 
     /// Moves to the slab `interval` on top of `state`.
@@ -85,7 +85,8 @@ pub trait Block: Send {
     /// Adds to `out` the derivative of the terms that later blocks determine.
     fn receive_product(&mut self, _tangent: &Exchange, _out: &mut [f64]) {}
 
-    /// x := P^-1 (r minus the effect of earlier blocks), where P approximates dR/dz + T_tau; writes the derivatives of its quantities along x.
+    /// x := P^-1 (r minus the effect of earlier blocks), where P approximates dR/dz + T_tau; writes the derivatives of its quantities along
+    /// x.
     fn precondition(&mut self, r: &[f64], tangent: &mut Exchange, x: &mut [f64]);
 
     /// out := out + T_tau x with the 1/dtau last set.
@@ -165,8 +166,8 @@ pub trait Body: Block {
     /// Its state from the numbers `stored`.
     fn read(&self, stored: &[f64]) -> BodyState;
 
-    /// z := the guess for the slab that [`Block::begin_slab`] has set; writes the displacement of its walls. `past` holds the unknowns and the
-    /// length of the slab before, if there was one.
+    /// z := the guess for the slab that [`Block::begin_slab`] has set; writes the displacement of its walls. `past` holds the unknowns and
+    /// the length of the slab before, if there was one.
     fn guess(&mut self, past: Option<(&[f64], f64)>, exchange: &mut Exchange, z: &mut [f64]);
 
     /// Replaces its `stored` state by that at the top of the slab with the unknowns `z`.

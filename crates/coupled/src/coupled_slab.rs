@@ -54,23 +54,24 @@ pub struct Settings {
     pub max_halvings: u32,
 }
 
-/// The finest absolute tolerance, in units of the reference state: no residual of a flow is known better. A residual whose rounding is
-/// larger ends at its own estimate of that, see [`newton_krylov::problem::NonlinearProblem::round_off`].
+/// The finest absolute tolerance, in units of the reference state: rounding of the residual is about as large. If rounding is larger, the
+/// solve ends at the estimate of it, see [`newton_krylov::problem::NonlinearProblem::round_off`].
 pub const ROUND_OFF: f64 = 1e-13;
 
-/// Below this norm of the residual, in units of the reference state, a Newton step that falls short of its linear solve may have met rounding.
+/// Below this norm of the residual, in units of the reference state, a Newton step that falls short of its linear solve may have met
+/// rounding.
 const QUIET: f64 = 1e-6;
 
-/// A slab whose Newton steps stay short is given up, and halved.
+/// A slab whose Newton steps stay short fails early, and is halved.
 const SHORT_STEPS: ShortSteps = ShortSteps { steps: 4, left: 0.8 };
 
-/// The first attempt at the first slab, where an easier start remains: given up when its first step is short.
+/// The same for the first attempt at the first slab, if the start can be made easier: one short step ends it.
 const SHORT_FIRST_STEP: ShortSteps = ShortSteps { steps: 1, left: 0.9 };
 
-/// Its Krylov iterations per Newton step, at most.
+/// The largest number of Krylov iterations per Newton step of that attempt.
 const FIRST_ITERATIONS: usize = 40;
 
-/// What a slab has done.
+/// The report of a slab.
 #[derive(Clone, Debug)]
 pub struct SlabReport<const M: usize> {
     /// The number of the slab, from 1.
@@ -79,18 +80,18 @@ pub struct SlabReport<const M: usize> {
     pub interval: Interval,
     /// How often an attempt was rejected before.
     pub rejected: usize,
-    /// The initial state was made easier for it, if it is the first one.
+    /// The easier initial state, if the first slab needed one.
     pub eased: Option<EasedStart>,
-    /// The Newton driver.
+    /// The report of the Newton driver.
     pub newton: newton::Report,
-    /// What it has cost, rejected attempts included.
+    /// Its cost, with all rejected attempts.
     pub counts: Counts,
     /// The quality of the mesh.
     pub quality: MeshQuality,
     /// The jump of the flow at the bottom, in L2 over the domain, every component in units of its scale: an estimate of the error
     /// in time.
     pub jump: f64,
-    /// What leaves through the boundaries at the quadrature points in time and at the top of the slab.
+    /// The fluxes through the boundaries, positive outwards, at the quadrature points in time and at the top of the slab.
     pub fluxes: Vec<FluxesAt<M>>,
     /// The integral of every component at the top of the slab.
     pub totals: Vec<f64>,
@@ -102,13 +103,13 @@ pub struct Solved<const M: usize> {
     quality: MeshQuality,
     /// See [`SlabReport::jump`].
     jump: f64,
-    /// What the slab holds and lets pass.
+    /// The integrals at the top and the fluxes through the boundary.
     balance: Balance<M>,
     /// Mesh and flow.
     z: Vec<f64>,
 }
 
-/// The slabs of mesh and flow, and of what moves with them.
+/// The solver of slabs of bodies, mesh and flow.
 pub struct CoupledSlab<const D: usize, const M: usize> {
     /// The problem of the current slab.
     pub system: System<D, M>,
@@ -116,7 +117,7 @@ pub struct CoupledSlab<const D: usize, const M: usize> {
     pub newton: newton::Settings,
     predictor: Predictor,
     jacobian: Jacobian,
-    /// The layer that an initial state may get.
+    /// The boundary layer for an easier initial state.
     pub start_layer: StartLayer,
     eased: Option<EasedStart>,
     workspace: Workspace,
@@ -145,7 +146,7 @@ impl<const D: usize, const M: usize> FlowMarch<D, M> {
         self.schedule.control = Some(control);
     }
 
-    /// The bodies where the run stands.
+    /// The bodies at the time reached.
     pub fn bodies(&self) -> Vec<BodyState> {
         let bodies = self.solver.system.bodies.iter().zip(&self.state.bodies);
         bodies.map(|(body, stored)| body.read(stored)).collect()
@@ -272,7 +273,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         if quality.is_valid() { Ok(quality) } else { Err(SlabError::Invalid { quality }) }
     }
 
-    /// Whether the flow is admissible at the nodes of the slab's top, where the next one begins.
+    /// Whether the flow is admissible at the nodes of the slab's top: the next slab begins there.
     fn check_top(&self, z: &[f64], interval: Interval) -> Result<(), SlabError> {
         let operator = &self.system.flow.operator;
         let (layout, u) = (operator.layout, &z[self.system.flow_range()]);
@@ -289,7 +290,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         operator.share.first_violation(own).map_or(Ok(()), |violation| Err(SlabError::Top(inadmissible(violation))))
     }
 
-    /// The velocity of the mesh at the top of the slab, the time `t`: as prescribed where it is.
+    /// The velocity of the mesh at the top of the slab, the time `t`; at prescribed nodes the prescribed one.
     fn velocity_at_top(&self, t: f64) -> Vec<f64> {
         let (mover, v) = (self.system.mover(), self.system.mesh.velocities());
         // The last time node is the top.

@@ -51,7 +51,7 @@ pub use lagged_preconditioner::{LaggedPreconditioner, Linearisation, Method, Upd
 pub use march::{March, SlabSolver};
 pub use mesh_march::{MeshAlone, MeshMarch, MeshReport};
 pub use mesh_mover::{MeshMover, MeshQuality};
-pub use motion::{BoundaryField, BoundaryMotion, MeshMotion};
+pub use motion::{BoundaryDisplacement, BoundaryField, MeshMotion};
 pub use observation::Observation;
 pub use reuse_policy::JacobianReusePolicy;
 pub use schedule::{Schedule, StepControl};

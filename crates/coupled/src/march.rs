@@ -1,14 +1,14 @@
-//! The march from slab to slab, whatever is solved in one.
+//! The march from slab to slab, for any slab solver.
 
 use crate::schedule::Schedule;
 use crate::slab_error::{MarchError, SlabError, chain};
 use crate::state::{Interval, State};
 
-/// What is solved in a slab.
+/// The solver of a slab.
 pub trait SlabSolver {
     /// A slab that is solved.
     type Solved;
-    /// What is told of it.
+    /// Its report.
     type Report;
 
     /// Solves the slab `interval` on top of `state`.
@@ -17,18 +17,19 @@ pub trait SlabSolver {
     /// [`SlabError`]; the slab may then be tried again with another length.
     fn solve(&mut self, state: &State, interval: Interval) -> Result<Self::Solved, SlabError>;
 
-    /// Moves the fields of `state` to the top of the slab `interval`, after `rejected` attempts. Time and number follow later.
+    /// Moves the fields of `state` to the top of the slab `interval`, after `rejected` attempts. The march updates time and number.
     fn finish(&mut self, state: &mut State, interval: Interval, rejected: usize, solved: Self::Solved) -> Self::Report;
 
-    /// The jump by which lengths of slabs are adapted, and the number of nodes in time.
+    /// The jump, which controls the length of slabs, and the number of nodes in time.
     fn jump(&self, _solved: &Self::Solved) -> (f64, usize) {
         (0.0, 1)
     }
 
-    /// What was solved last is not accepted: the next attempt is shorter.
+    /// Called when the last attempt was rejected.
     fn reject(&mut self) {}
 
-    /// Changes the initial state, if a slab of the same length may then be solved; says what was done.
+    /// Makes the initial state easier, so that a slab of the same length can be tried again. Returns a message, or `None` if nothing was
+    /// done.
     fn ease_start(&mut self, _state: &mut State) -> Option<String> {
         None
     }
@@ -36,9 +37,9 @@ pub trait SlabSolver {
 
 /// A run in progress.
 pub struct March<S> {
-    /// What is solved in a slab.
+    /// The solver of a slab.
     pub solver: S,
-    /// Where the run stands.
+    /// The state at the time reached.
     pub state: State,
     pub(crate) schedule: Schedule,
     /// How often a slab may be halved before the run gives up.
@@ -46,7 +47,8 @@ pub struct March<S> {
 }
 
 impl<S: SlabSolver> March<S> {
-    /// A run of `solver` from `state` through the slabs of `schedule`. A slab that cannot be solved is halved, at most `max_halvings` times.
+    /// A run of `solver` from `state` through the slabs of `schedule`. A slab that cannot be solved is halved, at most `max_halvings`
+    /// times.
     pub(crate) fn from(solver: S, state: State, schedule: Schedule, max_halvings: u32) -> Self {
         March { solver, state, schedule, max_halvings }
     }
@@ -56,7 +58,7 @@ impl<S: SlabSolver> March<S> {
         self.schedule.is_done(&self.state)
     }
 
-    /// Advances one slab, a shorter one if need be.
+    /// Advances one slab; shortens it if it cannot be solved.
     ///
     /// # Errors
     /// [`MarchError`]; the state is then that of the last slab that succeeded.

@@ -6,8 +6,9 @@ use crate::schedule::Schedule;
 use crate::slab_error::SlabError;
 use crate::state::{Interval, Past, State};
 use elasticity::Work;
+use std::sync::Arc;
 
-/// What a slab of the mesh alone has done.
+/// The report of a slab of the mesh alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshReport {
     /// The number of the slab, from 1.
@@ -16,7 +17,7 @@ pub struct MeshReport {
     pub interval: Interval,
     /// How often an attempt was rejected before.
     pub rejected: usize,
-    /// What its equilibrium has cost.
+    /// The cost of its equilibrium.
     pub work: Work,
     /// The quality of the mesh.
     pub quality: MeshQuality,
@@ -32,18 +33,18 @@ pub struct MeshAlone<const D: usize> {
     pub mover: MeshMover<D>,
 }
 
-/// A run of the mesh alone; the flow of its state is empty. With a linear law it goes on when cells are inverted: that law does not notice.
+/// A run of the mesh alone; the flow of its state is empty. A linear law also solves for meshes with inverted cells, so the run continues.
 pub type MeshMarch<const D: usize> = March<MeshAlone<D>>;
 
-/// A slab that is solved: what its equilibrium has cost, and its velocities.
+/// A slab that is solved: the cost of its equilibrium, and its velocities.
 pub struct Solved {
     work: Work,
     v: Vec<f64>,
 }
 
 impl<const D: usize> MeshMarch<D> {
-    /// A march through the slabs of `schedule`, at its fixed step: there is no flow to adapt it to. A slab that cannot be solved is
-    /// halved, at most `max_halvings` times.
+    /// A march through the slabs of `schedule`, at its fixed step: only a flow can adapt it. A slab that cannot be solved is halved, at
+    /// most `max_halvings` times.
     pub fn new(mover: MeshMover<D>, schedule: Schedule, max_halvings: u32) -> Self {
         let state = State::new(schedule.start, Vec::new(), mover.displacement_at_start(schedule.start));
         March::from(MeshAlone { mover }, state, Schedule { control: None, ..schedule }, max_halvings)
@@ -77,7 +78,7 @@ impl<const D: usize> SlabSolver for MeshAlone<D> {
             first_invalid_sampled = self.mover.first_invalid_sampled(&bottom, &v, interval);
         }
         self.mover.slab_motion.displacement(dt, &bottom, &v, 1.0, &mut state.d);
-        state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v, bodies: Vec::new() });
+        state.past = Some(Past { interval, dt, bottom, u: Arc::default(), v: Arc::new(v), bodies: Vec::new() });
         MeshReport { slab: state.slab + 1, interval, rejected, work, quality, first_invalid, first_invalid_sampled }
     }
 }

@@ -109,8 +109,8 @@ impl<const D: usize> MeshMover<D> {
         &self.positions
     }
 
-    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Nodes on periodic boundaries have the position that this cell
-    /// sees.
+    /// Positions of the nodes of `cell` displaced by `d`, `[component][node]`. Nodes on periodic boundaries have the position that this
+    /// cell sees.
     pub fn cell_positions(&self, cell: usize, d: &[f64]) -> Vec<f64> {
         let (nodes, x) = (self.numbering.cell(cell), self.reference.cell_coordinates(cell));
         (0..D).flat_map(|i| nodes.iter().enumerate().map(move |(k, &node)| x[k * D + i] + d[node * D + i])).collect()
@@ -121,7 +121,7 @@ impl<const D: usize> MeshMover<D> {
         self.motion.prescribed(&self.positions, t, out);
     }
 
-    /// Replaces the velocity `v` of those C0 nodes whose motion is prescribed by the prescribed one at time `t`.
+    /// Sets the velocity `v` of C0 nodes whose motion is prescribed to the prescribed one at time `t`.
     pub fn prescribe_velocity(&self, t: f64, v: &mut [f64]) {
         self.motion.prescribe_velocity(&self.positions, t, v);
     }
@@ -203,7 +203,7 @@ impl<const D: usize> MeshMover<D> {
         worst(&cells, Interval { end: interval.start + part * dt, ..interval })
     }
 
-    /// The quality of a mesh where the displacement of `node` has no value at `time`: not valid.
+    /// The quality of a mesh if the displacement of `node` is not finite at `time`: not valid.
     fn undefined(&self, node: usize, time: f64) -> MeshQuality {
         let cell = (0..self.reference.n_cells()).find(|&cell| self.numbering.cell(cell).contains(&node));
         let nothing = f64::NAN;

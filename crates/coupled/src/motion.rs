@@ -27,7 +27,7 @@ impl<F: VectorField<D>, const D: usize> BoundaryField<D> for F {
 pub struct BoundaryDisplacement<const D: usize> {
     /// The displacement of each moving boundary.
     pub fields: Vec<Arc<dyn BoundaryField<D>>>,
-    /// For every C0 node the field that moves it in all components, if there is one. What is constrained otherwise stands still.
+    /// For every C0 node the field that moves it in all components, if there is one. All other constrained entries stand still.
     pub field_of_node: Vec<Option<usize>>,
 }
 
@@ -45,7 +45,7 @@ pub enum MeshMotion<const D: usize> {
         mesh: Box<ElasticMesh<D>>,
         /// The boundary.
         boundary: BoundaryDisplacement<D>,
-        /// How exactly it is put into equilibrium.
+        /// The accuracy of its equilibrium.
         accuracy: Accuracy,
     },
 }
@@ -62,7 +62,7 @@ pub struct SlabData<'a> {
 }
 
 impl<const D: usize> MeshMotion<D> {
-    /// What moves `node`, if its motion is prescribed.
+    /// The field that moves `node`, if its motion is prescribed.
     fn field_of(&self, node: usize) -> Option<&dyn BoundaryField<D>> {
         match self {
             MeshMotion::Still | MeshMotion::Followed => None,
@@ -80,8 +80,8 @@ impl<const D: usize> MeshMotion<D> {
         }
     }
 
-    /// Replaces the velocity `v`, `[node][component]`, of those nodes whose motion is prescribed by the prescribed one at time `t`, where
-    /// that is finite: a displacement like sqrt(t) has none at t = 0.
+    /// Sets the velocity `v`, `[node][component]`, of nodes whose motion is prescribed to the prescribed one at time `t`, if that is
+    /// finite: a displacement like sqrt(t) has an infinite velocity at t = 0.
     pub fn prescribe_velocity(&self, x: &[[f64; D]], t: f64, v: &mut [f64]) {
         for (node, (x, v)) in x.iter().zip(v.chunks_exact_mut(D)).enumerate() {
             let velocity = self.field_of(node).map(|field| field.velocity(node, x, t));

@@ -1,4 +1,4 @@
-//! What happens at one point of a mesh.
+//! The value of a field at one point of a mesh.
 
 use fem::functions_at;
 use mesh::{Mesh, NodeNumbering};
@@ -18,7 +18,7 @@ impl Observation {
         Some(Observation { nodes: numbering.cell(cell).to_vec(), functions })
     }
 
-    /// The value there of a field `[C0 node][component]`.
+    /// The value of a field `[C0 node][component]` at the point.
     pub fn value<const D: usize>(&self, field: &[f64]) -> [f64; D] {
         let terms = |i: usize| self.nodes.iter().zip(&self.functions).map(move |(node, phi)| phi * field[node * D + i]);
         std::array::from_fn(|i| terms(i).sum())

@@ -1,6 +1,7 @@
 //! When a new Jacobian of the flow pays.
 //!
-//! Computing one costs about as much as B Krylov iterations. After k slabs with n_1, .. n_k iterations, the mean cost of a slab beyond n_1 is
+//! Computing one costs about as much as B Krylov iterations. After k slabs with n_1, .. n_k iterations, the mean cost of a slab beyond n_1
+//! is
 //!
 //! ```text
 //! c_k = (B + e_1 + .. + e_k) / k,    e_j = n_j - n_1                                                             (reuse)
@@ -40,8 +41,8 @@ pub struct JacobianReusePolicy {
 }
 
 impl JacobianReusePolicy {
-    /// Records a slab. `iterations` are counted from the last Jacobian of this slab, or from the bottom of the slab. Returns whether the next
-    /// slab begins with a new Jacobian.
+    /// Records a slab. `iterations` are counted from the last Jacobian of this slab, or from the bottom of the slab. Returns whether the
+    /// next slab begins with a new Jacobian.
     pub fn record(&mut self, iterations: usize, rebuilt: RebuiltInSlab) -> bool {
         match rebuilt {
             RebuiltInSlab::No if self.slabs > 0 => self.age(iterations),

@@ -115,8 +115,8 @@ impl Schedule {
         true
     }
 
-    /// Sets the length of the slab after `interval`, which was solved with this `jump`. A slab that the end of the run has cut short must not
-    /// shorten later ones.
+    /// Sets the length of the slab after `interval`, which was solved with this `jump`. A slab that the end of the run has cut short must
+    /// not shorten later ones.
     pub fn adapt(&self, state: &mut State, interval: Interval, jump: f64, time_order: usize) {
         let Some(control) = self.control else { return };
         let next = control.next(interval.end - interval.start, jump, time_order);

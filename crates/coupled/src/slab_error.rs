@@ -21,7 +21,7 @@ pub enum SlabError {
         /// What was found.
         quality: MeshQuality,
     },
-    /// Neither the extrapolated nor the constant guess is a state.
+    /// Neither the extrapolated nor the constant guess is admissible.
     #[error("no admissible guess")]
     Guess(#[from] Inadmissible),
     /// The solution has a negative density or pressure at the end of the slab. The equations constrain the interior of the slab only.
@@ -30,7 +30,7 @@ pub enum SlabError {
     /// Newton failed.
     #[error("the equations of flow and mesh are not solved{}", largest_in(residual_breakdown.as_deref()))]
     Newton {
-        /// What is left of the residual, if there was one.
+        /// The parts of the residual, if it is defined.
         residual_breakdown: Option<Box<ResidualBreakdown>>,
         /// Why.
         source: Box<newton::Error>,
@@ -46,8 +46,8 @@ impl SlabError {
         matches!(self, SlabError::Newton { .. } | SlabError::Top(_))
     }
 
-    /// How often the slab should be halved. Where Newton's steps were short, one half would fail as well: the step length was seen to grow
-    /// with about dt^-2, so that a slab halved k times takes steps 4^k times as long. It should take a quarter at least.
+    /// How often the slab should be halved. If Newton's steps were short, one half would fail as well. The step length was seen to grow
+    /// with about dt^-2: a slab halved k times takes steps 4^k times as long. They should be at least a quarter of the increment.
     pub fn halvings(&self) -> u32 {
         let SlabError::Newton { source, .. } = self else { return 1 };
         let newton::Error::ShortSteps { steps, report } = &**source else { return 1 };
@@ -101,7 +101,7 @@ pub struct MarchError {
     pub interval: Interval,
     /// How often the slab was halved.
     pub halvings: u32,
-    /// What went wrong at last.
+    /// The error of the last attempt.
     #[source]
     pub source: SlabError,
 }

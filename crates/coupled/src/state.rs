@@ -1,7 +1,8 @@
-//! Where a run stands: all that the next slab depends on.
+//! The state of a run: all that the next slab depends on.
 
 use crate::reuse_policy::JacobianReusePolicy;
 use basis::RadauTime;
+use std::sync::Arc;
 
 /// A slab, or a part of one that was halved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,8 @@ pub struct Interval {
     pub halvings: u32,
 }
 
-/// The slab before: its polynomials are extended to guess the next one.
+/// The slab before: its polynomials are extended to guess the next one. An observer of the run may keep the flow and the velocities: they
+/// are shared and never change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
     /// Its interval.
@@ -24,9 +26,9 @@ pub struct Past {
     /// Displacement at its bottom, `[C0 node][component]`.
     pub bottom: Vec<f64>,
     /// Its flow, laid out over the slab.
-    pub u: Vec<f64>,
+    pub u: Arc<Vec<f64>>,
     /// Its mesh velocities, `[time node][C0 node][component]`.
-    pub v: Vec<f64>,
+    pub v: Arc<Vec<f64>>,
     /// The unknowns of every body.
     pub bodies: Vec<Vec<f64>>,
 }
@@ -36,7 +38,7 @@ pub struct Past {
 pub struct State {
     /// Slabs done, parts of halved ones included.
     pub slab: usize,
-    /// Slabs of the settings done.
+    /// Slabs of the schedule done: all parts of a halved slab count as one.
     pub nominal: usize,
     /// The time reached.
     pub time: f64,
@@ -44,15 +46,16 @@ pub struct State {
     pub u: Vec<f64>,
     /// The displacement at that time, `[C0 node][component]`.
     pub d: Vec<f64>,
-    /// J at the nodes of the flow where its rule carries it from slab to slab, `[cell][node]`, see [`fem::Bottom`]; else empty.
+    /// J at the nodes of the flow, `[cell][node]`, if the quadrature of the flow carries it from slab to slab, see [`fem::Bottom`].
+    /// Otherwise empty.
     pub determinants: Vec<f64>,
-    /// Every body, as it stores itself.
+    /// The stored state of every body.
     pub bodies: Vec<Vec<f64>>,
     /// The slab before.
     pub past: Option<Past>,
-    /// Parts of the current slab that are still to be done, the next one last.
+    /// Parts of the current slab that remain, the next one last.
     pub pending: Vec<Interval>,
-    /// The length of the next slab, where it is adapted.
+    /// The length of the next slab, if it is adapted.
     pub step: f64,
     /// The age of the flow's frozen Jacobian.
     pub reuse_policy: JacobianReusePolicy,
@@ -85,7 +88,7 @@ impl State {
         v
     }
 
-    /// Sets the length of the next slab, in place of what was to be done next.
+    /// Sets the length of the next slab and drops pending parts.
     pub fn set_step(&mut self, step: f64) {
         self.pending.clear();
         self.step = step;
@@ -115,7 +118,7 @@ impl State {
     }
 }
 
-/// out := the polynomials `past` of a slab, `[time node][..]`, extended to the time nodes of the next one, which is `ratio` times as long.
+/// Extrapolates the polynomials `past` of a slab, `[time node][..]`, to the time nodes of the next slab, which is `ratio` times as long.
 pub(crate) fn extend(time: &RadauTime, ratio: f64, past: &[f64], out: &mut [f64]) {
     let length = out.len() / time.order();
     for (s, out) in time.nodes().iter().zip(out.chunks_exact_mut(length)) {

@@ -25,18 +25,17 @@ use newton_krylov::newton::{self, Workspace};
 use newton_krylov::problem::{Inadmissible, NonlinearProblem};
 use newton_krylov::pseudo_time;
 
-/// The length of the slab: u_n is forgotten but for this part of a time unit. Everything scales with it, so that nothing is lost
-/// to round-off.
+/// The length of the slab: so long that u_n has no influence. All terms scale with it, so it costs no digits.
 const LONG: f64 = 1e12;
 
 /// Replaces `u` by the steady flow of the data at `time`, found from `u` by pseudo-time on the mesh of `problem` displaced by `d`.
 /// `problem` has one node in time and a mesh that stands still; 1/dtau of the settings is per time unit. Tolerance and 1/dtau are those
-/// for the residual of the state `initial`: a better `u` begins with the longer steps that its smaller residual allows. The report is
-/// that of a slab of no length at `time`, the start of a run.
+/// for the residual of the state `initial`: a better `u` begins with longer steps in pseudo-time. The report is that of a slab of length
+/// zero at `time`, the start of a run.
 ///
 /// # Errors
-/// [`SlabError::Guess`] if `u` or `initial` is no state; `u` is then unchanged. [`SlabError::Newton`] if there is no convergence; `u` is
-/// then where [`newton::solve`] has ended.
+/// [`SlabError::Guess`] if `u` or `initial` is not admissible; `u` is then unchanged. [`SlabError::Newton`] if there is no convergence; `u`
+/// is then where [`newton::solve`] has ended.
 ///
 /// # Panics
 /// If `problem` has more than one node in time or solves for its mesh.
@@ -55,7 +54,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
     let at_rest = vec![0.0; problem.mover().field_len()];
     problem.at_rest(time, u, d)?;
     problem.flow.preconditioner.steady = true;
-    // Residuals are those of (steady): dt times rates.
+    // The residual of (steady) is dt times a rate.
     let absolute_tolerance = settings.absolute_tolerance.max(ROUND_OFF) * LONG;
     let references = residual_norms(problem, initial)?;
     let pseudo_time = continued(settings.pseudo_time, references[0], residual_norms(problem, u)?[0]);
@@ -68,7 +67,7 @@ pub fn solve_steady<const D: usize, const M: usize>(
         let residual_breakdown = problem.residual_breakdown(&z).map(Box::new);
         SlabError::Newton { residual_breakdown, source: Box::new(source) }
     })?;
-    // What the tolerance refers to, whatever the guess was.
+    // The norm that the tolerance refers to.
     newton.initial_norm = references[0];
     problem.set_point(&z);
     let interval = Interval { start: time, end: time, halvings: 0 };
@@ -107,7 +106,7 @@ fn residual_norms<const D: usize, const M: usize>(
     Ok(problem.field_norms(&r))
 }
 
-/// Pseudo-time that was begun at the residual `begun` and now is at `here`: 1/dtau = 1/dtau_0 (|R| / |R_0|)^power.
+/// The pseudo-time at the residual `here`, if it began at the residual `begun`: 1/dtau = 1/dtau_0 (|R| / |R_0|)^power.
 fn continued(settings: pseudo_time::Settings, begun: f64, here: f64) -> pseudo_time::Settings {
     let ratio = if begun > 0.0 { here / begun } else { 1.0 };
     pseudo_time::Settings { initial_inverse: settings.initial_inverse * ratio.powf(settings.power), ..settings }

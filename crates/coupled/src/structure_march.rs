@@ -8,7 +8,7 @@ use elasticity::{Dynamics, DynamicsReport, ElasticityError, SlabBottom, SlabMoti
 use fem::VectorField;
 use std::sync::Arc;
 
-/// What a slab of a structure has done.
+/// The report of a slab of a structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StructureReport {
     /// The number of the slab, from 1.
@@ -128,7 +128,7 @@ impl<const D: usize> StructureMarch<D> {
 }
 
 impl<const D: usize> SlabSolver for StructureAlone<D> {
-    /// What it has cost, and the velocities.
+    /// The report, and the velocities.
     type Solved = (DynamicsReport, Vec<f64>);
     type Report = StructureReport;
 
@@ -167,7 +167,7 @@ impl<const D: usize> SlabSolver for StructureAlone<D> {
                 statics.motion().displacement_at_node(dt, &bottom, &v, last, &mut state.d);
             }
         }
-        state.past = Some(Past { interval, dt, bottom, u: Vec::new(), v, bodies: Vec::new() });
+        state.past = Some(Past { interval, dt, bottom, u: Arc::default(), v: Arc::new(v), bodies: Vec::new() });
         let [kinetic_energy, strain_energy] = self.energies(state);
         StructureReport { slab: state.slab + 1, interval, rejected, dynamics, kinetic_energy, strain_energy }
     }

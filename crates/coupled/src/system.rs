@@ -96,8 +96,8 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.mesh_range().len()
     }
 
-    /// How Krylov vectors are stored. Without bodies in single precision, like the numbers inside the preconditioner of the flow: the mesh is
-    /// solved ahead, so its part of the vectors is zero up to round-off. Bodies need double precision.
+    /// How Krylov vectors are stored. Without bodies in single precision, like the numbers inside the preconditioner of the flow: the mesh
+    /// is solved ahead, so its part of the vectors is zero up to round-off. Bodies need double precision.
     pub fn krylov_precision(&self) -> Precision {
         if self.bodies.is_empty() { Precision::Single } else { Precision::Double }
     }
@@ -157,8 +157,8 @@ impl<const D: usize, const M: usize> System<D, M> {
         }
     }
 
-    /// Replaces the guess `v` by the mesh in equilibrium with its boundary at every time node, and sets the mesh of the flow. Bodies must have
-    /// written the displacement of their walls.
+    /// Replaces the guess `v` by the mesh in equilibrium with its boundary at every time node, and sets the mesh of the flow. Bodies must
+    /// have written the displacement of their walls.
     ///
     /// # Errors
     /// As [`MeshMover::velocities`].
@@ -200,8 +200,8 @@ impl<const D: usize, const M: usize> System<D, M> {
         self.fields.iter().map(|field| self.weights.norm_on(field.range.clone(), r)).collect()
     }
 
-    /// The norms that relative tolerances refer to, and |R| at the guess z. For the flow it is its residual at z. For bodies and mesh it is one:
-    /// their residuals are errors of position relative to the spacing of nodes.
+    /// The norms that relative tolerances refer to, and |R| at the guess z. For the flow it is its residual at z. For bodies and mesh it is
+    /// one: their residuals are errors of position relative to the spacing of nodes.
     pub(crate) fn references(&mut self, z: &[f64]) -> Result<(Vec<f64>, f64), Inadmissible> {
         let mut r = vec![0.0; z.len()];
         self.residual(z, &mut r)?;

@@ -1,12 +1,12 @@
-//! The state of a run in the polynomials of another one on the same mesh.
+//! The state of a run in the polynomials of another run on the same mesh.
 //!
 //! ```text
 //! int_K phi_i (u' - u) J = 0   for every polynomial phi_i of the new order,   J = det dx/dxi at the time reached        (transfer)
 //! ```
 //!
-//! The lower order is contained in the higher one: there u' = u. Where the order falls u' is the projection of u, and with phi = 1
-//! every cell keeps its mass, momentum and energy. The slab before, from which the next one is guessed, follows: in space as the
-//! state, in time by its values at the new nodes.
+//! To a higher order u' = u: it contains the lower order. To a lower order u' is the projection of u, and with phi = 1 every cell keeps its
+//! mass, momentum and energy. The slab before, which gives the next guess, is transferred too: in space like the state, in time by its
+//! values at the new nodes.
 
 use crate::mesh_mover::MeshMover;
 use crate::reuse_policy::JacobianReusePolicy;
@@ -16,6 +16,7 @@ use faer::Mat;
 use faer::linalg::solvers::Solve;
 use fem::{Layout, Orders, Sampler};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The flow `u` at one time, of order `from` in space, as one of order `to`, on the mesh of `mover` displaced by `d`.
 ///
@@ -55,8 +56,8 @@ impl State {
         let time = RadauTime::new(from.time).lagrange().value_matrix(RadauTime::new(to.time).nodes());
         let carried = |u: &[f64], len: usize| carried(&space, mover, &self.d, u, len);
         let past = self.past.as_ref().map(|past| Past {
-            u: by_time(&time, &carried(&past.u, old.cell_len()), new.time_len()),
-            v: by_time(&time, &past.v, self.d.len()),
+            u: Arc::new(by_time(&time, &carried(&past.u, old.cell_len()), new.time_len())),
+            v: Arc::new(by_time(&time, &past.v, self.d.len())),
             bodies: past.bodies.iter().map(|z| by_time(&time, z, z.len() / time.cols())).collect(),
             ..past.clone()
         });

@@ -1,4 +1,4 @@
-//! The stress that a body feels, for output.
+//! The stress of a body in its current shape, for output.
 //!
 //! ```text
 //! sigma = P F^T / J,     F = I + grad d,  J = det F                                                              (Cauchy)
@@ -15,8 +15,8 @@ use tensor::{cofactor, determinant, dot};
 pub type Stress = [[f64; 3]; 3];
 
 impl<const D: usize> Solid<D> {
-    /// sigma at the point `x` at rest, where the displacement has the `gradient` `[i][j]` = d d_i / d x_j. In two dimensions with the stress
-    /// along the third axis.
+    /// sigma at the point `x` at rest, where the displacement has the `gradient` `[i][j]` = d d_i / d x_j. In two dimensions with the
+    /// stress along the third axis.
     ///
     /// # Errors
     /// As [`Solid::lame`].
@@ -54,8 +54,8 @@ pub fn von_mises(sigma: &Stress) -> f64 {
     (1.5 * sum).sqrt()
 }
 
-/// The principal stresses, the largest first: the eigenvalues of a symmetric matrix by the cosine of a third of an angle (Smith, Comm. ACM 4,
-/// 1961).
+/// The principal stresses, the largest first: the eigenvalues of a symmetric matrix by the cosine of a third of an angle (Smith, Comm. ACM
+/// 4, 1961).
 pub fn principal(sigma: &Stress) -> [f64; 3] {
     let mean = (sigma[0][0] + sigma[1][1] + sigma[2][2]) / 3.0;
     let size = von_mises(sigma) / 3.0;

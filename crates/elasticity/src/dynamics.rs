@@ -131,7 +131,8 @@ impl<const D: usize> Dynamics<D> {
         Ok(DynamicsReport { corrections: steps, iterations, ..Default::default() })
     }
 
-    /// Factors the systems for a slab of length `dt` above `bottom`, unless they are those of the last slab. They do not depend on earlier slabs.
+    /// Factors the systems for a slab of length `dt` above `bottom`, unless they are those of the last slab. They do not depend on earlier
+    /// slabs.
     fn factor_for(&mut self, dt: f64, bottom: SlabBottom<'_>) -> Result<(), ElasticityError> {
         let dt = nominal_length(dt, self.step);
         if self.modal.dt() != dt || !self.structure.law().is_linear() {

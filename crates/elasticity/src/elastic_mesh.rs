@@ -134,8 +134,7 @@ impl<const D: usize> ElasticMesh<D> {
     pub fn multiplications(&self) -> usize {
         self.operator.multiplications()
     }
-    /// The amount of numbers that one application of K reads besides the vectors: geometry and stiffness at the points of all
-    /// cells.
+    /// The count of numbers that one application of K reads besides the vectors: geometry and stiffness at the points of all cells.
     pub fn metric_length(&self) -> usize {
         self.operator.metric().len() * WIDTH
     }

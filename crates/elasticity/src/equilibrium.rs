@@ -86,8 +86,8 @@ impl<const D: usize> ElasticSlab<'_, D> {
         Ok(Work { steps: report.steps.len(), ..equations.work })
     }
 
-    /// Whether the boundary stays where `bottom` has it, up to rounding. Then so does the mesh: it is in equilibrium, with a residual that no
-    /// solve could reduce by its tolerance.
+    /// Whether the boundary stays where `bottom` has it, up to rounding. Then so does the mesh: it is in equilibrium, with a residual that
+    /// no solve could reduce by its tolerance.
     fn boundary_rests(&self, bottom: &[f64], g: &[f64]) -> bool {
         let size_of = |x: &[f64]| largest(x.iter().map(|x| x.abs()));
         let size = size_of(self.mesh.coordinates().as_flattened()) + size_of(bottom);

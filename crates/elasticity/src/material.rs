@@ -70,8 +70,8 @@ impl Material {
         Material { plane, ..self }
     }
 
-    /// mu_s = E_Y / 2 (1 + nu), lambda_s = 2 mu_s nu / (1 - 2 nu). In plane stress lambda_s = 2 mu_s nu / (1 - nu), so that the stress along the
-    /// third axis vanishes.
+    /// mu_s = E_Y / 2 (1 + nu), lambda_s = 2 mu_s nu / (1 - 2 nu). In plane stress lambda_s = 2 mu_s nu / (1 - nu), so that the stress
+    /// along the third axis vanishes.
     pub fn lame(&self) -> Lame {
         let mu = self.young / (2.0 * (1.0 + self.poisson));
         let factor = if self.plane == Plane::Strain { 2.0 } else { 1.0 };

@@ -9,8 +9,8 @@
 //!
 //! with alpha and beta of a [`crate::Damping`].
 //!
-//! Each has its own factor, see `shifted`. If the law is not linear, K is taken at one displacement, and these systems precondition. A fluid
-//! beside the structure moves with it. A preconditioner adds its mass to M,
+//! Each has its own factor, see `shifted`. If the law is not linear, K is taken at one displacement, and these systems precondition. A
+//! fluid beside the structure moves with it. A preconditioner adds its mass to M,
 //!
 //! ```text
 //! M + m_L int_G (N_i n).(N_j n) ds,     m_L = rho L / sqrt(1 + (|lambda| L / (dt c))^2)                        (added mass)
@@ -54,7 +54,8 @@ impl<const D: usize> FluidLayer<D> {
 /// Slabs whose lengths differ by less than this, relatively, share their factors.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The length for which the systems of a slab of length `dt` are factored: `step`, the length of most slabs, if both differ by rounding only.
+/// The length for which the systems of a slab of length `dt` are factored: `step`, the length of most slabs, if both differ by rounding
+/// only.
 pub fn nominal_length(dt: f64, step: f64) -> f64 {
     if (dt - step).abs() <= SAME_LENGTH * step { step } else { dt }
 }

@@ -4,15 +4,15 @@
 //! K phi = omega^2 M phi,     phi_i . M phi_j = delta_ij,     phi = 0 at fixed entries                          (modes)
 //! ```
 //!
-//! Method: inverse iteration of a block of vectors with Rayleigh-Ritz. X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for X.MX
-//! = I, whose eigenvectors rotate X. Let p be the first mode outside the block. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 + s)
-//! per iteration. The shift s > 0, small beside omega_p^2, allows rigid motions. A block, not a single vector, finds modes of equal
+//! Method: inverse iteration of a block of vectors with Rayleigh-Ritz. X := (K + s M)^{-1} M X, then the small eigenproblem of X.KX for
+//! X.MX = I, whose eigenvectors rotate X. Let p be the first mode outside the block. Mode k gains the factor (omega_k^2 + s) / (omega_p^2 +
+//! s) per iteration. The shift s > 0, small beside omega_p^2, allows rigid motions. A block, not a single vector, finds modes of equal
 //! frequency.
 
 use crate::shifted::Shifted;
 use crate::{ElasticityError, Structure};
 use faer::{Mat, Side};
-use newton_krylov::inner_product::{Euclidean, InnerProduct};
+use newton_krylov::inner_product::{Euclidean, InnerProduct, reduce};
 use rayon::prelude::*;
 
 /// Vectors of the block beyond the requested modes.
@@ -21,7 +21,7 @@ const GUARD: usize = 8;
 const TOLERANCE: f64 = 1e-10;
 /// Relative tolerance of a solve with K + s M.
 const SOLVE_TOLERANCE: f64 = 1e-10;
-/// Iterations after which the search is given up: five times the number for a slender beam.
+/// Iterations after which the search gives up: five times the number for a slender beam.
 const MAX_ITERATIONS: usize = 60;
 
 /// A natural mode.
@@ -109,8 +109,9 @@ impl Block {
     fn into_modes(self, count: usize) -> Vec<NaturalMode> {
         let mode = |(mut shape, omega_squared): (Vec<f64>, f64)| {
             // Choose the sign of the shape such that its largest entry is positive.
-            let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
-            shape.iter_mut().for_each(|x| *x *= largest.signum());
+            let larger = |m: f64, x: f64| if x.abs() > m.abs() { x } else { m };
+            let sign = reduce(shape.iter().copied(), larger).map_or(1.0, f64::signum);
+            shape.iter_mut().for_each(|x| *x *= sign);
             // For rigid motions round-off may be negative.
             NaturalMode { angular_frequency: omega_squared.max(0.0).sqrt(), shape }
         };

@@ -11,6 +11,7 @@ use crate::ElasticityError;
 use crate::pool::Pool;
 use aggregation::{aggregates, filtered, smoothed, strong_neighbours, tentative};
 use blocks::{Block, BlockRows, add_block_vector, inverse};
+use newton_krylov::inner_product;
 use sparse::{BlockMatrix, Factorisation, Kind};
 use std::array::from_fn;
 use std::borrow::Cow;
@@ -19,8 +20,8 @@ use std::sync::Arc;
 /// The threshold of strong couplings on the finest level; it is halved on each coarser level.
 const THETA: f64 = 0.08;
 
-/// The rigid motions in three dimensions. There functions are smoothed by (filtered): a blade's boundary layer takes as many iterations, and
-/// the levels a tenth of the time. In two dimensions A keeps levels sparse enough, and takes fewer iterations up to order 8.
+/// The rigid motions in three dimensions. There (filtered) smooths the functions: in the boundary layer of a blade the iterations stay the
+/// same, and the levels take a tenth of the time. In two dimensions A itself keeps levels sparse, and takes fewer iterations up to order 8.
 const IN_SPACE: usize = 6;
 
 /// A level with fewer unknowns than this is factored.
@@ -41,7 +42,8 @@ pub(crate) fn hierarchy<const D: usize>(
     coordinates: &[[f64; D]],
     fixed: &[[bool; D]],
 ) -> Result<Box<dyn Cycle>, ElasticityError> {
-    let centre: [f64; D] = from_fn(|i| coordinates.iter().map(|x| x[i]).sum::<f64>() / coordinates.len() as f64);
+    let along = |axis: usize| coordinates.iter().map(|x| x[axis]).collect::<Vec<f64>>();
+    let centre: [f64; D] = from_fn(|axis| inner_product::sum(&along(axis)) / coordinates.len() as f64);
     let from_centre = |x: &[f64; D]| from_fn(|i| x[i] - centre[i]);
     if D == 2 {
         let modes =

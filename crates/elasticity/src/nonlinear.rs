@@ -1,7 +1,7 @@
 //! Newton's method for the equations of an elastic body.
 //!
-//! The equilibrium of a mesh, the equilibrium of a structure, and its motion in a slab are [`ElasticEquations`]. One [`Problem`] hands each of
-//! them to the driver of `newton_krylov`.
+//! The equilibrium of a mesh, the equilibrium of a structure, and its motion in a slab are [`ElasticEquations`]. One [`Problem`] hands each
+//! of them to the driver of `newton_krylov`.
 
 use newton_krylov::inner_product::{Euclidean, InnerProduct};
 use newton_krylov::newton::{self, Report, Settings, Workspace};

@@ -115,8 +115,8 @@ impl<const D: usize> Statics<D> {
 }
 
 impl<const D: usize> Structure<D> {
-    /// The equilibrium K d = f of a linear law at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the others.
-    /// Returns the CG iterations.
+    /// The equilibrium K d = f of a linear law at free entries; `d` holds the prescribed displacement at fixed entries and a guess at the
+    /// others. Returns the CG iterations.
     ///
     /// # Errors
     /// [`ElasticityError::NotDefinite`] or [`ElasticityError::Solver`] if too few entries are fixed.

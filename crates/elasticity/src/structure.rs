@@ -22,8 +22,8 @@ use tensor::Dual;
 /// M d_tt + C d_t + R(d) = f(t)     at free entries                                                             (motion of nodes)
 /// ```
 ///
-/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is the derivative of R, and
-/// K its value at rest.
+/// rho is the density at rest, C a [`Damping`], and R the forces of a [`Law`]; for the linear one R(d) = K d. K(d) is the derivative of R,
+/// and K its value at rest.
 ///
 /// An entry is one component of one C0 node; vectors have the layout `[C0 node][component]`. An entry is either free or fixed; the
 /// motion of a fixed entry is prescribed. All methods take `&self`.

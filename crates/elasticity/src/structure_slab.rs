@@ -11,11 +11,12 @@
 //! I_a is the impulse of follower pressures, see `pressure_impulse`.
 //!
 //! T and omega are the matrix and the weights of `basis::RadauTime`. As diag(omega)^{-1} T = Phi^{-1}, this is the Radau IIA method. It has
-//! the order 2 N_t - 1 at the top of a slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost (dynamics) its order, because the
-//! reactions would follow from second differences. The position of a support is the Radau quadrature of g', of the same order.
+//! the order 2 N_t - 1 at the top of a slab and is stable for any dt. Supports prescribe the velocity. Prescribed positions would cost
+//! (dynamics) its order, because the reactions would follow from second differences. The position of a support is the Radau quadrature of
+//! g', of the same order.
 //!
-//! Only dampers and jumps take energy. E_strain is the strain energy, [v] = v(0+) - v_n, and [d] is the jump at the bottom of the polynomial
-//! through the d(s_a):
+//! Only dampers and jumps take energy. E_strain is the strain energy, [v] = v(0+) - v_n, and [d] is the jump at the bottom of the
+//! polynomial through the d(s_a):
 //!
 //! ```text
 //! E_tot(t_n+1) - E_tot(t_n) = E_load - E_damp - E_num,     E_tot = v . M v / 2 + E_strain(d)                         (energy)
@@ -89,8 +90,8 @@ impl<const D: usize> StructureSlab<'_, D> {
         self.bottom.time + self.motion.time().nodes()[a] * self.dt
     }
 
-    /// r := R(V) by (dynamics) for the loads `forces` of [`Self::forces`], at fixed entries too: there it is dt omega_a times the reaction of
-    /// the support. Returns the size of the forces that cancel in it.
+    /// r := R(V) by (dynamics) for the loads `forces` of [`Self::forces`], at fixed entries too: there it is dt omega_a times the reaction
+    /// of the support. Returns the size of the forces that cancel in it.
     ///
     /// # Errors
     /// [`Inversion`] where the law has no stress; `r` then has no meaning.

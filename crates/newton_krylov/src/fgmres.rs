@@ -7,9 +7,9 @@
 //!
 //! The preconditioner acts from the right, so the true residual is minimised. It may change in every iteration.
 //!
-//! V and Z may be stored in single precision ([`Precision`]). The products A z_j and all sums are in double precision, and z_j is rounded before
-//! the product, so that (fgmres) minimises the true residual as before. Rounding of v_j limits what a cycle can reduce to some 1e-6; more cycles
-//! follow where more is wanted.
+//! V and Z may be stored in single precision ([`Precision`]). The products A z_j and all sums are in double precision, and z_j is rounded
+//! before the product, so that (fgmres) minimises the true residual as before. Rounding of v_j limits what a cycle can reduce to some 1e-6;
+//! more cycles follow where more is wanted.
 
 mod least_squares;
 
@@ -19,8 +19,8 @@ use crate::inner_product::{
 use crate::operator::LinearSystem;
 use least_squares::LeastSquares;
 
-/// The recursive estimate of a converged residual is trusted while it is more than this fraction of the residual at the start of its
-/// cycle. The basis is orthogonal to some 1e-14 in double precision and 1e-6 in single precision, which does not affect the digits of such an
+/// The recursive estimate of a converged residual is trusted while it is more than this fraction of the residual at the start of its cycle.
+/// The basis is orthogonal to some 1e-14 in double precision and 1e-6 in single precision, which does not affect the digits of such an
 /// estimate. Below, one more product computes the residual.
 fn trusted(precision: Precision) -> f64 {
     match precision {

@@ -1,8 +1,8 @@
 //! Inner products, the reductions of a vector to a number, and the few vector operations of the solvers.
 //!
-//! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends only on the length,
-//! so the result has the same bits for any number of threads. Where a vector is distributed over ranks, each [`Parts`] of it has a tree of its
-//! own, and the bits do not depend on the number of ranks either.
+//! A sum over a vector is a binary tree whose leaves are chunks of [`CHUNK`] entries. The tree depends only on the length, so the result
+//! has the same bits for any number of threads. Where a vector is distributed over ranks, each [`Parts`] of it has a tree of its own, and
+//! the bits do not depend on the number of ranks either.
 
 mod columns;
 mod reductions;

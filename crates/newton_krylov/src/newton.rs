@@ -70,7 +70,8 @@ pub struct Stall {
     pub factor: f64,
 }
 
-/// Steps that lead nowhere: so many in a row, each at most a quarter of its increment, that together leave more than a part of the residual.
+/// The driver gives up after `steps` short steps in a row, each at most a quarter of its increment, if together they leave more than `left`
+/// of the residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortSteps {
     /// The number of steps.

@@ -4,7 +4,8 @@
 //! (ser)   dtau_k = dtau_0 (|R_k0| / |R_k|)^power        for each field k
 //! ```
 //!
-//! |R_k0| and dtau_0 belong to the last start of the rule: the start of the solve, or the last rejected step. The code stores 1/dtau_k, which is zero for an undamped field.
+//! |R_k0| and dtau_0 belong to the last start of the rule: the start of the solve, or the last rejected step. The code stores 1/dtau_k, which
+//! is zero for an undamped field.
 //!
 //! A residual may grow on the way to a solution: a flow that starts suddenly passes through waves. After a rejection (ser) would then keep
 //! dtau as short as that one step needed. With a recovery factor above 1, dtau grows by at least this factor in every full step:

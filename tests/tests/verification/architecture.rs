@@ -24,23 +24,34 @@ fn depends_on(folder: &Path, library: &str) -> bool {
     section.take_while(|line| !line.starts_with('[')).any(|line| line.split(['.', ' ', '=']).next() == Some(library))
 }
 
-/// The Rust files below a folder without those of tests.
+/// The Rust files below a folder without those of tests, whose names begin with `test`.
 fn sources(folder: &Path) -> Vec<PathBuf> {
-    let is_test = |path: &Path| path.file_stem().is_some_and(|stem| stem == "tests");
+    let is_test = |path: &Path| path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("test"));
     let below = |path: PathBuf| if path.is_dir() { sources(&path) } else { vec![path] };
     let mut files: Vec<_> = entries(folder).into_iter().filter(|path| !is_test(path)).flat_map(below).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "rs"));
     files
 }
 
+/// Whether a file contains one of the `words`, other than in tests and comments.
+fn file_contains(file: &Path, words: &[&str]) -> bool {
+    let text = read_to_string(file).unwrap();
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    let mut lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.any(|line| words.iter().any(|word| line.contains(word)))
+}
+
 /// Whether a crate contains one of the `words`, other than in tests and comments.
 fn contains(folder: &Path, words: &[&str]) -> bool {
-    sources(&folder.join("src")).iter().any(|file| {
-        let text = read_to_string(file).unwrap();
-        let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
-        let mut lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
-        lines.any(|line| words.iter().any(|word| line.contains(word)))
-    })
+    sources(&folder.join("src")).iter().any(|file| file_contains(file, words))
+}
+
+/// The files of all crates that contain one of the `words`, other than in tests and comments: `crate/src/file.rs`.
+fn files_with(words: &[&str]) -> Vec<String> {
+    let all = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
+    let files = crates(|_| true).into_iter().flat_map(|name| sources(&all.join(name).join("src")));
+    let found = files.filter(|file| file_contains(file, words));
+    found.map(|file| file.strip_prefix(&all).unwrap().to_string_lossy().into_owned()).collect()
 }
 
 #[test]
@@ -64,4 +75,43 @@ fn only_the_command_prints_and_exits() {
     assert_eq!(crates(|folder| contains(folder, &printing)), ["stsolve"]);
     // `Communicator::abort` ends the process.
     assert_eq!(crates(|folder| contains(folder, &["process::exit", "ExitCode"])), ["ranks", "stsolve"]);
+}
+
+/// Sums, maxima and minima over the mesh have one order, whatever the number of threads and ranks.
+#[test]
+fn only_newton_krylov_reduces_over_the_mesh() {
+    // Over the ranks.
+    assert_eq!(crates(|folder| contains(folder, &["sums.total(", "sums.largest("])), ["newton_krylov"]);
+    // By rayon, in an order that depends on the threads.
+    let by_threads = [".reduce(||", "par_iter().sum", "par_iter().min", "par_iter().max"];
+    assert!(files_with(&by_threads).is_empty(), "{:?}", files_with(&by_threads));
+    // In the crates whose numbers a march depends on.
+    let extremes = ["f64::max)", "f64::min)"];
+    let users = crates(|folder| {
+        ["coupled", "elasticity"].iter().any(|name| folder.ends_with(name)) && contains(folder, &extremes)
+    });
+    assert!(users.is_empty(), "{users:?}");
+}
+
+/// Cells may have their own orders later: then only `Layout` knows which index belongs to which component. The preconditioner has vectors of
+/// its own.
+#[test]
+fn indices_into_a_flow_go_through_the_layout() {
+    let arithmetic = ["% M", "% components", "/ layout.nodes", "* layout.nodes", "/ one.nodes", "* one.nodes"];
+    let mut files = files_with(&arithmetic);
+    files.retain(|file| !file.starts_with("fem/") && !file.contains("/preconditioner/"));
+    assert!(files.is_empty(), "{files:?}");
+}
+
+/// Where density, momentum and energy stand is known to the gas alone.
+#[test]
+fn only_navier_stokes_knows_which_component_is_the_energy() {
+    assert_eq!(crates(|folder| contains(folder, &["[M - 1]", "== M - 1", ", M - 1"])), ["navier_stokes"]);
+}
+
+/// One of a slab of all blocks, one of an elastic body, and the one that replaces products of another by differences.
+#[test]
+fn there_are_few_nonlinear_problems() {
+    let expected = ["coupled/src/system.rs", "elasticity/src/nonlinear.rs", "newton_krylov/src/finite_difference.rs"];
+    assert_eq!(files_with(&["NonlinearProblem for "]), expected);
 }

@@ -6,8 +6,8 @@
 //! L_a,i = sum_q phi_a(s_q) L_q,i                                  the loads of the flow at its points in time
 //! ```
 //!
-//! with (dynamics) of `elasticity::structure_slab`. The unknowns W are the velocities of all C0 nodes of the solid at the time nodes.
-//! D_a = dt omega_a (K_ii + |lambda/dt|^2 M_ii), with the largest |lambda|, is the impulse per displacement. Wall and solid move by the same
+//! with (dynamics) of `elasticity::structure_slab`. The unknowns W are the velocities of all C0 nodes of the solid at the time nodes. D_a =
+//! dt omega_a (K_ii + |lambda/dt|^2 M_ii), with the largest |lambda|, is the impulse per displacement. Wall and solid move by the same
 //! polynomial in time, so the work of the loads on both is equal to rounding.
 
 mod interface;

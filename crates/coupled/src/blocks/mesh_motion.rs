@@ -28,7 +28,7 @@ pub struct MeshBlock<const D: usize> {
     pub iterations: usize,
     interval: Interval,
     bottom: Vec<f64>,
-    /// The displacement at constrained entries, without bodies and as last read.
+    /// The displacement at constrained entries: without bodies, and as last read.
     prescribed: Vec<f64>,
     wall_displacement: Vec<f64>,
     velocities: Vec<f64>,
@@ -90,7 +90,7 @@ impl<const D: usize> MeshBlock<D> {
         self.residual = None;
     }
 
-    /// The mesh in equilibrium with its boundary at every time node, found from the guess `v`.
+    /// Replaces the guess `v` by the mesh in equilibrium with its boundary at every time node, and sets it.
     ///
     /// # Errors
     /// As [`MeshMover::velocities`].
@@ -267,7 +267,7 @@ impl<const D: usize> Block for MeshBlock<D> {
         if self.settled || w.is_empty() {
             return;
         }
-        // An unconverged increment still is a good one: the iteration outside is flexible.
+        // FGMRES is flexible: an increment that has not converged is good enough.
         let mut rest = r.to_vec();
         if self.follows_bodies
             && let Some((slab, _)) = self.elastic()

@@ -2,14 +2,14 @@
 
 pub mod elastic_body;
 mod flow;
-mod slab_times;
 mod mesh_motion;
 pub mod rigid_body;
+mod slab_times;
 
 pub use elastic_body::ElasticBody;
 pub(crate) use flow::inadmissible;
 pub(crate) use flow::totals_at;
 pub use flow::{Counts, FlowBlock, totals};
-pub use slab_times::SlabTimes;
 pub use mesh_motion::MeshBlock;
 pub use rigid_body::RigidBody;
+pub use slab_times::SlabTimes;

@@ -5,7 +5,8 @@
 //! v_c = h' + Omega x R(Theta) c,      Omega = T(Theta) Theta',      g_k = dv_c/dq_k',      G_k = T(Theta) a_k
 //! ```
 //!
-//! p is the pivot at rest, h the translation, Theta the rotation vector, and c the centre of mass relative to the pivot. R turns by the angle
+//! p is the pivot at rest, h the translation, Theta the rotation vector, and c the centre of mass relative to the pivot. R turns by the
+//! angle
 //! |Theta| about Theta, see [`tensor::rotated`] and [`tensor::angular_velocity`]. A rotation about a fixed axis has one a_k.
 //! The weight w is one on the body and less in the mesh that follows. The unknowns W are the rates of the coordinates q at the time nodes.
 //! With H = R J R^T Omega, the angular momentum about the centre of mass,
@@ -15,9 +16,9 @@
 //!         + dt omega_a ( c_k W_a,k + f_k(q_a) - g_k(s_a) . b(s_a) ) - Q_a,k = 0                                    (rigid body)
 //! ```
 //!
-//! J is the tensor of inertia at rest, c_k damps, f_k is the force of springs, b an outer force, and Q the load of the flow, see `loads`. About
-//! a fixed axis n, the second term contains the moment of inertia n . J n. A body without forces keeps H exactly. The sum of R_a,k W_a,k is
-//! the balance of energy, see `energy`.
+//! J is the tensor of inertia at rest, c_k damps, f_k is the force of springs, b an outer force, and Q the load of the flow, see `loads`.
+//! About a fixed axis n, the second term contains the moment of inertia n . J n. A body without forces keeps H exactly. The sum of R_a,k
+//! W_a,k is the balance of energy, see `energy`.
 //!
 //! T is singular at |Theta| = 2 pi unless the axis is fixed. A mesh that follows a body in space becomes invalid before.
 

@@ -2,7 +2,7 @@
 
 use basis::{Matrix, RadauTime};
 
-/// When a run is solved for.
+/// The times of a slab and its usual length.
 #[derive(Clone, Debug)]
 pub struct SlabTimes {
     /// The time nodes of a slab.
@@ -21,7 +21,7 @@ impl SlabTimes {
     }
 }
 
-/// What the flow leaves at each of so many time `points`, of the loads `[time point][..]`; nothing before it has left any.
+/// The parts of the loads `[time point][..]`, one for each of `points` time points; empty parts if there are no loads yet.
 pub(super) fn at_each_point<T>(loads: &[T], points: usize) -> impl Iterator<Item = &[T]> {
     loads.chunks_exact((loads.len() / points).max(1))
 }

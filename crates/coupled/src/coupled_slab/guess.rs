@@ -20,7 +20,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         let range = self.system.mesh_range();
         if self.predictor == Predictor::Elastic || range.is_empty() {
             self.system.move_mesh(&mut v)?;
-            // Before any flow is solved on it.
+            // No flow is solved on an invalid mesh.
             self.check_mesh()?;
         }
         let (mesh, flow) = (range.len(), self.system.flow_range());
@@ -46,7 +46,7 @@ impl<const D: usize, const M: usize> CoupledSlab<D, M> {
         guess
     }
 
-    /// Replaces the flow's guess, whose residual has the norm `norm`, by the polynomial of the slab before, if that has the smaller one.
+    /// Replaces the flow's guess by the polynomial of the slab before, if its residual is smaller than `norm`, that of the guess.
     fn improve_guess(&mut self, state: &State, interval: Interval, z: &mut [f64], norm: f64) {
         let Some(past) = &state.past else { return };
         let (layout, range) = (self.system.flow.operator.layout, self.system.flow_range());

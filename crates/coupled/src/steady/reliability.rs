@@ -14,6 +14,7 @@ use super::settling::{PER_TIME_UNIT, duration, mean, rates_of_change};
 use crate::transfer::transfer_flow;
 use fem::Layout;
 use navier_stokes::Conserved;
+use newton_krylov::inner_product::smallest;
 use newton_krylov::problem::NonlinearProblem;
 
 /// r above which a march in time tests the flow.
@@ -61,7 +62,7 @@ pub struct Stability {
 impl Stability {
     fn new(rates: &[f64], slabs: usize, duration: f64) -> Self {
         let eighths: Vec<f64> = rates.chunks(slabs.div_ceil(8)).map(mean).collect();
-        let (late, least) = (eighths.last(), eighths.iter().copied().fold(f64::INFINITY, f64::min));
+        let (late, least) = (eighths.last(), smallest(eighths.iter().copied()));
         Stability { growth: late.map_or(1.0, |late| late / least), duration, completed: rates.len() == slabs }
     }
 

@@ -145,8 +145,8 @@ impl<const D: usize, const M: usize> Search<'_, D, M> {
         Err(SteadyError { settling, stages, source })
     }
 
-    /// Replaces the steady flow `u` by that with the mass of the initial state: (steady) does not determine the mass of a closed domain. All
-    /// components are scaled, which keeps temperatures and velocities, so few steps follow.
+    /// Replaces the steady flow `u` by that with the mass of the initial state: (steady) does not determine the mass of a closed domain.
+    /// All components are scaled, which keeps temperatures and velocities, so few steps follow.
     fn with_initial_mass(
         &self,
         mut report: SlabReport<M>,

@@ -15,8 +15,8 @@ use newton_krylov::problem::in_words;
 const SAFETY: f64 = 4.0;
 
 impl<const D: usize, const M: usize> System<D, M> {
-    /// (rounding) of each field at `z`, which becomes the point of linearisation. It is zero for the mesh: its equations are well scaled, and
-    /// the round-off that the Newton driver allows suffices.
+    /// (rounding) of each field at `z`, which becomes the point of linearisation. It is zero for the mesh: its equations are well scaled,
+    /// and the round-off that the Newton driver allows suffices.
     pub(super) fn rounding(&mut self, z: &[f64]) -> Vec<f64> {
         let _timed = tracing::trace_span!(target: "cost", "product").entered();
         self.set_point(z);

@@ -24,8 +24,8 @@ fn moved<const D: usize>(components: usize, orders: Orders) -> (MeshMover<D>, St
         interval: Interval { start: 0.0, end: 0.1, halvings: 0 },
         dt: 0.1,
         bottom: vec![0.0; d.len()],
-        u: scattered(orders.time * len, 2.0),
-        v: scattered(orders.time * d.len(), 3.0),
+        u: scattered(orders.time * len, 2.0).into(),
+        v: scattered(orders.time * d.len(), 3.0).into(),
         bodies: vec![scattered(orders.time * 3, 4.0), scattered(orders.time, 5.0)],
     };
     (mover, State { past: Some(past), slab: 1, ..State::new(0.1, scattered(len, 1.0), d) })

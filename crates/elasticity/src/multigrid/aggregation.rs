@@ -13,6 +13,7 @@
 //! spread along weak couplings, so that coarse levels stay sparse where cells are thin.
 
 use super::blocks::{Block, BlockRows, add_block_product, add_block_vector, square_norm};
+use newton_krylov::inner_product::{Euclidean, InnerProduct};
 
 /// A few power iterations underestimate the largest eigenvalue of D^{-1} A by less than this factor.
 const SAFETY: f64 = 1.1;
@@ -174,7 +175,7 @@ fn largest_eigenvalue<const R: usize>(matrix: &BlockRows<R, R>, inverses: &[Bloc
     let mut x: Vec<[f64; R]> = (0..matrix.rows()).map(|node| std::array::from_fn(|i| entry(node, i))).collect();
     let mut eigenvalue = 1.0;
     for _ in 0..POWER_ITERATIONS {
-        let norm = x.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+        let norm = Euclidean.norm(x.as_flattened());
         x.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
         let mut product = vec![[0.0; R]; x.len()];
         matrix.add_product(1.0, &x, &mut product);
@@ -182,7 +183,7 @@ fn largest_eigenvalue<const R: usize>(matrix: &BlockRows<R, R>, inverses: &[Bloc
             *x = [0.0; R];
             add_block_vector(inverse, product, x);
         }
-        eigenvalue = x.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+        eigenvalue = Euclidean.norm(x.as_flattened());
     }
     eigenvalue
 }

@@ -8,14 +8,14 @@ use crate::shifted::Shifted;
 use basis::gauss_lobatto;
 
 impl<const D: usize> Structure<D> {
-    /// The system K(d) + m M at free entries with its low-order matrix. `position` is d; empty means at rest. `layer` is an additional mass of
-    /// every node; empty means none.
+    /// The system K(d) + m M at free entries with its low-order matrix. `position` is d; empty means at rest. `layer` is an additional mass
+    /// of every node; empty means none.
     ///
-    /// The low-order matrix is that of linear elasticity on the mesh that d has moved. A curved cell may be valid although a sub-cell between
-    /// its nodes is inverted. Then the mesh at rest is used, which costs iterations, but no accuracy.
+    /// The low-order matrix is that of linear elasticity on the mesh that d has moved. A curved cell may be valid although a sub-cell
+    /// between its nodes is inverted. Then the mesh at rest is used, which costs iterations, but no accuracy.
     ///
-    /// With a layer, K(d) omits the part that is proportional to the stress. The pressure of the fluid stresses the body, and it follows the
-    /// surface of the body. Both effects cancel: with the first one alone, K(d) of a flag under pressure would be indefinite.
+    /// With a layer, K(d) omits the part that is proportional to the stress. The pressure of the fluid stresses the body, and it follows
+    /// the surface of the body. Both effects cancel: with the first one alone, K(d) of a flag under pressure would be indefinite.
     pub(crate) fn shifted(
         &self,
         m: f64,

@@ -45,8 +45,8 @@ pub(crate) fn store<S: Stored>(y: &mut [f64], column: &mut [S]) {
     });
 }
 
-/// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`InnerProduct::dot`]; returns |y|. y is read once
-/// for all of them. `partial` holds the sums of the chunks.
+/// products_j := (x_j, y) for as many columns x_j as there are products, with the bits of [`InnerProduct::dot`]; returns |y|. y is read
+/// once for all of them. `partial` holds the sums of the chunks.
 pub fn dots<S: Stored>(
     inner_product: &(impl InnerProduct + ?Sized),
     columns: &[Vec<S>],

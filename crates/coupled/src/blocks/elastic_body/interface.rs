@@ -7,11 +7,11 @@ pub struct Follower {
     pub solid: usize,
     /// The C0 node of the flow's mesh.
     pub node: usize,
-    /// Its displacement relative to that of the solid: one on the wall, less where the mesh behind it follows.
+    /// Its displacement relative to the node of the solid: one on the wall, less in the mesh that follows the wall.
     pub weight: f64,
 }
 
-/// Where a solid and the flow meet.
+/// The interface of a solid and the flow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interface {
     /// All nodes that move with the solid; those of the wall come first.
@@ -21,8 +21,8 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The interface with the wall nodes `pairs`, a C0 node of the solid and one of the flow's mesh each, where the flow leaves its loads at
-    /// the nodes `loaded`, in increasing order. Pairs whose node is not loaded move without being loaded.
+    /// The interface with the wall nodes `pairs`: a C0 node of the solid and one of the flow's mesh. The flow loads the nodes `loaded` of
+    /// its mesh, in increasing order. A pair whose node is not loaded only moves.
     pub fn new(pairs: &[(usize, usize)], loaded: &[usize]) -> Self {
         let position = |pair: &(usize, usize)| loaded.binary_search(&pair.1).ok();
         let follower = |&(solid, node): &(usize, usize)| Follower { solid, node, weight: 1.0 };
@@ -37,7 +37,8 @@ impl Interface {
         self
     }
 
-    /// Adds the displacement `d` of the solid to the field `out` of the flow's mesh, both `[C0 node][component]`, in `dimension` directions.
+    /// Adds the displacement `d` of the solid to the field `out` of the flow's mesh, both `[C0 node][component]`, in `dimension`
+    /// directions.
     pub(super) fn add_displacement(&self, dimension: usize, d: &[f64], out: &mut [f64]) {
         for Follower { solid, node, weight } in &self.followers {
             let (from, to) = (solid * dimension, node * dimension);

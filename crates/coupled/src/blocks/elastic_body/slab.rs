@@ -42,7 +42,7 @@ impl<const D: usize> ElasticBody<D> {
         v
     }
 
-    /// z := the unknowns `past` of the slab before and its length, extended; without them the velocity at the bottom.
+    /// z := the unknowns of the slab before, extrapolated; without them the velocity at the bottom. `past` holds them and its length.
     pub(super) fn extrapolate(&self, past: Option<(&[f64], f64)>, z: &mut [f64]) {
         match past {
             Some((past, dt)) => extend(self.motion.time(), self.slab.dt / dt, past, z),
@@ -50,7 +50,7 @@ impl<const D: usize> ElasticBody<D> {
         }
     }
 
-    /// Writes the displacement of the walls at the time nodes that the velocities `w` give, from that at the `bottom`.
+    /// Writes the displacement of the walls at the time nodes, from the displacement at the `bottom` and the velocities `w`.
     pub(super) fn write_walls(&self, bottom: &[f64], w: &[f64], exchange: &mut Exchange) {
         let field = exchange.wall_displacement.len() / self.motion.time().order();
         let mut d = vec![0.0; bottom.len()];
@@ -79,7 +79,7 @@ impl<const D: usize> ElasticBody<D> {
     pub(super) fn closed(&self, w: &[f64], before: Ledger) -> Ledger {
         let (slab, fixed) = (self.in_slab(), self.data.structure.fixed());
         let mut r = vec![0.0; w.len()];
-        // The slab is solved, so that there is a residual.
+        // The slab is solved, so the residual is defined.
         let _ = slab.residual(&self.slab.forces, w, &mut r);
         r.iter_mut().zip(&self.flow_loads).for_each(|(r, load)| *r -= load);
         let work = slab.work(&self.slab.forces, w, &r);

@@ -9,7 +9,7 @@ use tensor::Transcendental;
 pub enum Freedom {
     /// Along e_k.
     Translation(Vec3),
-    /// By the part of the rotation vector along a_k, a unit vector.
+    /// As a rotation: q_k is the part of the rotation vector along the unit vector a_k.
     Rotation(Vec3),
 }
 
@@ -20,7 +20,7 @@ impl Freedom {
     }
 }
 
-/// Springs that a coordinate meets outside of a range.
+/// Springs that act on a coordinate outside of a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stops {
     /// No force above this.
@@ -31,12 +31,12 @@ pub struct Stops {
     pub stiffness: f64,
 }
 
-/// What drives a coordinate.
+/// The drive of a coordinate.
 #[derive(Clone)]
 pub struct Drive {
     /// The coordinate as a function of time.
     pub position: Arc<dyn Fn(f64) -> f64 + Send + Sync>,
-    /// The time from which on it is free, if there is one.
+    /// The time when the drive ends and the coordinate becomes free, if it does.
     pub release: Option<f64>,
 }
 
@@ -57,12 +57,12 @@ pub struct Coordinate {
     pub rest: f64,
     /// The rate at the start.
     pub rate_at_start: f64,
-    /// What drives it.
+    /// Its drive, if it has one.
     pub drive: Option<Drive>,
 }
 
 impl Coordinate {
-    /// f(q), the force that springs need.
+    /// f(q), the force of the springs.
     pub fn spring_force<T: Transcendental>(&self, q: T) -> T {
         let x = q - self.rest;
         x * self.stiffness + x * x * x * self.cubic_stiffness + self.beyond(q) * self.stop_stiffness()
@@ -78,7 +78,7 @@ impl Coordinate {
 
     /// Whether it is driven in the slab that begins at `start`.
     pub fn is_driven(&self, start: f64) -> bool {
-        // A release falls on the beginning of a slab, up to rounding.
+        // A drive ends at the beginning of a slab, up to rounding.
         self.drive
             .as_ref()
             .is_some_and(|drive| drive.release.is_none_or(|release| start < release - 1e-9 * release.abs()))

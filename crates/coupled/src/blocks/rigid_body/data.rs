@@ -1,10 +1,10 @@
-//! What a rigid body is.
+//! The data of a rigid body.
 
 use super::{Coordinate, Vec3};
 use basis::Matrix;
 use std::sync::Arc;
 
-/// What a rigid body is.
+/// The data of a rigid body.
 #[derive(Clone)]
 pub struct RigidBodyData {
     /// Its name.
@@ -21,7 +21,7 @@ pub struct RigidBodyData {
     pub coordinates: Vec<Coordinate>,
     /// b as a function of time: weight, for example.
     pub force: Option<Arc<dyn Fn(f64) -> Vec3 + Send + Sync>>,
-    /// The estimate of the added mass that its preconditioner takes.
+    /// The estimate of the added mass, for its preconditioner.
     pub added_mass: AddedMass,
 }
 

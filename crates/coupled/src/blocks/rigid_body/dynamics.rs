@@ -34,7 +34,7 @@ impl<const D: usize> RigidBody<D> {
         q.chunks_exact(count).enumerate().flat_map(at_node).collect()
     }
 
-    /// (rigid body) without Q at all coordinates, driven or not: there it is the impulse of the drive.
+    /// (rigid body) without Q at all coordinates. At driven ones it is the impulse of the drive.
     pub(super) fn free_dynamics<T: Transcendental>(&self, w: &[T]) -> Vec<T> {
         let (count, q, mut r) = (self.count(), self.positions(w), self.inertia(w));
         for (a, r) in r.chunks_exact_mut(count).enumerate() {
@@ -71,7 +71,7 @@ impl<const D: usize> RigidBody<D> {
         (0..self.count()).filter(move |k| self.data.coordinates[*k].is_driven(start))
     }
 
-    /// Sets the rates of driven coordinates to those whose positions at the time nodes are the prescribed ones.
+    /// Sets the rates of driven coordinates such that their positions at the time nodes are the prescribed ones.
     pub(super) fn prescribe_rates(&self, w: &mut [f64]) {
         let count = self.count();
         for k in self.driven() {
@@ -99,7 +99,7 @@ impl<const D: usize> RigidBody<D> {
         Matrix::from_fn(self.count(), self.count(), |k, l| layer * area[(k, l)])
     }
 
-    /// The inverse of the derivative of (rigid body) with (added mass) in place of the load.
+    /// The inverse of the derivative of (rigid body), with (added mass) as the estimate of the load.
     pub(super) fn preconditioner(&self) -> Option<Matrix> {
         let (count, n) = (self.count(), self.time().order());
         let len = n * count;

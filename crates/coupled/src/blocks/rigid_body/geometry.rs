@@ -92,7 +92,11 @@ impl RigidBodyData {
     }
 
     /// The displacement of `node`, (rigid motion).
-    fn displacement<T: Transcendental, const D: usize>(&self, node: &SurfaceNode<D>, place: &BodyPosition<T>) -> [T; D] {
+    fn displacement<T: Transcendental, const D: usize>(
+        &self,
+        node: &SurfaceNode<D>,
+        place: &BodyPosition<T>,
+    ) -> [T; D] {
         let arm = self.arm(&node.position).map(T::from);
         let turned = moved_by_rotation(&place.theta.map(|theta| theta * node.weight), &arm);
         std::array::from_fn(|d| place.h[d] * node.weight + turned[d])

@@ -14,7 +14,7 @@ use super::{RigidBody, Six, SurfaceNode, along, derivatives, lifted};
 use crate::blocks::slab_times::at_each_point;
 use tensor::{Transcendental, cross, dot};
 
-/// The load without the correction, and what the wall does.
+/// The load without the correction, and the work of the wall.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loads<T> {
     /// `[a][k]`
@@ -31,11 +31,11 @@ struct Wall<T> {
     modes: Vec<Six<T>>,
 }
 
-/// The angle that a body turns in a slab at a rate that counts as none.
+/// The rate of a body that turns by this angle in a slab counts as zero.
 const HARDLY: f64 = 1e-5;
 
 impl<const D: usize> RigidBody<D> {
-    /// Takes the load at the point of linearisation and evaluation.
+    /// Computes the load at the point of linearisation and evaluation.
     pub(super) fn set_loads(&mut self) {
         self.loads = self.load(&self.w, &self.flow_loads);
     }
@@ -51,7 +51,7 @@ impl<const D: usize> RigidBody<D> {
         total
     }
 
-    /// Q of the nodal loads `l`, `[time point][loaded node][component]`, on the wall as it moves by the rates `w`.
+    /// Q of the nodal loads `l`, `[time point][loaded node][component]`, on the wall that moves with the rates `w`.
     fn load<T: Transcendental>(&self, w: &[T], l: &[T]) -> Loads<T> {
         let (count, rates) = (self.count(), self.wall_rates(w));
         let mut loads = Loads { moments: vec![T::from(0.0); w.len()], wall_work: T::from(0.0) };
@@ -87,7 +87,7 @@ impl<const D: usize> RigidBody<D> {
         rates
     }
 
-    /// The wall at a time point, where the coordinates have the rates `w` and the wall the velocities `rates` at the time nodes.
+    /// The wall at a time point. The coordinates have the rates `w`, and the wall nodes the velocities `rates`, at the time nodes.
     fn wall_at<T: Transcendental>(&self, point: usize, w: &[T], rates: &[T]) -> Wall<T> {
         let (dt, s) = (self.slab.dt, self.points[point]);
         let (mut d, mut q) = (lifted(&self.slab.surface), lifted(&self.slab.position));
@@ -136,7 +136,7 @@ impl<const D: usize> RigidBody<D> {
     }
 }
 
-/// A vector of as many components as there are, as one of space.
+/// A vector with D components as a vector of space.
 fn in_space<T: Transcendental>(components: &[T]) -> [T; 3] {
     std::array::from_fn(|k| components.get(k).copied().unwrap_or(T::from(0.0)))
 }
