@@ -6,10 +6,12 @@
 DIRECTORY is the directory of a run for which `stsolve report` has made report.html. The checks:
 
 * no error and no message on the console; nothing is loaded from elsewhere; the page is at most 10 MB;
+* pictures of a run in time play on opening, but not where the system asks for reduced motion; a click pauses them;
 * arrow keys move the slider; each position shows another time, and its picture has the announced size;
+* in three dimensions arrow keys move the plane of each cut, and each position shows another picture;
 * the charts mark that time with the numbers of history.csv; every curve has points inside its chart;
 * each field and window can be clicked; keys zoom;
-* charts, the picture and the film can be saved;
+* charts, the picture and the film can be saved, also charts that are folded;
 * every number of summary.json is in the tables.
 
 --picture keeps a picture of the page. Exits with 1 and names every error; without a Chromium it says so and exits with 0.
@@ -20,6 +22,7 @@ import csv
 import json
 import math
 import pathlib
+import re
 import sys
 
 import headless
@@ -77,6 +80,31 @@ def wrong_frame(frame, time, pane, rows):
             yield f"t = {time}: marked at {x}"
 
 
+# Whether the picture changes within half a second, and whether the button offers a pause.
+PLAYS = """(async () => {
+  const shown = new Set();
+  for (let look = 0; look < 10; look++) {
+    shown.add(document.getElementById("time").textContent);
+    await new Promise((done) => setTimeout(done, 50));
+  }
+  return [shown.size > 1, document.getElementById("play").getAttribute("aria-label") === "Pause"];
+})()"""
+
+
+def wrong_play(page, pictures):
+    """Whether the pictures play on opening as they should, and a click pauses them."""
+    several = len(pictures["times"]) > 2
+    for reduced in ("reduce", "no-preference"):
+        page.reopen([{"name": "prefers-reduced-motion", "value": reduced}])
+        expected = several and reduced == "no-preference"
+        if page.evaluate(PLAYS) != [expected] * 2:
+            yield f"opened with motion '{reduced}': plays {'not' if expected else 'all the same'}"
+    if several:
+        page.click("#viewer")
+        if page.evaluate(PLAYS) != [False, False]:
+            yield "a click does not pause"
+
+
 def wrong_slider(page, pictures, rows):
     """Goes through all times with the arrow keys."""
     page.evaluate("document.getElementById('slider').focus()")
@@ -91,6 +119,26 @@ def wrong_slider(page, pictures, rows):
         yield f"the slider does not move: {shown}"
 
 
+def wrong_cuts(page, pictures):
+    """Goes through all positions of each cut with the arrow keys."""
+    for number, window in enumerate(pictures["windows"]):
+        if "cut" not in window:
+            continue
+        page.click(f"input[name=window][value='{number}'] + span")
+        page.evaluate("document.getElementById('cut').focus()")
+        page.press("Home", 36)
+        for position in window["cut"]["positions"]:
+            frame = page.evaluate(FRAME)
+            where = re.search(f"{window['cut']['axis']} = ([^:]*):", frame["alt"])
+            if not where or not near(where[1], position, 4) or frame["size"] != [window["width"], window["height"]]:
+                yield f"{window['label']} at {position}: {frame['alt']}, {frame['size']} pixels"
+            page.press("ArrowRight", 39)
+        if page.evaluate("[document.getElementById('over-time').hidden, document.getElementById('over-cut').hidden]") != [True, False]:
+            yield f"{window['label']}: the wrong slider"
+    if len(pictures["windows"]) > 1:
+        page.click("input[name=window][value='0'] + span")
+
+
 def wrong_choices(page, pictures):
     """Looks at every field in every window."""
     seen = set()
@@ -101,7 +149,9 @@ def wrong_choices(page, pictures):
             page.click(f"input[name=quantity][value='{quantity}'] + span")
             frame = page.evaluate(FRAME)
             seen.add(frame["alt"])
-            expected = pictures["windows"][window]["pictures"][quantity][-1][0]
+            expected = [uri for uri, _ in pictures["windows"][window]["pictures"][quantity]]
+            # A cut is opened in the middle, the others at the last time.
+            expected = expected[(len(expected) - 1) // 2 if "cut" in pictures["windows"][window] else -1]
             if frame["picture"] != expected or frame["ticks"] < 2 or not frame["legend"]:
                 yield f"field {quantity} in window {window}: {frame['alt']}, {frame['ticks']} numbers in the legend"
     if len(seen) != len(pictures["windows"]) * len(pictures["quantities"]):
@@ -192,12 +242,16 @@ def check(page, directory):
     """All that is wrong, and what was looked at."""
     with open(directory / "history.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
+    pictures = page.evaluate("JSON.parse(document.getElementById('data').textContent).pictures")
+    wrong = list(wrong_play(page, pictures)) if pictures else []
+    # Only what is open has a size.
+    page.evaluate("document.querySelectorAll('details').forEach((details) => (details.open = true))")
     seen = page.evaluate(PAGE)
-    pictures = seen["data"]["pictures"]
-    wrong = list(wrong_page(seen, rows, directory))
+    wrong += wrong_page(seen, rows, directory)
     if pictures:
-        wrong += [*wrong_slider(page, pictures, rows), *wrong_choices(page, pictures), *wrong_zoom(page)]
+        wrong += [*wrong_cuts(page, pictures), *wrong_slider(page, pictures, rows), *wrong_choices(page, pictures), *wrong_zoom(page)]
         page.click("input[name=window][value='0'] + span") if len(pictures["windows"]) > 1 else None
+    page.evaluate("document.querySelectorAll('details').forEach((details) => (details.open = false))")
     wrong += wrong_saves(page, pictures, rows)
     times = len(pictures["times"]) if pictures else 0
     return wrong + page.problems, f"{times} times, {len(seen['curves'])} curves, {len(seen['cells'])} figures"

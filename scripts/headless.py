@@ -29,7 +29,13 @@ class Page:
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        self.call("Page.navigate", url=address)
+        self.address = address
+        self.reopen([])
+
+    def reopen(self, features):
+        """Loads the page anew, with some media features of the user: name and value."""
+        self.call("Emulation.setEmulatedMedia", features=features)
+        self.call("Page.navigate", url=self.address)
         self._wait("Page.loadEventFired")
 
     def _start(self, program, options):

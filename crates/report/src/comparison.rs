@@ -1,10 +1,11 @@
 //! Several runs on one page: their curves over each other, their figures and keys side by side.
 
-use super::chart::{self, Curve};
+use super::chart::{self, Chart, Curve};
+use super::document::{Document, fill};
 use super::figures;
 use super::groups::{self, Group};
-use super::html::{escaped, script_json};
-use super::page::{SCRIPT, STYLE, fill, history};
+use super::html::escaped;
+use super::page::history;
 use super::run_files::RunFiles;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -14,21 +15,27 @@ const TEMPLATE: &str = include_str!("comparison.html");
 /// Sections of the summary that differ for the same run.
 const OF_THE_MACHINE: [&str; 2] = ["machine", "cost"];
 
+const SECTIONS: [(&str, &str); 3] = [("curves", "Curves"), ("figures", "Figures"), ("case", "Cases")];
+
 /// The page of some `runs` with these names.
 pub fn page(runs: &[RunFiles], names: &[String]) -> String {
-    fill(TEMPLATE, |key| match key {
-        "style" => STYLE.to_owned(),
-        "script" => SCRIPT.to_owned(),
-        "names" => escaped(&names.join(", ")),
-        "title" => format!("{} runs compared", runs.len()),
+    let main = fill(TEMPLATE, |key| match key {
         "charts" => charts(runs, names),
         "figures" => figures(runs, names),
         "keys" => keys(runs, names),
-        "data" => script_json(&json!({
-            "name": names.join("_"), "history": runs.iter().map(|run| history(&run.history)).collect::<Vec<_>>(), "pictures": null,
-        })),
         _ => String::new(),
-    })
+    });
+    let history: Vec<Value> = runs.iter().map(|run| history(&run.history)).collect();
+    Document {
+        name: &names.join(", "),
+        title: &format!("{} runs compared", runs.len()),
+        status: String::new(),
+        sections: &SECTIONS,
+        main,
+        creator: runs.iter().find_map(|run| run.result.as_ref().ok()).map_or("", |reader| &reader.metadata.creator),
+        data: json!({ "name": names.join("_"), "history": history, "pictures": null }),
+    }
+    .html()
 }
 
 /// A chart for each column that some run has, in the order of the page of a run.
@@ -40,15 +47,14 @@ fn charts(runs: &[RunFiles], names: &[String]) -> String {
         }
     }
     let boundaries: Vec<String> = runs.iter().flat_map(|run| run.boundaries()).cloned().collect();
-    let of_group = |group: Group| -> String {
-        let chart = |(column, label): &(String, String)| {
-            let curve = |(run, files): (usize, &RunFiles)| Curve::of(&files.history, run, column, &names[run]);
-            let curves: Vec<Curve> = runs.iter().enumerate().filter_map(curve).collect();
-            chart::drawn(&format!("{}: {label}", group.title), group.scale, &curves)
-        };
-        group.series.iter().filter_map(chart).collect()
+    let of_group = |Group { title, series, scale, of_solver }: Group| {
+        series.into_iter().map(move |(column, label)| {
+            let curve = |(run, files): (usize, &RunFiles)| Curve::of(&files.history, run, &column, &names[run]);
+            let curves = runs.iter().enumerate().filter_map(curve).collect();
+            Chart { title: format!("{title}: {label}"), scale, of_solver, curves }
+        })
     };
-    groups::groups(&columns, &boundaries).into_iter().map(of_group).collect()
+    chart::arranged(&groups::groups(&columns, &boundaries).into_iter().flat_map(of_group).collect::<Vec<_>>())
 }
 
 /// A row for each figure that some run has; rows that differ are marked.

@@ -1,6 +1,6 @@
 //! The figures of a run: every number of summary.json, or for an unfinished run those of its history.
 
-use super::html::{escaped, short};
+use super::html::{capitalised, escaped, short};
 use super::run_files::RunFiles;
 use output::HistoryTable;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 /// The titles of the sections of the summary, in their order on the page. Other sections come after these; keys outside any
 /// section are `run`.
-const SECTIONS: [(&str, &str); 13] = [
+const SECTIONS: [(&str, &str); 15] = [
     ("run", "Run"),
     ("mesh", "Mesh"),
     ("unknowns", "Unknowns of a slab"),
@@ -20,6 +20,8 @@ const SECTIONS: [(&str, &str); 13] = [
     ("conservation", "Conservation"),
     ("error", "Distance to the exact solution"),
     ("walls", "Walls"),
+    ("openings", "Inflows and outflows"),
+    ("bodies", "Bodies"),
     ("machine", "Machine"),
     ("cost", "Cost"),
 ];
@@ -82,8 +84,9 @@ pub fn flatten(key: &str, value: &Value, rows: &mut Vec<(String, Value)>) {
 }
 
 fn table(section: &str, rows: &[(String, Value)]) -> String {
-    let title = SECTIONS.iter().find(|(key, _)| *key == section).map_or(section, |(_, title)| title);
-    let mut out = format!("<table><caption>{}</caption><tbody>\n", escaped(title));
+    let title = SECTIONS.iter().find(|(key, _)| *key == section).map(|(_, title)| (*title).to_owned());
+    let title = title.unwrap_or_else(|| capitalised(&words(section)));
+    let mut out = format!("<table><caption>{}</caption><tbody>\n", escaped(&title));
     for (key, value) in rows {
         let path = if section == "run" { key.clone() } else { format!("{section}.{key}") };
         let _ = writeln!(
@@ -110,6 +113,20 @@ pub fn shown(value: &Value) -> String {
         Value::Array(entries) => entries.iter().map(shown).collect::<Vec<_>>().join(", "),
         Value::String(text) => escaped(text),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
+        Value::Null => "\u{2013}".into(),
         other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_section_without_a_title_has_its_name() {
+        let rows = [("l2".to_owned(), Value::Null), ("l2_max".to_owned(), json!(0.5))];
+        let table = table("far_field", &rows);
+        assert!(table.contains("<caption>Far field</caption>"), "{table}");
+        assert!(table.contains("data-key=\"far_field.l2\" title=\"null\">\u{2013}</td>"), "{table}");
     }
 }

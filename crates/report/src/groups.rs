@@ -1,5 +1,7 @@
 //! Groups of history columns that share a chart.
 
+use super::html::capitalised;
+
 /// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
@@ -18,12 +20,14 @@ pub struct Group {
     pub series: Vec<(String, String)>,
     /// The scale of the vertical axis.
     pub scale: Scale,
+    /// Whether the columns describe solver and mesh, not the flow or a structure.
+    pub of_solver: bool,
 }
 
-/// A chart of known columns: title, scale, columns and their labels.
-type Known = (&'static str, Scale, &'static [(&'static str, &'static str)]);
+/// A chart of columns of solver and mesh: title, scale, columns and their labels.
+type SolverChart = (&'static str, Scale, &'static [(&'static str, &'static str)]);
 
-const KNOWN: [Known; 10] = [
+const SOLVER_CHARTS: [SolverChart; 10] = [
     (
         "Residual of a slab",
         Scale::Logarithmic,
@@ -71,26 +75,27 @@ const KINDS: [(&str, &str); 12] = [
 /// All charts of a history: first coefficients, forces and columns unknown to this table, then solver and mesh. `boundaries` are possible
 /// first parts of column names.
 pub fn groups(columns: &[String], boundaries: &[String]) -> Vec<Group> {
-    let known = |column: &str| KNOWN.iter().any(|(_, _, series)| series.iter().any(|(name, _)| *name == column));
+    let known =
+        |column: &str| SOLVER_CHARTS.iter().any(|(_, _, series)| series.iter().any(|(name, _)| *name == column));
     let mut groups: Vec<Group> = Vec::new();
     for column in columns.iter().filter(|column| *column != "t" && !known(column)) {
         let (title, label) = title_and_label(column, boundaries);
         let series = (column.clone(), label);
         match groups.iter_mut().find(|group| group.title == title) {
             Some(group) => group.series.push(series),
-            None => groups.push(Group { title, series: vec![series], scale: Scale::Linear }),
+            None => groups.push(Group { title, series: vec![series], scale: Scale::Linear, of_solver: false }),
         }
     }
     // Stable: otherwise in the order of the columns.
     groups.sort_by_key(|group| !group.title.ends_with("coefficients"));
-    groups.extend(KNOWN.iter().filter_map(|known| known_group(known, columns)));
+    groups.extend(SOLVER_CHARTS.iter().filter_map(|known| known_group(known, columns)));
     groups
 }
 
-fn known_group((title, scale, series): &Known, columns: &[String]) -> Option<Group> {
+fn known_group((title, scale, series): &SolverChart, columns: &[String]) -> Option<Group> {
     let present = series.iter().filter(|(name, _)| columns.iter().any(|column| column == name));
     let series: Vec<_> = present.map(|(name, label)| (name.to_string(), label.to_string())).collect();
-    (!series.is_empty()).then(|| Group { title: title.to_string(), series, scale: *scale })
+    (!series.is_empty()).then(|| Group { title: title.to_string(), series, scale: *scale, of_solver: true })
 }
 
 /// The chart of a column, and its label there: `foil_pressure_force_x` is `pressure force x` in `foil: forces`.
@@ -115,11 +120,6 @@ fn without_axis(name: &str) -> &str {
         Some((stem, end)) if ["x", "y", "z"].contains(&end) || end.parse::<usize>().is_ok() => stem,
         _ => name,
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut characters = text.chars();
-    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
 }
 
 #[cfg(test)]
@@ -172,5 +172,13 @@ mod tests {
             ]
         );
         assert_eq!(groups[1].series[2], ("foil_pressure_force_x".to_owned(), "pressure force x".to_owned()));
+        let of_solver: Vec<&str> =
+            groups.iter().filter(|group| group.of_solver).map(|group| &group.title[..]).collect();
+        assert_eq!(of_solver[..2], ["Residual of a slab", "Iterations per slab"]);
+        assert_eq!(
+            groups.iter().position(|group| group.of_solver),
+            Some(groups.len() - of_solver.len()),
+            "they come last"
+        );
     }
 }

@@ -7,6 +7,24 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
+/// A text as HTML, in which words between backquotes are code.
+pub fn with_code(text: &str) -> String {
+    let part = |(k, part): (usize, &str)| match k % 2 {
+        1 => format!("<code>{}</code>", escaped(part)),
+        _ => escaped(part),
+    };
+    match text.matches('`').count() % 2 {
+        0 => text.split('`').enumerate().map(part).collect(),
+        _ => escaped(text),
+    }
+}
+
+/// A text that begins with a capital.
+pub fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map_or_else(String::new, |first| first.to_uppercase().chain(characters).collect())
+}
+
 /// JSON for a script element, which must not contain `</`.
 pub fn script_json(value: &Value) -> String {
     value.to_string().replace("</", "<\\/")
@@ -67,6 +85,13 @@ mod tests {
         assert_eq!(legend_texts(&[0.123_456, 0.2, 1234.6]), ["0.123", "0.2", "1235"]);
         assert_eq!(legend_texts(&[0.99998, 1.0, 1.00002]), ["0.99998", "1", "1.00002"]);
         assert_eq!(legend_texts(&[0.5, 0.5]), ["0.5", "0.5"]);
+    }
+
+    #[test]
+    fn backquotes_make_code() {
+        assert_eq!(with_code("take `a < b`, or `c`"), "take <code>a &lt; b</code>, or <code>c</code>");
+        assert_eq!(with_code("one ` alone"), "one ` alone");
+        assert_eq!((capitalised("mesh"), capitalised("")), ("Mesh".to_owned(), String::new()));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The output for people: fields at points, and one HTML page of a run, finished or not, that needs no network.
+//! Output for users: fields at points, and one HTML page of a run, finished or not, that needs no network.
 //!
 //! This crate reads the files of a run and prints nothing.
 //!
@@ -11,7 +11,8 @@
 //! | `groups` | groups of history columns that share a chart |
 //! | `chart`, `axis` | curves as SVG |
 //! | `figures` | tables of all numbers of the summary |
-//! | `page` | the page: `page.html`, `page.css`, `page.js` filled in |
+//! | `document` | the frame of all pages: `document.html`, `page.css`, `charts.js` and `pictures.js` |
+//! | `page`, `panel`, `why` | the page of a run: `page.html` filled in; its pictures; why a run failed |
 //! | `comparison` | several runs on one page: `comparison.html` filled in |
 //! | `html` | texts and numbers in HTML |
 //!
@@ -39,16 +40,19 @@
 mod axis;
 mod chart;
 mod comparison;
+mod document;
 pub mod fields;
 mod figures;
 mod groups;
 pub mod html;
 mod page;
+mod panel;
 pub mod pictures;
 mod run_files;
 pub mod simplices;
+mod why;
 
-use output::{HISTORY_FILE, OutputError};
+use output::{HISTORY_FILE, OutputError, ResultReader};
 pub use pictures::Scenario;
 use run_files::RunFiles;
 use std::path::{Path, PathBuf};
@@ -71,9 +75,9 @@ pub enum ReportError {
         /// The directory.
         directory: PathBuf,
     },
-    /// A movie that cannot be made.
-    #[error("no movie: {0}")]
-    NoMovie(String),
+    /// A movie or a picture that cannot be made.
+    #[error("no picture: {0}")]
+    NoPicture(String),
     /// A file of the run that cannot be read, or the page that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -86,7 +90,7 @@ pub struct Page {
     pub path: PathBuf,
     /// Its size.
     pub bytes: usize,
-    /// At how many steps it shows pictures, or why it shows none.
+    /// The number of steps of which it shows pictures, or the reason why it shows none.
     pub pictures: Result<usize, String>,
 }
 
@@ -114,14 +118,14 @@ pub fn write_at(directory: &Path, q_level: Option<f64>) -> Result<Page, ReportEr
     Ok(Page { path, bytes: page.len(), pictures: pictures.map(|pictures| pictures.frames.len()) })
 }
 
-/// A movie that was written.
+/// A movie or a picture that was written.
 #[derive(Clone, Debug)]
 pub struct MovieFile {
     /// The file.
     pub path: PathBuf,
     /// Its size.
     pub bytes: usize,
-    /// The number of its frames, one for every step of the result file.
+    /// The number of its frames: of a movie one for every step of the result file, of a picture 1.
     pub frames: usize,
     /// The window that it shows.
     pub window: String,
@@ -132,19 +136,37 @@ pub struct MovieFile {
 /// # Errors
 /// A directory without a run or without a result, an unknown field or window, a file that cannot be written.
 pub fn write_movie(directory: &Path, scenario: &Scenario) -> Result<MovieFile, ReportError> {
+    write_frames(directory, scenario, "", pictures::movie)
+}
+
+/// Writes a picture of the last step of the run in `directory`, as `FIELD_last.png` or `FIELD_WINDOW_last.png` there.
+///
+/// # Errors
+/// As [`write_movie`].
+pub fn write_picture(directory: &Path, scenario: &Scenario) -> Result<MovieFile, ReportError> {
+    write_frames(directory, scenario, "_last", pictures::picture)
+}
+
+/// Writes what `draw` makes.
+fn write_frames(
+    directory: &Path,
+    scenario: &Scenario,
+    ending: &str,
+    draw: impl Fn(&ResultReader, &Scenario) -> Result<pictures::Movie, pictures::PictureError>,
+) -> Result<MovieFile, ReportError> {
     let run = RunFiles::read(directory)?;
-    let reader = run.result.as_ref().map_err(|reason| ReportError::NoMovie(reason.clone()))?;
-    let movie = pictures::movie(reader, scenario).map_err(|error| ReportError::NoMovie(error.to_string()))?;
-    let path = directory.join(movie_name(scenario.field, scenario.window));
+    let reader = run.result.as_ref().map_err(|reason| ReportError::NoPicture(reason.clone()))?;
+    let movie = draw(reader, scenario).map_err(|error| ReportError::NoPicture(error.to_string()))?;
+    let path = directory.join(file_name(scenario, ending));
     output::write_atomically(&path, &movie.bytes)?;
     Ok(MovieFile { path, bytes: movie.bytes.len(), frames: movie.frames, window: movie.window })
 }
 
-/// The name of the file of a movie.
-fn movie_name(field: &str, window: Option<&str>) -> String {
+/// The name of the file of a movie or a picture.
+fn file_name(&Scenario { field, window, .. }: &Scenario, ending: &str) -> String {
     let word =
         |name: &str| name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect::<Vec<_>>().join("_");
-    window.map_or_else(|| format!("{field}.png"), |window| format!("{field}_{}.png", word(window)))
+    window.map_or_else(|| format!("{field}{ending}.png"), |window| format!("{field}_{}{ending}.png", word(window)))
 }
 
 /// Writes one page of the runs in `directories`, with their curves over each other, into the first of them.
@@ -159,7 +181,7 @@ pub fn write_comparison(directories: &[PathBuf]) -> Result<Page, ReportError> {
     Ok(Page { path, bytes: page.len(), pictures: Err("only the page of one run has pictures".to_owned()) })
 }
 
-/// The names of the directories, or their paths where names are alike.
+/// The names of the directories, or their paths if names are equal.
 fn names(directories: &[PathBuf], runs: &[RunFiles]) -> Vec<String> {
     let alike = |run: &RunFiles| runs.iter().filter(|other| other.directory == run.directory).count() > 1;
     let path = |directory: &Path| directory.display().to_string();
@@ -174,8 +196,9 @@ mod tests {
 
     #[test]
     fn the_file_of_a_movie_has_the_name_of_its_field_and_window() {
-        assert_eq!(movie_name("mach", None), "mach.png");
-        assert_eq!(movie_name("mach", Some("moving with the walls")), "mach_moving_with_the_walls.png");
-        assert_eq!(movie_name("mach", Some("vortices, along y")), "mach_vortices_along_y.png");
+        let name = |window, ending| file_name(&Scenario { field: "mach", window, ..Scenario::default() }, ending);
+        assert_eq!(name(None, ""), "mach.png");
+        assert_eq!(name(Some("moving with the walls"), ""), "mach_moving_with_the_walls.png");
+        assert_eq!(name(Some("vortices, along y"), "_last"), "mach_vortices_along_y_last.png");
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures in space and movies of a result file with a vortex that is known: its surface of Q is a cylinder.
+//! Pictures in space and movies of a result file with a known vortex, whose surface of Q is a cylinder.
 
 #![allow(clippy::unwrap_used)]
 
@@ -188,7 +188,31 @@ fn without_vortices_there_is_no_surface() {
     let labels: Vec<&str> =
         pictures["windows"].as_array().unwrap().iter().map(|window| window["label"].as_str().unwrap()).collect();
     // The plane z = constant does not meet the floor.
-    assert_eq!(labels, ["whole domain", "near side"]);
+    assert_eq!(labels, ["whole domain", "near side", "cut x", "cut y", "cut z"]);
+}
+
+/// The vorticity 2 - 4 (x^2 + y^2) has its extremes on the middle and on the edges of every cut.
+#[test]
+fn cuts_show_the_flow_at_their_positions() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), 1.0);
+    let pictures = pictures(directory.path(), None);
+    assert_eq!(pictures["quantities"][1]["label"], "Vorticity, z");
+    for (axis, axes) in [("x", ["z", "y"]), ("y", ["x", "z"]), ("z", ["x", "y"])] {
+        let cut = window(&pictures, &format!("cut {axis}"));
+        assert_eq!((&cut["cut"]["axis"], &cut["axes"]), (&Value::from(axis), &serde_json::json!(axes)));
+        let positions = cut["cut"]["positions"].as_array().unwrap();
+        assert_eq!(positions.len(), 7);
+        for (number, position) in positions.iter().enumerate() {
+            let at = if axis == "z" { 0.0 } else { position.as_f64().unwrap() };
+            let edges = if axis == "z" { 0.5 } else { at * at + 0.25 };
+            let shown = |end: usize| -> f64 {
+                cut["pictures"][1][number][1][end].as_str().unwrap().replace('\u{2212}', "-").parse().unwrap()
+            };
+            assert!((shown(1) - (2.0 - 4.0 * at * at)).abs() < 0.02, "{axis} = {position}: {}", shown(1));
+            assert!((shown(0) - (2.0 - 4.0 * edges)).abs() < 0.05, "{axis} = {position}: {}", shown(0));
+        }
+    }
 }
 
 /// A movie has a frame for every step, plays for ever, and its fields include those that the page does not show.
@@ -211,9 +235,31 @@ fn a_movie_has_a_frame_for_every_step() {
         }
         assert!(reader.next_frame(&mut pixels).is_err());
     }
+    refuses_unknown_names(directory.path());
+}
+
+/// A picture shows the last step, at the width and in the part of the plane that are asked for.
+#[test]
+fn a_picture_shows_the_last_step() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), 1.0);
+    let scenario = Scenario { field: "vorticity", window: Some("y=0.1"), width: Some(300), ..Scenario::default() };
+    let picture = report::write_picture(directory.path(), &scenario).unwrap();
+    let name = picture.path.file_name().unwrap().to_str();
+    assert_eq!((picture.frames, name), (1, Some("vorticity_y_0_1_last.png")));
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(picture.path).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    assert!(reader.info().animation_control.is_none() && reader.info().width.abs_diff(300) < 3);
+    let scenario = Scenario { range: Some([2.0, 0.0]), ..scenario };
+    let refused = report::write_picture(directory.path(), &scenario).unwrap_err().to_string();
+    assert!(refused.contains("`2,0` is no range of colours"), "{refused}");
+}
+
+/// Fields and windows that are not there are refused with the list of what there is.
+fn refuses_unknown_names(directory: &Path) {
     let refused = |field, window| {
         let scenario = Scenario { field, window, ..Scenario::default() };
-        report::write_movie(directory.path(), &scenario).unwrap_err().to_string()
+        report::write_movie(directory, &scenario).unwrap_err().to_string()
     };
     assert!(refused("much", None).contains("no pictures of `much`; accepted: mach, vorticity, pressure"));
     assert!(refused("mach", Some("elsewhere")).contains("no window `elsewhere`; accepted: whole domain, near side"));

@@ -50,12 +50,9 @@ pub enum Command {
         /// The directory of the run, or those of several.
         #[arg(required = true)]
         directories: Vec<PathBuf>,
-        /// Write no page but a movie of this field, as an animated PNG in the directory: `mach`, `vorticity`, `pressure`, `q_criterion`, ...
-        #[arg(long, value_name = "FIELD")]
-        movie: Option<String>,
-        /// The window of the movie, by its name in the page, for instance "whole domain" [default: the first one].
-        #[arg(long, value_name = "WINDOW", requires = "movie")]
-        window: Option<String>,
+        /// What to write instead of the page.
+        #[command(flatten)]
+        drawing: DrawingArguments,
         /// The Q of the surfaces that show vortices in three dimensions [default: four fifths of the integral of positive Q lie above it].
         #[arg(long, value_name = "Q")]
         q_level: Option<f64>,
@@ -83,6 +80,55 @@ pub enum Command {
         /// The shell.
         shell: clap_complete::Shell,
     },
+}
+
+/// A movie or a picture of a run.
+#[derive(Clone, Debug, Args)]
+pub struct DrawingArguments {
+    /// Write a movie of this field, an animated PNG in the directory, instead of the page: `mach`, `vorticity`, `pressure`, `q_criterion`, ...
+    #[arg(long, value_name = "FIELD", group = "drawing")]
+    movie: Option<String>,
+    /// Write a picture of this field at the last step, a PNG in the directory, instead of the page.
+    #[arg(long, value_name = "FIELD", group = "drawing")]
+    picture: Option<String>,
+    /// The window of the movie or picture: its name in the page, for instance "whole domain", a box `X0,Y0,X1,Y1`, or in three dimensions a plane
+    /// such as `z=0.5` [default: the first window of the page].
+    #[arg(long, value_name = "WINDOW", requires = "drawing", allow_hyphen_values = true)]
+    window: Option<String>,
+    /// The values at the ends of the colours [default: nearly all values at all steps].
+    #[arg(long, value_name = "LOWER,UPPER", requires = "drawing", allow_hyphen_values = true, value_parser = pair)]
+    range: Option<[f64; 2]>,
+    /// About how many pixels a row has [default: as in the page].
+    #[arg(long, value_name = "PIXELS", requires = "drawing", value_parser = clap::value_parser!(u16).range(100..=4000))]
+    width: Option<u16>,
+    /// Leave out the edges of the cells.
+    #[arg(long, requires = "drawing")]
+    no_edges: bool,
+}
+
+impl DrawingArguments {
+    /// What to draw, with surfaces of Q at `q_level`, and whether the last step alone; `None` for the page.
+    pub fn scenario(&self, q_level: Option<f64>) -> Option<(report::Scenario<'_>, bool)> {
+        let field = self.movie.as_ref().or(self.picture.as_ref())?;
+        let scenario = report::Scenario {
+            field,
+            window: self.window.as_deref(),
+            q_level,
+            range: self.range,
+            width: self.width.map(usize::from),
+            without_edges: self.no_edges,
+        };
+        Some((scenario, self.picture.is_some()))
+    }
+}
+
+/// Two numbers with a comma between them.
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some([lower, upper]) => Ok([*lower, *upper]),
+        _ => Err("two numbers with a comma between them are expected, such as -1,1".into()),
+    }
 }
 
 /// When `check` makes trial computations.

@@ -59,10 +59,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         Command::Check { case, json, probe } => commands::check(&AnyCase::read(&case.case, &case.set)?, *json, *probe),
         Command::Info { file, json } => commands::info(file, *json),
         Command::Compare { first, second, json } => commands::compare(first, second, *json),
-        Command::Report { directories, movie: Some(field), window, q_level } => {
-            commands::movies(directories, &report::Scenario { field, window: window.as_deref(), q_level: *q_level })
-        }
-        Command::Report { directories, q_level, .. } => commands::report(directories, *q_level),
+        Command::Report { directories, drawing, q_level } => match drawing.scenario(*q_level) {
+            Some((scenario, last_step)) => commands::movies(directories, &scenario, last_step),
+            None => commands::report(directories, *q_level),
+        },
         Command::Bench(arguments) => bench::bench(arguments),
         Command::Schema { markdown } => commands::schema(*markdown),
         Command::Completions { shell } => commands::completions(*shell),

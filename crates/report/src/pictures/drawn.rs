@@ -1,8 +1,8 @@
 //! The pictures of one step in one window before and after they are encoded.
 
 use super::encode::{line_layer, picture};
-use super::lines::Lines;
-use super::quantity::{Quantity, Range};
+use super::lines::LineLayer;
+use super::quantity::{PictureQuantity, Range};
 use super::{Encoded, Picture};
 
 /// Edges of cells.
@@ -15,9 +15,9 @@ pub struct Drawn {
     /// The smallest and the largest value of each quantity.
     pub extremes: Vec<Option<[f32; 2]>>,
     /// The edges of the cells.
-    pub mesh: Lines,
+    pub mesh: LineLayer,
     /// What lies above all pictures: boundaries, or the shadows of surfaces.
-    pub outline: Lines,
+    pub outline: LineLayer,
     /// Its colour.
     pub outline_colour: [u8; 3],
     /// Its largest coverage.
@@ -29,9 +29,13 @@ impl Drawn {
     ///
     /// # Errors
     /// As [`picture`].
-    pub fn encode(&self, quantities: &[(Quantity, Range)], shift: [f64; 2]) -> Result<Encoded, png::EncodingError> {
-        let Lines { width, height, .. } = self.outline;
-        let encode = |(q, (quantity, _)): (usize, &(Quantity, Range))| -> Result<Picture, png::EncodingError> {
+    pub fn encode(
+        &self,
+        quantities: &[(PictureQuantity, Range)],
+        shift: [f64; 2],
+    ) -> Result<Encoded, png::EncodingError> {
+        let LineLayer { width, height, .. } = self.outline;
+        let encode = |(q, (quantity, _)): (usize, &(PictureQuantity, Range))| -> Result<Picture, png::EncodingError> {
             let uri = picture(width, height, &self.numbers[q], quantity.colours())?;
             Ok(Picture { uri, extremes: self.extremes[q] })
         };

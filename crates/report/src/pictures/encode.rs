@@ -1,7 +1,7 @@
 //! Pictures as PNG in data URIs.
 
 use super::colour::{Colour, ColourMap};
-use super::lines::Lines;
+use super::lines::LineLayer;
 use super::quantity::Range;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -9,18 +9,18 @@ use base64::prelude::BASE64_STANDARD;
 /// Number of colours. A step is below what the eye can distinguish, and the files are small.
 pub const COLOURS: usize = 240;
 
-/// The number of the colour of walls in pictures of surfaces in space.
+/// The number of the colour of walls in pictures of surfaces in space, and of structures beside the flow.
 pub const WALL: u8 = COLOURS as u8 + 1;
 
 /// The colour of walls.
 const WALL_COLOUR: Colour = [176, 176, 176];
 
 /// Colour numbers of values, `[row][column]`. 0 is transparent; 1 ..= [`COLOURS`] go from the low to the high end of the
-/// range. Values beyond the range are clamped.
+/// range. Values beyond the range are clamped; infinite ones have the colour of walls.
 pub fn colour_numbers(values: impl Iterator<Item = f32>, range: Range) -> Vec<u8> {
     let number = |value: f32| {
-        if value.is_nan() {
-            return 0;
+        if !value.is_finite() {
+            return if value.is_nan() { 0 } else { WALL };
         }
         let part = (f64::from(value) - range.lower) / (range.upper - range.lower);
         1 + ((part * COLOURS as f64).floor().clamp(0.0, COLOURS as f64 - 1.0)) as u8
@@ -46,7 +46,7 @@ pub fn picture(width: usize, height: usize, numbers: &[u8], map: ColourMap) -> R
 ///
 /// # Errors
 /// As [`picture`].
-pub fn line_layer(lines: &Lines, colour: Colour, strongest: f64) -> Result<String, png::EncodingError> {
+pub fn line_layer(lines: &LineLayer, colour: Colour, strongest: f64) -> Result<String, png::EncodingError> {
     let level = |coverage: &f32| (f64::from(*coverage) / strongest * 15.0).round() as u8;
     // Two pixels per byte, the left one in the upper half; a row begins with a new byte.
     let row =
@@ -95,6 +95,7 @@ mod tests {
 
     #[test]
     fn a_picture_has_the_colours_of_its_values() {
+        assert_eq!(colour_numbers([f32::INFINITY].into_iter(), Range { lower: 0.0, upper: 1.0 }), [WALL]);
         let values = [0.0, 1.0, 0.5, f32::NAN, -3.0, 7.0];
         let numbers = colour_numbers(values.into_iter(), Range { lower: 0.0, upper: 1.0 });
         assert_eq!(numbers, [1, 240, 121, 0, 1, 240]);
@@ -108,10 +109,10 @@ mod tests {
 
     #[test]
     fn a_layer_is_transparent_where_no_line_is() {
-        let lines = Lines { width: 3, height: 1, coverage: vec![0.0, 1.0, 0.2] };
+        let lines = LineLayer { width: 3, height: 1, coverage: vec![0.0, 1.0, 0.2] };
         let (_, pixels) = decoded(&line_layer(&lines, [1, 2, 3], 1.0).unwrap());
         assert_eq!(pixels, [1, 2, 3, 0, 1, 2, 3, 255, 1, 2, 3, 51]);
-        let shadows = Lines { coverage: vec![0.0, 0.6, 0.12], ..lines };
+        let shadows = LineLayer { coverage: vec![0.0, 0.6, 0.12], ..lines };
         let (_, pixels) = decoded(&line_layer(&shadows, [1, 2, 3], 0.6).unwrap());
         assert_eq!(pixels, [1, 2, 3, 0, 1, 2, 3, 153, 1, 2, 3, 31]);
     }

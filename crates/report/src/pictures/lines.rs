@@ -5,7 +5,7 @@ use super::window::Window;
 
 /// The fraction of each pixel covered by lines, 0 to 1, `[row][column]`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lines {
+pub struct LineLayer {
     /// Pixels per row.
     pub width: usize,
     /// Rows.
@@ -14,17 +14,21 @@ pub struct Lines {
     pub coverage: Vec<f32>,
 }
 
-impl Lines {
+impl LineLayer {
     /// No lines in `window`.
     pub fn new(window: &Window) -> Self {
         let Window { width, height, .. } = *window;
-        Lines { width, height, coverage: vec![0.0; width * height] }
+        LineLayer { width, height, coverage: vec![0.0; width * height] }
     }
 
     /// Draws the line from `a` to `b`, `thickness` pixels wide, with a strength from 0 to 1. Drawing it twice has no
     /// further effect.
-    pub fn draw(&mut self, window: &Window, [a, b]: [[f64; 2]; 2], thickness: f64, strength: f64) {
-        let (a, b) = (window.pixel(a), window.pixel(b));
+    pub fn draw(&mut self, window: &Window, ends: [[f64; 2]; 2], thickness: f64, strength: f64) {
+        self.draw_pixels(ends.map(|end| window.pixel(end)), thickness, strength);
+    }
+
+    /// The same between points in pixels.
+    pub fn draw_pixels(&mut self, [a, b]: [[f64; 2]; 2], thickness: f64, strength: f64) {
         let reach = 0.5 * thickness + 0.5;
         let around = |i: usize, count| centres([a[i].min(b[i]) - reach, a[i].max(b[i]) + reach, a[i]], count);
         for row in around(1, self.height) {
@@ -54,7 +58,7 @@ mod tests {
     #[test]
     fn a_line_covers_its_length_times_its_thickness() {
         let window = Window::new("", Extent { lower: [0.0; 2], upper: [1.0; 2] }, 1e4);
-        let mut lines = Lines::new(&window);
+        let mut lines = LineLayer::new(&window);
         let line = [[0.2, 0.5], [0.8, 0.5]];
         lines.draw(&window, line, 2.0, 1.0);
         let covered: f32 = lines.coverage.iter().sum();

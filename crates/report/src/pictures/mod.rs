@@ -1,16 +1,24 @@
 //! Pictures of the fields at some of the steps of a result file, drawn from the exact coefficients.
 
 mod average;
+mod budget;
 mod canvas;
+mod choice;
 mod colour;
-
+mod cuts;
 mod drawn;
 mod encode;
+mod error;
+mod lettering;
 mod lines;
 mod movie;
 mod near_walls;
+mod patch;
+mod plane;
 mod quantity;
 mod raster;
+mod scheme;
+mod shot;
 mod snapshot;
 mod space;
 mod surface;
@@ -19,57 +27,23 @@ mod view;
 mod window;
 
 pub use colour::{ColourMap, css};
-pub use movie::{Movie, Scenario, movie};
-pub use quantity::{Quantity, Range};
+pub use cuts::Cut;
+pub use error::PictureError;
+pub use movie::{Movie, movie, picture};
+pub use quantity::{PictureQuantity, Range};
+pub use shot::Scenario;
 pub use window::Window;
 
+use budget::{chosen, fitting};
 use navier_stokes::{Gas, Viscosity};
 use output::ResultReader;
 use rayon::prelude::*;
-use snapshot::{Scheme, Snapshot};
+use scheme::Scheme;
+use snapshot::Snapshot;
 use view::View;
-
-/// Why there are no pictures.
-#[derive(Debug, thiserror::Error)]
-pub enum PictureError {
-    /// A file of an earlier version, which does not hold the mesh at rest.
-    #[error("the result file does not hold the mesh at rest; a new run writes it")]
-    NoMesh,
-    /// No step has been written yet.
-    #[error("no step has been written yet")]
-    NoStep,
-    /// The case in the file does not tell the ratio of specific heats.
-    #[error("the case in the result file has no usable `flow.gas.gamma`")]
-    Gas,
-    /// The file cannot be read.
-    #[error(transparent)]
-    Output(#[from] output::OutputError),
-    /// A field without pictures.
-    #[error("there are no pictures of `{name}`; accepted: {}", accepted.join(", "))]
-    NoField {
-        /// The name.
-        name: String,
-        /// The names of all fields with pictures.
-        accepted: Vec<&'static str>,
-    },
-    /// A window that the pictures do not have.
-    #[error("there is no window `{name}`; accepted: {}", accepted.join(", "))]
-    NoWindow {
-        /// The name.
-        name: String,
-        /// The names of all windows.
-        accepted: Vec<String>,
-    },
-    /// A picture cannot be encoded.
-    #[error("a picture cannot be encoded: {0}")]
-    Png(#[from] png::EncodingError),
-}
 
 /// The largest number of steps with pictures.
 const MOST_STEPS: usize = 40;
-
-/// The largest size of all pictures in the page, in bytes.
-const MOST_BYTES: usize = 9_000_000;
 
 /// Pixels of the pictures from which the ranges of colours are taken.
 const PREVIEW_PIXELS: f64 = 12e3;
@@ -79,11 +53,13 @@ pub struct Pictures {
     /// 2 or 3.
     pub dimension: usize,
     /// The quantities, and the ranges of their colours.
-    pub quantities: Vec<(Quantity, Range)>,
+    pub quantities: Vec<(PictureQuantity, Range)>,
     /// The displayed parts of the plane.
     pub windows: Vec<Window>,
     /// The displayed steps, in the order of time.
     pub frames: Vec<Frame>,
+    /// In three dimensions: cuts at the last of the times.
+    pub cuts: Vec<Cut>,
 }
 
 /// The pictures of one step.
@@ -151,30 +127,18 @@ fn draw_in<const D: usize, const M: usize>(
     };
     let views = snapshots.par_iter().map(draw).collect::<Result<Vec<Vec<Encoded>>, _>>()?;
     let frame = |(&step, views)| Frame { step, time: reader.times[step], views };
-    let frames = thinned(steps.iter().zip(views).map(frame).collect());
-    Ok(Pictures { dimension: D, quantities, windows: view.windows, frames })
-}
-
-/// `most` of `count` steps at equal distances, the first and the last among them.
-fn chosen(count: usize, most: usize) -> Vec<usize> {
-    let shown = count.min(most);
-    (0..shown).map(|i| if shown > 1 { i * (count - 1) / (shown - 1) } else { 0 }).collect()
-}
-
-/// As many frames, at equal distances, as fit into the page.
-fn thinned(frames: Vec<Frame>) -> Vec<Frame> {
-    let bytes: usize = frames.iter().flat_map(|frame| &frame.views).map(Encoded::bytes).sum();
-    let fitting = (frames.len() * MOST_BYTES).checked_div(bytes).unwrap_or(usize::MAX).max(2);
-    let kept = chosen(frames.len(), fitting);
-    frames.into_iter().enumerate().filter(|(i, _)| kept.binary_search(i).is_ok()).map(|(_, frame)| frame).collect()
+    let frames = steps.iter().zip(views).map(frame).collect();
+    let cuts = snapshots.last().map_or(Ok(Vec::new()), |last| cuts::cuts::<D, M>(&view, last, &quantities))?;
+    let (frames, cuts) = fitting(frames, cuts);
+    Ok(Pictures { dimension: D, quantities, windows: view.windows, frames, cuts })
 }
 
 /// The ranges of colours, the same at all times.
 fn ranges<const D: usize, const M: usize>(
-    quantities: &[Quantity],
+    quantities: &[PictureQuantity],
     view: &View<D>,
     snapshots: &[Snapshot<D>],
-) -> Vec<(Quantity, Range)> {
+) -> Vec<(PictureQuantity, Range)> {
     let window = view.windows[0].with_pixels(PREVIEW_PIXELS);
     let previews: Vec<_> = snapshots.par_iter().map(|snapshot| view.raster::<M>(snapshot, &window)).collect();
     let values = |q: usize| previews.iter().flat_map(|preview| preview.of(q)).collect();
@@ -185,30 +149,4 @@ fn ranges<const D: usize, const M: usize>(
 fn gas(reader: &ResultReader) -> Result<Gas, PictureError> {
     let gamma = case::ratio_of_specific_heats_of(&reader.metadata.case_text).map_err(|_| PictureError::Gas)?;
     Gas::new(gamma.unwrap_or(1.4), 1.0, 1.0, Viscosity::Inviscid).map_err(|_| PictureError::Gas)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_and_the_last_step_are_shown() {
-        assert_eq!(chosen(1, 40), [0]);
-        assert_eq!(chosen(3, 40), [0, 1, 2]);
-        assert_eq!(chosen(5, 3), [0, 2, 4]);
-        let many = chosen(1001, 40);
-        assert_eq!((many.len(), many[0], many[39]), (40, 0, 1000));
-        assert!(many.is_sorted_by(|a, b| a < b));
-    }
-
-    #[test]
-    fn too_many_pictures_are_thinned_out() {
-        let view =
-            || Encoded { pictures: vec![], mesh: "x".repeat(2_000_000), outline: String::new(), shift: [0.0; 2] };
-        let frame = |step: usize| Frame { step, time: step as f64, views: vec![view()] };
-        let steps = |count: usize| thinned((0..count).map(frame).collect()).iter().map(|f| f.step).collect::<Vec<_>>();
-        assert_eq!(steps(4), [0, 1, 2, 3]);
-        assert_eq!(steps(7), [0, 2, 4, 6]);
-        assert_eq!(steps(100), [0, 33, 66, 99]);
-    }
 }

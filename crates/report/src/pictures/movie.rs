@@ -1,31 +1,23 @@
-//! Movies: one field in one window at all steps, as an animated PNG that plays in a loop.
+//! Movies and pictures: one field in one window, at all steps as an animated PNG that plays in a loop, or at the last step.
 
-use super::canvas::{Canvas, LETTER_HEIGHT, width};
-use super::drawn::Drawn;
-use super::encode::{COLOURS, palette};
-use super::quantity::{Quantity, Range};
-use super::snapshot::Scheme;
+use super::canvas::Canvas;
+use super::error::PictureError;
+use super::quantity::Range;
+use super::scheme::Scheme;
+use super::shot::{Scenario, Shot};
 use super::view::View;
-use super::window::Window;
-use super::{MOST_STEPS, PictureError, chosen, gas, ranges};
-use crate::html::with_digits;
+use super::{MOST_STEPS, choice, chosen, gas, ranges};
 use output::ResultReader;
 use rayon::prelude::*;
 
-/// A movie.
+/// A movie, or a picture.
 pub struct Movie {
     /// The file.
     pub bytes: Vec<u8>,
-    /// The number of its frames, one for every step of the result file.
+    /// The number of its frames.
     pub frames: usize,
     /// The name of its window.
     pub window: String,
-}
-
-/// The field, its colours and the window of a movie.
-struct Shot {
-    quantity: (Quantity, Range),
-    window: Window,
 }
 
 /// Frames that are drawn at the same time.
@@ -35,73 +27,80 @@ const TOGETHER: usize = 16;
 const LENGTH: usize = 10_000;
 const DELAYS: [usize; 2] = [40, 150];
 
-/// Rows below the picture: colours, and the numbers below them.
-const LEGEND: usize = 60;
-const BAR: usize = 14;
-const GAP: usize = 10;
+/// How often a movie is played.
+const FOREVER: u32 = 0;
 
-/// What a movie shows.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Scenario<'a> {
-    /// The name of the field.
-    pub field: &'a str,
-    /// The name of the window. Without a name the movie shows the first window.
-    pub window: Option<&'a str>,
-    /// The Q of the surfaces in space, if it is given.
-    pub q_level: Option<f64>,
-}
-
-/// Makes a movie.
+/// Makes a movie with a frame for every step.
 ///
 /// # Errors
-/// A file without the data for pictures; names that are not known.
+/// A file without the data for pictures; unknown names; an empty range of colours.
 pub fn movie(reader: &ResultReader, scenario: &Scenario) -> Result<Movie, PictureError> {
-    if reader.times.is_empty() {
+    of_steps(reader, scenario, 0..reader.times.len())
+}
+
+/// Makes a picture of the last step.
+///
+/// # Errors
+/// As [`movie`].
+pub fn picture(reader: &ResultReader, scenario: &Scenario) -> Result<Movie, PictureError> {
+    of_steps(reader, scenario, reader.times.len().saturating_sub(1)..reader.times.len())
+}
+
+fn of_steps(reader: &ResultReader, scenario: &Scenario, steps: std::ops::Range<usize>) -> Result<Movie, PictureError> {
+    if steps.is_empty() {
         return Err(PictureError::NoStep);
     }
     match reader.layout.grid.dimension {
-        2 => movie_in::<2, 4>(reader, scenario),
-        _ => movie_in::<3, 5>(reader, scenario),
+        2 => Studio::<2>::new::<4>(reader, scenario)?.movie::<4>(steps),
+        _ => Studio::<3>::new::<5>(reader, scenario)?.movie::<5>(steps),
     }
 }
 
-fn movie_in<const D: usize, const M: usize>(
-    reader: &ResultReader,
-    &Scenario { field, window, q_level }: &Scenario,
-) -> Result<Movie, PictureError> {
-    let scheme = Scheme::<D>::new(reader, gas(reader)?).ok_or(PictureError::NoMesh)?;
-    let scheme = scheme.showing(vec![named(reader, field)?]);
-    let steps = chosen(reader.times.len(), MOST_STEPS);
-    let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
-    let view = View::<D>::new::<M>(reader, &snapshots, q_level);
-    let quantity = ranges::<D, M>(scheme.quantities(), &view, &snapshots)[0];
-    drop(snapshots);
-    let shot = Shot { quantity, window: chosen_window(&view.windows, window)? };
-    let draw = |step: usize| -> Result<Canvas, PictureError> {
-        let drawn = view.draw::<M>(&scheme.at(reader, step)?, std::slice::from_ref(&shot.window), &[quantity]);
-        Ok(shot.frame(&drawn[0].0, reader.times[step]))
-    };
-    let bytes = animation(reader.times.len(), draw)?;
-    Ok(Movie { bytes, frames: reader.times.len(), window: shot.window.label })
+/// All that is needed to draw frames.
+struct Studio<'r, const D: usize> {
+    reader: &'r ResultReader,
+    scheme: Scheme<D>,
+    view: View<D>,
+    shot: Shot,
 }
 
-/// The quantity of a name.
-fn named(reader: &ResultReader, name: &str) -> Result<Quantity, PictureError> {
-    let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
-    let known = Quantity::of_movies(arrays.contains(&"flow"), &arrays);
-    let accepted = || known.iter().map(|quantity| quantity.name()).collect();
-    let found = known.iter().find(|quantity| quantity.name() == name).copied();
-    found.ok_or_else(|| PictureError::NoField { name: name.to_owned(), accepted: accepted() })
+impl<'r, const D: usize> Studio<'r, D> {
+    fn new<const M: usize>(reader: &'r ResultReader, scenario: &Scenario) -> Result<Self, PictureError> {
+        let quantity = choice::quantity(reader, scenario.field)?;
+        let scheme = Scheme::<D>::new(reader, gas(reader)?).ok_or(PictureError::NoMesh)?.showing(vec![quantity]);
+        let steps = chosen(reader.times.len(), MOST_STEPS);
+        let snapshots = steps.iter().map(|&step| scheme.at(reader, step)).collect::<Result<Vec<_>, _>>()?;
+        let view = View::<D>::new::<M>(reader, &snapshots, scenario.q_level);
+        let window = choice::window(&view, scenario.window)?;
+        let window = scenario.width.map_or_else(|| window.clone(), |width| window.with_width(width));
+        let range = match scenario.range {
+            Some([lower, upper]) => Range::new(lower, upper).ok_or(PictureError::NoRange { lower, upper })?,
+            None => ranges::<D, M>(&[quantity], &view, &snapshots)[0].1,
+        };
+        drop(snapshots);
+        let shot = Shot {
+            title: reader.metadata.case_name.clone(),
+            quantity: (quantity, range),
+            label: quantity.label(D),
+            window,
+            without_edges: scenario.without_edges,
+        };
+        Ok(Studio { reader, scheme, view, shot })
+    }
+
+    fn movie<const M: usize>(self, steps: std::ops::Range<usize>) -> Result<Movie, PictureError> {
+        let frame = |step: usize| -> Result<Canvas, PictureError> {
+            let snapshot = self.scheme.at(self.reader, step)?;
+            let windows = std::slice::from_ref(&self.shot.window);
+            let drawn = self.view.draw::<M>(&snapshot, windows, &[self.shot.quantity]);
+            Ok(self.shot.frame(&drawn[0].0, self.reader.times[step]))
+        };
+        let bytes = animation(steps.len(), |k| frame(steps.start + k))?;
+        Ok(Movie { bytes, frames: steps.len(), window: self.shot.window.label })
+    }
 }
 
-/// The window of a name, or the first one.
-fn chosen_window(windows: &[Window], name: Option<&str>) -> Result<Window, PictureError> {
-    let accepted = || windows.iter().map(|window| window.label.clone()).collect();
-    let found = windows.iter().find(|window| name.is_none_or(|name| window.label == name)).cloned();
-    found.ok_or_else(|| PictureError::NoWindow { name: name.unwrap_or_default().to_owned(), accepted: accepted() })
-}
-
-/// An animated PNG of `count` frames of one size, which plays in a loop.
+/// An animated PNG of `count` frames of one size, which plays in a loop; of one frame a PNG.
 fn animation(
     count: usize,
     frame: impl Fn(usize) -> Result<Canvas, PictureError> + Sync,
@@ -111,8 +110,10 @@ fn animation(
     let mut encoder = png::Encoder::new(&mut bytes, first.width as u32, first.height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::High);
-    encoder.set_animated(count as u32, FOREVER)?;
-    encoder.set_frame_delay((LENGTH / count).clamp(DELAYS[0], DELAYS[1]) as u16, 1000)?;
+    if count > 1 {
+        encoder.set_animated(count as u32, FOREVER)?;
+        encoder.set_frame_delay((LENGTH / count).clamp(DELAYS[0], DELAYS[1]) as u16, 1000)?;
+    }
     let mut writer = encoder.write_header()?;
     for start in (0..count).step_by(TOGETHER) {
         let frames: Vec<Canvas> =
@@ -123,54 +124,21 @@ fn animation(
     Ok(bytes)
 }
 
-/// How often a movie is played.
-const FOREVER: u32 = 0;
-
-impl Shot {
-    /// A frame: the picture, and below it the colours with their numbers and the time.
-    fn frame(&self, drawn: &Drawn, time: f64) -> Canvas {
-        let Window { width, height, .. } = self.window;
-        let (quantity, _) = self.quantity;
-        let colours = palette(quantity.colours());
-        let mut canvas = Canvas::new(width, height + LEGEND, [255; 3]);
-        let ground = quantity.ground().unwrap_or([255; 3]);
-        for (pixel, (&number, &covered)) in drawn.numbers[0].iter().zip(&drawn.outline.coverage).enumerate() {
-            let colour = if number == 0 { ground } else { colours[usize::from(number)] };
-            canvas.set(pixel % width, pixel / width, colour);
-            canvas.mix(pixel, drawn.outline_colour, f64::from(covered));
-        }
-        self.legend(&mut canvas, time);
-        canvas
-    }
-
-    fn legend(&self, canvas: &mut Canvas, time: f64) {
-        let Window { width: pixels, height, .. } = self.window;
-        let (quantity, range) = self.quantity;
-        let (colours, left, bar) = (palette(quantity.colours()), pixels / 4, pixels / 2);
-        for k in 0..bar * BAR {
-            let (column, row) = (k % bar, k / bar);
-            canvas.set(left + column, height + GAP + row, colours[1 + column * COLOURS / bar]);
-        }
-        let below = height + GAP + BAR + LETTER_HEIGHT / 2;
-        let [lower, upper] = [range.lower, range.upper].map(|value| with_digits(value, 3));
-        let time = format!("t={}", with_digits(time, 4));
-        let centred = |text: &str, at: usize| at.saturating_sub(width(text) / 2);
-        canvas.write(&lower, centred(&lower, left), below);
-        canvas.write(&upper, centred(&upper, left + bar), below);
-        canvas.write(&time, centred(&time, pixels / 2), below);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    /// The frames of an animation of `count` frames of one colour each, the number of the frame.
+    fn read(count: usize) -> png::Reader<std::io::Cursor<Vec<u8>>> {
+        let frame = |step: usize| Ok(Canvas::new(3, 2, [step as u8; 3]));
+        let bytes = animation(count, frame).unwrap();
+        png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap()
+    }
+
     #[test]
     fn an_animation_has_its_frames_and_plays_in_a_loop() {
-        let frame = |step: usize| Ok(Canvas::new(3, 2, [step as u8; 3]));
-        let bytes = animation(40, frame).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut reader = read(40);
         let control = reader.info().animation_control.unwrap();
         assert_eq!((control.num_frames, control.num_plays), (40, 0));
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -182,12 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_that_is_not_there_is_refused_with_the_others() {
-        let extent = super::super::window::Extent { lower: [0.0; 2], upper: [1.0; 2] };
-        let windows = ["near the walls", "whole domain"].map(|label| Window::new(label, extent, 100.0));
-        assert_eq!(chosen_window(&windows, None).unwrap().label, "near the walls");
-        assert_eq!(chosen_window(&windows, Some("whole domain")).unwrap().label, "whole domain");
-        let message = chosen_window(&windows, Some("whole")).unwrap_err().to_string();
-        assert_eq!(message, "there is no window `whole`; accepted: near the walls, whole domain");
+    fn one_frame_is_a_picture() {
+        assert!(read(1).info().animation_control.is_none());
     }
 }

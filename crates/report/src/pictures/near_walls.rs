@@ -70,14 +70,16 @@ const MARGIN_OF_LONG_WALL: [f64; 2] = [0.1, 0.05];
 /// Bodies that move by less than this part of their length do not need a window that moves with them.
 const VISIBLE: f64 = 0.02;
 
-/// Windows that share this part of their areas show the same.
+/// Two windows are the same if they share this part of their areas.
 const ALIKE: f64 = 0.75;
 
-/// The windows on a domain: close to all bodies, moving with them, close to every wall that these do not show, the whole. Boundaries
-/// count as bodies by their size; `walls` that are no bodies get a window only if they are `known` to be walls.
+/// The windows on a domain: close to all bodies, moving with them, close to every wall that these do not show, and the whole domain.
+/// Boundaries count as bodies by their size; those that are not `known` to be walls only if they lie inside. `walls` that are no bodies get
+/// a window only if they are known.
 pub fn windows<const D: usize>(domain: Extent, walls: &[Wall], known: bool, snapshots: &[Snapshot<D>]) -> Vec<Window> {
     let extents: Vec<Extent> = walls.iter().map(|wall| wall.extent).collect();
-    let bodies: Vec<&Wall> = bodies(domain, &extents).into_iter().map(|body| &walls[body]).collect();
+    let bodies = bodies(domain, &extents).into_iter().filter(|&body| known || is_inside(domain, extents[body]));
+    let bodies: Vec<&Wall> = bodies.map(|body| &walls[body]).collect();
     let whole = |pixels| Window::new("whole domain", domain, pixels);
     let mut windows = near_all(domain, &bodies, snapshots);
     let none = windows.is_empty();
@@ -101,6 +103,12 @@ pub fn bodies(domain: Extent, boundaries: &[Extent]) -> Vec<usize> {
 
 fn is_body(domain: Extent, boundary: Extent) -> bool {
     !boundary.is_empty() && boundary.length() < BODY * domain.length()
+}
+
+/// Whether a boundary touches no side of the domain.
+fn is_inside(domain: Extent, boundary: Extent) -> bool {
+    let margin = 1e-6 * domain.length();
+    (0..2).all(|i| boundary.lower[i] > domain.lower[i] + margin && boundary.upper[i] < domain.upper[i] - margin)
 }
 
 /// The window close to all bodies, and the one that moves with them, if they move visibly.
@@ -216,7 +224,16 @@ mod tests {
         );
     }
 
-    /// Two cylinders, a far one and a channel: each wall fills a good part of a window that has its name.
+    /// The clamped end of a beam is no body.
+    #[test]
+    fn a_side_of_the_domain_is_no_body() {
+        let domain = Extent { lower: [0.0, 0.0], upper: [8.0, 1.0] };
+        let end = [wall("clamp", Extent { lower: [0.0, 0.0], upper: [0.0, 1.0] })];
+        assert_eq!(labels(&of(domain, &end, false)), ["whole domain"]);
+        assert_eq!(labels(&of(domain, &end, true)), ["near the walls", "whole domain"]);
+    }
+
+    /// Two cylinders, a distant one and a channel: each wall fills a large part of a window that has its name.
     #[test]
     fn every_wall_has_a_window() {
         let domain = Extent { lower: [0.0, 0.0], upper: [20.0, 8.0] };

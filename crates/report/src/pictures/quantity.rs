@@ -6,25 +6,27 @@ use case::Field;
 
 /// A displayed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum PictureQuantity {
     /// A field of the flow.
     Flow(Field),
     /// det J / det J_0.
     Jacobian,
     /// min / max of det J / det J_0 over each cell.
     ScaledJacobian,
+    /// The magnitude of the displacement from the mesh at rest.
+    Displacement,
     /// An average over time.
     Average(Average),
 }
 
-/// The quantities displayed with a flow; without a flow only those of the mesh.
-const ALL: [Quantity; 6] = [
-    Quantity::Flow(Field::Mach),
-    Quantity::Flow(Field::Vorticity),
-    Quantity::Flow(Field::Pressure),
-    Quantity::Flow(Field::Density),
-    Quantity::Jacobian,
-    Quantity::ScaledJacobian,
+/// The quantities displayed with a flow; without a flow those of the mesh, and the displacement.
+const ALL: [PictureQuantity; 6] = [
+    PictureQuantity::Flow(Field::Mach),
+    PictureQuantity::Flow(Field::Vorticity),
+    PictureQuantity::Flow(Field::Pressure),
+    PictureQuantity::Flow(Field::Density),
+    PictureQuantity::Jacobian,
+    PictureQuantity::ScaledJacobian,
 ];
 
 /// The values at the ends of a colour map.
@@ -36,58 +38,68 @@ pub struct Range {
     pub upper: f64,
 }
 
-impl Quantity {
+impl Range {
+    /// The range between two numbers; `None` if there is nothing between them.
+    pub fn new(lower: f64, upper: f64) -> Option<Self> {
+        (lower < upper && (upper - lower).is_finite()).then_some(Range { lower, upper })
+    }
+}
+
+impl PictureQuantity {
     /// The quantities displayed for a run with the arrays of coefficients `arrays`.
-    pub fn of(has_flow: bool, arrays: &[&str]) -> Vec<Quantity> {
-        let present = ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, Quantity::Flow(_)));
-        present.chain(average::present(arrays).map(Quantity::Average)).collect()
+    pub fn of(has_flow: bool, arrays: &[&str]) -> Vec<PictureQuantity> {
+        let present = ALL.into_iter().filter(|quantity| has_flow || !matches!(quantity, PictureQuantity::Flow(_)));
+        let present = present.chain((!has_flow).then_some(PictureQuantity::Displacement));
+        present.chain(average::present(arrays).map(PictureQuantity::Average)).collect()
     }
 
     /// The quantities of movies: those of the page, and fields that take too much of its room.
-    pub fn of_movies(has_flow: bool, arrays: &[&str]) -> Vec<Quantity> {
-        let more = [Field::QCriterion, Field::Entropy, Field::TotalPressure].map(Quantity::Flow);
-        Quantity::of(has_flow, arrays).into_iter().chain(more.into_iter().filter(|_| has_flow)).collect()
+    pub fn of_movies(has_flow: bool, arrays: &[&str]) -> Vec<PictureQuantity> {
+        let more = [Field::QCriterion, Field::Entropy, Field::TotalPressure].map(PictureQuantity::Flow);
+        PictureQuantity::of(has_flow, arrays).into_iter().chain(more.into_iter().filter(|_| has_flow)).collect()
     }
 
     /// Its name on the command line: that of the field in a case or of the average in the result file.
     pub fn name(self) -> &'static str {
         match self {
-            Quantity::Flow(field) => field.components(2)[0],
-            Quantity::Jacobian => "jacobian",
-            Quantity::ScaledJacobian => "scaled_jacobian",
-            Quantity::Average(average) => average.name(),
+            PictureQuantity::Flow(field) => field.components(2)[0],
+            PictureQuantity::Jacobian => "jacobian",
+            PictureQuantity::ScaledJacobian => "scaled_jacobian",
+            PictureQuantity::Displacement => "displacement",
+            PictureQuantity::Average(average) => average.name(),
         }
     }
 
     /// Its name in the page.
     pub fn label(self, dimension: usize) -> &'static str {
         match self {
-            Quantity::Flow(Field::Mach) => "Mach number",
-            Quantity::Flow(Field::Vorticity) if dimension == 3 => "Vorticity, z",
-            Quantity::Flow(Field::Vorticity) => "Vorticity",
-            Quantity::Flow(Field::Pressure) => "Pressure",
-            Quantity::Flow(Field::Density) => "Density",
-            Quantity::Flow(Field::PressureCoefficient) => "Pressure coefficient",
-            Quantity::Flow(Field::TotalPressure) => "Total pressure",
-            Quantity::Flow(Field::TotalTemperature) => "Total temperature",
-            Quantity::Flow(Field::Entropy) => "Entropy",
-            Quantity::Flow(Field::QCriterion) => "Q criterion",
-            Quantity::Flow(Field::Velocity) => "Velocity",
-            Quantity::Flow(Field::Temperature) => "Temperature",
-            Quantity::Flow(Field::MeshVelocity) => "Mesh velocity",
-            Quantity::Flow(Field::Displacement) => "Displacement",
-            Quantity::Flow(Field::VonMises) => "Von Mises stress",
-            Quantity::Flow(Field::PrincipalStress) => "Principal stress",
-            Quantity::Flow(Field::Jacobian) | Quantity::Jacobian => "Mesh: det J / det J\u{2080}",
-            Quantity::ScaledJacobian => "Mesh: scaled Jacobian",
-            Quantity::Average(average) => average.label,
+            PictureQuantity::Flow(Field::Mach) => "Mach number",
+            PictureQuantity::Flow(Field::Vorticity) if dimension == 3 => "Vorticity, z",
+            PictureQuantity::Flow(Field::Vorticity) => "Vorticity",
+            PictureQuantity::Flow(Field::Pressure) => "Pressure",
+            PictureQuantity::Flow(Field::Density) => "Density",
+            PictureQuantity::Flow(Field::PressureCoefficient) => "Pressure coefficient",
+            PictureQuantity::Flow(Field::TotalPressure) => "Total pressure",
+            PictureQuantity::Flow(Field::TotalTemperature) => "Total temperature",
+            PictureQuantity::Flow(Field::Entropy) => "Entropy",
+            PictureQuantity::Flow(Field::QCriterion) => "Q criterion",
+            PictureQuantity::Flow(Field::Velocity) => "Velocity",
+            PictureQuantity::Flow(Field::Temperature) => "Temperature",
+            PictureQuantity::Flow(Field::MeshVelocity) => "Mesh velocity",
+            PictureQuantity::Flow(Field::Displacement) => "Displacement",
+            PictureQuantity::Flow(Field::VonMises) => "Von Mises stress",
+            PictureQuantity::Flow(Field::PrincipalStress) => "Principal stress",
+            PictureQuantity::Flow(Field::Jacobian) | PictureQuantity::Jacobian => "Mesh: det J / det J\u{2080}",
+            PictureQuantity::ScaledJacobian => "Mesh: scaled Jacobian",
+            PictureQuantity::Displacement => "Displacement, magnitude",
+            PictureQuantity::Average(average) => average.label,
         }
     }
 
     /// Its colours.
     pub fn colours(self) -> ColourMap {
         match self {
-            Quantity::Flow(Field::Vorticity) | Quantity::Jacobian => ColourMap::Diverging,
+            PictureQuantity::Flow(Field::Vorticity) | PictureQuantity::Jacobian => ColourMap::Diverging,
             _ => ColourMap::Sequential,
         }
     }
@@ -105,9 +117,9 @@ impl Quantity {
         let at = |part: f64| values.get((part * values.len() as f64) as usize).map_or(0.0, |value| f64::from(*value));
         let (lower, upper) = (at(0.002), at(0.998));
         match self {
-            Quantity::Flow(Field::Vorticity) => around(0.0, lower, upper, 1e-6),
-            Quantity::Jacobian => around(1.0, lower, upper, 0.01),
-            Quantity::ScaledJacobian => Range { lower: lower.min(0.99), upper: 1.0 },
+            PictureQuantity::Flow(Field::Vorticity) => around(0.0, lower, upper, 1e-6),
+            PictureQuantity::Jacobian => around(1.0, lower, upper, 0.01),
+            PictureQuantity::ScaledJacobian => Range { lower: lower.min(0.99), upper: 1.0 },
             _ => {
                 let least = 1e-5 * lower.abs().max(upper.abs()).max(1e-5);
                 let missing = (least - 0.5 * (upper - lower)).max(0.0);
@@ -131,34 +143,44 @@ mod tests {
     fn a_single_peak_does_not_take_all_colours() {
         let mut values: Vec<f32> = (0..1000).map(|i| i as f32 * 1e-3).collect();
         values.extend([500.0, f32::NAN]);
-        let Range { lower, upper } = Quantity::Flow(Field::Mach).range(values);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(values);
         assert!((lower - 0.002).abs() < 1e-3 && (upper - 0.999).abs() < 2e-3, "{lower} {upper}");
     }
 
     #[test]
     fn signed_quantities_are_white_in_the_middle() {
-        let Range { lower, upper } = Quantity::Flow(Field::Vorticity).range(vec![-3.0, 1.0, 0.0]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Vorticity).range(vec![-3.0, 1.0, 0.0]);
         assert_eq!((lower, upper), (-3.0, 3.0));
-        assert_eq!(Quantity::Jacobian.range(vec![1.0, 1.0]), Range { lower: 0.99, upper: 1.01 });
+        assert_eq!(PictureQuantity::Jacobian.range(vec![1.0, 1.0]), Range { lower: 0.99, upper: 1.01 });
     }
 
     #[test]
     fn round_off_is_not_drawn_as_a_field() {
-        let Range { lower, upper } = Quantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Pressure).range(vec![2.0, 2.0 + 1e-6]);
         assert!(upper - lower > 3.9e-5, "{lower} {upper}");
-        let Range { lower, upper } = Quantity::Flow(Field::Mach).range(vec![]);
+        let Range { lower, upper } = PictureQuantity::Flow(Field::Mach).range(vec![]);
         assert!((lower + 1e-10).abs() < 1e-20 && (upper - 1e-10).abs() < 1e-20, "{lower} {upper}");
+    }
+
+    #[test]
+    fn a_range_goes_from_low_to_high() {
+        assert_eq!(Range::new(-1.0, 2.0), Some(Range { lower: -1.0, upper: 2.0 }));
+        let wrong = [[1.0, 1.0], [2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]];
+        assert!(wrong.iter().all(|[lower, upper]| Range::new(*lower, *upper).is_none()));
     }
 
     #[test]
     fn names_on_the_command_line_are_distinct() {
         let arrays = ["mean_velocity", "reynolds_stress_xx", "reynolds_stress_xy", "rms_pressure"];
-        let mut names: Vec<&str> = Quantity::of_movies(true, &arrays).into_iter().map(Quantity::name).collect();
+        let mut names: Vec<&str> =
+            PictureQuantity::of_movies(true, &arrays).into_iter().map(PictureQuantity::name).collect();
         let count = names.len();
         assert!(names.contains(&"mach") && names.contains(&"q_criterion") && names.contains(&"mean_velocity"));
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), count, "{names:?}");
-        assert!(Quantity::of_movies(false, &[]).into_iter().all(|quantity| quantity.name().contains("jacobian")));
+        let of_mesh: Vec<&str> =
+            PictureQuantity::of_movies(false, &[]).into_iter().map(PictureQuantity::name).collect();
+        assert_eq!(of_mesh, ["jacobian", "scaled_jacobian", "displacement"]);
     }
 }

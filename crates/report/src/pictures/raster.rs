@@ -13,7 +13,7 @@ pub struct Triangles {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Values at the centres of the pixels of a window; NaN outside the domain.
+/// Values at the centres of the pixels of a window; NaN outside the domain, infinite in a structure beside the flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     /// Pixels per row.
@@ -82,12 +82,15 @@ impl Raster {
 
     fn set(&mut self, pixel: usize, b: [f64; 3], at: [usize; 3], values: &[f64]) {
         for (q, value) in self.values[pixel * self.quantities..][..self.quantities].iter_mut().enumerate() {
-            *value = (0..3).map(|k| b[k] * values[at[k] + q]).sum::<f64>() as f32;
+            // Infinite values mark cells; a zero weight would make them no number.
+            let corners = at.map(|at| values[at + q]);
+            let linear = (0..3).map(|k| b[k] * corners[k]).sum::<f64>();
+            *value = if corners[0].is_infinite() { corners[0] } else { linear } as f32;
         }
     }
 }
 
-/// Straight pieces of a curved edge leave slits between two cells that are cut into different numbers of them. So a triangle also covers
+/// Two cells may cut a curved edge into different numbers of straight pieces, which leaves slits between them. So a triangle also covers
 /// centres of pixels this far beside it, in pixels, unless another one contains them.
 const SLIT: f64 = 0.25;
 
@@ -164,6 +167,14 @@ mod tests {
         // No pixel of one cell is taken by the other: the left one is 0.5 + 0.02/6 wide.
         let left = raster.of(0).filter(|value| *value == 0.0).count() as f64 / 40_000.0;
         assert!((left - 0.5 - 0.02 / 6.0).abs() < 0.003, "{left}");
+    }
+
+    #[test]
+    fn an_infinite_value_fills_its_triangles() {
+        let window = Window::new("", Extent { lower: [0.0; 2], upper: [1.0; 2] }, 20.0 * 20.0);
+        let mut raster = Raster::new(&window, 1);
+        raster.draw(&window, &Triangles { values: vec![f64::INFINITY; 4], ..square() });
+        assert!(raster.of(0).all(|value| value == f32::INFINITY));
     }
 
     #[test]

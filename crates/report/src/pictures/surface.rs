@@ -1,14 +1,15 @@
-//! The drawn part of a cell: in two dimensions the cell itself, in three its cut with a plane z = constant.
+//! The drawn part of a cell: in two dimensions the cell itself, in three its cut with a plane.
 
+use super::patch::Patch;
+use super::plane::Plane;
 use super::raster::Triangles;
-use super::snapshot::Patch;
-use crate::simplices::{crossings, simplices};
+use crate::simplices::{crossed_simplices, crossings, simplices};
 
 /// A straight piece of a line.
-pub type Segment = [[f64; 2]; 2];
+pub type LineSegment = [[f64; 2]; 2];
 
-/// The drawn part of a cell: in two dimensions the cell itself, in three the cut with the plane z = `height`.
-pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
+/// The drawn part of a cell: in two dimensions the cell itself, in three the cut with `plane`.
+pub fn surface<const D: usize>(patch: &Patch<D>, plane: Plane) -> Triangles {
     let quantities = patch.values.len() / patch.points.len();
     let mut out = Triangles::default();
     if D == 2 {
@@ -18,11 +19,12 @@ pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
             simplices::<D>(patch.parts).into_iter().map(|corners| std::array::from_fn(|i| corners[i])).collect();
         return out;
     }
-    for corners in simplices::<D>(patch.parts) {
-        let crossings = crossings(&corners, |corner| patch.points[corner][D - 1] - height);
+    let heights: Vec<f64> = patch.points.iter().map(|point| plane.height(point)).collect();
+    for corners in crossed_simplices::<D>(patch.parts, &heights) {
+        let crossings = crossings(&corners, |corner| heights[corner]);
         let first = out.points.len();
         for &(a, b, part) in &crossings {
-            out.points.push(between(&patch.points[a], &patch.points[b], part));
+            out.points.push(between(plane, [&patch.points[a], &patch.points[b]], part));
             let value = |point: usize, q: usize| patch.values[point * quantities + q];
             out.values.extend((0..quantities).map(|q| value(a, q) + part * (value(b, q) - value(a, q))));
         }
@@ -33,24 +35,24 @@ pub fn surface<const D: usize>(patch: &Patch<D>, height: f64) -> Triangles {
 }
 
 /// The visible lines of face `face` of a cell.
-pub fn face_lines<const D: usize>(points: &[[f64; D]], parts: usize, face: usize, height: f64) -> Vec<Segment> {
+pub fn face_lines<const D: usize>(points: &[[f64; D]], parts: usize, face: usize, plane: Plane) -> Vec<LineSegment> {
     let nodes = mesh::face_nodes(D, parts + 1, face);
     if D == 2 {
         let point = |node: usize| [points[node][0], points[node][1]];
         return nodes.windows(2).map(|pair| [point(pair[0]), point(pair[1])]).collect();
     }
+    let heights: Vec<f64> = nodes.iter().map(|&node| plane.height(&points[node])).collect();
     let cut = |corners: Vec<usize>| {
-        let nodes: Vec<usize> = corners.into_iter().map(|corner| nodes[corner]).collect();
-        let crossings = crossings(&nodes, |node| points[node][D - 1] - height);
-        let ends: Vec<[f64; 2]> = crossings.iter().map(|&(a, b, part)| between(&points[a], &points[b], part)).collect();
+        let end = |&(a, b, part): &(usize, usize, f64)| between(plane, [&points[nodes[a]], &points[nodes[b]]], part);
+        let ends: Vec<[f64; 2]> = crossings(&corners, |corner| heights[corner]).iter().map(end).collect();
         (ends.len() == 2).then(|| [ends[0], ends[1]])
     };
-    simplices::<2>(parts).into_iter().filter_map(cut).collect()
+    crossed_simplices::<2>(parts, &heights).into_iter().filter_map(cut).collect()
 }
 
-/// x and y of the point at the fraction `part` of the way from `a` to `b`.
-fn between<const D: usize>(a: &[f64; D], b: &[f64; D], part: f64) -> [f64; 2] {
-    std::array::from_fn(|i| a[i] + part * (b[i] - a[i]))
+/// In the picture of a plane: the point at the fraction `part` of the way from `a` to `b`.
+fn between<const D: usize>(plane: Plane, [a, b]: [&[f64; D]; 2], part: f64) -> [f64; 2] {
+    plane.axes().map(|i| a[i] + part * (b[i] - a[i]))
 }
 
 #[cfg(test)]
@@ -74,24 +76,35 @@ mod tests {
 
     #[test]
     fn a_cut_has_the_area_and_the_values_of_the_plane() {
-        for height in [0.1, 0.5, 0.83] {
-            let cut = surface(&unit::<3>(), height);
-            assert!((area(&cut) - 1.0).abs() < 1e-12, "{height}: {}", area(&cut));
+        for (axis, at) in [(2, 0.1), (2, 0.5), (2, 0.83), (0, 0.3), (1, 0.6)] {
+            let plane = Plane { axis, at };
+            let cut = surface(&unit::<3>(), plane);
+            assert!((area(&cut) - 1.0).abs() < 1e-12, "{plane:?}: {}", area(&cut));
+            let factor = |axis: usize| 2_f64.powi(axis as i32);
+            let [right, up] = plane.axes().map(factor);
             for ([x, y], value) in cut.points.iter().zip(&cut.values) {
-                assert!((value - (x + 2.0 * y + 4.0 * height)).abs() < 1e-12);
+                assert!((value - (right * x + up * y + factor(axis) * at)).abs() < 1e-12);
             }
         }
-        assert!(surface(&unit::<3>(), 1.5).triangles.is_empty());
-        assert!((area(&surface(&unit::<2>(), 0.0)) - 1.0).abs() < 1e-12);
+        assert!(surface(&unit::<3>(), Plane { axis: 2, at: 1.5 }).triangles.is_empty());
+        assert!((area(&surface(&unit::<2>(), Plane::ALL_OF_2D)) - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn the_lines_of_a_face_have_its_length() {
-        let length = |lines: Vec<Segment>| -> f64 { lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum() };
-        for face in 0..4 {
-            assert!((length(face_lines(&unit::<2>().points, 4, face, 0.0)) - 1.0).abs() < 1e-12);
-            assert!((length(face_lines(&unit::<3>().points, 4, face, 0.3)) - 1.0).abs() < 1e-12);
+        let length =
+            |lines: Vec<LineSegment>| -> f64 { lines.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum() };
+        for axis in 0..3 {
+            let cut = Plane { axis, at: 0.3 };
+            for face in 0..6 {
+                // Faces parallel to the plane do not meet it.
+                let expected = if face / 2 == axis { 0.0 } else { 1.0 };
+                let length = length(face_lines(&unit::<3>().points, 4, face, cut));
+                assert!((length - expected).abs() < 1e-12, "{axis}, {face}: {length}");
+            }
         }
-        assert!(face_lines(&unit::<3>().points, 4, 4, 0.3).is_empty(), "the bottom is parallel to the plane");
+        for face in 0..4 {
+            assert!((length(face_lines(&unit::<2>().points, 4, face, Plane::ALL_OF_2D)) - 1.0).abs() < 1e-12);
+        }
     }
 }

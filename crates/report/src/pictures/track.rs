@@ -1,6 +1,7 @@
 //! Faces of bodies, and how far they have moved.
 
-use super::snapshot::{PARTS, Snapshot};
+use super::scheme::PARTS;
+use super::snapshot::Snapshot;
 use super::window::Extent;
 
 /// Faces of bodies, and their centre at the first picture.

@@ -2,12 +2,14 @@
 
 use super::drawn::{Drawn, extremes};
 use super::encode::colour_numbers;
-use super::lines::Lines;
+use super::lines::LineLayer;
 use super::near_walls::{Wall, windows};
-use super::quantity::{Quantity, Range};
+use super::plane::Plane;
+use super::quantity::{PictureQuantity, Range};
 use super::raster::Raster;
-use super::snapshot::{PARTS, Snapshot};
-use super::space::Space;
+use super::scheme::PARTS;
+use super::snapshot::Snapshot;
+use super::space::{Cuboid, PictureRegion, Space};
 use super::surface::{face_lines, surface};
 use super::window::{Extent, Window};
 use crate::html::short;
@@ -28,8 +30,10 @@ const WIDE_CELL: f64 = 14.0;
 pub struct View<const D: usize> {
     /// The windows.
     pub windows: Vec<Window>,
-    /// In three dimensions: the plane z = height that is shown.
-    pub height: Option<f64>,
+    /// In three dimensions: the box through which cuts pass.
+    pub near: Option<Cuboid>,
+    /// The plane of the windows without a camera.
+    pub plane: Plane,
     /// The faces of each cell that lie on a boundary.
     boundary_faces: Vec<Vec<usize>>,
     /// The pictures of surfaces in space, if there are some.
@@ -47,16 +51,19 @@ impl<const D: usize> View<D> {
         let corners: Vec<[f64; D]> = snapshots.iter().flat_map(corners).collect();
         let domain = Extent::of(corners.iter().map(|x| [x[0], x[1]]));
         let height = middle(&corners);
+        let plane = height.map_or(Plane::ALL_OF_2D, |at| Plane { axis: 2, at });
         let (walls, known) = walls(reader, snapshots, height);
         let mut windows = windows(domain, &walls, known, snapshots);
         if let Some(height) = height {
             let note =
                 format!("Shown is the cut of the three-dimensional domain with the plane z = {}.", short(height));
-            windows.iter_mut().for_each(|window| window.note.clone_from(&note));
+            windows.iter_mut().for_each(|window| *window = Window { plane, note: note.clone(), ..window.clone() });
         }
-        let space = Space::new::<D, M>(reader, snapshots, q_level);
+        let region = height.map(|_| PictureRegion::new(reader, snapshots));
+        let near = region.as_ref().map(|region| region.near);
+        let space = region.and_then(|region| Space::new::<D, M>(region, snapshots, q_level));
         windows.extend(space.iter().flat_map(|space| space.windows.iter().cloned()));
-        View { windows, height, boundary_faces, space }
+        View { windows, near, plane, boundary_faces, space }
     }
 
     /// A window at a snapshot, and how far it has moved.
@@ -72,7 +79,7 @@ impl<const D: usize> View<D> {
             let patch = snapshot.patch::<M>(cell, fineness);
             let quantities = patch.values.len() / patch.points.len();
             let raster = raster.get_or_insert_with(|| Raster::new(window, quantities));
-            raster.draw(window, &surface(&patch, self.height.unwrap_or(0.0)));
+            raster.draw(window, &surface(&patch, window.plane));
         }
         raster.unwrap_or_else(|| Raster::new(window, 1))
     }
@@ -82,10 +89,10 @@ impl<const D: usize> View<D> {
         &self,
         snapshot: &Snapshot<D>,
         window: &Window,
-        quantities: &[(Quantity, Range)],
+        quantities: &[(PictureQuantity, Range)],
     ) -> Drawn {
         let raster = self.raster::<M>(snapshot, window);
-        let numbers = |(q, (_, range)): (usize, &(Quantity, Range))| colour_numbers(raster.of(q), *range);
+        let numbers = |(q, (_, range)): (usize, &(PictureQuantity, Range))| colour_numbers(raster.of(q), *range);
         let (mesh, outline) = self.lines(snapshot, window);
         Drawn {
             numbers: quantities.iter().enumerate().map(numbers).collect(),
@@ -102,7 +109,7 @@ impl<const D: usize> View<D> {
         &self,
         snapshot: &Snapshot<D>,
         windows: &[Window],
-        quantities: &[(Quantity, Range)],
+        quantities: &[(PictureQuantity, Range)],
     ) -> Vec<(Drawn, [f64; 2])> {
         let in_space = windows.iter().any(|window| window.camera.is_some());
         let scene = self.space.as_ref().filter(|_| in_space).map(|space| space.scene::<D, M>(snapshot));
@@ -117,13 +124,13 @@ impl<const D: usize> View<D> {
     }
 
     /// The edges of the cells, and the edges on a boundary.
-    fn lines(&self, snapshot: &Snapshot<D>, window: &Window) -> (Lines, Lines) {
-        let (mut mesh, mut outline) = (Lines::new(window), Lines::new(window));
+    fn lines(&self, snapshot: &Snapshot<D>, window: &Window) -> (LineLayer, LineLayer) {
+        let (mut mesh, mut outline) = (LineLayer::new(window), LineLayer::new(window));
         for (cell, fineness) in self.visible(snapshot, window) {
             let points = snapshot.points(cell, fineness);
-            let strength = 0.6 * (thickness(&points) * window.scale() / WIDE_CELL).clamp(0.1, 1.0);
+            let strength = 0.6 * (thickness(&points, window.plane) * window.scale() / WIDE_CELL).clamp(0.1, 1.0);
             for face in 0..2 * D {
-                for line in face_lines(&points, PARTS[fineness], face, self.height.unwrap_or(0.0)) {
+                for line in face_lines(&points, PARTS[fineness], face, window.plane) {
                     mesh.draw(window, line, MESH_LINE, strength);
                     if self.boundary_faces[cell].contains(&face) {
                         outline.draw(window, line, OUTLINE, 1.0);
@@ -137,13 +144,13 @@ impl<const D: usize> View<D> {
     /// The cells visible in a window, and how finely they are evaluated.
     fn visible(&self, snapshot: &Snapshot<D>, window: &Window) -> Vec<(usize, usize)> {
         let seen = |cell: usize| {
-            let [lower, upper] = snapshot.cell_box(cell);
-            let cell_box = Extent { lower: [lower[0], lower[1]], upper: [upper[0], upper[1]] };
+            let corners = snapshot.cell_box(cell);
             // A curved cell may extend beyond the box of its nodes.
-            let bulge = 0.1 * (0..D).map(|d| upper[d] - lower[d]).fold(0.0, f64::max);
-            let in_plane = |z: f64| lower[D - 1] - bulge <= z && z <= upper[D - 1] + bulge;
-            let inside = !cell_box.grown([bulge; 2]).intersection(window.extent).is_empty();
-            (inside && self.height.is_none_or(in_plane))
+            let bulge = 0.1 * (0..D).map(|d| corners[1][d] - corners[0][d]).fold(0.0, f64::max);
+            let meets = window.plane.meets(&corners[0].map(|x| x - bulge), &corners[1].map(|x| x + bulge));
+            let [lower, upper] = corners.map(|corner| window.plane.project(&corner));
+            let cell_box = Extent { lower, upper };
+            (meets && !cell_box.grown([bulge; 2]).intersection(window.extent).is_empty())
                 .then(|| (cell, Snapshot::<D>::fineness(cell_box.length() * window.scale()).min(snapshot.finest())))
         };
         (0..self.boundary_faces.len()).filter_map(seen).collect()
@@ -158,7 +165,7 @@ fn middle<const D: usize>(corners: &[[f64; D]]) -> Option<f64> {
     (D == 3).then_some(lower + 0.501 * (upper - lower))
 }
 
-/// The walls that the plane z = `height` meets, or all boundaries if the case does not tell the walls; whether it does.
+/// The walls that the plane z = `height` meets, or all boundaries if the walls are not known; and whether they are known.
 fn walls<const D: usize>(reader: &ResultReader, snapshots: &[Snapshot<D>], height: Option<f64>) -> (Vec<Wall>, bool) {
     let metadata = &reader.metadata;
     let names = &metadata.mesh.boundary_names;
@@ -173,14 +180,14 @@ fn walls<const D: usize>(reader: &ResultReader, snapshots: &[Snapshot<D>], heigh
 }
 
 /// The smallest distance between the centres of opposite faces, projected to the plane.
-fn thickness<const D: usize>(points: &[[f64; D]]) -> f64 {
+fn thickness<const D: usize>(points: &[[f64; D]], plane: Plane) -> f64 {
     let n = (points.len() as f64).powf(1.0 / D as f64).round() as usize;
     let middle = |axis: usize, side: usize| -> [f64; D] {
         let digit = |a: usize| if a == axis { side * (n - 1) } else { n / 2 };
         points[(0..D).map(|a| digit(a) * n.pow(a as u32)).sum::<usize>()]
     };
     let distance = |axis: usize| {
-        let (a, b) = (middle(axis, 0), middle(axis, 1));
+        let [a, b] = [0, 1].map(|side| plane.project(&middle(axis, side)));
         (b[0] - a[0]).hypot(b[1] - a[1])
     };
     // An axis out of the plane is not visible.

@@ -1,5 +1,6 @@
 //! Windows: the displayed part of the plane, and its number of pixels.
 
+use super::plane::Plane;
 use super::space::Camera;
 use super::track::Track;
 
@@ -79,7 +80,9 @@ impl Extent {
 pub struct Window {
     /// Its name in the page.
     pub label: String,
-    /// The part of the plane, or of the plane of projection of `camera`.
+    /// The plane that it shows without a camera.
+    pub plane: Plane,
+    /// The part of `plane`, or of the plane of projection of `camera`.
     pub extent: Extent,
     /// Pixels per row.
     pub width: usize,
@@ -109,8 +112,9 @@ impl Window {
             lower: [centre[0] - half[0], centre[1] - half[1]],
             upper: [centre[0] + half[0], centre[1] + half[1]],
         };
-        let (label, note) = (label.to_owned(), String::new());
-        Window { label, extent, width: width as usize, height: height as usize, follows: None, camera: None, note }
+        let [label, note] = [label, ""].map(str::to_owned);
+        let [width, height] = [width, height].map(|pixels| pixels as usize);
+        Window { label, plane: Plane::ALL_OF_2D, extent, width, height, follows: None, camera: None, note }
     }
 
     /// The same window elsewhere.
@@ -122,6 +126,12 @@ impl Window {
     pub fn with_pixels(&self, pixels: f64) -> Self {
         let Window { extent, width, height, .. } = Window::new(&self.label, self.extent, pixels);
         Window { extent, width, height, ..self.clone() }
+    }
+
+    /// The same part of the plane with about `width` pixels per row.
+    pub fn with_width(&self, width: usize) -> Self {
+        let [x, y] = self.extent.size();
+        self.with_pixels((width * width) as f64 * y / x)
     }
 
     /// Pixels per length.
@@ -147,5 +157,7 @@ mod tests {
         let [x, y] = window.extent.size();
         assert!((x / window.width as f64 - y / window.height as f64).abs() < 1e-12 && y > 2.6);
         assert_eq!(window.pixel(window.extent.lower), [0.0, window.height as f64]);
+        let wide = window.with_width(600);
+        assert!(wide.width.abs_diff(600) <= 1 && wide.width.abs_diff(3 * wide.height) <= 3, "{wide:?}");
     }
 }

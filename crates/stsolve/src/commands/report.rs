@@ -24,23 +24,25 @@ pub fn report(directories: &[PathBuf], q_level: Option<f64>) -> Result<(), Failu
     print(&format!("{}: {:.1} MB, {shown}", page.path.display(), page.bytes as f64 / 1e6))
 }
 
-/// Writes a movie into the directory of each run, and prints its path.
+/// Writes a movie into the directory of each run, or a picture if `last_step` alone is wanted, and prints its path.
 ///
 /// # Errors
-/// A directory without a run or a result; an unknown field or window; a movie that cannot be written.
-pub fn movies(directories: &[PathBuf], scenario: &Scenario) -> Result<(), Failure> {
-    directories.iter().try_for_each(|directory| movie(directory, scenario))
+/// A directory without a run or a result; an unknown field or window; a file that cannot be written.
+pub fn movies(directories: &[PathBuf], scenario: &Scenario, last_step: bool) -> Result<(), Failure> {
+    directories.iter().try_for_each(|directory| movie(directory, scenario, last_step))
 }
 
-fn movie(directory: &Path, scenario: &Scenario) -> Result<(), Failure> {
-    let movie = report::write_movie(directory, scenario).map_err(failure)?;
+fn movie(directory: &Path, scenario: &Scenario, last_step: bool) -> Result<(), Failure> {
+    let write = if last_step { report::write_picture } else { report::write_movie };
+    let movie = write(directory, scenario).map_err(failure)?;
     let size = movie.bytes as f64 / 1e6;
-    print(&format!("{}: {size:.1} MB, {} frames, {}", movie.path.display(), movie.frames, movie.window))
+    let frames = if movie.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", movie.frames) };
+    print(&format!("{}: {size:.1} MB, {frames}, {}", movie.path.display(), movie.window))
 }
 
 fn failure(error: ReportError) -> Failure {
     match error {
         ReportError::Output(error) => error.into(),
-        error @ (ReportError::NoRun { .. } | ReportError::NoMovie(_)) => Failure::bad_input(error),
+        error @ (ReportError::NoRun { .. } | ReportError::NoPicture(_)) => Failure::bad_input(error),
     }
 }

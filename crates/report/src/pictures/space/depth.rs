@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::surface::TriangleSurface;
 use crate::pictures::encode::{WALL, colour_numbers};
-use crate::pictures::lines::Lines;
+use crate::pictures::lines::LineLayer;
 use crate::pictures::quantity::Range;
 use crate::pictures::raster::{centres, cross};
 use crate::pictures::window::Window;
@@ -65,8 +65,8 @@ impl DepthRaster {
     }
 
     /// The darkness of all pixels, as a layer above the colours.
-    pub fn shadows(&self) -> Lines {
-        Lines { width: self.width, height: self.height, coverage: self.darkness.clone() }
+    pub fn shadows(&self) -> LineLayer {
+        LineLayer { width: self.width, height: self.height, coverage: self.darkness.clone() }
     }
 
     /// Draws a surface; what is nearer remains.

@@ -6,12 +6,13 @@
 //! int_{Q > q} Q dV = 4/5 int_{Q > 0} Q dV                                                                                       (level)
 //! ```
 //!
-//! Space without vortices does not count, however large it is. Times count alike. Boundary layers on curved walls have positive Q, too, and more of
-//! it than wakes; with a smaller part the wakes would not be seen.
+//! Regions without vortices do not count, however large they are. All times have the same weight. Boundary layers on curved walls also have
+//! positive Q, larger than that of wakes; with a smaller part the wakes would be invisible.
 
 use super::cuboid::{Cuboid, in_space};
-use super::region::Region;
-use crate::pictures::snapshot::{PARTS, Snapshot};
+use super::region::PictureRegion;
+use crate::pictures::scheme::PARTS;
+use crate::pictures::snapshot::Snapshot;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -63,8 +64,8 @@ pub struct Samples {
     largest: Vec<Vec<(usize, f64)>>,
 }
 
-/// Looks at Q in the region at all snapshots. M = D + 2.
-pub fn samples<const D: usize, const M: usize>(region: &Region, snapshots: &[Snapshot<D>]) -> Samples {
+/// Evaluates Q in the region at all snapshots. M = D + 2.
+pub fn samples<const D: usize, const M: usize>(region: &PictureRegion, snapshots: &[Snapshot<D>]) -> Samples {
     let of_snapshot = |snapshot: &Snapshot<D>| -> Vec<(usize, f64, Histogram)> {
         let cells: Vec<usize> = region.cells(snapshot).collect();
         cells.into_par_iter().filter_map(|cell| of_cell::<D, M>(snapshot, cell, region.outer)).collect()

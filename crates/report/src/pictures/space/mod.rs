@@ -1,6 +1,7 @@
 //! Pictures in space: iso-surfaces of the Q criterion and the walls, from a few directions.
 
 mod camera;
+mod continuous;
 mod cuboid;
 mod depth;
 mod iso_surface;
@@ -10,20 +11,20 @@ mod surface;
 mod wall;
 
 pub use camera::Camera;
+pub use cuboid::Cuboid;
 pub use depth::DARKEST;
+pub use region::PictureRegion;
 
 use super::drawn::Drawn;
-use super::lines::Lines;
-use super::quantity::{Quantity, Range};
+use super::lines::LineLayer;
+use super::quantity::{PictureQuantity, Range};
 use super::snapshot::Snapshot;
 use super::window::Window;
 use crate::html::short;
-use cuboid::Cuboid;
+use continuous::ContinuousQ;
 use depth::DepthRaster;
 use iso_surface::iso_surface;
-use output::ResultReader;
 use rayon::prelude::*;
-use region::Region;
 use surface::TriangleSurface;
 use wall::wall_surface;
 
@@ -31,7 +32,7 @@ use wall::wall_surface;
 pub struct Space {
     /// The Q of the surface.
     level: f64,
-    region: Region,
+    region: PictureRegion,
     /// One for each camera.
     pub windows: Vec<Window>,
 }
@@ -49,14 +50,13 @@ const PIXELS: f64 = 160e3;
 const MARGIN: f64 = 0.03;
 
 impl Space {
-    /// The pictures of a run with the surface of a `given` level, or of one that fits the run. There are none in two dimensions and without a
-    /// flow. Without a given level there are none if Q is zero up to round-off.
+    /// The pictures of a `region` of a run in three dimensions, with the surface of a `given` level, or of one that fits the run. There are none
+    /// without a flow. Without a given level there are none if Q is zero up to round-off.
     pub fn new<const D: usize, const M: usize>(
-        reader: &ResultReader,
+        region: PictureRegion,
         snapshots: &[Snapshot<D>],
         given: Option<f64>,
     ) -> Option<Self> {
-        let region = (D == 3).then(|| Region::new(reader, snapshots))?;
         snapshots.first()?.q_criterion::<M>(0, 0)?;
         let samples = level::samples::<D, M>(&region, snapshots);
         let level = given.or_else(|| samples.level::<D, M>(snapshots, region.domain))?;
@@ -72,8 +72,9 @@ impl Space {
             let pixels = Cuboid::of_cell(snapshot, cell).length() * scale;
             Snapshot::<D>::fineness(pixels).min(snapshot.fineness_of_order())
         };
-        let of_cell = |cell: usize| self.vortices::<D, M>(snapshot, cell, fineness(cell));
         let cells: Vec<usize> = self.region.cells(snapshot).collect();
+        let q = ContinuousQ::new::<D, M>(snapshot, &cells, self.region.domain.length());
+        let of_cell = |cell: usize| self.vortices::<D, M>(snapshot, &q, cell, fineness(cell));
         let vortices: Vec<TriangleSurface> = cells.into_par_iter().filter_map(of_cell).collect();
         let walls =
             self.region.walls.par_iter().map(|&[cell, face]| wall_surface(snapshot, cell, face, fineness(cell)));
@@ -85,10 +86,11 @@ impl Space {
     fn vortices<const D: usize, const M: usize>(
         &self,
         snapshot: &Snapshot<D>,
+        q: &ContinuousQ,
         cell: usize,
         fineness: usize,
     ) -> Option<TriangleSurface> {
-        let q = snapshot.q_criterion::<M>(cell, fineness)?;
+        let q = q.at(snapshot, cell, fineness)?;
         let above = q.iter().filter(|q| **q >= self.level).count();
         if above == 0 || above == q.len() {
             return None;
@@ -117,15 +119,15 @@ fn window(camera: Camera, shown: Cuboid, level: f64, given: bool) -> Window {
 
 impl Scene {
     /// The picture of a camera in a window.
-    pub fn draw(&self, window: &Window, camera: &Camera, quantities: &[(Quantity, Range)]) -> Drawn {
+    pub fn draw(&self, window: &Window, camera: &Camera, quantities: &[(PictureQuantity, Range)]) -> Drawn {
         let mut raster = DepthRaster::new(window, quantities.len());
         raster.draw(window, camera, &self.walls);
         raster.draw(window, camera, &self.vortices);
-        let numbers = |(q, (_, range)): (usize, &(Quantity, Range))| raster.numbers(q, *range);
+        let numbers = |(q, (_, range)): (usize, &(PictureQuantity, Range))| raster.numbers(q, *range);
         Drawn {
             numbers: quantities.iter().enumerate().map(numbers).collect(),
             extremes: (0..quantities.len()).map(|q| super::drawn::extremes(raster.of(q))).collect(),
-            mesh: Lines::new(window),
+            mesh: LineLayer::new(window),
             outline: raster.shadows(),
             outline_colour: [0; 3],
             strongest: DARKEST,

@@ -6,11 +6,14 @@ use crate::pictures::track::face_points;
 use output::ResultReader;
 
 /// The part of the flow that pictures in space show.
-pub struct Region {
+#[derive(Clone)]
+pub struct PictureRegion {
     /// The box around all cells at all times.
     pub domain: Cuboid,
     /// Surfaces are shown in this box: around bodies in a wide domain, else the domain.
     pub outer: Cuboid,
+    /// Cuts pass through this box: closer around bodies, or the domain.
+    pub near: Cuboid,
     /// The faces of walls, and the box around them at all times.
     pub walls: Vec<[usize; 2]>,
     around_walls: Cuboid,
@@ -19,10 +22,13 @@ pub struct Region {
 /// Walls shorter than this fraction of the domain are bodies in it.
 const BODY: f64 = 0.5;
 
-/// How far from bodies surfaces are shown, in lengths of the bodies.
+/// The distance from bodies up to which surfaces are shown, in lengths of the bodies.
 const REACH: f64 = 4.0;
 
-impl Region {
+/// The same of cuts.
+const REACH_OF_CUTS: f64 = 1.0;
+
+impl PictureRegion {
     /// The region of a run.
     pub fn new<const D: usize>(reader: &ResultReader, snapshots: &[Snapshot<D>]) -> Self {
         let walls = faces_of_walls(reader);
@@ -36,7 +42,8 @@ impl Region {
         let boxes: Vec<Cuboid> = walls.iter().map(around).collect();
         let around_walls = boxes.iter().copied().fold(Cuboid::EMPTY, Cuboid::union);
         let domain = snapshots.iter().map(domain).fold(Cuboid::EMPTY, Cuboid::union);
-        Region { domain, outer: outer(domain, &boxes), walls: walls.concat(), around_walls }
+        let [outer, near] = [REACH, REACH_OF_CUTS].map(|reach| around_bodies(domain, &boxes, reach));
+        PictureRegion { domain, outer, near, walls: walls.concat(), around_walls }
     }
 
     /// The cells that may lie in the box of the surfaces.
@@ -71,14 +78,14 @@ fn domain<const D: usize>(snapshot: &Snapshot<D>) -> Cuboid {
     (0..snapshot.cells()).map(|cell| Cuboid::of_cell(snapshot, cell)).fold(Cuboid::EMPTY, Cuboid::union)
 }
 
-/// The box around bodies in a domain; the domain itself if the walls, with their boxes, are no bodies.
-fn outer(domain: Cuboid, walls: &[Cuboid]) -> Cuboid {
+/// The box around bodies in a domain with a margin of `reach` times their length; the domain itself if the walls, with their boxes, are no bodies.
+fn around_bodies(domain: Cuboid, walls: &[Cuboid], reach: f64) -> Cuboid {
     let short = |wall: &Cuboid| !wall.is_empty() && wall.length() < BODY * domain.length();
     let bodies = walls.iter().copied().filter(short).fold(Cuboid::EMPTY, Cuboid::union);
     if bodies.is_empty() || bodies.length() > BODY * domain.length() {
         return domain;
     }
-    bodies.grown(REACH * bodies.length()).intersection(domain)
+    bodies.grown(reach * bodies.length()).intersection(domain)
 }
 
 #[cfg(test)]
@@ -91,8 +98,8 @@ mod tests {
 
     #[test]
     fn a_wide_domain_is_cut_to_the_bodies() {
-        assert_eq!(outer(cube(100.0), &[cube(0.5)]), cube(4.5));
-        assert_eq!(outer(cube(3.0), &[cube(0.5)]), cube(3.0));
-        assert_eq!(outer(cube(3.0), &[cube(2.0), Cuboid::EMPTY]), cube(3.0));
+        assert_eq!(around_bodies(cube(100.0), &[cube(0.5)], 4.0), cube(4.5));
+        assert_eq!(around_bodies(cube(3.0), &[cube(0.5)], 4.0), cube(3.0));
+        assert_eq!(around_bodies(cube(3.0), &[cube(2.0), Cuboid::EMPTY], 1.0), cube(3.0));
     }
 }

@@ -2,7 +2,8 @@
 
 use super::cuboid::in_space;
 use super::surface::TriangleSurface;
-use crate::pictures::snapshot::{PARTS, Snapshot};
+use crate::pictures::scheme::PARTS;
+use crate::pictures::snapshot::Snapshot;
 use crate::simplices::simplices;
 use tensor::cross;
 

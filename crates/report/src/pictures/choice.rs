@@ -1,0 +1,94 @@
+//! The field and the window of a movie or a picture, by their names.
+
+use super::cuts;
+use super::error::PictureError;
+use super::plane::Plane;
+use super::quantity::PictureQuantity;
+use super::view::View;
+use super::window::{Extent, Window};
+use output::ResultReader;
+
+/// Pixels of a window that is given by a box or a plane.
+const PIXELS: f64 = 420e3;
+
+/// The quantity of a name.
+///
+/// # Errors
+/// A name that is not known.
+pub fn quantity(reader: &ResultReader, name: &str) -> Result<PictureQuantity, PictureError> {
+    let arrays: Vec<&str> = reader.layout.exact.iter().map(|array| &array.name[..]).collect();
+    let known = PictureQuantity::of_movies(arrays.contains(&"flow"), &arrays);
+    let accepted = || known.iter().map(|quantity| quantity.name()).collect();
+    let found = known.iter().find(|quantity| quantity.name() == name).copied();
+    found.ok_or_else(|| PictureError::NoField { name: name.to_owned(), accepted: accepted() })
+}
+
+/// The window of a name, of a box `x0,y0,x1,y1`, or in three dimensions of a plane such as `x=0.5`. Without a name the first one.
+///
+/// # Errors
+/// A name that is none of these.
+pub fn window<const D: usize>(view: &View<D>, name: Option<&str>) -> Result<Window, PictureError> {
+    let Some(name) = name else { return named(&view.windows, None, D) };
+    let plane = || {
+        let (near, plane) = (view.near?, plane(name)?);
+        Some(Window { label: name.to_owned(), ..cuts::window(near, plane, PIXELS) })
+    };
+    let within = || Some(Window { plane: view.plane, ..Window::new(name, extent(name)?, PIXELS) });
+    plane().or_else(within).map_or_else(|| named(&view.windows, Some(name), D), Ok)
+}
+
+/// The window of a name, or the first one.
+fn named(windows: &[Window], name: Option<&str>, dimension: usize) -> Result<Window, PictureError> {
+    let found = windows.iter().find(|window| name.is_none_or(|name| window.label == name)).cloned();
+    let accepted = || {
+        let others = ["a box such as \"-1,-1,3,1\"", "a plane such as \"z=0.5\""].into_iter().take(dimension - 1);
+        windows.iter().map(|window| &window.label[..]).chain(others).map(str::to_owned).collect()
+    };
+    found.ok_or_else(|| PictureError::NoWindow { name: name.unwrap_or_default().to_owned(), accepted: accepted() })
+}
+
+/// The box `x0,y0,x1,y1`.
+fn extent(name: &str) -> Option<Extent> {
+    let numbers: Vec<f64> = name.split(',').map(|word| word.trim().parse().ok()).collect::<Option<_>>()?;
+    let [x0, y0, x1, y1] = numbers[..] else { return None };
+    let edges = [x1 - x0, y1 - y0];
+    let good = edges.iter().all(|edge| edge.is_finite() && *edge > 0.0);
+    good.then_some(Extent { lower: [x0, y0], upper: [x1, y1] })
+}
+
+/// The plane `x=0.5`.
+fn plane(name: &str) -> Option<Plane> {
+    let (axis, at) = name.split_once('=')?;
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim())?;
+    let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite())?;
+    Some(Plane { axis, at })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_window_that_is_not_there_is_refused_with_the_others() {
+        let extent = Extent { lower: [0.0; 2], upper: [1.0; 2] };
+        let windows = ["near the walls", "whole domain"].map(|label| Window::new(label, extent, 100.0));
+        assert_eq!(named(&windows, None, 2).unwrap().label, "near the walls");
+        assert_eq!(named(&windows, Some("whole domain"), 2).unwrap().label, "whole domain");
+        let message = named(&windows, Some("whole"), 2).unwrap_err().to_string();
+        let expected =
+            "there is no window `whole`; accepted: near the walls, whole domain, a box such as \"-1,-1,3,1\"";
+        assert_eq!(message, expected);
+        assert!(named(&windows, Some("whole"), 3).unwrap_err().to_string().ends_with("a plane such as \"z=0.5\""));
+    }
+
+    #[test]
+    fn boxes_and_planes_are_read() {
+        assert_eq!(extent("-2, -4,14,4"), Some(Extent { lower: [-2.0, -4.0], upper: [14.0, 4.0] }));
+        for wrong in ["0,0,1", "0,0,1,1,2", "0,0,0,1", "1,0,0,1", "0,0,1,inf", "0,0,1,nan", "a,0,1,1"] {
+            assert_eq!(extent(wrong), None, "{wrong}");
+        }
+        assert_eq!(plane("y = -0.5"), Some(Plane { axis: 1, at: -0.5 }));
+        assert!(["w=1", "x", "x=", "x=nan", "=1"].iter().all(|wrong| plane(wrong).is_none()));
+    }
+}
