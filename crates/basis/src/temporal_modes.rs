@@ -1,4 +1,4 @@
-//! The eigenvectors of the time matrix: they decouple a slab into problems in space alone.
+//! The eigenvectors of the time matrix: they decouple a slab into problems in space.
 
 use crate::{Matrix, RadauTime};
 use faer::{Mat, c64};

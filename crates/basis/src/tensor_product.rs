@@ -5,9 +5,8 @@
 //! integrates against the test functions. The gradient along axis a takes the derivative matrix on axis a and value
 //! matrices on the others.
 //!
-//! If a quadrature rule has at least as many points as the basis has nodes, it is cheaper, and exact, to interpolate
-//! first and to differentiate at the points. That takes one [`contract`] with the derivative matrix of the Lagrange
-//! polynomials of the points.
+//! A quadrature rule with at least as many points as the basis has nodes allows a cheaper way, which is exact too: interpolate first, then
+//! differentiate at the points. That takes one [`contract`] with the derivative matrix of the Lagrange polynomials of the points.
 
 use crate::{AlongAxis, Matrix, contract};
 use pulp::Simd;

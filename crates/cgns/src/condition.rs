@@ -4,7 +4,7 @@ use crate::CgnsError;
 use crate::node::Node;
 use std::collections::BTreeMap;
 
-/// A boundary: its names and what it consists of.
+/// A boundary: its names and its elements or nodes.
 pub(crate) struct Condition {
     /// The families, or else the name of the boundary condition.
     pub(crate) names: Vec<String>,
@@ -25,7 +25,7 @@ pub(crate) enum Role {
     Periodic,
 }
 
-/// What the numbers of a condition count.
+/// The entities that the numbers of a condition count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Location {
     /// Vertices: the condition consists of the outer faces between them.
@@ -117,7 +117,7 @@ fn read(node: &Node, mut names: Vec<String>, role: Role) -> Result<Condition, Cg
     Ok(Condition { names, role, path: node.path.clone(), location, points })
 }
 
-/// The numbers of a condition, and whether they are those of elements by the rule of old files.
+/// The numbers of a condition, and whether they number elements by the rule of old files.
 fn points(node: &Node) -> Result<(Points, bool), CgnsError> {
     for (name, is_old) in [("PointList", false), ("ElementList", true)] {
         if let Some(list) = node.child(name)? {
@@ -132,7 +132,7 @@ fn points(node: &Node) -> Result<(Points, bool), CgnsError> {
     Err(node.error("it has neither PointList nor PointRange, so it names no faces"))
 }
 
-/// The lowest and the highest indices of a range, whose two ends may come in any order.
+/// The lowest and the highest indices of a range. The file may give its two ends in any order.
 fn ends(range: &Node) -> Result<Vec<[i64; 2]>, CgnsError> {
     let ends = range.integers()?;
     let (from, to) = ends.split_at(ends.len() / 2);
@@ -162,7 +162,7 @@ impl Condition {
         CgnsError::at(&self.path, problem)
     }
 
-    /// The numbers of a list, or those of a range with one index, which must be in `1..=highest`.
+    /// The numbers of a list or of a range with one index. They must be in `1..=highest`.
     pub(crate) fn numbers(&self, what: &str, highest: usize) -> Result<Vec<usize>, CgnsError> {
         let number = |value: i64| {
             let inside = usize::try_from(value).ok().filter(|number| (1..=highest).contains(number));

@@ -5,7 +5,7 @@ use mesh::{ListedElement, Shape};
 /// The vertices of a face, around it.
 pub(crate) type Face = Vec<usize>;
 
-/// The vertices of a face in increasing order, with the largest number in place of missing ones.
+/// The vertices of a face in increasing order, filled up with the largest number.
 pub(crate) type Key = [u32; 4];
 
 pub(crate) fn key(face: &[usize]) -> Key {

@@ -1,8 +1,8 @@
 //! Zones with common vertices.
 //!
 //! An outer face without a name is joined to others: its corners become one vertex with the corners of such faces at the
-//! same positions. So zones are joined to each other and, at the cut of a C-mesh or an O-mesh, to themselves, while the two
-//! sides of a thin plate, which have names, stay apart.
+//! same positions. So zones are joined to each other and, at the cut of a C-mesh or an O-mesh, to themselves. The two sides of a thin plate
+//! have names and stay apart.
 
 use crate::faces::{self, Face};
 use crate::lists::Lists;
@@ -74,7 +74,7 @@ fn distance(one: &[f64; 3], other: &[f64; 3]) -> f64 {
     one.iter().zip(other).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
 }
 
-/// The vertex that stands for `vertex` and those joined to it: the first one.
+/// The vertex that represents `vertex` and all vertices joined to it: the first one.
 fn representative(same: &BTreeMap<usize, usize>, mut vertex: usize) -> usize {
     while let Some(&earlier) = same.get(&vertex) {
         vertex = earlier;

@@ -11,7 +11,7 @@ pub(crate) struct Kind {
     pub(crate) degree: usize,
     /// The number of nodes.
     pub(crate) n_nodes: usize,
-    /// Whether the nodes are those of the lattice, equidistant and with all inner nodes.
+    /// Whether the nodes form the whole lattice: equidistant, with all inner nodes.
     pub(crate) is_lattice: bool,
 }
 
@@ -81,7 +81,7 @@ impl Kind {
         })
     }
 
-    /// Refuses a kind of cell whose nodes are not those of the lattice.
+    /// Refuses a kind of cell whose nodes do not form the whole lattice.
     pub(crate) fn check_cell(self) -> Result<Kind, String> {
         match self.is_lattice {
             true => Ok(self),
@@ -99,7 +99,7 @@ impl Kind {
     }
 }
 
-/// The number of equidistant nodes of an element, if the standard places its nodes there, else 0.
+/// The number of nodes of an element if the standard places them equidistantly, 0 otherwise.
 fn lattice(shape: Shape, degree: usize) -> usize {
     let (line, triangle) = (degree + 1, (degree + 1) * (degree + 2) / 2);
     match shape {

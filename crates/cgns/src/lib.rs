@@ -19,6 +19,24 @@
 //!
 //! This crate and `output` are the only links to libhdf5.
 //!
+//! ```
+//! use mesh::{Mesh, Simplices};
+//! use std::path::Path;
+//!
+//! fn wing(path: &Path) -> Result<Mesh<3>, Box<dyn std::error::Error>> {
+//!     let lists = cgns::read(path)?;
+//!     Ok(Mesh::from_lists(lists, &[], Simplices::Refuse)?)
+//! }
+//!
+//! // The file of another program is refused by its first bytes.
+//! let directory = tempfile::tempdir()?;
+//! let path = directory.path().join("wing.cgns");
+//! std::fs::write(&path, "$MeshFormat")?;
+//! assert!(!cgns::is_cgns(b"$MeshFormat"));
+//! assert!(wing(&path).is_err_and(|error| error.to_string().contains("HDF5")));
+//! # Ok::<(), std::io::Error>(())
+//! ```
+//!
 //! | module | holds |
 //! |---|---|
 //! | `node` | the tree |

@@ -35,7 +35,7 @@ impl Lists {
         Ok(first)
     }
 
-    /// Begins a list of elements, whose places are `label` with `numbers`.
+    /// Begins a list of elements. Messages call them `label` and their number in `numbers`.
     pub(crate) fn begin(&mut self, label: String, numbers: Numbers) {
         self.last = None;
         self.lists.element_places.push(Span { first: self.lists.elements.len(), label, numbers });

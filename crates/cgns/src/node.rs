@@ -35,13 +35,13 @@ impl Node {
     /// The children in the order of their names.
     pub(crate) fn children(&self) -> Result<Vec<Node>, CgnsError> {
         let mut names = self.group.member_names().map_err(|error| CgnsError::damaged(&self.path, &error))?;
-        // What begins with a blank belongs to the node itself.
+        // Names that begin with a blank belong to the node itself.
         names.retain(|name| !name.starts_with(' '));
         names.sort_unstable();
         names.into_iter().filter_map(|name| self.open(name).transpose()).collect()
     }
 
-    /// The child `name`; `None` if it is no node of CGNS, which other programs may add.
+    /// The child `name`; `None` if it is not a node of CGNS: other programs may add groups.
     fn open(&self, name: String) -> Result<Option<Node>, CgnsError> {
         let path = format!("{}/{name}", self.path);
         let read = || {

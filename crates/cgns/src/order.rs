@@ -1,5 +1,7 @@
 //! The order of the nodes of elements in CGNS.
 //!
+//! The corners are those of Gmsh, see [`Shape::corners`]. Edges, faces and the inside are not.
+//!
 //! The standard, SIDS section "Unstructured grid element numbering conventions", lists corners, then the inside of edges,
 //! faces and the element. The inside of a square is listed ring by ring from the outside. Each ring begins at the corner
 //! near the origin and follows the first axis. The inside of a hexahedron or prism is listed plane by plane along the last
@@ -12,10 +14,6 @@ type Node = [usize; 3];
 
 /// A face: its shape, its origin and the ends of its two axes, as corners of the element.
 type Face = (Shape, [usize; 3]);
-
-const BOX_CORNERS: [Node; 8] = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
-const TETRAHEDRON_CORNERS: [Node; 4] = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
-const PRISM_CORNERS: [Node; 6] = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]];
 
 const LINE_EDGES: [[usize; 2]; 1] = [[0, 1]];
 const TRIANGLE_EDGES: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
@@ -64,26 +62,16 @@ pub(crate) fn from_cgns(shape: Shape, degree: usize) -> Vec<usize> {
 
 /// The lattice positions of the nodes in the order of CGNS.
 fn nodes(shape: Shape, degree: usize) -> Vec<Node> {
-    let corners = corners(shape);
-    let mut nodes: Vec<Node> = corners.iter().map(|corner| corner.map(|c| c * degree)).collect();
+    let mut nodes: Vec<Node> = shape.corners().iter().map(|corner| corner.map(|c| c * degree)).collect();
     for &[from, to] in edges(shape) {
-        nodes.extend((1..degree).map(|step| between(corners, degree, from, [to, to], [step, 0])));
+        nodes.extend((1..degree).map(|step| shape.between(degree, from, &[to], &[step])));
     }
     for &(face, [origin, first, second]) in faces(shape) {
         let inside = inside_of_face(face, degree).into_iter();
-        nodes.extend(inside.map(|steps| between(corners, degree, origin, [first, second], steps)));
+        nodes.extend(inside.map(|steps| shape.between(degree, origin, &[first, second], &steps)));
     }
     nodes.extend(inside(shape, degree));
     nodes
-}
-
-fn corners(shape: Shape) -> &'static [Node] {
-    match shape {
-        Shape::Triangle => &TETRAHEDRON_CORNERS[..3],
-        Shape::Tetrahedron => &TETRAHEDRON_CORNERS,
-        Shape::Prism => &PRISM_CORNERS,
-        _ => &BOX_CORNERS[..1 << shape.dimension()],
-    }
 }
 
 fn edges(shape: Shape) -> &'static [[usize; 2]] {
@@ -105,18 +93,6 @@ fn faces(shape: Shape) -> &'static [Face] {
         Shape::Hexahedron => &HEXAHEDRON_FACES,
         _ => &[],
     }
-}
-
-/// The lattice position that is `steps[a]` steps from corner `origin` towards corner `ends[a]`, for both a.
-fn between(corners: &[Node], degree: usize, origin: usize, ends: [usize; 2], steps: [usize; 2]) -> Node {
-    std::array::from_fn(|axis| {
-        let start = corners[origin][axis];
-        (0..2).fold(start * degree, |x, a| match (start, corners[ends[a]][axis]) {
-            (0, 1) => x + steps[a],
-            (1, 0) => x - steps[a],
-            _ => x,
-        })
-    })
 }
 
 /// Steps along the axes of a face to the nodes inside. A triangle of degree 3, the highest, has one.

@@ -73,7 +73,7 @@ fn read_sections(
     Ok(numbered)
 }
 
-/// Those of the outer faces all of whose corners are in `chosen`.
+/// The outer faces whose corners are all in `chosen`.
 pub(crate) fn faces_between<'a>(
     outer: &'a [Face],
     condition: &Condition,

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! in (volume) and (sip). On facets either side has its own beta, with which F_a of the gradient and of the jump are taken.
-//! beta depends on the point alone, so every derivative is that of the residual. The terms stand in loops of their own: laws without them
-//! run the same loops as ever.
+//! beta depends on the values at the point only, so derivatives by dual numbers are exact. The terms have their own loops: laws without
+//! artificial viscosity run the loops of the other terms only.
 
 use crate::conservation_law::ConservationLaw;
 use crate::facet::times_normal;
@@ -15,7 +15,7 @@ use crate::scratch::{CellScratch, FacetScratch, SideScratch};
 use crate::tables::Planes;
 use tensor::{LaneNumber, Lanes, Over, Pack, Real};
 
-/// What (artificial) needs of one side of a facet at a point.
+/// One side of a facet at a point, for (artificial).
 struct Side<T, G, const D: usize, const M: usize> {
     metric: Metric<G, D>,
     /// F_a of the gradient and of the jump.

@@ -62,7 +62,7 @@ impl<const M: usize> Default for FluxPart<M> {
 }
 
 impl<const M: usize> FluxPart<M> {
-    /// One lane of what the kernel leaves.
+    /// One lane of the result of the kernel.
     fn of_lane(through: &[Pack], lane: usize) -> Self {
         let at = |i: usize| through[i].0[lane];
         FluxPart {
@@ -115,7 +115,7 @@ impl<const M: usize> BoundaryFlux<M> {
         std::array::from_fn(|i| self.centre[i] - point[i])
     }
 
-    /// The fluxes of a facet, one lane of what the kernel leaves, with moments about the origin of its cell.
+    /// The fluxes of a facet, from one lane of the result of the kernel. Moments are about the origin of its cell.
     fn of_lane(scratch: &FacetScratch, lane: usize, centre: [f64; 3]) -> Self {
         let [inviscid, viscous] = [0, 1].map(|part| FluxPart::of_lane(&scratch.through[part * through_len(M)..], lane));
         let [work, heat] = [0, 1].map(|i| scratch.through[2 * through_len(M) + i].0[lane]);

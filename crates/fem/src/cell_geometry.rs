@@ -21,7 +21,7 @@ pub(crate) const fn geometry_len(dimension: usize) -> usize {
 /// Packs of the geometry of a batch of cells. `b` counts blocks (values, derivatives).
 #[derive(Default)]
 pub struct GeometryScratch {
-    /// Position and velocity, `[b][time, last the top][d][mesh node]`; for one time alone `[d][mesh node]`.
+    /// Position and velocity, `[b][time, last the top][d][mesh node]`; at one time `[d][mesh node]`.
     pub position_at: Vec<Pack>,
     /// See `position_at`; its top is not used.
     pub velocity_at: Vec<Pack>,
@@ -53,7 +53,7 @@ impl GeometryScratch {
     }
 }
 
-/// What the geometry of a batch of cells in a slab is made of.
+/// The motion of a batch of cells in a slab, from which its geometry is computed.
 #[derive(Clone, Copy)]
 pub(crate) struct CellMotion<'a, const D: usize> {
     pub(crate) tables: &'a Tables<D>,
@@ -75,7 +75,7 @@ pub(crate) const fn kept_len(dimension: usize, time_points: usize, points: usize
 pub(crate) struct GeometryOfSlab<'c, const D: usize, K> {
     pub(crate) motion: CellMotion<'c, D>,
     pub(crate) scratch: &'c mut GeometryScratch,
-    /// Overwritten, see [`kept_len`]; with derivatives `[time point][b][number][p]`, for collocated rules alone.
+    /// Overwritten, see [`kept_len`]; with derivatives `[time point][b][number][p]`, for collocated rules only.
     pub(crate) out: &'c mut [Pack],
     pub(crate) mode: PhantomData<K>,
 }
@@ -143,7 +143,7 @@ pub(crate) struct CellGeometry<'a, const D: usize, K, S> {
 }
 
 impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
-    /// Position and velocity at the times, from those of the slots.
+    /// Interpolates position and velocity from the slots to the times.
     #[inline(always)]
     pub(crate) fn mesh_at_times(&self, positions: &Matrix, mesh: &[&[Pack]], scratch: &mut GeometryScratch) {
         let (inner, count) = (D * self.tables.orders.mesh.pow(D as u32), self.tables.times());
@@ -161,7 +161,8 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         Lattice { line: &self.tables.mesh, last: &planes.mesh, dimension: D, components: D }
     }
 
-    /// The geometry by the map alone, at some planes of points: A are the cofactors of dx/dxi. Overwrites `out[b][number][p]`.
+    /// The geometry from the map, for rules that are not collocated, at some planes of points: A are the cofactors of dx/dxi. Overwrites
+    /// `out[b][number][p]`.
     #[inline(always)]
     pub(crate) fn of_map(&self, planes: &Planes, of: TimePointIndex, scratch: &mut GeometryScratch, out: &mut [Pack]) {
         let (points, mesh) = (planes.weights.len(), self.mesh_lattice(planes));

@@ -52,7 +52,7 @@ impl<const D: usize, K: Mode, S: Simd> FacetGeometry<'_, D, K, S> {
         }
     }
 
-    /// The area vector in 2-D: the last column of the cofactors, which depends on the tangent alone.
+    /// The area vector in 2-D: the last column of the cofactors, which depends on the tangents only.
     #[inline(always)]
     fn turned_tangents(&self, on_nodes: &mut FaceNodes) {
         let len = self.face_nodes();

@@ -61,7 +61,7 @@ impl<const D: usize> WithSimd for GeometryOfFacets<'_, D> {
 }
 
 impl<const D: usize, K: Mode, S: Simd> FacetGeometry<'_, D, K, S> {
-    /// Position, derivatives and velocity at all times, from those of the slots.
+    /// Interpolates position, derivatives and velocity from the slots to all times.
     #[inline(always)]
     pub(crate) fn mesh_at_times(&self, in_time: InTime, used: usize, scratch: &mut FacetScratch) {
         let (g, kinds, mesh_len): (usize, usize, usize) =

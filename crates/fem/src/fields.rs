@@ -1,4 +1,4 @@
-//! Fields at points in packs, `[b][field][p]` with a block b for values and perhaps one for derivatives.
+//! Fields at points in packs, `[b][field][p]`. Block b = 0 holds values; b = 1, if there is one, derivatives.
 
 use tensor::pulp::Simd;
 use tensor::{LaneNumber, Pack};
@@ -14,7 +14,7 @@ pub(crate) struct Fields {
 }
 
 impl Fields {
-    /// All of `count` fields at so many points.
+    /// All of `count` fields at `points` points.
     #[inline(always)]
     pub(crate) fn new(count: usize, points: usize) -> Self {
         Fields { block: count * points, points, first: 0 }

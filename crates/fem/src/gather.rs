@@ -76,8 +76,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         }
     }
 
-    /// Reads the traces of the mesh likewise, with a second block for its direction if `along` asks for it. Position and tangents are read
-    /// from the minus side alone.
+    /// Reads the traces of the mesh. There is a second block, for its direction, if `along` differentiates by the mesh. Position and
+    /// tangents are read from the minus side only.
     pub(crate) fn gather_mesh(&self, along: Differentiate, batch: &FacetBatch, scratch: &mut FacetScratch) {
         let mesh = &self.mesh_and_direction()[..along.geometry_blocks()];
         scratch.normal_sign = batch.normal_sign;

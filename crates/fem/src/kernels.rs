@@ -48,7 +48,7 @@ pub struct Times<'a> {
     pub in_time: InTime<'a>,
     /// phi_a at these times, `[a][time]`.
     pub test: &'a Matrix,
-    /// Weight of the terms at all of them: dt in a slab, 1 in space alone.
+    /// Weight of the terms at all of them: dt in a slab, 1 for the operator of space.
     pub weight: f64,
 }
 
@@ -72,7 +72,7 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         coefficients: CellCoefficients,
         scratch: &mut CellScratch,
     );
-    /// The terms of space alone, along a direction of the state.
+    /// The terms of the operator of space, differentiated along a direction of the state.
     fn space_cells(&self, context: &CellContext<D>, time_point: &TimePoint, scratch: &mut CellScratch);
     /// Mass product of a state at one time.
     fn mass_product(&self, tables: &Tables<D>, scratch: &mut CellScratch);
@@ -103,8 +103,8 @@ pub trait Kernels<const D: usize, const M: usize>: Send + Sync {
         times: &Times,
         scratch: &mut FacetScratch,
     ) -> u64;
-    /// What leaves through the facets of a batch on a boundary at one time: overwrites `through` of the scratch. Forces do work at the
-    /// velocity of the mesh, or at `boundary_velocity` of the scratch where `time` says so.
+    /// The flux out of the domain through the facets of a batch on a boundary, at one time: overwrites `through` of the scratch. Forces do
+    /// work at the velocity of the mesh, or at `boundary_velocity` of the scratch where `time` says so.
     fn boundary_flux(&self, context: &FacetContext<D>, time: FluxTime, across: &Across, scratch: &mut FacetScratch);
 }
 

@@ -1,4 +1,4 @@
-//! The derivative that a kernel computes: none, by the state, or by the state and the mesh.
+//! The derivative that a kernel computes: no derivative, by the state, or by the state and the mesh.
 
 use tensor::pulp::Simd;
 use tensor::{Counted, Dual, LaneNumber, Lanes, Over};

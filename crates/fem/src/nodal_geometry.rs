@@ -92,7 +92,7 @@ impl<const D: usize, K: Mode, S: Simd> CellGeometry<'_, D, K, S> {
         self.tables.orders.flow.pow(D as u32)
     }
 
-    /// So many fields at the nodes.
+    /// `count` fields at the nodes.
     #[inline(always)]
     fn fields(&self, count: usize) -> Fields {
         Fields::new(count, self.nodes())

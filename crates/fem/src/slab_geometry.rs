@@ -75,7 +75,7 @@ impl SlabGeometry {
     }
 }
 
-/// Numbers that are kept for a cell and for a facet, with so many points per direction in space and time points.
+/// Numbers that are kept for a cell and for a facet. `points` holds the points per direction in space and the time points.
 fn kept_of_batch(dimension: usize, points: [usize; 2], collocated: bool, viscous: bool) -> [usize; 2] {
     let ([line, time_points], axes) = (points, dimension as u32);
     if !collocated && dimension > 2 {
@@ -240,7 +240,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         scratch.known = out;
     }
 
-    /// Puts what the mass product of a batch at an end of the slab need into `scratch`: J where it is carried, else positions.
+    /// Puts what the mass product of a batch at an end of the slab need into `scratch`: J where it is carried, positions otherwise.
     pub(crate) fn gather_end(&self, batch: usize, end: SlabEnd, row: &[f64], scratch: &mut CellScratch) {
         if self.tables.collocation.is_some() {
             return gather_nodal(self.geometry.determinants(end), batch, &mut scratch.determinant_at);

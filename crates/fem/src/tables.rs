@@ -169,7 +169,7 @@ impl Planes {
         Self::divided(rule, dimension, orders, count)
     }
 
-    /// So many blocks of planes.
+    /// The number of blocks of planes.
     fn divided(rule: &Rule, dimension: usize, orders: Orders, count: usize) -> Vec<Planes> {
         let (q, in_plane) = (rule.points.len(), rule.tensor_weights(dimension - 1));
         let block = |number: usize| {

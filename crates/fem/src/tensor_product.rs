@@ -64,7 +64,7 @@ pub enum AtPoints<P> {
 }
 
 impl<P: Default> AtPoints<P> {
-    /// Both where `with_gradients`, else values only.
+    /// Values, and gradients if `with_gradients`.
     #[inline(always)]
     pub fn new(values: P, gradients: P, with_gradients: bool) -> Self {
         if with_gradients { AtPoints::Both(values, gradients) } else { AtPoints::Values(values) }

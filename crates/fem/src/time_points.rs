@@ -59,8 +59,7 @@ impl TimePoint {
         }
     }
 
-    /// The basis at `s` for the operator of space alone: positions and velocities of the slab, but a state at this time
-    /// only.
+    /// The basis at `s` for the operator of space: positions and velocities of the slab, but a state at this time only.
     pub fn of_space(time: &RadauTime, s: f64) -> Self {
         TimePoint { values: Matrix::identity(1), ..TimePoint::new(time, s, 1.0) }
     }

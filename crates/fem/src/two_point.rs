@@ -196,7 +196,7 @@ fn artificial_viscosity<const D: usize, const M: usize, L: ConservationLaw<D, M>
     law.artificial_viscosity(mean, &gradient, &grid)
 }
 
-/// The flux through a boundary, of the viscous terms the penalty alone.
+/// The flux through a boundary. The penalty is its only viscous term.
 #[inline(always)]
 fn on_boundary<const D: usize, const M: usize, L: ConservationLaw<D, M>, T: Over<G>, G: Real>(
     law: &L,

@@ -1,4 +1,4 @@
-//! Arc length along a closed curve, and along a wall whose cross-section is one.
+//! Arc length along a closed curve, and along a wall whose cross-section is a closed curve.
 
 use crate::facet::tangent_sign;
 use crate::{CellMap, Mesh, NodeNumbering, Side, outward_area};

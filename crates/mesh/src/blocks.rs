@@ -26,11 +26,11 @@ use graph::Graph;
 use sizes::Limits;
 
 /// The block of every cell: `count` blocks of nearly equal numbers of cells, cut where couplings are weak. Sizes differ from
-/// their mean by at most one cell or 3 %. Blocks are in one piece where possible. Small blocks of some 16 cells, and those
-/// between cells with aspect ratios beyond 1000, may consist of more.
+/// their mean by at most one cell or 3 %. Blocks are in one piece where possible. Small blocks of some 16 cells, and blocks of cells with
+/// aspect ratios beyond 1000, may consist of several parts.
 ///
-/// The result depends on the mesh and `count` alone. Blocks with near numbers are near each other: the first half of the
-/// numbers is one side of the first cut, and so on.
+/// The result depends only on the mesh and on `count`. Blocks with near numbers are near each other: the first half of the numbers is one
+/// side of the first cut, and so on.
 ///
 /// # Errors
 /// [`MeshError::Blocks`] if `count` is 0 or larger than the number of cells.

@@ -154,7 +154,7 @@ pub enum MeshError {
         axis: usize,
         /// The segment, counted from 0.
         segment: usize,
-        /// What is wrong with it, and what would do.
+        /// What is wrong with it, and what is accepted.
         problem: String,
     },
     /// A face of a region goes through cells.

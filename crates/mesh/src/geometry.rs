@@ -22,7 +22,7 @@ pub struct CellMap<const D: usize> {
 }
 
 impl<const D: usize> CellMap<D> {
-    /// The map to the grid of all points whose reference coordinates along axis a are in `points[a]`.
+    /// The map to a grid of points, with the reference coordinates `points[a]` along axis a.
     pub fn new(order: usize, points: [&[f64]; D]) -> Self {
         let lagrange = Lagrange::gauss_lobatto(order);
         let values = from_fn(|axis| lagrange.value_matrix(points[axis]));

@@ -1,4 +1,4 @@
-//! The part of a mesh that some of its regions fill, and what two parts share.
+//! The part of a mesh that some of its regions fill, and the nodes that two parts share.
 
 use crate::region::{NamedSides, interface_of_sides};
 use crate::{BoundaryFacet, InteriorFacet, Mesh, MeshError, NodeNumbering, Side};
@@ -82,7 +82,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// What a part is made from.
+/// The cells and facets of a part.
 struct Extraction<'a, const D: usize> {
     whole: &'a Mesh<D>,
     region_of: &'a [usize],
@@ -133,8 +133,8 @@ impl<const D: usize> Extraction<'_, D> {
         boundaries.filter(|(_, sides)| !sides.is_empty()).collect()
     }
 
-    /// The facets between a cell of the part and another one, by their own names or those of the regions on the other side, in the order
-    /// of the names.
+    /// The facets between cells of the part and other cells, in the order of their names. A facet without a name takes the name of the
+    /// region on the other side.
     fn interfaces_with_others(&self) -> NamedSides {
         let named = interface_of_sides(&self.whole.interfaces);
         let mut boundaries: BTreeMap<&str, Vec<Side>> = BTreeMap::new();

@@ -19,7 +19,7 @@ pub(crate) type NamedSides = Vec<(String, Vec<Side>)>;
 pub const REST: &str = "rest";
 
 impl<const D: usize> Mesh<D> {
-    /// The named sets of cells; none in a mesh without regions, otherwise every cell is in at least one.
+    /// The named sets of cells; A mesh without regions has an empty list. Otherwise every cell is in at least one region.
     pub fn regions(&self) -> &[Region] {
         &self.regions
     }
@@ -63,7 +63,7 @@ pub(crate) fn regions_of_cells(cells: usize, regions: &[Region]) -> Vec<Vec<usiz
     of_cell
 }
 
-/// The regions of a mesh of `cells` cells, checked, in order, and with those of the cells that are in none.
+/// Checks the regions of a mesh of `cells` cells, sorts their cells, and adds a region of the cells that no region contains.
 pub(crate) fn complete(cells: usize, regions: Vec<Region>) -> Result<Vec<Region>, MeshError> {
     let mut sets: Vec<(String, BTreeSet<usize>)> = Vec::new();
     for Region { name, cells: listed } in regions {
@@ -82,7 +82,7 @@ pub(crate) fn complete(cells: usize, regions: Vec<Region>) -> Result<Vec<Region>
     Ok(sets.into_iter().map(|(name, cells)| Region { name, cells: cells.into_iter().collect() }).collect())
 }
 
-/// Puts the cells that are in none of the `sets` into the one named [`REST`].
+/// Puts the cells that no set contains into the set named [`REST`].
 fn add_rest(cells: usize, sets: &mut Vec<(String, BTreeSet<usize>)>) {
     let rest: BTreeSet<usize> = (0..cells).filter(|cell| sets.iter().all(|(_, set)| !set.contains(cell))).collect();
     if sets.is_empty() || rest.is_empty() {
@@ -94,7 +94,7 @@ fn add_rest(cells: usize, sets: &mut Vec<(String, BTreeSet<usize>)>) {
     }
 }
 
-/// The boundaries without their facets between regions, and those facets. A boundary that has nothing else is none.
+/// The boundaries without their facets between regions, and those facets. Boundaries consisting only of such facets are dropped.
 pub(crate) fn split_interfaces(boundaries: NamedSides, between: &BTreeSet<Side>) -> (NamedSides, NamedSides) {
     let (mut outer, mut interfaces) = (Vec::new(), Vec::new());
     for (name, sides) in boundaries {

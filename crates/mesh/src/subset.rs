@@ -1,4 +1,4 @@
-//! Some cells of a mesh, for a rank that works on these alone.
+//! Some cells of a mesh, for a rank that works on no others.
 
 use crate::{BoundaryFacet, InteriorFacet, Mesh, NodeNumbering, Side};
 
@@ -44,7 +44,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 impl NodeNumbering {
-    /// The rows of `cells`. Nodes keep the numbers that they have in the whole mesh, and `count` is that of the whole mesh.
+    /// The rows of `cells`. Nodes keep their numbers in the whole mesh, and `count` is the count of the whole mesh.
     pub fn subset(&self, cells: &[usize]) -> NodeNumbering {
         self.with_cells(cells.iter().flat_map(|&cell| self.cell(cell).iter().copied()).collect())
     }

@@ -9,6 +9,7 @@ use crate::directory::RunDirectory;
 use crate::error::OutputError;
 use crate::files::file_error;
 use crate::history::{HISTORY_FILE, HistoryTable};
+use crate::reader::ResultReader;
 use crate::result_file::RESULT_FILE;
 use crate::summary::SUMMARY_FILE;
 
@@ -26,7 +27,7 @@ pub struct EarlierRun {
     pub time: Option<f64>,
     /// Whether there is a result file, and with it a checkpoint.
     pub has_checkpoint: bool,
-    /// Whether the mesh alone was moved.
+    /// Whether the run moved the mesh only, without a flow.
     pub is_mesh_alone: bool,
 }
 
@@ -45,11 +46,22 @@ impl EarlierRun {
             reason: summary["reason"].as_str().map(str::to_owned),
             time: summary["time"].as_f64().or_else(|| last_time(directory)),
             has_checkpoint,
-            is_mesh_alone: summary["mesh"].is_object()
-                && summary["unknowns"]["flow"].is_null()
-                && summary["structure"].is_null(),
+            is_mesh_alone: match summary {
+                Value::Null => holds_mesh_alone(&directory.join(RESULT_FILE)),
+                summary => {
+                    summary["mesh"].is_object()
+                        && summary["unknowns"]["flow"].is_null()
+                        && summary["structure"].is_null()
+                }
+            },
         })
     }
+}
+
+/// Whether the result at `path` has neither the coefficients of a flow nor the stress that every structure writes. False if it cannot be read.
+fn holds_mesh_alone(path: &Path) -> bool {
+    let Ok(ResultReader { layout, .. }) = ResultReader::open(path) else { return false };
+    layout.exact.iter().all(|array| array.name != "flow") && layout.fields.iter().all(|field| field.name != "von_mises")
 }
 
 /// Whether there is something at `path`, including a dangling link.

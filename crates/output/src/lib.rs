@@ -6,7 +6,7 @@
 //! * [`RunDirectory`] is the directory of one run, locked against a second one;
 //! * [`ResultFile`] is `result.vtkhdf`: fields for ParaView, exact coefficients, the state for a restart;
 //! * [`ResultReader`] reads its steps back, also while the run goes on;
-//! * [`ViewerFile`] is a VTKHDF file for viewers alone;
+//! * [`ViewerFile`] is a VTKHDF file for viewers only;
 //! * [`History`] is `history.csv`, a row per slab; [`HistoryTable`] holds its contents for a reader;
 //! * [`LineFile`] is `line_NAME.csv`, [`SliceSeries`] is `slice_NAME.pvd` with a file of [`PolyData`] per time;
 //! * [`Summary`] is `summary.json`, for scripts after the run;

@@ -1,4 +1,4 @@
-//! The last bytes of a result file, by which damage is detected before the file is used.
+//! The last bytes of a result file. They detect damage before the file is used.
 //!
 //! HDF5 ignores bytes after its own end of file. There the seal lies: 8 bytes of name, then the length of the file
 //! before the seal and its checksum, each 64 bits, lowest byte first. HDF5 drops the seal when it writes to the file.

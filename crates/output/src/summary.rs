@@ -160,7 +160,7 @@ pub struct Conservation {
     /// Energy gained minus energy flown in, relative to the energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
-    /// Of the energy of gas and bodies together, relative to that of the gas at the start: what is there more than came in.
+    /// Energy that gas and bodies gained minus energy that came in, relative to the energy of the gas at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupled_energy_error: Option<f64>,
     /// Largest deviation from a free stream.
@@ -198,7 +198,7 @@ pub struct StructureSummary {
     pub energy: f64,
     /// Work of body force and tractions.
     pub load_work: f64,
-    /// Work of boundaries whose displacement is prescribed.
+    /// Work done by boundaries with a prescribed displacement.
     pub support_work: f64,
     /// Energy lost in the jumps between slabs.
     pub dissipation: f64,
@@ -212,9 +212,9 @@ pub struct StructureSummary {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// How far it has moved along each axis.
+    /// The displacement along each axis.
     pub displacement: Vec<f64>,
-    /// How far it has turned, in radians.
+    /// The angle of rotation in radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<f64>,
     /// Its rotation vector, where it turns about several axes.
@@ -246,13 +246,13 @@ pub struct Body {
     /// The energy of the strain of a structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strain_energy: Option<f64>,
-    /// The work of what drives coordinates.
+    /// The work of the drives of prescribed coordinates.
     pub drive_work: f64,
     /// The work of the outer force.
     pub force_work: f64,
-    /// What its dampers have taken.
+    /// The energy dissipated by its dampers.
     pub damped: f64,
-    /// What the time integration has taken.
+    /// The energy dissipated by the time integration.
     pub numerical_dissipation: f64,
 }
 
@@ -341,7 +341,7 @@ pub struct Steady {
     /// The residual at the next higher order, relative to its inertial terms.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub next_order_residual: Option<f64>,
-    /// What a march in time from the steady flow has shown, where there was one.
+    /// The result of a march in time from the steady flow, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub stability: Option<SteadyStability>,
     /// The coefficients of the walls, by name.
@@ -353,7 +353,7 @@ pub struct Steady {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SteadyStability {
-    /// By which factor the rate of change has grown.
+    /// The factor by which the rate of change has grown.
     pub growth: f64,
     /// The time marched.
     pub duration: f64,

@@ -1,4 +1,4 @@
-//! A file for viewers alone: a VTKHDF grid at some times, without exact coefficients and without a state.
+//! A file for viewers only: a VTKHDF grid at some times, without exact coefficients and without a state.
 
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ impl ViewerFile {
     }
 }
 
-/// The times of the steps of such a file, and the values of a field or of the `Points` at all of them, in VTK's order of the points.
+/// The times of the steps of such a file, and the values of a field, or of the `Points`, at all these times. Points are in VTK's order.
 ///
 /// # Errors
 /// [`OutputError::Damaged`] if the file cannot be read or has no such field.

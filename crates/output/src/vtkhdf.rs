@@ -83,7 +83,7 @@ pub(crate) fn times(root: &Group) -> Result<Vec<f64>> {
     root.dataset("Steps/Values")?.read_raw()
 }
 
-/// Appends points and `fields` of a step, in the order of the layout. `order` is that of [`crate::vtk_order`].
+/// Appends points and `fields` of a step, in the order of the layout. `order` comes from [`crate::vtk_order`].
 pub(crate) fn append_step(
     root: &Group,
     layout: &FileLayout,

@@ -12,8 +12,8 @@ const SPINS: usize = 1000;
 /// Does `work(k)` for all k in 0..`count`, each after the items `needs(k)`, which are smaller than k. At most `width` threads take
 /// part.
 ///
-/// `work` must not run parallel loops. A thread that waits in such a loop may begin another item, which may need the item that the thread
-/// has not finished.
+/// `work` must not run parallel loops. While a thread waits in such a loop it may begin another item. That item may need the one that the
+/// thread has not finished.
 pub fn dependency_schedule<N: IntoIterator<Item = usize>>(
     count: usize,
     width: usize,

@@ -61,9 +61,8 @@ impl EliminationTree {
         Ok(Self::new(nodes, neighbours.len(), fronts))
     }
 
-    /// Nested dissection of a mesh whose cells hold the nodes `cells[cell]`, in which a node may occur twice. `centres` are the
-    /// centres of the cells. Nodes are below `count`; nodes without a cell are not in the matrix. Every leaf is the front of one
-    /// cell.
+    /// Nested dissection of a mesh whose cells hold the nodes `cells[cell]`. A list may name a node twice. `centres` are the centres of the
+    /// cells. Nodes are below `count`; nodes without a cell are not in the matrix. Every leaf is the front of one cell.
     pub fn by_dissection<const D: usize>(cells: &[Vec<usize>], centres: &[[f64; D]], count: usize) -> Self {
         let (nodes, fronts) = dissection::fronts(cells, centres, count);
         Self::new(nodes, count, fronts)

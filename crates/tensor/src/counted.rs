@@ -10,7 +10,7 @@ thread_local! {
 }
 
 /// The floating-point operations that `work` does in [`Counted`] numbers on this thread. A sum, difference, product, quotient,
-/// root, power or logarithm counts as one, a fused multiply-add as two; signs and comparisons count as none.
+/// root, power or logarithm counts as one, a fused multiply-add as two; signs and comparisons are not counted.
 pub fn count_operations(work: impl FnOnce()) -> u64 {
     let before = OPERATIONS.get();
     work();

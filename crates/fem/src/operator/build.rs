@@ -51,8 +51,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         Self::of_cells(problem, Cells::whole(mesh, numbering), orders, quadrature, true)
     }
 
-    /// An operator on `mesh` for what is measured of a flow: its mass products and its layout. It has no memory for residuals, products,
-    /// blocks and fluxes.
+    /// An operator on `mesh` for integrals of a flow: it has mass products and a layout, but no memory for residuals, products, blocks and
+    /// fluxes.
     ///
     /// # Panics
     /// As [`Self::new`].

@@ -134,7 +134,7 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
         kernel(&FacetContext { tables: &self.tables, dt: self.dt, clock: self.clock, geometry: None }, &across);
     }
 
-    /// The origins of the positions of a batch of facets, those of the minus cells.
+    /// The origins of the positions of a batch of facets: the origins of the minus cells.
     pub(crate) fn facet_origins(&self, batch: &FacetBatch) -> [&[f64]; WIDTH] {
         batch.minus.map(|side| self.mesh.origin(side.cell))
     }
@@ -216,8 +216,8 @@ impl<const D: usize, const M: usize> SlabOperator<D, M> {
     }
 }
 
-/// Whether all of `r` is finite: sums of it are then finite too, except for overflow. Several independent sums, so that none waits
-/// for another.
+/// Whether all of `r` is finite: sums of it are then finite too, except for overflow. The sums are independent, so that they run at the
+/// same time.
 fn sums_to_a_number(r: &[f64]) -> bool {
     let mut sums = [0.0; WIDTH];
     let (chunks, rest) = r.as_chunks::<WIDTH>();

@@ -17,8 +17,8 @@ const PIECE: i64 = 10_000;
 /// The side of every vertex, such that the size of the first side (`false`) is in `range`. Connected sides and a weak cut
 /// are the aim.
 ///
-/// The graph is made coarser in several orders of its vertices, and several bisections of every coarsest graph are carried
-/// on to the whole graph, as many as `attempts` allows. The best result counts.
+/// The graph is coarsened in several orders of its vertices. Up to `attempts` bisections of every coarsest graph are carried on to the
+/// whole graph. The best result counts.
 pub(super) fn bisect(graph: &Graph, range: Range, attempts: usize) -> Vec<bool> {
     let best = |order| Levels::new(graph, order).best(range, attempts.clamp(4, COARSEST));
     (0..attempts.clamp(1, ORDERS)).map(best).min().unwrap_or_default().1
@@ -27,7 +27,7 @@ pub(super) fn bisect(graph: &Graph, range: Range, attempts: usize) -> Vec<bool> 
 /// A graph and ever coarser ones.
 struct Levels<'a> {
     finest: &'a Graph,
-    /// The vertex of every vertex of the level before, and the graph.
+    /// For each finer vertex, its coarse vertex; and the coarse graph.
     coarser: Vec<(Vec<usize>, Graph)>,
 }
 

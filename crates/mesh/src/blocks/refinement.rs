@@ -30,7 +30,7 @@ struct Pass<'a> {
     moves: Moves,
     /// The size of the first side.
     size: i64,
-    /// By how much a move may violate the range for a while.
+    /// The largest violation of the range that a move may cause for a while.
     tolerance: i64,
     /// How much weaker the cut becomes by a move of the vertex.
     gain: Vec<i64>,

@@ -1,6 +1,6 @@
 //! The sizes that blocks may have.
 
-/// By how much of the mean the size of a block may differ from it, if that is more than one cell.
+/// The largest deviation of the size of a block from the mean, relative to the mean. One cell is always allowed.
 const SLACK: f64 = 0.03;
 
 /// The smallest and the largest size of a block, in cells.
@@ -17,7 +17,7 @@ pub(super) struct Range {
 }
 
 impl Limits {
-    /// For `count` blocks of `cells` cells, of which there are at least as many.
+    /// For `count` blocks of a mesh of `cells` cells; there are at least `count` cells.
     pub(super) fn new(cells: usize, count: usize) -> Self {
         let mean = cells as f64 / count as f64;
         let slack = (SLACK * mean).max(1.0);
@@ -25,7 +25,7 @@ impl Limits {
     }
 
     /// The sizes of the first side of a cut through `cells` cells, which are to become `counts` blocks on its two sides.
-    /// Further cuts of a side share what is left to it.
+    /// Later cuts of a side share the rest of its tolerance.
     pub(super) fn first_side(&self, cells: usize, counts: [usize; 2]) -> Range {
         let low = (counts[0] * self.smallest).max(cells.saturating_sub(counts[1] * self.largest));
         let high = (counts[0] * self.largest).min(cells - counts[1] * self.smallest);
@@ -44,7 +44,7 @@ impl Range {
     pub(super) fn violation(&self, size: i64) -> i64 {
         (self.low - size).max(size - self.high).max(0)
     }
-    /// The range for a graph whose vertices stand for up to `largest` cells, which cannot meet it exactly.
+    /// The range, widened for a graph whose vertices stand for up to `largest` cells each: it cannot meet the range exactly.
     pub(super) fn widened(&self, largest: i64) -> Range {
         let extra = (largest - 1).max(0) / 2;
         Range { low: self.low - extra, high: self.high + extra }

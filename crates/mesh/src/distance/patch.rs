@@ -191,14 +191,14 @@ impl Weights {
     }
 }
 
-/// `matrix` applied along one axis of a lattice of D - 1 axes with as many nodes as it has columns. The dummy axis has
-/// derivative 0.
+/// `matrix` applied along one axis of a lattice of D - 1 axes. The lattice has as many nodes along the axis as the matrix has columns. The
+/// dummy axis has derivative 0.
 fn along<const D: usize>(matrix: &Matrix, nodal: &Nodal<D>, axis: usize) -> Nodal<D> {
     if axis + 1 >= D {
         return vec![[0.0; D]; nodal.len()];
     }
     let columns = matrix.cols();
-    // Axis 1 comes after axis 0, which may have been mapped to as many samples already.
+    // Axis 0 comes first. When axis 1 is mapped, axis 0 has been mapped to its samples already.
     let stride = if axis == 0 { 1 } else { nodal.len() / columns };
     let outer = nodal.len() / (columns * stride);
     let mut out = Vec::with_capacity(outer * matrix.rows() * stride);

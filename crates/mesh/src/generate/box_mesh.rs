@@ -151,8 +151,7 @@ impl<const D: usize> BoxMesh<D> {
     }
 }
 
-/// The ends of `cells` intervals that fill [0, 1], whose lengths form a geometric sequence, the last `ratio` times the
-/// first.
+/// The ends of `cells` intervals that fill [0, 1]. Their lengths form a geometric sequence; the last is `ratio` times the first.
 pub(super) fn graded(cells: usize, ratio: f64) -> Vec<f64> {
     let growth = if cells == 1 { 1.0 } else { ratio.powf(1.0 / (cells - 1) as f64) };
     partition((0..cells).map(|i| growth.powi(i as i32)).collect())

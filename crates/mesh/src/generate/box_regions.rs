@@ -31,8 +31,8 @@ pub struct BoxRegion<const D: usize> {
 const TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> BoxMesh<D> {
-    /// The mesh, with `segments[a]` along axis a, together as many cells as `cells[a]`, and with `regions` whose faces lie between cells.
-    /// `map` then moves the nodes. Periodic sides of the mapped box must be translates of each other; they may coincide.
+    /// The mesh with `segments[a]` along axis a and with `regions`. The cells of the segments add up to `cells[a]`. Faces of regions lie
+    /// between cells. `map` then moves the nodes. Periodic sides of the mapped box must be translates of each other; they may coincide.
     ///
     /// # Errors
     /// [`MeshError::Segments`] or [`MeshError::Unaligned`], and those of [`Self::build`].
@@ -51,7 +51,7 @@ impl<const D: usize> BoxMesh<D> {
         Ok(mesh)
     }
 
-    /// The ends of segments grow up to that of the box, and their cells are as many as its.
+    /// The ends of segments must grow up to the end of the box, and their cells must add up to the cells of the box.
     fn check_segments(&self, axis: usize, segments: &[Segment]) -> Result<(), MeshError> {
         let mut start = self.lower[axis];
         let wrong = |segment, problem| Err(MeshError::Segments { axis, segment, problem });

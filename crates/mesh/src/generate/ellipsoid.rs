@@ -29,7 +29,8 @@ const CELLS: [&str; 4] = [
 /// x_i = sqrt(a_i^2 + l) e_i,   l = (m + h)^2 - m^2                                                     (confocal)
 /// ```
 ///
-/// with the semi-axes a_i of the wall, the shortest one m, and the distance h from the wall along it. Far away they tend to spheres.
+/// Here a_i are the semi-axes of the wall, m is the shortest one, and h is the distance from the wall along that axis. Far away the
+/// ellipsoids tend to spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipsoidMesh {
     /// Semi-axes of the wall along x, y and z.

@@ -25,7 +25,7 @@ pub(super) struct Harmonic {
 const REDUCTION: f64 = 1e-7;
 
 impl Harmonic {
-    /// For cells of order n with nodes `numbers`, `[cell][node]`; `free` tells of each number whether it may move.
+    /// For cells of order n with nodes `numbers`, `[cell][node]`; `free` tells for each number whether it may change.
     pub(super) fn new(n: usize, numbers: &[usize], free: Vec<bool>) -> Self {
         let rule = gauss_lobatto(n);
         let derivative = Lagrange::gauss_lobatto(n).derivative_matrix(&rule.points);

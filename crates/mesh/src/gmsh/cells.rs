@@ -18,7 +18,7 @@ pub(super) struct Cells<const D: usize> {
     pub(super) coordinates: Vec<f64>,
     /// The first cell of each element, then the number of cells.
     first: Vec<usize>,
-    /// The number of a vertex, from the nodes whose mean it is. Vertices are numbered in the order of first appearance.
+    /// The number of the vertex that is the mean of some nodes. Vertices are numbered in the order of first appearance.
     vertices: BTreeMap<Vec<u64>, usize>,
 }
 

@@ -115,7 +115,7 @@ fn regions<const D: usize>(file: &File, elements: &[&Element], cells: &Cells<D>)
     named.into_iter().map(|(name, cells)| Region { name, cells }).collect()
 }
 
-/// The lists in the order given, those of one name as one list.
+/// The lists in the given order. Lists of the same name are joined.
 fn by_name<T>(lists: impl Iterator<Item = (String, Vec<T>)>) -> Vec<(String, Vec<T>)> {
     let mut named: Vec<(String, Vec<T>)> = Vec::new();
     for (name, list) in lists {

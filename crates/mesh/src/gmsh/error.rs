@@ -180,7 +180,7 @@ pub enum GmshError {
         /// The error.
         source: MeshError,
     },
-    /// An error of a file whose elements are not known by a number alone.
+    /// An error of a file that identifies elements by lines, or by sections and numbers.
     #[error("{place}: {problem}")]
     At {
         /// The line, or the section with the number of the element.

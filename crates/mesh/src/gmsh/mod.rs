@@ -56,7 +56,7 @@ pub enum Simplices {
     #[default]
     Refuse,
     /// They are split: a triangle into 3 quadrilaterals, a tetrahedron into 4 hexahedra, a prism into 3, or into 6 next to
-    /// tetrahedra. Quadrilaterals and hexahedra are cut where an edge of theirs is. The pieces fill exactly the same space.
+    /// tetrahedra. Quadrilaterals and hexahedra are cut where one of their edges is cut. The pieces fill exactly the same space.
     Split,
 }
 
@@ -64,10 +64,10 @@ impl<const D: usize> Mesh<D> {
     /// The mesh in the Gmsh file `bytes`: MSH 4.1 or 2.2, text or binary. Degree p, 1 to 10, becomes order p + 1;
     /// equidistant nodes are replaced by Gauss-Lobatto nodes of the same polynomials.
     ///
-    /// Physical groups of dimension D - 1 become boundaries, those of dimension D regions, named by the group's name or
-    /// else its number. `periodic` names pairs of boundaries that are translates of each other and are joined. With
-    /// D = 2 the mesh lies in a plane of constant z. Left-handed cells are turned. Errors name the line, byte or
-    /// element. The conditions of [`Mesh::new`] hold too.
+    /// Physical groups of dimension D - 1 become boundaries, groups of dimension D become regions. They take the name of the group, or its
+    /// number if it has no name. `periodic` names pairs of boundaries that are translates of each other and are joined. With D = 2 the mesh
+    /// lies in a plane of constant z. Left-handed cells are turned. Errors name the line, byte or element. The conditions of [`Mesh::new`]
+    /// hold too.
     pub fn from_gmsh(bytes: &[u8], periodic: &[(String, String)]) -> Result<Self, GmshError> {
         Self::from_gmsh_with(bytes, periodic, Simplices::Refuse)
     }

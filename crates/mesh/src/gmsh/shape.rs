@@ -69,7 +69,7 @@ const HEXAHEDRON_FACES: [Face; 6] = {
 };
 
 impl Shape {
-    /// The dimensions of the simplices of which the shape is the product, in the order of the axes.
+    /// The shape is a product of simplices of these dimensions, in the order of the axes.
     pub(super) fn factors(self) -> &'static [usize] {
         match self {
             Shape::Point => &[],
@@ -92,8 +92,8 @@ impl Shape {
         self.factors().iter().all(|&dimension| dimension == 1)
     }
 
-    /// The lattice positions of the corners for degree 1, in the order of the file.
-    pub(super) fn corners(self) -> &'static [Node] {
+    /// The lattice positions of the corners for degree 1, in the order of Gmsh and of CGNS.
+    pub fn corners(self) -> &'static [[usize; 3]] {
         match self {
             Shape::Triangle => &SIMPLEX_CORNERS[..3],
             Shape::Tetrahedron => &SIMPLEX_CORNERS,
@@ -161,8 +161,9 @@ impl Shape {
         nodes.into_iter().map(shifted).collect()
     }
 
-    /// The lattice position that is `steps[k]` steps from corner `origin` towards corner `ends[k]`, for all k.
-    fn between(self, degree: usize, origin: usize, ends: &[usize], steps: &[usize]) -> Node {
+    /// In an element of `degree`, the lattice position that is `steps[k]` steps from corner `origin` towards corner `ends[k]`, for
+    /// all k.
+    pub fn between(self, degree: usize, origin: usize, ends: &[usize], steps: &[usize]) -> [usize; 3] {
         let corners = self.corners();
         std::array::from_fn(|a| {
             let start = corners[origin][a] * degree;

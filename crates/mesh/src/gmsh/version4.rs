@@ -81,7 +81,7 @@ pub(super) fn elements(source: &mut Source, entities: &Entities) -> Result<Vec<E
     Ok(elements)
 }
 
-/// Four numbers, of which only the first, the number of blocks, is needed.
+/// Four numbers. Only the first is needed, the number of blocks.
 fn header(source: &mut Source, what: &str) -> Result<u64, GmshError> {
     let blocks = source.size(what)?;
     for _ in 0..3 {

@@ -144,8 +144,8 @@ impl Part {
     }
 }
 
-/// A number r_i such that f >= (min_i r_i) g on the box. For f alone, r_i = b_i - margin. With g it is the smallest f
-/// over the largest g if f is positive, otherwise over the smallest g. There is no bound if g is not proved positive.
+/// A number r_i such that f >= (min_i r_i) g on the box. Without a reference, r_i = b_i - margin. With g it is the smallest f over the
+/// largest g if f is positive, otherwise over the smallest g. There is no bound if g is not proved positive.
 fn lower_ratio(f: &Enclosure, g: Option<&Enclosure>, i: usize) -> f64 {
     let smallest = f.bernstein.values[i] - f.margin;
     let Some(g) = g else { return smallest };

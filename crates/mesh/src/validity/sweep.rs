@@ -12,8 +12,7 @@
 //! |sum_i c_i phi_i| <= max_{i <= q} |c_i| + sum_{i > q} |c_i|                                                   (tail)
 //! ```
 //!
-//! The other terms are a sum of Bernstein polynomials alone. With the tails and round-off in the margins m, and e_i for det
-//! J_0,
+//! The other terms are a sum of Bernstein polynomials. With the tails and round-off in the margins m, and e_i for det J_0,
 //!
 //! ```text
 //! det J >= sum_i (c_i - m_f) B_i >= r det J_0,     r = min_i (c_i - m_f) / (e_i +- m_g)                       (lower)

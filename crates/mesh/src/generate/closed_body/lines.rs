@@ -21,7 +21,7 @@ pub(super) struct BodyLines<'a> {
     blending: f64,
 }
 
-/// A point of the wall with what (body) needs there.
+/// A point of the wall with its terms of (body).
 struct Foot {
     position: [f64; 2],
     normal: [f64; 2],
@@ -78,8 +78,8 @@ impl<'a> BodyLines<'a> {
         qualities.fold(1.0, f64::min)
     }
 
-    /// The sine of the angle from dx/ds to dx/dd, times the square root of |dx/dd| or of its inverse, whichever is smaller. It is 1 where
-    /// lines are at right angles and d is the distance along them.
+    /// The sine of the angle from dx/ds to dx/dd, times the smaller one of |dx/dd|^(1/2) and |dx/dd|^(-1/2). It is 1 where lines are at
+    /// right angles and d is the distance along them.
     fn quality(&self, u: f64, s: f64, d: f64) -> f64 {
         let ([a, b], [w, slope]) = (self.derivatives(u, s, d), self.weight(d));
         let (foot, Outline { centre, reach, .. }) = (self.foot(u, s), self.outline);

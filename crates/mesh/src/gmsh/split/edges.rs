@@ -40,7 +40,7 @@ impl CutEdges {
         CutEdges { numbers, sets: classes.numbers().1 }
     }
 
-    /// For each simplex of which the shape of `element` is a product, whether it is cut.
+    /// The shape of `element` is a product of simplices: tells for each whether it is cut.
     pub(in crate::gmsh) fn cuts(&self, element: &Element) -> Vec<bool> {
         let is_cut = |edge: &Edge| self.numbers.get(edge).is_some_and(|&number| self.sets[number] == CUT);
         let dimensions = element.kind.shape.factors().iter();
@@ -58,7 +58,7 @@ fn numbered(cells: &[&Element]) -> BTreeMap<Edge, usize> {
     numbers
 }
 
-/// The edges of `cell` along a line are cut together, those of a triangle or tetrahedron always.
+/// Edges of `cell` along the same line of a product are cut together. Edges of triangles and tetrahedra are always cut.
 fn join_opposite(cell: &Element, numbers: &BTreeMap<Edge, usize>, classes: &mut Classes) {
     for (&dimension, edges) in cell.kind.shape.factors().iter().zip(edges_of(cell)) {
         let first = if dimension > 1 { CUT } else { numbers[&edges[0]] };

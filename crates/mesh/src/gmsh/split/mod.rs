@@ -1,8 +1,8 @@
 //! Triangles, tetrahedra and prisms are cut into quadrilaterals and hexahedra.
 //!
 //! A triangle becomes three quadrilaterals, which meet at its centre and at the middles of its edges; a tetrahedron
-//! becomes four hexahedra. A prism becomes three hexahedra, or six if the edges between its triangles are cut. Next to
-//! them, quadrilaterals become two or four and hexahedra two, four or eight, where an edge of theirs is cut.
+//! becomes four hexahedra. A prism becomes three hexahedra, or six if the edges between its triangles are cut. Next to them, quadrilaterals
+//! become two or four and hexahedra two, four or eight cells, where one of their edges is cut.
 //!
 //! The pieces have the degree of the file and exactly its shape, see [`polynomial`]. Edges and faces are cut at
 //! the means of their corners in reference coordinates, so pieces of neighbours coincide.

@@ -47,7 +47,7 @@ fn pieces_of_simplex(dimension: usize, cut: bool) -> Vec<Vec<Mean>> {
 }
 
 impl Piece {
-    /// For each corner of the piece, in the order of a cell's lattice, the corners of the element whose mean it is.
+    /// Each corner of the piece, in the order of a cell's lattice, is the mean of these corners of the element.
     pub(super) fn corners(&self, shape: Shape) -> Vec<Vec<usize>> {
         (0..1 << shape.dimension()).map(|corner| self.corner(shape, corner)).collect()
     }
