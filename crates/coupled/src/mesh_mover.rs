@@ -76,17 +76,28 @@ pub struct MeshMover<const D: usize> {
 /// A proof and the motion of the slab that it belongs to.
 struct Proof {
     interval: Interval,
-    bottom: Vec<f64>,
-    v: Vec<f64>,
+    /// Displacement at the bottom and velocities; a vector of zeros is stored as an empty one.
+    motion: [Vec<f64>; 2],
     quality: MeshQuality,
 }
 
 impl Proof {
+    fn new(bottom: &[f64], v: &[f64], interval: Interval, quality: MeshQuality) -> Self {
+        let stored = |x: &[f64]| if is_zero(x) { Vec::new() } else { x.to_vec() };
+        Proof { interval, motion: [bottom, v].map(stored), quality }
+    }
+
     /// The quality, if the proof is that of this motion.
     fn of(&self, bottom: &[f64], v: &[f64], interval: Interval) -> Option<MeshQuality> {
         let same_time = self.interval.start == interval.start && self.interval.end == interval.end;
-        (same_time && self.v == v && self.bottom == bottom).then_some(self.quality)
+        let same = |stored: &Vec<f64>, x: &[f64]| if stored.is_empty() { is_zero(x) } else { stored == x };
+        let mut parts = self.motion.iter().zip([bottom, v]);
+        (same_time && parts.all(|(stored, x)| same(stored, x))).then_some(self.quality)
     }
+}
+
+fn is_zero(x: &[f64]) -> bool {
+    x.iter().all(|x| *x == 0.0)
 }
 
 impl<const D: usize> MeshMover<D> {
@@ -184,7 +195,7 @@ impl<const D: usize> MeshMover<D> {
             return quality;
         }
         let quality = self.prove(bottom, v, interval, 1.0);
-        *last() = Some(Proof { interval, bottom: bottom.to_vec(), v: v.to_vec(), quality });
+        *last() = Some(Proof::new(bottom, v, interval, quality));
         quality
     }
 
@@ -243,4 +254,44 @@ fn worst<const D: usize>(cells: &[Validity<D>], interval: Interval) -> MeshQuali
         }
     };
     inner_product::reduce(cells.iter().enumerate().map(quality), MeshQuality::worst).expect("a mesh has cells")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh::BoxMesh;
+
+    fn square() -> Result<MeshMover<2>, Box<dyn std::error::Error>> {
+        let (lower, upper, curving, periodic) = ([0.0; 2], [1.0; 2], mesh::Curving::None, [false; 2]);
+        let mesh = BoxMesh { lower, upper, cells: [2, 2], order: 3, curving, periodic }.build()?;
+        let numbering = NodeNumbering::new(&mesh, 3);
+        Ok(MeshMover::new(MeshMotion::Still, mesh, numbering, 2))
+    }
+
+    /// The mesh stretched along x, at the bottom of a slab and with this rate in it.
+    fn stretched(mover: &MeshMover<2>, factor: f64) -> Vec<f64> {
+        mover.positions().iter().flat_map(|x| [factor * x[0], 0.0]).collect()
+    }
+
+    #[test]
+    fn the_last_proof_serves_its_own_motion_alone() -> Result<(), Box<dyn std::error::Error>> {
+        let mover = square()?;
+        let interval = Interval { start: 0.0, end: 1.0, halvings: 0 };
+        let shorter = Interval { end: 0.5, ..interval };
+        let bottoms = [0.0, 0.5].map(|factor| stretched(&mover, factor));
+        let velocities = [0.0, 0.3, -2.0].map(|factor| stretched(&mover, factor).repeat(2));
+        for (bottom, v) in bottoms.iter().flat_map(|bottom| velocities.iter().map(move |v| (bottom, v))) {
+            for interval in [interval, interval, shorter] {
+                let found = mover.quality(bottom, v, interval);
+                assert_eq!(found, square()?.quality(bottom, v, interval), "{interval:?}");
+            }
+        }
+        assert!(!mover.quality(&bottoms[0], &velocities[2], interval).is_valid());
+        assert!(mover.quality(&bottoms[0], &velocities[1], interval).is_valid());
+        let mut undefined = velocities[1].clone();
+        undefined[0] = f64::NAN;
+        assert!(!mover.quality(&bottoms[0], &undefined, interval).is_valid());
+        assert!(mover.quality(&bottoms[0], &velocities[1], interval).is_valid());
+        Ok(())
+    }
 }
