@@ -1,6 +1,6 @@
 //! A mesh whose dimension is known only after it is read.
 
-use crate::mesh_file;
+use crate::{input_file, mesh_file};
 use cgns::CgnsError;
 use mesh::{GmshError, Mesh, MeshLists, Simplices, is_su2};
 use std::fs::File;
@@ -61,7 +61,7 @@ impl AnyMesh {
         if is_cgns(path)? {
             return Ok(Self::of_lists(cgns::read(path)?, periodic, simplices)?);
         }
-        Ok(Self::of_bytes(&mesh_file::read(path)?, periodic, simplices)?)
+        Ok(Self::of_bytes(&input_file::read(path, u64::MAX)?, periodic, simplices)?)
     }
 
     fn of_lists(lists: MeshLists, periodic: &[(String, String)], simplices: Simplices) -> Result<Self, GmshError> {

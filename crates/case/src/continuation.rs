@@ -1,5 +1,6 @@
 //! Conditions for continuing the run of another case.
 
+use super::continued_tables;
 use super::raw::{Adaptive, Case, Output, Solver, Steady, Time};
 use std::fmt;
 
@@ -59,9 +60,35 @@ pub struct Differences {
 /// # Errors
 /// The error of a text, which another version of the program may have written.
 pub fn differences(before: &str, now: &str) -> Result<Differences, String> {
-    let parsed = |text: &str| toml::from_str::<Case>(text).map_err(|error| error.message().to_owned());
+    differences_after(before, now, f64::INFINITY)
+}
+
+/// The differences for a run of `before` that has reached a time. In the lasting part, tables that agree up to that time do not differ.
+///
+/// # Errors
+/// As [`differences`].
+pub fn differences_after(before: &str, now: &str, reached: f64) -> Result<Differences, String> {
     let (before, now) = (parsed(before)?, parsed(now)?);
-    Ok(Differences { all: compared(&before, &now), lasting: compared(&lasting(&before), &lasting(&now)) })
+    let mut lasting_now = lasting(&now);
+    continued_tables::take_back(&mut lasting_now, &before, reached);
+    Ok(Differences { all: compared(&before, &now), lasting: compared(&lasting(&before), &lasting_now) })
+}
+
+/// The part of a resolved case that a run must share with the run that it continues, as text.
+///
+/// # Errors
+/// As [`differences`].
+pub fn lasting_of(resolved: &str) -> Result<String, String> {
+    parsed(resolved).map(|case| as_toml(&lasting(&case)))
+}
+
+fn parsed(text: &str) -> Result<Case, String> {
+    toml::from_str(text).map_err(|error| error.message().to_owned())
+}
+
+/// A case as text.
+pub(super) fn as_toml(raw: &Case) -> String {
+    toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
 }
 
 fn compared(before: &Case, now: &Case) -> Vec<Difference> {

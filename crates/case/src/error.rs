@@ -2,6 +2,7 @@
 
 use crate::excerpt::{Excerpt, shortened};
 use crate::expression::{ExpressionError, TableError};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -32,7 +33,7 @@ pub struct CaseError {
     pub also: Vec<CaseError>,
 }
 
-/// The largest number of errors that are told.
+/// The largest number of errors that are reported.
 const MOST_ERRORS: usize = 20;
 
 /// The errors of parts of a case that do not depend on each other.
@@ -57,9 +58,12 @@ impl Errors {
         self.note(part).unwrap_or_default()
     }
 
-    /// All of them in one, in the order of their lines, if there are any.
+    /// All of them in one, each once and in the order of their lines, if there are any.
     pub(super) fn all(self) -> Result<(), Box<CaseError>> {
         let mut errors = self.0;
+        // A key that stands for many boundaries is checked for each of them.
+        let mut told = BTreeSet::new();
+        errors.retain(|error| told.insert(error.to_string()));
         // Those of options stay behind.
         errors.sort_by_key(|error| match error.place {
             Place::File { line, .. } => line,

@@ -27,6 +27,11 @@ impl Field {
     /// The fields of a flow. Formulas may contain their components.
     pub const OF_FLOW: &'static [Field] = Field::ALL.split_at(11).0;
 
+    /// Whether it is a stress, which only structures have.
+    pub fn is_of_structure(self) -> bool {
+        matches!(self, Field::VonMises | Field::PrincipalStress)
+    }
+
     /// The names of its components in `dimension` dimensions.
     pub fn components(self, dimension: usize) -> &'static [&'static str] {
         let vector = |names: &'static [&'static str; 3]| &names[..dimension];

@@ -8,14 +8,14 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `input_file`, `mesh_file` | input files, read as a whole; a mesh file, if it fits into memory |
+//! | `input_file`, `mesh_file` | input files, read as a whole; whether a mesh file fits into memory |
 //! | `document` | the TOML document with places; `--set` |
 //! | `brackets` | unclosed brackets in it |
 //! | `key` | the path of a key, `flow.boundary.left` |
 //! | `error` | errors and their places |
 //! | `magnitude` | which numbers the program can compute with |
 //! | `raw` | the keys, their types, defaults and descriptions: the schema |
-//! | `continuation` | conditions for continuing the run of another case |
+//! | `continuation`, `continued_tables` | conditions for continuing the run of another case; longer tables |
 //! | `checked` | the checked case; no other code uses `raw` |
 //! | `reading` | from the document to the raw case: all errors of keys and types; formulas where numbers are needed |
 //! | `shape` | unknown keys, lists that are too long, lists in the place of tables |
@@ -55,6 +55,7 @@ mod checked;
 mod checker;
 mod choices;
 mod continuation;
+mod continued_tables;
 mod document;
 mod error;
 mod excerpt;
@@ -78,7 +79,7 @@ mod vector;
 pub use any_mesh::{AnyMesh, MeshFileError};
 pub use boundary_motion::{BoundaryMotion, DisplacementOf, NormalMotion, RigidMotion, RigidStep};
 pub use checked::*;
-pub use continuation::{Difference, Differences, differences};
+pub use continuation::{Difference, Differences, differences, differences_after, lasting_of};
 pub use document::Document;
 pub use error::{CaseError, Cause, Place};
 pub use fields::FieldFormula;

@@ -1,4 +1,4 @@
-//! A mesh file, read as a whole if it and its mesh fit into memory.
+//! Whether a mesh file and its mesh fit into memory.
 
 use crate::{input_file, memory};
 use std::io::{Error, ErrorKind, Result};
@@ -19,13 +19,4 @@ pub fn check(path: &Path) -> Result<()> {
         }
         None => Ok(()),
     }
-}
-
-/// The bytes of the file at `path`.
-///
-/// # Errors
-/// If [`check`] refuses it, or it cannot be read.
-pub fn read(path: &Path) -> Result<Vec<u8>> {
-    check(path)?;
-    input_file::read(path, u64::MAX)
 }

@@ -21,6 +21,13 @@ impl<const D: usize> Vector<D> {
         Vector { components: std::array::from_fn(|_| Program::constant(0.0)) }
     }
 
+    /// The vector + A (x - centre), with the rows of A.
+    pub(crate) fn plus_linear(self, rows: &[[f64; D]; D], centre: &[f64; D]) -> Self {
+        let mut rows = rows.iter();
+        let sum = |formula: Program| formula.plus_linear(rows.next().map_or(&[][..], |row| row), centre);
+        Vector { components: self.components.map(sum) }
+    }
+
     /// The number of operations of an evaluation.
     pub fn operations(&self) -> usize {
         self.components.iter().map(Program::operations).sum()

@@ -25,6 +25,14 @@ pub enum OutputError {
         /// The process that holds it; absent if it has not been written yet.
         owner: Option<LockOwner>,
     },
+    /// There is no result to read.
+    #[error(
+        "`{path}` does not exist: a run writes its result with its first checkpoint; name the directory of such a run"
+    )]
+    NoResult {
+        /// The missing result file.
+        path: PathBuf,
+    },
     /// There is nothing to resume from.
     #[error("`{path}` does not exist, so there is no checkpoint to resume from; start without resuming")]
     NoCheckpoint {
@@ -32,7 +40,7 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// A result file is truncated, overwritten, or not a result file at all.
-    #[error("`{path}` is damaged: {reason}; restore it from a copy, or remove it and start without resuming")]
+    #[error("`{path}` is damaged: {reason}; restore it from a copy, or run the case anew")]
     Damaged {
         /// The file read.
         path: PathBuf,

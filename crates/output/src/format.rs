@@ -18,6 +18,9 @@ pub(crate) const GROUP: &str = "stsolve";
 /// Name of the text of the case.
 const CASE: &str = "case";
 
+/// Name of its checksum.
+const CASE_FINGERPRINT: &str = "case_fingerprint";
+
 /// Name of the axis along which an array of coefficients grows.
 const STEP_LABEL: &str = "step";
 
@@ -61,17 +64,18 @@ fn write_metadata(group: &Group, metadata: &Metadata) -> Result<()> {
     write_text(group, "creator", &metadata.creator)?;
     write_text(group, "case_name", &metadata.case_name)?;
     write_text(group, CASE, &metadata.case_text)?;
-    write_text(group, "case_fingerprint", &metadata.case_fingerprint)?;
+    write_text(group, CASE_FINGERPRINT, &metadata.case_fingerprint)?;
     write_text(group, "mesh_id", &metadata.mesh_id)?;
     constant(group, "space_nodes", &metadata.space_nodes)?;
     constant(group, "time_nodes", &metadata.time_nodes)?;
     rest_mesh::write(group, &metadata.mesh)
 }
 
-/// Replaces the text of the case.
-pub(crate) fn replace_case(group: &Group, text: &str) -> Result<()> {
-    group.delete_attr(CASE)?;
-    write_text(group, CASE, text)
+/// Replaces the text of the case and its checksum.
+pub(crate) fn replace_case(group: &Group, now: &Metadata) -> Result<()> {
+    [CASE, CASE_FINGERPRINT].iter().try_for_each(|name| group.delete_attr(name))?;
+    write_text(group, CASE, &now.case_text)?;
+    write_text(group, CASE_FINGERPRINT, &now.case_fingerprint)
 }
 
 /// Reads the description of the file.
@@ -80,7 +84,7 @@ pub(crate) fn read_metadata(group: &Group) -> Result<Metadata> {
         creator: read_text(group, "creator")?,
         case_name: read_text(group, "case_name")?,
         case_text: read_text(group, CASE)?,
-        case_fingerprint: read_text(group, "case_fingerprint")?,
+        case_fingerprint: read_text(group, CASE_FINGERPRINT)?,
         mesh_id: read_text(group, "mesh_id")?,
         space_nodes: group.dataset("space_nodes")?.read_raw()?,
         time_nodes: group.dataset("time_nodes")?.read_raw()?,

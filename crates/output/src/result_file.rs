@@ -28,8 +28,8 @@ pub struct ResultFile {
     /// VTK's number of each lattice point of a cell.
     order: Vec<usize>,
     copy: WorkingCopy,
-    /// The case of a resumed run, until it has replaced the case in the file.
-    new_case: Option<String>,
+    /// The description of a resumed run with another case, until that has replaced the case in the file.
+    now: Option<Metadata>,
 }
 
 /// The private file to which steps are appended.
@@ -60,29 +60,32 @@ impl ResultFile {
         Ok(result)
     }
 
-    /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in it that prevents a
-    /// continuation as `case`. The text `case` replaces the one in the file.
+    /// Continues the result file of the directory after its last checkpoint, if `accept` finds nothing in its description
+    /// and its state that prevents a continuation as `now`. The case of `now` replaces the one in the file.
     ///
     /// # Errors
     /// [`OutputError::NoCheckpoint`], [`OutputError::Damaged`], [`OutputError::Version`], or [`OutputError::OtherCase`] with the
     /// answer of `accept`.
     pub fn resume(
         directory: &RunDirectory,
-        case: &str,
-        accept: impl FnOnce(&Metadata) -> Result<(), String>,
+        now: &Metadata,
+        accept: impl FnOnce(&Metadata, &SolverState) -> Result<(), String>,
     ) -> Result<(Self, SolverState), OutputError> {
         let path = directory.path().join(RESULT_FILE);
-        let (metadata, state, layout) = read(&path)?;
-        accept(&metadata).map_err(|difference| OutputError::OtherCase { path, difference })?;
+        let (metadata, state, layout) = match read(&path) {
+            Err(OutputError::NoResult { path }) => return Err(OutputError::NoCheckpoint { path }),
+            read => read?,
+        };
+        accept(&metadata, &state).map_err(|difference| OutputError::OtherCase { path, difference })?;
         let mut result = Self::new(directory, layout);
-        result.new_case = (metadata.case_text != case).then(|| case.to_owned());
+        result.now = (metadata.case_text != now.case_text).then(|| now.clone());
         Ok((result, state))
     }
 
     fn new(directory: &RunDirectory, layout: FileLayout) -> Self {
         let published = directory.path().join(RESULT_FILE);
         let (working, order) = (partial(&published), vtk_order(&layout.grid));
-        Self { published, working, layout, order, copy: WorkingCopy::None, new_case: None }
+        Self { published, working, layout, order, copy: WorkingCopy::None, now: None }
     }
 
     /// Path of the published file.
@@ -166,8 +169,8 @@ impl ResultFile {
     /// The copy of the published file, with the new case if there is one.
     fn open_copy(&mut self) -> hdf5::Result<File> {
         let file = hdf::options().open_rw(&self.working)?;
-        if let Some(case) = self.new_case.take() {
-            format::replace_case(&file.group(format::GROUP)?, &case)?;
+        if let Some(now) = self.now.take() {
+            format::replace_case(&file.group(format::GROUP)?, &now)?;
         }
         Ok(file)
     }
@@ -190,8 +193,7 @@ impl Drop for ResultFile {
 /// Reads the checkpoint of a result file, for any case.
 ///
 /// # Errors
-/// [`OutputError::NoCheckpoint`] if there is no file, [`OutputError::Damaged`] if it is damaged,
-/// [`OutputError::Version`] if its format is not supported.
+/// [`OutputError::NoResult`] if there is no file, [`OutputError::Damaged`] if it is damaged, [`OutputError::Version`] if its format is not supported.
 pub fn read_checkpoint(path: &Path) -> Result<(Metadata, SolverState), OutputError> {
     read(path).map(|(metadata, state, _)| (metadata, state))
 }
@@ -210,7 +212,7 @@ fn read(path: &Path) -> Result<(Metadata, SolverState, FileLayout), OutputError>
 /// damaged bytes.
 pub(crate) fn open(path: &Path) -> Result<File, OutputError> {
     if !path.exists() {
-        return Err(OutputError::NoCheckpoint { path: path.to_owned() });
+        return Err(OutputError::NoResult { path: path.to_owned() });
     }
     if !path.is_file() {
         let reason = "it is a directory, a pipe or a device, not a file".to_owned();

@@ -13,7 +13,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use common::{CASE, append, contents, layout, metadata, run, state};
+use common::{append, contents, layout, metadata, run, state};
 use output::{OutputError, RESULT_FILE, ResultFile, RunDirectory, inspect, read_checkpoint};
 
 const DIRECTORY: &str = "STSOLVE_TEST_DIRECTORY";
@@ -123,7 +123,7 @@ fn directories_made_for_a_run_that_writes_nothing_are_removed() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("runs/box");
     let run = RunDirectory::open(&path).unwrap();
-    assert!(matches!(ResultFile::resume(&run, CASE, |_| Ok(())), Err(OutputError::NoCheckpoint { .. })));
+    assert!(matches!(ResultFile::resume(&run, &metadata(), |_, _| Ok(())), Err(OutputError::NoCheckpoint { .. })));
     drop(run);
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
 }

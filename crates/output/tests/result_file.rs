@@ -8,8 +8,8 @@ use std::fs;
 
 use common::{CASE, append, contents, layout, metadata, noise, run, seal, state};
 use output::{
-    Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory, SolverState, Step, inspect,
-    read_checkpoint,
+    EarlierRun, FieldSpec, FileLayout, Metadata, OutputError, RESULT_FILE, ResultFile, ResultReader, RunDirectory,
+    SolverState, Step, inspect, read_checkpoint,
 };
 
 /// NaN is not equal to itself: compare the bits.
@@ -51,7 +51,7 @@ fn a_reader_finds_each_step_while_the_run_goes_on() {
     assert!(!RunDirectory::is_held(directory.path()));
     let held = RunDirectory::open(directory.path()).unwrap();
     assert!(RunDirectory::is_held(directory.path()));
-    let (mut result, _) = ResultFile::resume(&held, "", |_| Ok(())).unwrap();
+    let (mut result, _) = ResultFile::resume(&held, &metadata(), |_, _| Ok(())).unwrap();
     let reader = ResultReader::open(&directory.path().join(RESULT_FILE)).unwrap();
     append(&mut result, 4);
     result.checkpoint(&state(4)).unwrap();
@@ -142,11 +142,11 @@ fn inspect_tells_what_the_file_holds() {
 fn nothing_to_resume_from_another_case_and_another_format_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();
     let resume = |case: &str| {
-        let accept = |found: &Metadata| match found.case_fingerprint == case {
+        let accept = |found: &Metadata, _: &SolverState| match found.case_fingerprint == case {
             true => Ok(()),
             false => Err(format!("{} is not {case}", found.case_fingerprint)),
         };
-        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), "order = 4", accept).map(drop)
+        ResultFile::resume(&RunDirectory::open(directory.path()).unwrap(), &metadata(), accept).map(drop)
     };
     assert!(matches!(resume(CASE), Err(OutputError::NoCheckpoint { .. })));
     run(directory.path(), 0, 1, 1);
@@ -169,11 +169,37 @@ fn a_resumed_run_leaves_its_own_case() {
     let directory = tempfile::tempdir().unwrap();
     run(directory.path(), 0, 1, 1);
     let held = RunDirectory::open(directory.path()).unwrap();
-    let (mut result, _) = ResultFile::resume(&held, "end = 2", |_| Ok(())).unwrap();
+    let now = Metadata { case_text: "end = 2".into(), case_fingerprint: "1".into(), ..metadata() };
+    let (mut result, _) = ResultFile::resume(&held, &now, |_, _| Ok(())).unwrap();
     append(&mut result, 2);
     result.checkpoint(&state(2)).unwrap();
-    let found = read_checkpoint(result.path()).unwrap().0;
-    assert_eq!(found, Metadata { case_text: "end = 2".to_owned(), ..metadata() });
+    assert_eq!(read_checkpoint(result.path()).unwrap().0, now);
+}
+
+/// A reader does not speak of resuming.
+#[test]
+fn a_missing_result_is_no_missing_checkpoint() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join(RESULT_FILE);
+    for error in [ResultReader::open(&path).unwrap_err(), read_checkpoint(&path).unwrap_err()] {
+        assert!(matches!(error, OutputError::NoResult { .. }), "{error:?}");
+        let message = error.to_string();
+        assert!(message.contains(RESULT_FILE) && !message.contains("resum"), "{message}");
+    }
+}
+
+/// A run that was killed has no summary; its result tells what it was.
+#[test]
+fn a_killed_run_of_the_mesh_alone_is_recognised() {
+    let directory = tempfile::tempdir().unwrap();
+    run(directory.path(), 0, 1, 1);
+    assert!(!EarlierRun::find(directory.path()).unwrap().is_mesh_alone);
+    for (field, is_mesh_alone) in [("jacobian", true), ("von_mises", false)] {
+        let held = RunDirectory::open(directory.path()).unwrap();
+        let layout = FileLayout { fields: vec![FieldSpec::scalar(field)], exact: Vec::new(), ..layout() };
+        ResultFile::create(&held, layout, &metadata()).unwrap().checkpoint(&state(0)).unwrap();
+        assert_eq!(EarlierRun::find(directory.path()).unwrap().is_mesh_alone, is_mesh_alone, "{field}");
+    }
 }
 
 #[test]
@@ -186,7 +212,7 @@ fn a_truncated_file_is_reported_as_damaged() {
         fs::write(&path, &whole[..length]).unwrap();
         let error = read_checkpoint(&path).unwrap_err();
         assert!(matches!(error, OutputError::Damaged { .. }), "{length} bytes: {error:?}");
-        assert!(error.to_string().contains(RESULT_FILE), "{error}");
+        assert!(error.to_string().contains(RESULT_FILE) && !error.to_string().contains("resum"), "{error}");
     }
 }
 

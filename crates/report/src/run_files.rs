@@ -122,7 +122,7 @@ fn summary(directory: &Path, reached: Option<f64>) -> Option<Value> {
 /// The result, unless it belongs to an earlier run: no step may be later than the last slab of the history.
 fn result(directory: &Path, history: &HistoryTable) -> Result<ResultReader, String> {
     let reader = ResultReader::open(&directory.join(RESULT_FILE)).map_err(|error| match error {
-        OutputError::NoCheckpoint { .. } => format!("{RESULT_FILE} is not there: it appears with the first checkpoint"),
+        OutputError::NoResult { .. } => format!("{RESULT_FILE} is not there: it appears with the first checkpoint"),
         error => error.to_string(),
     })?;
     let reached = history.column("t").and_then(|t| t.last().copied());

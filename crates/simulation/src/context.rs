@@ -1,12 +1,12 @@
 //! Data of a run besides its march: sums, clock, progress; and its end.
 
+use super::controls::Columns;
 use super::statistics::RunStatistics;
 use crate::clock::{self, CostClock};
 use crate::observer::{NextStep, Observer};
 use crate::session::Session;
 use crate::time::rounded;
-use case::Time;
-use case::memory;
+use case::{Case, memory};
 use output::{Cost, Machine};
 use std::time::Instant;
 
@@ -18,6 +18,8 @@ pub struct RunContext<'a> {
     pub observer: &'a dyn Observer,
     /// Slabs done since the call.
     pub slabs: usize,
+    /// The columns of history.csv that controls need.
+    pub control_columns: Columns,
     begun: Instant,
     setup_seconds: f64,
     clock: CostClock,
@@ -42,13 +44,20 @@ impl Stop {
 }
 
 impl<'a> RunContext<'a> {
-    /// The context of a run over `time` that began at `begun` and has reached `reached`.
-    pub fn new(time: &Time, reached: f64, session: &Session<'a>, begun: Instant, statistics: RunStatistics) -> Self {
-        session.observer.begin(reached, time.end);
+    /// The context of a run of `case` that began at `begun` and has reached the time `reached`.
+    pub fn new<const D: usize>(
+        case: &Case<D>,
+        reached: f64,
+        session: &Session<'a>,
+        begun: Instant,
+        statistics: RunStatistics,
+    ) -> Self {
+        session.observer.begin(reached, case.time.end);
         RunContext {
             statistics,
             observer: session.observer,
             slabs: 0,
+            control_columns: Columns::new(case),
             begun,
             setup_seconds: begun.elapsed().as_secs_f64(),
             clock: session.clock.clone(),

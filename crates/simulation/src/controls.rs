@@ -1,7 +1,7 @@
 //! Numbers in formulas that the run changes after every slab, see [`case::Control`].
 //!
-//! A control keeps its value during a slab, and the Jacobian does not know it. The value goes into checkpoints, and so does the one for which the
-//! preconditioner was made: a resumed run makes the same preconditioner again.
+//! A control keeps its value during a slab, and the Jacobian contains no derivative of it. The value goes into checkpoints, and so does the
+//! one for which the preconditioner was made: a resumed run makes the same preconditioner again.
 
 use super::history;
 use super::statistics::RunStatistics;
@@ -13,10 +13,10 @@ use output::SolverState;
 const NOW: &str = "controls";
 const OF_PRECONDITIONER: &str = "controls_of_preconditioner";
 
-/// Whether what is measured is a column of history.csv.
+/// Whether the measured quantity is a column of history.csv.
 ///
 /// # Errors
-/// A control that measures something else, with the columns that there are.
+/// A control that measures an unknown column, with the known columns.
 pub fn check<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
     let columns = history::columns(case);
     let Some(unknown) = case.controls.iter().find(|control| !columns.contains(&control.measure)) else { return Ok(()) };
@@ -40,27 +40,56 @@ fn set<const D: usize>(case: &Case<D>, values: Option<&Vec<f64>>) {
     }
 }
 
+/// The numbers of the columns of history.csv that controls need; None where there is no such column.
+pub struct Columns {
+    time: Option<usize>,
+    length: Option<usize>,
+    builds: Option<usize>,
+    /// What each control measures.
+    measured: Vec<Option<usize>>,
+}
+
+impl Columns {
+    /// Those of `case`.
+    pub fn new<const D: usize>(case: &Case<D>) -> Self {
+        let columns = history::columns(case);
+        let number = |name: &str| columns.iter().position(|column| column == name);
+        Columns {
+            time: number("t"),
+            length: number("dt"),
+            builds: number("preconditioner_builds"),
+            measured: case.controls.iter().map(|control| number(&control.measure)).collect(),
+        }
+    }
+}
+
 /// The values after the slab that has entered `row` into history.csv: (control).
 ///
 /// # Errors
 /// A value that is no number.
-pub fn update<const D: usize>(case: &Case<D>, row: &[f64], statistics: &mut RunStatistics) -> Result<(), Failure> {
+pub fn update<const D: usize>(
+    case: &Case<D>,
+    columns: &Columns,
+    row: &[f64],
+    statistics: &mut RunStatistics,
+) -> Result<(), Failure> {
     if case.controls.is_empty() {
         return Ok(());
     }
-    let columns = history::columns(case);
-    let column = |name: &str| columns.iter().position(|column| column == name).map_or(f64::NAN, |number| row[number]);
-    if column("preconditioner_builds") > 0.0 {
+    let at = |column: Option<usize>| column.map_or(f64::NAN, |number| row[number]);
+    if at(columns.builds) > 0.0 {
         statistics.controls_of_preconditioner = values(case);
     }
-    let next = |control: &Control| control.next(column(&control.measure), column("t"), column("dt"));
-    let values: Vec<f64> = case.controls.iter().map(next).collect();
+    let (t, dt) = (at(columns.time), at(columns.length));
+    let measured: Vec<f64> = columns.measured.iter().map(|column| at(*column)).collect();
+    let controls = case.controls.iter().zip(&measured);
+    let values: Vec<f64> = controls.map(|(control, measured)| control.next(*measured, t, dt)).collect();
     if let Some(wrong) = values.iter().position(|value| !value.is_finite()) {
         let Control { name, measure, .. } = &case.controls[wrong];
-        let measured = column(measure);
         return Err(Failure::solve(anyhow::anyhow!(
-            "the control `{name}` is {} after {measure} = {measured}: `controls.{name}.rate` must be a finite number",
-            values[wrong]
+            "the control `{name}` is {} after {measure} = {}: `controls.{name}.rate` must be a finite number",
+            values[wrong],
+            measured[wrong]
         )));
     }
     set(case, Some(&values));
@@ -73,12 +102,12 @@ pub fn set_for_preconditioner<const D: usize>(case: &Case<D>, stored: Option<&So
     set(case, stored.and_then(|stored| stored.arrays.get(&format!("statistics.{OF_PRECONDITIONER}"))));
 }
 
-/// Sets the controls where the run stands, or the initial ones.
+/// Sets the controls to their present values, or to the initial ones.
 pub fn set_present<const D: usize>(case: &Case<D>, statistics: &RunStatistics) {
     set(case, Some(&statistics.controls));
 }
 
-/// What the other ranks need before a slab; None without controls.
+/// The values that the other ranks need before a slab; None without controls.
 pub fn told<const D: usize>(case: &Case<D>) -> Option<SolverState> {
     let mut state = SolverState::default();
     state.arrays.insert(NOW.to_owned(), values(case));

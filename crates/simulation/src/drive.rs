@@ -8,7 +8,7 @@ use super::cuts;
 use super::failure::{self, FailureReport, Finding};
 use super::flow_run::run_flow;
 use super::mesh_run::move_mesh;
-use super::occupied;
+use super::occupied::{self, Beginning};
 use super::record::{MeshView, Recorder, Snapshot, StructureSnapshot};
 use super::restart;
 use super::statistics::RunStatistics;
@@ -28,7 +28,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Runs a case: mesh and flow, or the mesh or a structure alone where there is no flow. Returns what summary.json says.
+/// Runs a case: mesh and flow, or the mesh or a structure alone where there is no flow. Returns the contents of summary.json.
 ///
 /// # Errors
 /// Bad input before anything is written; a slab that cannot be solved after the last good state is written.
@@ -48,7 +48,7 @@ pub fn run_on(
 ) -> Result<Summary, Failure> {
     let orders = Arc::new(Orders::new(communicator));
     check_ranks(case, orders.communicator().size())?;
-    occupied::check_unless_held(destination, observer, case.restart())?;
+    occupied::check_unless_held(destination, observer, Beginning::of_run(case))?;
     // Inside the pool, so that every parallel loop starts without waking the pool.
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => run_in::<2, 4>(case, destination, observer, &orders),
@@ -61,7 +61,8 @@ pub fn run_on(
 /// # Errors
 /// As [`run`]; an invalid mesh is a failed solve.
 pub fn motion(case: &AnyCase, destination: &Destination, observer: &dyn Observer) -> Result<Summary, Failure> {
-    occupied::check_unless_held(destination, observer, case.restart())?;
+    let beginning = Beginning { is_mesh_alone: true, ..Beginning::of_run(case) };
+    occupied::check_unless_held(destination, observer, beginning)?;
     rayon::scope(|_| match case {
         AnyCase::Plane(case) => move_mesh::<2, 4>(case, destination, observer),
         AnyCase::Space(case) => move_mesh::<3, 5>(case, destination, observer),
@@ -176,14 +177,15 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
     let origin_state = origin.map(|start| &start.state);
     let session = Session::start(destination, observer, begun)?;
     // Checked once more, now that no other run can write there.
-    occupied::check(destination, observer, case.restart.as_deref())?;
+    let is_mesh_alone = case.flow.is_none() && case.structure.is_none();
+    occupied::check(destination, observer, Beginning { source: case.restart.as_deref(), is_mesh_alone })?;
     let (mut recorder, resumed) =
         Recorder::<D, M>::start(&session, case, mesh, destination.is_resumed(), origin_state)?;
     origin.iter().flat_map(|start| &start.warnings).for_each(|warning| tracing::warn!("{warning}"));
     failure::clear(session.directory.path())?;
     let statistics = restore(&mut run, resumed.as_ref().or(origin_state), case)?;
     cuts::begin(case, session.directory.path(), resumed.as_ref().map(|_| run.state().time))?;
-    let mut context = RunContext::new(&case.time, run.state().time, &session, begun, statistics);
+    let mut context = RunContext::new(case, run.state().time, &session, begun, statistics);
     if resumed.is_some() && run.state().time > case.time.end + 1e-9 * case.time.step {
         let (time, end) = (rounded(run.state().time), case.time.end);
         observer.say(&format!("warning: the checkpoint is at t = {time}, after the end {end}: nothing is left to do"));
@@ -209,7 +211,7 @@ pub(super) fn drive<const D: usize, const M: usize, R: Run>(
             Err(Failure::Stopped)
         }
         Some(Stop::Failed(error)) => {
-            Err(explained(&run, error, &context.statistics, &case.about.name, (&session, &again)))
+            Err(explained(&run, error, &context.statistics, &case.about.name, &session, &again))
         }
         None => run.judge(&context, &session).map(|()| summary),
     }
@@ -221,7 +223,8 @@ fn explained(
     error: anyhow::Error,
     statistics: &RunStatistics,
     case: &str,
-    (session, again): (&Session, &str),
+    session: &Session,
+    again: &str,
 ) -> Failure {
     let (directory, state) = (session.directory.path(), run.state());
     let time = rounded(state.time);
@@ -286,7 +289,7 @@ fn run_slabs<const D: usize, const M: usize>(
             return Ok(Some(Stop::Asked));
         }
         match run.advance() {
-            Ok(report) => finish_slab(case, run, &report, recorder, (context, session.directory.path()))?,
+            Ok(report) => finish_slab(case, run, &report, recorder, context, session.directory.path())?,
             Err(error) => return Ok(Some(Stop::Failed(error))),
         }
     }
@@ -298,12 +301,13 @@ fn finish_slab<const D: usize, const M: usize, R: Run>(
     run: &R,
     report: &R::Report,
     recorder: &mut Recorder<D, M>,
-    (context, directory): (&mut RunContext, &Path),
+    context: &mut RunContext,
+    directory: &Path,
 ) -> Result<(), Failure> {
     context.slabs += 1;
     let row = [run.enter(report, context), controls::values(case)].concat();
     recorder.history.push(&row)?;
-    controls::update(case, &row, &mut context.statistics)?;
+    controls::update(case, &context.control_columns, &row, &mut context.statistics)?;
     let coupled::State { slab, time, d: displacement, past, .. } = run.state();
     if let Some(Past { v: velocities, u: flow, .. }) = past
         && (slab.is_multiple_of(case.output.every) || run.is_done())

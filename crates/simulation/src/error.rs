@@ -2,7 +2,7 @@
 
 use case::CaseError;
 
-/// Why a run, or what was asked about it, did not come to its end.
+/// The reason why a run, or a measurement of it, did not complete.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The input is wrong; nothing was done.
@@ -11,7 +11,7 @@ pub enum Failure {
     /// The solve failed; the last good state is written.
     #[error(transparent)]
     Solve(anyhow::Error),
-    /// The run was stopped before its end; a checkpoint is written, and the user has been told.
+    /// The run was stopped before its end; a checkpoint is written, and the observer has the message.
     #[error("a signal stopped the run before its end")]
     Stopped,
 }
@@ -36,11 +36,12 @@ impl From<Box<CaseError>> for Failure {
 
 impl From<output::OutputError> for Failure {
     fn from(error: output::OutputError) -> Self {
-        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, OtherCase, Version};
+        use output::OutputError::{Busy, Damaged, Directory, NoCheckpoint, NoResult, OtherCase, Version};
         match error {
             Directory { .. }
             | Busy { .. }
             | NoCheckpoint { .. }
+            | NoResult { .. }
             | Damaged { .. }
             | OtherCase { .. }
             | Version { .. } => Failure::bad_input(error),

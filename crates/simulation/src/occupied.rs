@@ -1,10 +1,11 @@
-//! Decides whether a run may write into its output directory: it replaces no other run unasked, and never the run that it
-//! starts from.
+//! Decides whether a run may write into its output directory: it replaces another run only on request, and never the run that it starts
+//! from.
 
 use crate::destination::{Destination, Existing};
 use crate::error::Failure;
 use crate::observer::{NextStep, Observer};
 use crate::time::rounded;
+use case::AnyCase;
 use output::{EarlierRun, RESULT_FILE, RunDirectory};
 use std::path::{Path, PathBuf};
 
@@ -45,6 +46,26 @@ pub enum OccupiedError {
     },
 }
 
+/// A run that is about to begin.
+#[derive(Clone, Copy)]
+pub struct Beginning<'a> {
+    /// The result or the directory of the run from which it starts.
+    pub source: Option<&'a Path>,
+    /// Whether it moves the mesh alone.
+    pub is_mesh_alone: bool,
+}
+
+impl<'a> Beginning<'a> {
+    /// The run of a case.
+    pub fn of_run(case: &'a AnyCase) -> Self {
+        let is_mesh_alone = match case {
+            AnyCase::Plane(case) => case.flow.is_none() && case.structure.is_none(),
+            AnyCase::Space(case) => case.flow.is_none() && case.structure.is_none(),
+        };
+        Beginning { source: case.restart(), is_mesh_alone }
+    }
+}
+
 /// Checks the output directory before anything is computed. If another run holds it, nothing is checked here, because the lock
 /// reports it.
 ///
@@ -53,17 +74,18 @@ pub enum OccupiedError {
 pub fn check_unless_held(
     destination: &Destination,
     observer: &dyn Observer,
-    source: Option<&Path>,
+    beginning: Beginning<'_>,
 ) -> Result<(), Failure> {
-    if RunDirectory::is_held(&destination.directory) { Ok(()) } else { check(destination, observer, source) }
+    if RunDirectory::is_held(&destination.directory) { Ok(()) } else { check(destination, observer, beginning) }
 }
 
-/// Checks that a run may write to its `destination`; `source` is the result or the directory of the run from which it starts.
+/// Checks that a run may write to its `destination`.
 ///
 /// # Errors
 /// [`OccupiedError`]
-pub fn check(destination: &Destination, observer: &dyn Observer, source: Option<&Path>) -> Result<(), Failure> {
+pub fn check(destination: &Destination, observer: &dyn Observer, beginning: Beginning<'_>) -> Result<(), Failure> {
     let Destination { directory, existing } = destination;
+    let Beginning { source, is_mesh_alone } = beginning;
     if *existing == Existing::Resume {
         return Ok(());
     }
@@ -75,7 +97,8 @@ pub fn check(destination: &Destination, observer: &dyn Observer, source: Option<
         return Ok(());
     }
     if let Some(earlier) = EarlierRun::find(directory) {
-        let (found, remedies) = (described(&earlier), remedies(&earlier, observer, directory));
+        let can_resume = earlier.has_checkpoint && earlier.is_mesh_alone == is_mesh_alone;
+        let (found, remedies) = (described(&earlier), remedies(&earlier, can_resume, observer, directory));
         return Err(Failure::bad_input(OccupiedError::Earlier { directory: directory.clone(), found, remedies }));
     }
     match RunDirectory::foreign_history(directory) {
@@ -105,12 +128,12 @@ fn described(run: &EarlierRun) -> String {
     }
 }
 
-/// A line for each possible intention of the user.
-fn remedies(run: &EarlierRun, observer: &dyn Observer, directory: &Path) -> String {
+/// A line for each possible intention of the user. Only a run of the same kind can be resumed.
+fn remedies(run: &EarlierRun, can_resume: bool, observer: &dyn Observer, directory: &Path) -> String {
     let advice = |step| observer.advice(step, directory);
     let go_on = if run.completed { "go on to a later `time.end`" } else { "go on from its last checkpoint" };
     let mut lines = vec![];
-    if run.has_checkpoint {
+    if can_resume {
         lines.push(format!("{go_on}: {}", advice(NextStep::Resume)));
     }
     lines.push(format!("replace it: {}", advice(NextStep::Replace)));

@@ -147,8 +147,12 @@ impl<'a, const D: usize, const M: usize> Recorder<'a, D, M> {
     ) -> Result<(Self, Option<SolverState>), Failure> {
         let metadata = metadata(case, mesh);
         let (result, stored) = if resume {
-            let accept = |found: &Metadata| resume::accept(found, &metadata);
-            let (result, stored) = ResultFile::resume(&session.directory, &metadata.case_text, accept)?;
+            let accept = |found: &Metadata, stored: &SolverState| {
+                let reached = stored.arrays.get("time").and_then(|time| time.first());
+                let reached = reached.copied().unwrap_or(f64::INFINITY);
+                resume::accept(found, &metadata, reached, |lasting| fingerprint(case, lasting))
+            };
+            let (result, stored) = ResultFile::resume(&session.directory, &metadata, accept)?;
             (result, Some(stored))
         } else {
             (ResultFile::create(&session.directory, layout::<D, M>(case), &metadata)?, None)
@@ -446,9 +450,9 @@ fn layout<const D: usize, const M: usize>(case: &Case<D>) -> FileLayout {
     FileLayout { grid: Grid { dimension: D, points_per_direction, cells: cells + beside }, fields, exact }
 }
 
-/// A checksum of the parts that a run must share with the run that it continues: the lasting part of the case, and the
+/// A checksum of the parts that a run must share with the run that it continues: the `lasting` part of the case, and the
 /// equations solved.
-fn fingerprint<const D: usize>(case: &Case<D>) -> String {
+fn fingerprint<const D: usize>(case: &Case<D>, lasting: &str) -> String {
     let solved = match (&case.flow, &case.structure) {
         (Some(_), _) => "mesh and flow",
         (None, Some(_)) => "structure",
@@ -456,7 +460,7 @@ fn fingerprint<const D: usize>(case: &Case<D>) -> String {
     };
     // The mesh is included, because it may come from a file that has changed.
     let solid = beside_flow(case).map_or(&[][..], |(_, part)| part.mesh.coordinates());
-    let checksum = Checksum::default().text(&case.about.lasting).text(solved);
+    let checksum = Checksum::default().text(lasting).text(solved);
     checksum.numbers(case.mesh.coordinates()).numbers(solid).to_string()
 }
 
@@ -465,7 +469,7 @@ fn metadata<const D: usize>(case: &Case<D>, mesh: &MeshView<D>) -> Metadata {
         creator: format!("stsolve {}", env!("CARGO_PKG_VERSION")),
         case_name: case.about.name.clone(),
         case_text: case.about.resolved.clone(),
-        case_fingerprint: fingerprint(case),
+        case_fingerprint: fingerprint(case, &case.about.lasting),
         mesh_id: Checksum::default().numbers(case.mesh.coordinates()).to_string(),
         space_nodes: basis::gauss_lobatto(flow_order(case)).points,
         time_nodes: basis::RadauTime::new(case.time.order).nodes().to_vec(),

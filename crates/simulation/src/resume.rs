@@ -1,19 +1,27 @@
 //! Decides whether a run may continue from a checkpoint.
 
-use case::{Difference, Differences, differences};
+use case::{Difference, Differences, differences_after, lasting_of};
 use output::Metadata;
 
-/// The settings that may change, for the end of a message.
-const MAY_CHANGE: &str =
-    "only the end of the run, `time.adaptive`, `[solver]` and `[output]` but for its fields may change";
+/// The settings that may change, and another way, for the end of a message.
+const MAY_CHANGE: &str = "only the end of the run, `time.adaptive`, `[solver]`, `[output]` but for its fields, and tables \
+                          after the checkpoint may change; with `restart.from` and another output directory a new run starts from \
+                          the flow of this one";
 
-/// Decides whether a run continues from a checkpoint of the run `before`, and logs the settings that change.
+/// Decides whether a run continues from a checkpoint of the run `before`, which has `reached` a time, and logs the settings that change.
+/// `fingerprint` is that of the new run with another lasting part of its case.
 ///
 /// # Errors
 /// The reason of the refusal.
-pub fn accept(before: &Metadata, now: &Metadata) -> Result<(), String> {
-    let differences = differences(&before.case_text, &now.case_text);
-    if before.case_fingerprint == now.case_fingerprint {
+pub fn accept(
+    before: &Metadata,
+    now: &Metadata,
+    reached: f64,
+    fingerprint: impl Fn(&str) -> String,
+) -> Result<(), String> {
+    let differences = differences_after(&before.case_text, &now.case_text, reached);
+    let is_same = before.case_fingerprint == now.case_fingerprint;
+    if is_same || differences.as_ref().is_ok_and(|found| differs_in_tables_to_come(before, found, fingerprint)) {
         let changed = differences.unwrap_or_default().all;
         changed.iter().for_each(|difference| tracing::info!(%difference, "resumed with another setting"));
         return Ok(());
@@ -27,6 +35,16 @@ pub fn accept(before: &Metadata, now: &Metadata) -> Result<(), String> {
         }
         None => "the mesh was moved alone there, and is solved with a flow here, or the other way round".to_owned(),
     })
+}
+
+/// Whether the runs have the same fingerprint if the new one takes the tables of the old one, from which it differs only at times to come.
+fn differs_in_tables_to_come(
+    before: &Metadata,
+    differences: &Differences,
+    fingerprint: impl Fn(&str) -> String,
+) -> bool {
+    let lasting = lasting_of(&before.case_text);
+    differences.lasting.is_empty() && lasting.is_ok_and(|lasting| fingerprint(&lasting) == before.case_fingerprint)
 }
 
 /// The first difference in the lasting part, with the values of the cases.

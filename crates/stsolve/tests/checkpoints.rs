@@ -33,7 +33,7 @@ fn a_torn_checkpoint_is_refused() {
     let directory = finished();
     let path = directory.path().join("run/result.vtkhdf");
     let whole = fs::read(&path).unwrap();
-    let todo = "restore it from a copy, or remove it and start without resuming";
+    let todo = "restore it from a copy, or run the case anew";
     for length in [0, 10, whole.len() / 2, whole.len() - 1] {
         fs::write(&path, &whole[..length]).unwrap();
         assert_refused(&directory, "run", &[], &["is damaged: its end is missing", todo]);

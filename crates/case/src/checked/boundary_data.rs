@@ -1,5 +1,6 @@
 //! The condition on a boundary, and its data.
 
+use super::controls::Control;
 use crate::point_data::PointData;
 use crate::state::State;
 use navier_stokes::{Boundary, ExactState};
@@ -11,6 +12,8 @@ pub struct BoundaryData<const D: usize> {
     pub condition: Boundary<D>,
     /// What the condition takes at every point, if it does.
     pub data: Option<Data<D>>,
+    /// A number in the data that the run changes after every slab.
+    pub control: Option<Control>,
 }
 
 /// What a condition takes at every point.
@@ -35,14 +38,14 @@ impl<const D: usize> Data<D> {
 impl<const D: usize> BoundaryData<D> {
     /// A condition whose values are numbers.
     pub(super) fn uniform(condition: Boundary<D>) -> Self {
-        BoundaryData { condition, data: None }
+        BoundaryData { condition, data: None, control: None }
     }
     /// A condition that takes a state.
     pub(super) fn by_state(condition: Boundary<D>, state: State<D>) -> Self {
-        BoundaryData { condition, data: Some(Data::State(state)) }
+        BoundaryData { data: Some(Data::State(state)), ..BoundaryData::uniform(condition) }
     }
     /// A condition whose values are formulas.
     pub(super) fn by_formulas(condition: Boundary<D>, values: PointData<D>) -> Self {
-        BoundaryData { condition, data: Some(Data::Values(Box::new(values))) }
+        BoundaryData { data: Some(Data::Values(Box::new(values))), ..BoundaryData::uniform(condition) }
     }
 }

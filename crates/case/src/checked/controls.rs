@@ -4,6 +4,7 @@ use super::raw;
 use crate::checker::{Checked, Checker};
 use crate::expression::{ControlValue, Program};
 use crate::key::Key;
+use std::collections::BTreeMap;
 
 /// A number in formulas that the run changes after every slab.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,20 +17,38 @@ pub struct Control {
     pub initial: f64,
     /// The number in formulas.
     pub value: ControlValue,
-    rate: Program,
+    rate: Rate,
+}
+
+/// How a control changes.
+#[derive(Clone, Debug, PartialEq)]
+enum Rate {
+    /// By a formula.
+    Formula(Program),
+    /// It follows the measured value with this time constant.
+    Memory(f64),
 }
 
 impl Control {
     /// The number after a slab of length `dt` that ends at `t`:
     ///
     /// ```text
-    /// c' = c + dt r(m, c, t)                                                                                          (control)
+    /// c' = c + dt r(m, c, t)                     by a formula                                                         (control)
+    /// c' = c + (1 - exp(-dt / T)) (m - c)        with a memory T
     /// ```
     ///
     /// with the rate r, what was `measured`, m, and the number c in that slab.
     pub fn next(&self, measured: f64, t: f64, dt: f64) -> f64 {
         let value = self.value.get();
-        value + dt * self.rate.evaluate(&[measured, value], t)
+        match &self.rate {
+            Rate::Formula(rate) => value + dt * rate.evaluate(&[measured, value], t),
+            Rate::Memory(time) => value - (-dt / time).exp_m1() * (measured - value),
+        }
+    }
+
+    /// A control that follows the column `measure` with the time constant `time`.
+    pub(super) fn with_memory(name: String, measure: String, initial: f64, time: f64) -> Self {
+        Control { name, measure, initial, value: ControlValue::new(initial), rate: Rate::Memory(time) }
     }
 }
 
@@ -37,7 +56,22 @@ impl Control {
 pub(super) fn check(checker: &Checker<'_>, name: &str, raw: &raw::Control) -> Checked<Control> {
     let key = Key::new("controls").child(name);
     let initial = checker.number(&key.child("initial"), &raw.initial)?;
-    let rate = checker.formula_of_control(&key.child("rate"), &raw.rate)?;
+    let rate = Rate::Formula(checker.formula_of_control(&key.child("rate"), &raw.rate)?);
     let (name, measure, value) = (name.to_owned(), raw.measure.clone(), ControlValue::new(initial));
     Ok(Control { name, measure, initial, value, rate })
+}
+
+/// Checks that only a case with a flow has controls.
+pub(super) fn need_a_flow(
+    checker: &Checker<'_>,
+    controls: &BTreeMap<String, raw::Control>,
+    has_flow: bool,
+) -> Checked<()> {
+    match controls.keys().next() {
+        Some(control) if !has_flow => {
+            let (key, problem) = (Key::new("controls").child(control), "only formulas of a flow contain controls");
+            Err(checker.combination(&key, problem, "this section together with [flow]"))
+        }
+        _ => Ok(()),
+    }
 }

@@ -1,6 +1,7 @@
 //! The flow.
 
 use super::boundary_data::{BoundaryData, Data};
+use super::controls::Control;
 use super::forces::{self, Wall};
 use super::given::{self, Given};
 use super::initial;
@@ -17,7 +18,9 @@ use crate::error::{Errors, collected};
 use crate::key::Key;
 use crate::raw;
 use crate::state::State;
-use navier_stokes::{Boundary, FarField, NavierStokes, PrescribedState, Riemann, SlipWall, WallFlux};
+use navier_stokes::{
+    Boundary, FarField, NavierStokes, PrescribedState, Riemann, ShockCapturing, SlipWall, VolumeFlux, WallFlux,
+};
 
 /// The compressible flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +56,11 @@ impl<const D: usize> Flow<D> {
     }
     /// Whether no source adds mass.
     pub fn conserves_mass(&self) -> bool {
-        self.source.is_none() || self.law.source == navier_stokes::Source::Acceleration
+        self.source.is_none() || self.law.source.is_force()
+    }
+    /// The controls of its boundary conditions.
+    pub(super) fn controls(&self) -> impl Iterator<Item = &Control> {
+        self.boundary.iter().filter_map(|data| data.control.as_ref())
     }
     /// The pressure of the reference state.
     pub fn reference_pressure(&self) -> f64 {
@@ -71,51 +78,98 @@ pub(super) fn check<const D: usize>(
     let key = Key::new("flow");
     let mut errors = Errors::default();
     let order = errors.note(super::order(checker, &key.child("order"), "the order of the flow", raw.order));
-    let quadrature = errors.note(quadrature::check(checker, &key.child("quadrature"), raw.quadrature, mesh, raw.order));
-    let volume_flux = errors.note(quadrature::volume_flux(checker, &key, raw));
-    let shock_capturing = errors.note(given::shock_capturing(checker, &key.child("shock_capturing"), raw));
+    let numerics = errors.note(Numerics::check(checker, &key, raw, mesh));
     let given = errors.note(given::check(checker, &key, raw));
-    let source =
-        given.as_ref().and_then(|given| errors.note(source::check(checker, &key, raw, given.gas, (mesh, time))));
-    let boundary = given.as_ref().and_then(|given| {
-        let boundary = boundary(checker, &key.child("boundary"), raw, mesh, given, time);
-        errors.note(boundary)
-    });
+    let of_gas = given.as_ref().and_then(|given| errors.note(OfGas::check(checker, &key, raw, given, mesh, time)));
     if let (Some(order), Some(Given { initial, .. })) = (order, &given) {
         let of_start = key.child(if raw.initial.is_some() { "initial" } else { "exact" });
         errors.note(initial::check(checker, &of_start, initial, mesh, order, time.start));
     }
-    let walls = boundary.as_ref().zip(given.as_ref()).and_then(|(boundary, given)| {
-        let given = forces::Given { forces: &raw.forces, reference: given.reference, length: given.length, time };
-        errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
-    });
     errors.all()?;
-    let (
-        Some(order),
-        Some(quadrature),
-        Some(volume_flux),
-        Some(shock_capturing),
-        Some((source, meaning)),
-        Some(given),
-        Some(boundary),
-        Some(walls),
-    ) = (order, quadrature, volume_flux, shock_capturing, source, given, boundary, walls)
-    else {
+    let (Some(order), Some(numerics), Some(given), Some(of_gas)) = (order, numerics, given, of_gas) else {
         unreachable!("what is missing has left an error")
     };
+    Ok(assembled(raw, order, numerics, given, of_gas))
+}
+
+/// Settings of the discretisation that do not depend on the gas.
+struct Numerics {
+    quadrature: fem::Quadrature,
+    volume_flux: VolumeFlux,
+    shock_capturing: Option<ShockCapturing>,
+}
+
+impl Numerics {
+    fn check<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Flow, mesh: &Mesh<D>) -> Checked<Self> {
+        let mut errors = Errors::default();
+        let key_of = |name: &str| key.child(name);
+        let quadrature = quadrature::check(checker, &key_of("quadrature"), raw.quadrature, mesh, raw.order);
+        let quadrature = errors.note(quadrature);
+        let volume_flux = errors.note(quadrature::volume_flux(checker, key, raw));
+        let shock_capturing = errors.note(given::shock_capturing(checker, &key_of("shock_capturing"), raw));
+        errors.all()?;
+        let (Some(quadrature), Some(volume_flux), Some(shock_capturing)) = (quadrature, volume_flux, shock_capturing)
+        else {
+            unreachable!("what is missing has left an error")
+        };
+        Ok(Numerics { quadrature, volume_flux, shock_capturing })
+    }
+}
+
+/// The parts of a flow that depend on the gas and its reference state.
+struct OfGas<const D: usize> {
+    source: Option<Source<D>>,
+    /// The meaning of the data of the source.
+    meaning: navier_stokes::Source<D>,
+    boundary: Vec<BoundaryData<D>>,
+    walls: Vec<Wall<D>>,
+}
+
+impl<const D: usize> OfGas<D> {
+    fn check(
+        checker: &Checker<'_>,
+        key: &Key,
+        raw: &raw::Flow,
+        given: &Given<D>,
+        mesh: &Mesh<D>,
+        time: &Time,
+    ) -> Checked<Self> {
+        let mut errors = Errors::default();
+        let source = errors.note(source::check(checker, key, raw, given.gas, (mesh, time)));
+        let boundary = errors.note(boundary(checker, &key.child("boundary"), raw, mesh, given, time));
+        let walls = boundary.as_ref().and_then(|boundary| {
+            let given = forces::Given { forces: &raw.forces, reference: given.reference, length: given.length, time };
+            errors.note(forces::check(checker, &key.child("forces"), &given, mesh, boundary))
+        });
+        errors.all()?;
+        let (Some((source, meaning)), Some(boundary), Some(walls)) = (source, boundary, walls) else {
+            unreachable!("what is missing has left an error")
+        };
+        Ok(OfGas { source, meaning, boundary, walls })
+    }
+}
+
+fn assembled<const D: usize>(
+    raw: &raw::Flow,
+    order: usize,
+    numerics: Numerics,
+    given: Given<D>,
+    of_gas: OfGas<D>,
+) -> Flow<D> {
+    let Numerics { quadrature, volume_flux, shock_capturing } = numerics;
     let Given { exact, initial, uniform_velocity, gas, reference, speed, length } = given;
-    let law = NavierStokes {
-        gas,
-        riemann: riemann(raw.riemann),
-        reference,
-        source: meaning,
-        volume_flux,
-        shock_capturing,
-        wall_flux: wall_flux(raw.wall_flux),
-    };
-    Ok(Flow {
+    let OfGas { source, meaning, boundary, walls } = of_gas;
+    Flow {
         order,
-        law,
+        law: NavierStokes {
+            gas,
+            riemann: riemann(raw.riemann),
+            reference,
+            source: meaning,
+            volume_flux,
+            shock_capturing,
+            wall_flux: wall_flux(raw.wall_flux),
+        },
         reference_speed: speed,
         reference_length: length,
         quadrature,
@@ -125,7 +179,7 @@ pub(super) fn check<const D: usize>(
         source,
         boundary,
         walls,
-    })
+    }
 }
 
 fn riemann(raw: raw::Riemann) -> Riemann {
@@ -153,9 +207,12 @@ fn boundary<const D: usize>(
 ) -> Checked<Vec<BoundaryData<D>>> {
     let named = checker.by_boundary(key, "flow condition", &raw.boundary, mesh.boundary_names())?;
     let check = |(index, (key, raw)): (usize, &(Key, &raw::Condition))| {
-        let data = self::condition(checker, key, raw, given)?;
+        let mut data = self::condition(checker, key, raw, given)?;
+        if let raw::Condition::Outflow(outflow) = raw {
+            data = openings::relaxed(checker, &key.child("outflow"), outflow, data, (mesh, index), time)?;
+        }
         openings::check_on_boundary(checker, key, &data, (mesh, index), &given.gas, time)?;
-        slide::check(checker, key, raw, (mesh, index), time)?;
+        slide::check(checker, key, raw, mesh, index, time)?;
         if let (raw::Condition::PrescribedState(_), Some(Data::State(state))) = (raw, &data.data) {
             initial::check_on_boundary(checker, &key.child("prescribed_state"), state, mesh, index, time)?;
         }

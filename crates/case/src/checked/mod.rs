@@ -54,7 +54,7 @@ pub use structure::{Largest, Structure, Support};
 pub use time::{Output, Time};
 
 use super::checker::{Checked, Checker};
-use super::continuation::lasting;
+use super::continuation::{as_toml, lasting};
 use super::document::Document;
 use super::error::{CaseError, Errors, collected};
 use super::key::Key;
@@ -101,6 +101,9 @@ pub struct Case<const D: usize> {
     pub solver: Solver,
     /// Blocks into which the cells of the flow are cut.
     pub blocks: usize,
+    /// Groups of cells that the preconditioner eliminates one after the other, in all blocks at the same time; `usize::MAX` for as many as keep
+    /// the order of one block.
+    pub stages: usize,
     /// Directory and contents of the output.
     pub output: Output,
     /// Where the flow is observed.
@@ -195,44 +198,12 @@ fn check_without_mesh(checker: &Checker<'_>, raw: &raw::Case, error: Box<CaseErr
 impl<const D: usize> Case<D> {
     fn check(checker: &Checker<'_>, document: &Document, raw: &raw::Case, mesh: mesh_crate::Mesh<D>) -> Checked<Self> {
         let independent = Independent::check(checker, raw, mesh)?;
+        let dependent = Dependent::check(checker, raw, &independent)?;
+        check_together(checker, raw, &independent, &dependent)?;
         let Independent { time, mesh, flow, structure, output } = independent;
-        let mut errors = Errors::default();
-        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow.as_ref()));
-        let averages = errors.note(averages::check(checker, raw.output.averages.as_ref(), &time, flow.is_some()));
-        let order = flow.as_ref().map(|flow| flow.order);
-        let observed = errors.note(probes::check(checker, &raw.output, &mesh, order));
-        let bodies = errors.note(bodies::check(checker, &raw.bodies, &mesh, flow.as_ref(), &time));
-        let movers = bodies.as_ref().and_then(|bodies| {
-            errors.note(movers::Movers::new(checker, bodies, structure.as_ref(), flow.as_ref(), &mesh))
-        });
-        let motion =
-            movers.and_then(|movers| errors.note(motion::check(checker, raw.motion.as_ref(), &mesh, &movers, &time)));
-        errors.all()?;
-        let (Some(bodies), Some(motion), Some(observed), Some(averages)) = (bodies, motion, observed, averages) else {
-            unreachable!("what is missing has left an error")
-        };
-        held_nodes::check(checker, structure.as_ref(), motion.as_ref(), &mesh, &time)?;
-        sliding_mesh::check_walls(checker, &mesh, motion.as_ref(), flow.as_ref())?;
-        check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
-        parallel::check(checker, &raw.parallel, flow.as_ref().map(|_| mesh.n_cells()))?;
-        if let (Some(control), None) = (raw.controls.keys().next(), &flow) {
-            let key = Key::new("controls").child(control);
-            return Err(checker.combination(
-                &key,
-                "only formulas of a flow contain controls",
-                "this section together with [flow]",
-            ));
-        }
-        let of_structure = |field: &Field| matches!(field, Field::VonMises | Field::PrincipalStress);
-        if let (Some(index), None) = (raw.output.fields.iter().position(of_structure), &structure) {
-            let problem = "the case has no structure, and this is a field of one";
-            let key = Key::new("output.fields").entry(index);
-            return Err(checker.combination(&key, problem, "a field of the flow, or a section [structure]"));
-        }
-        if raw.restart.is_some() && flow.is_none() {
-            let problem = "only a flow can start where another run stands";
-            return Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"));
-        }
+        let Dependent { observed, averages, bodies, motion } = dependent;
+        let of_boundaries = flow.iter().flat_map(Flow::controls);
+        let controls = checker.controls().iter().chain(of_boundaries).cloned().collect();
         Ok(Case {
             about: About::new(checker, document, raw),
             mesh,
@@ -240,12 +211,13 @@ impl<const D: usize> Case<D> {
             flow,
             bodies,
             structure,
-            controls: checker.controls().to_vec(),
+            controls,
             time,
             restart: raw.restart.as_ref().map(|restart| checker.beside_case(&restart.from)),
             allowed_changes: raw.restart.as_ref().map_or_else(Vec::new, |restart| restart.allow.clone()),
             solver: raw.solver.clone(),
             blocks: raw.parallel.blocks,
+            stages: parallel::stages(checker, &raw.parallel)?,
             output,
             observed,
             averages,
@@ -253,7 +225,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The sections of a case that depend on the mesh and the time, and not on each other. All their errors are told at once.
+/// The sections of a case that depend on the mesh and the time, and not on each other. All their errors are reported at once.
 struct Independent<const D: usize> {
     time: Time,
     mesh: mesh_crate::Mesh<D>,
@@ -288,6 +260,62 @@ impl<const D: usize> Independent<D> {
     }
 }
 
+/// The sections of a case that depend on those of [`Independent`]. All their errors are reported at once.
+struct Dependent<const D: usize> {
+    observed: Observed<D>,
+    averages: Option<Averages>,
+    bodies: Vec<RigidBody<D>>,
+    motion: Option<Motion<D>>,
+}
+
+impl<const D: usize> Dependent<D> {
+    fn check(checker: &Checker<'_>, raw: &raw::Case, independent: &Independent<D>) -> Checked<Self> {
+        let Independent { time, mesh, flow, structure, .. } = independent;
+        let (flow, structure) = (flow.as_ref(), structure.as_ref());
+        let mut errors = Errors::default();
+        errors.note(surfaces::check(checker, raw.output.surfaces.as_ref(), flow));
+        let averages = errors.note(averages::check(checker, raw.output.averages.as_ref(), time, flow.is_some()));
+        let observed = errors.note(probes::check(checker, &raw.output, mesh, flow.map(|flow| flow.order)));
+        let bodies = errors.note(bodies::check(checker, &raw.bodies, mesh, flow, time));
+        let movers =
+            bodies.as_ref().and_then(|bodies| errors.note(movers::Movers::new(checker, bodies, structure, flow, mesh)));
+        let motion =
+            movers.and_then(|movers| errors.note(motion::check(checker, raw.motion.as_ref(), mesh, &movers, time)));
+        errors.all()?;
+        match (observed, averages, bodies, motion) {
+            (Some(observed), Some(averages), Some(bodies), Some(motion)) => {
+                Ok(Dependent { observed, averages, bodies, motion })
+            }
+            _ => unreachable!("what is missing has left an error"),
+        }
+    }
+}
+
+/// Checks that sections, each of them correct, fit together.
+fn check_together<const D: usize>(
+    checker: &Checker<'_>,
+    raw: &raw::Case,
+    Independent { time, mesh, flow, structure, .. }: &Independent<D>,
+    Dependent { motion, .. }: &Dependent<D>,
+) -> Checked<()> {
+    held_nodes::check(checker, structure.as_ref(), motion.as_ref(), mesh, time)?;
+    sliding_mesh::check_walls(checker, mesh, motion.as_ref(), flow.as_ref())?;
+    check_sections(checker, [motion.is_some(), flow.is_some(), structure.is_some()])?;
+    parallel::check(checker, &raw.parallel, flow.as_ref().map(|_| mesh.n_cells()))?;
+    controls::need_a_flow(checker, &raw.controls, flow.is_some())?;
+    time::check_fields_of_structure(checker, &raw.output.fields, structure.is_some())?;
+    restart_needs_a_flow(checker, raw.restart.as_ref(), flow.is_some())
+}
+
+/// Only a flow starts from the result of another run.
+fn restart_needs_a_flow(checker: &Checker<'_>, raw: Option<&raw::Restart>, has_flow: bool) -> Checked<()> {
+    if raw.is_none() || has_flow {
+        return Ok(());
+    }
+    let problem = "only a flow can start where another run stands";
+    Err(checker.combination(&Key::new("restart"), problem, "this section together with [flow]"))
+}
+
 impl<const D: usize> Case<D> {
     /// Whether this difference to the case of the earlier run is allowed.
     pub fn allows(&self, change: AllowedChange) -> bool {
@@ -302,7 +330,7 @@ impl<const D: usize> Case<D> {
         Some(constrained.as_flattened().iter().filter(|constrained| !**constrained).count() * self.time.order)
     }
 
-    /// The preconditioner of the flow in slabs: the one that was asked for, or the cheapest in time and memory.
+    /// The preconditioner of the flow in slabs: the given one, or the cheapest in time and memory.
     pub fn preconditioner(&self) -> Preconditioner {
         let order = self.flow.as_ref().map_or(0, |flow| flow.order);
         let cheapest =
@@ -362,10 +390,6 @@ fn checker_of<'a>(document: &'a Document, raw: &raw::Case) -> Checked<Checker<'a
         checker.define_control(control)?;
     }
     Ok(checker)
-}
-
-fn as_toml(raw: &raw::Case) -> String {
-    toml::to_string(raw).expect("a case consists of tables, arrays, texts and numbers, which TOML can write")
 }
 
 /// The keys of the resolved case that are not in the document.

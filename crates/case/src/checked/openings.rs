@@ -1,6 +1,7 @@
 //! The boundary conditions at which gas enters or leaves.
 
 use super::boundary_data::{BoundaryData, Data};
+use super::controls::Control;
 use super::given_values;
 use super::mesh_crate::{CellMap, Mesh, face_nodes, outward_area};
 use super::states::{self, Typical};
@@ -52,6 +53,11 @@ pub(super) fn outflow<const D: usize>(
         }
     };
     let first = checker.formula::<D>(&key.child("pressure"), &raw.pressure)?;
+    if let Some(velocity) = &raw.velocity {
+        let vector = checker.formulas(&key.child("velocity"), velocity)?;
+        let data = PointData { first, vector, last };
+        return Ok(BoundaryData::by_formulas(Boundary::Outflow(Outflow::of_velocity()), data));
+    }
     let data = PointData { first, vector: Vector::zero(), last };
     let Some((pressure, _, temperature)) = data.as_constants() else {
         return Ok(BoundaryData::by_formulas(Boundary::Outflow(Outflow::at_points()), data));
@@ -59,6 +65,50 @@ pub(super) fn outflow<const D: usize>(
     let temperature = checker.positive(&key_of_temperature, "the temperature", temperature)?;
     let outflow = Outflow::new(pressure, temperature);
     Ok(BoundaryData::uniform(Boundary::Outflow(checker.physics(&key.child("pressure"), outflow)?)))
+}
+
+/// The outflow `data` with the velocity outside that `raw.relaxation` asks for: along the normal of the boundary, it follows the mean velocity there.
+pub(super) fn relaxed<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Outflow,
+    data: BoundaryData<D>,
+    (mesh, boundary): (&Mesh<D>, usize),
+    time: &Time,
+) -> Checked<BoundaryData<D>> {
+    let Some(memory) = raw.relaxation else { return Ok(data) };
+    let key = key.child("relaxation");
+    let memory = checker.positive(&key, "the time", memory)?;
+    let (Some(_), Some(Data::Values(values))) = (&raw.velocity, &data.data) else {
+        return Err(checker.combination(
+            &key,
+            "the velocity at the start is missing",
+            "this key together with `velocity`",
+        ));
+    };
+    let nodes = nodes_with_normals(mesh, boundary);
+    let normal = normal_of_plane(checker, &key, &nodes)?;
+    let velocities = nodes.iter().map(|(x, _)| dot(&values.vector.evaluate(x, time.start), &normal));
+    let initial = velocities.sum::<f64>() / nodes.len() as f64;
+    let name = &mesh.boundary_names()[boundary];
+    let control = Control::with_memory(format!("{name}_stream"), format!("{name}_velocity"), initial, memory);
+    let vector = Vector::new(normal.map(|n| Program::multiple(n, &control.value)));
+    let data = BoundaryData::by_formulas(data.condition, PointData { vector, ..(**values).clone() });
+    Ok(BoundaryData { control: Some(control), ..data })
+}
+
+/// The outward unit normal of a plane boundary.
+fn normal_of_plane<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    nodes: &[([f64; D], [f64; D])],
+) -> Checked<[f64; D]> {
+    /// Round-off of normals.
+    const LITTLE: f64 = 1e-9;
+    let normal = nodes.first().map_or([0.0; D], |(_, normal)| *normal);
+    let is_plane = nodes.iter().all(|(_, other)| (dot(&normal, other) - 1.0).abs() < LITTLE);
+    checker.require(key, "the boundary", is_plane, "a plane boundary, the same normal everywhere")?;
+    Ok(normal)
 }
 
 /// Checks an inflow of given velocity or mass flux.
@@ -119,9 +169,7 @@ pub(super) fn check_on_boundary<const D: usize>(
     time: &Time,
 ) -> Checked<()> {
     let nodes = || nodes_with_normals(mesh, boundary);
-    if let Some(Data::Values(values)) = &data.data {
-        given_values::check(checker, key, (&data.condition, values), (mesh, boundary), time)?;
-    }
+    given_values::check(checker, key, data, mesh, boundary, time)?;
     match (&data.condition, &data.data) {
         (Boundary::Inflow(inflow), values) => {
             let direction = |x: &[f64; D]| match values {

@@ -2,7 +2,21 @@
 
 use crate::checker::{Checked, Checker};
 use crate::key::Key;
-use crate::raw::Parallel;
+use crate::raw::{Parallel, Stages};
+
+/// The number of groups of cells that the preconditioner eliminates one after the other.
+pub(super) fn stages(checker: &Checker<'_>, raw: &Parallel) -> Checked<usize> {
+    let key = Key::new("parallel").child("stages");
+    let accepted = "a whole number from 1, or \"exact\"";
+    match &raw.stages {
+        Stages::Name(name) => {
+            checker.require(&key, "the number of stages", name == "exact", accepted).map(|()| usize::MAX)
+        }
+        Stages::Number(number) => {
+            checker.require(&key, "the number of stages", *number > 0, accepted).map(|()| *number)
+        }
+    }
+}
 
 /// Checks `[parallel]` for a flow on so many `cells`, if there is one.
 pub(super) fn check(checker: &Checker<'_>, raw: &Parallel, cells: Option<usize>) -> Checked<()> {

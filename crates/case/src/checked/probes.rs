@@ -3,6 +3,7 @@
 use super::mesh_crate::Mesh;
 use crate::checker::{Checked, Checker};
 use crate::error::{Errors, collected};
+use crate::expression::is_variable;
 use crate::fields::FieldFormula;
 use crate::key::Key;
 use crate::raw::{self, Field};
@@ -36,6 +37,13 @@ pub struct Line<const D: usize> {
     pub fields: Vec<Field>,
 }
 
+impl<const D: usize> Line<D> {
+    /// Whether some of its points lie in `mesh`.
+    pub fn meets(&self, mesh: &Mesh<D>) -> bool {
+        self.points.iter().any(|x| mesh.locate(x).is_some())
+    }
+}
+
 /// A plane through a three-dimensional mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slice<const D: usize> {
@@ -51,6 +59,15 @@ pub struct Slice<const D: usize> {
     pub parts: usize,
     /// Its fields.
     pub fields: Vec<Field>,
+}
+
+impl<const D: usize> Slice<D> {
+    /// Whether the nodes of `mesh` lie on both sides of it, or on it.
+    pub fn meets(&self, mesh: &Mesh<D>) -> bool {
+        let height = |x: &[f64]| -> f64 { (0..D).map(|i| self.normal[i] * (x[i] - self.point[i])).sum() };
+        let heights = || mesh.coordinates().chunks_exact(D).map(height);
+        heights().any(|height| height <= 0.0) && heights().any(|height| height >= 0.0)
+    }
 }
 
 /// Where the flow of a case is observed.
@@ -92,7 +109,7 @@ pub(super) fn check<const D: usize>(
     let observed = Observed {
         formulas: errors.list(each(checker, &key.child("formulas"), &raw.formulas, formula::<D>)),
         probes: errors.list(each(checker, &key.child("probes"), &raw.probes, |checker, at| probe(checker, at, mesh))),
-        lines: errors.list(each(checker, &key.child("lines"), &raw.lines, line)),
+        lines: errors.list(each(checker, &key.child("lines"), &raw.lines, |checker, at| line(checker, at, mesh))),
         slices: errors.list(each(checker, &key.child("slices"), &raw.slices, |checker, at| slice(checker, at, order))),
     };
     errors.all().map(|()| observed)
@@ -125,9 +142,9 @@ fn formula<const D: usize>(checker: &Checker<'_>, at: Named<'_, raw::Formula>) -
     let known: Vec<String> =
         Field::ALL.iter().filter_map(|field| Some(serde_json::to_value(field).ok()?.as_str()?.to_owned())).collect();
     let is_free = !known.iter().any(|name| name == at.name) && Field::components_of_flow(D).all(|name| name != at.name);
-    let is_place = ["t", "s", "x", "y", "z"].contains(&at.name);
     let accepted = "a name of letters, digits and _ that no field has; not t, s, x, y or z";
-    checker.require(&at.key, "the name of the formula", is_name && is_free && !is_place, accepted)?;
+    let is_free = is_free && !is_variable(at.name);
+    checker.require(&at.key, "the name of the formula", is_name && is_free, accepted)?;
     Ok(FieldFormula { name: at.name.to_owned(), program: checker.formula_of_fields::<D>(&at.key, at.raw)? })
 }
 
@@ -143,25 +160,39 @@ fn probe<const D: usize>(
     Ok(Probe { name: name.to_owned(), at, carried: raw.carried, fields })
 }
 
-fn line<const D: usize>(checker: &Checker<'_>, Named { key, name, raw }: Named<'_, raw::Line>) -> Checked<Line<D>> {
+fn line<const D: usize>(
+    checker: &Checker<'_>,
+    Named { key, name, raw }: Named<'_, raw::Line>,
+    mesh: &Mesh<D>,
+) -> Checked<Line<D>> {
     file_name(checker, &key, name)?;
+    let line = Line {
+        name: name.to_owned(),
+        points: points_of_line(checker, &key, raw)?,
+        every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
+        carried: raw.carried,
+        fields: fields(checker, &key, &raw.fields)?,
+    };
+    if line.carried && !line.meets(mesh) {
+        let problem = "the mesh carries this line, and no point of it lies in the mesh at rest";
+        return Err(checker.combination(&key, problem, "`from` and `to` in the mesh at rest, or on its boundary"));
+    }
+    Ok(line)
+}
+
+/// Equidistant points from one end to the other.
+fn points_of_line<const D: usize>(checker: &Checker<'_>, key: &Key, raw: &raw::Line) -> Checked<Vec<[f64; D]>> {
     let from: [f64; D] = checker.finite_vector(&key.child("from"), "the coordinate", &raw.from)?;
     let to: [f64; D] = checker.finite_vector(&key.child("to"), "the coordinate", &raw.to)?;
     checker.require(&key.child("to"), "the end of the line", from != to, "a point other than the start")?;
     let count = (2..=100_000).contains(&raw.points);
     checker.require(&key.child("points"), "the number of points", count, "2 to 100000 points")?;
     let last = (raw.points - 1) as f64;
-    let at = |k: usize| -> [f64; D] {
+    let at = |k: usize| {
         let part = k as f64 / last;
         std::array::from_fn(|i| (1.0 - part) * from[i] + part * to[i])
     };
-    Ok(Line {
-        name: name.to_owned(),
-        points: (0..raw.points).map(at).collect(),
-        every: checker.at_least_one(&key.child("every"), "the number of slabs", raw.every)?,
-        carried: raw.carried,
-        fields: fields(checker, &key, &raw.fields)?,
-    })
+    Ok((0..raw.points).map(at).collect())
 }
 
 fn slice<const D: usize>(
@@ -194,8 +225,8 @@ fn slice<const D: usize>(
 fn fields(checker: &Checker<'_>, key: &Key, fields: &[Field]) -> Checked<Vec<Field>> {
     let key = key.child("fields");
     for (index, field) in checker.distinct(&key, "field", fields)?.iter().enumerate() {
-        let of_structure = matches!(field, Field::VonMises | Field::PrincipalStress);
-        checker.require(&key.entry(index), "the field of a structure", !of_structure, "a field of the flow")?;
+        let is_of_flow = !field.is_of_structure();
+        checker.require(&key.entry(index), "the field of a structure", is_of_flow, "a field of the flow")?;
     }
     Ok(fields.to_vec())
 }

@@ -1,4 +1,4 @@
-//! What a case tells that was resolved, which is how a result file keeps it.
+//! Reads a resolved case, as a result file holds it.
 
 use super::movers::Movers;
 use super::{AllowedChange, AnyCase, Flow, Motion, checker_of, mesh_crate, motion, time};
@@ -9,16 +9,16 @@ use crate::raw;
 use crate::reading::{self, Read};
 use std::path::Path;
 
-/// The title of a case that was resolved, if it has one.
+/// The title of a resolved case, if it has one.
 pub fn title_of(resolved: &str) -> Option<String> {
     let case: toml::Table = resolved.parse().ok()?;
     Some(case.get("title")?.as_str()?.to_owned())
 }
 
-/// The ratio of specific heats of a case that was resolved; `None` without a flow.
+/// The ratio of specific heats of a resolved case; `None` without a flow.
 ///
 /// # Errors
-/// What is wrong with `resolved`. Another version of the program may have written it: no other key is looked at.
+/// The error of `resolved`, which another version of the program may have written. Only the keys that are needed are read.
 pub fn ratio_of_specific_heats_of(resolved: &str) -> Result<Option<f64>, String> {
     let case: toml::Table = resolved.parse().map_err(|error: toml::de::Error| error.message().to_owned())?;
     let Some(flow) = case.get("flow") else { return Ok(None) };
@@ -30,16 +30,12 @@ pub fn ratio_of_specific_heats_of(resolved: &str) -> Result<Option<f64>, String>
 pub fn walls_of<'b>(resolved: &str, boundaries: &'b [String]) -> Vec<&'b str> {
     let case: toml::Table = resolved.parse().unwrap_or_default();
     let Some(conditions) = case.get("flow").and_then(|flow| flow.get("boundary")) else { return Vec::new() };
-    let is_wall = |name: &&str| match conditions.get(*name).or_else(|| conditions.get(OTHERS)) {
-        Some(toml::Value::String(condition)) => WALLS.contains(&&condition[..]),
-        Some(condition) => WALLS.iter().any(|wall| condition.get(wall).is_some()),
-        None => false,
+    let condition_of = |name: &str| -> Option<raw::Condition> {
+        conditions.get(name).or_else(|| conditions.get(OTHERS))?.clone().try_into().ok()
     };
+    let is_wall = |name: &&str| condition_of(name).is_some_and(|condition| condition.is_wall());
     boundaries.iter().map(String::as_str).filter(is_wall).collect()
 }
-
-/// The conditions of walls, as in [`raw::Condition`].
-const WALLS: [&str; 3] = ["adiabatic_wall", "isothermal_wall", "slip_wall"];
 
 /// The gas of a resolved case, as text and without what is `allowed` to change; `None` without a flow.
 ///

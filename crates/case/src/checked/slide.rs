@@ -18,7 +18,8 @@ pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
     raw: &raw::Condition,
-    (mesh, boundary): (&Mesh<D>, usize),
+    mesh: &Mesh<D>,
+    boundary: usize,
     time: &Time,
 ) -> Checked<()> {
     let (name, slide) = match raw {

@@ -10,7 +10,7 @@ use crate::magnitude::is_bounded;
 use crate::point_data::PointData;
 use crate::raw;
 use crate::vector::Vector;
-use navier_stokes::Gas;
+use navier_stokes::{Gas, Rotation};
 
 /// The source of a flow.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub enum Source<const D: usize> {
     /// Mass, momentum and energy per volume and time.
     Given(Box<PointData<D>>),
     /// The acceleration of a body force and the strength of a sponge. Each is zero where the case gives none. The law holds the target of the
-    /// sponge.
+    /// sponge and the rotation of the frame; the acceleration contains the centrifugal one.
     Forcing(Box<PointData<D>>),
 }
 
@@ -37,7 +37,7 @@ impl<const D: usize> Source<D> {
 /// A source, and what its data mean to the law.
 pub(super) type Meaning<const D: usize> = (Option<Source<D>>, navier_stokes::Source<D>);
 
-/// Checks `flow.source` and `flow.sponge`. Their formulas have values everywhere at the start and the end.
+/// Checks `flow.source`, `flow.sponge` and `flow.rotation`. Their formulas have values everywhere at the start and the end.
 pub(super) fn check<const D: usize>(
     checker: &Checker<'_>,
     key: &Key,
@@ -46,6 +46,9 @@ pub(super) fn check<const D: usize>(
     over: (&Mesh<D>, &Time),
 ) -> Checked<Meaning<D>> {
     let key_of_source = key.child("source");
+    if let Some(rotation) = &raw.rotation {
+        return rotating(checker, key, raw, rotation, over);
+    }
     let source = match &raw.source {
         None => return forcing(checker, key, raw.sponge.as_ref(), gas, (None, over)),
         Some(raw::Source::Acceleration(formulas)) => {
@@ -83,6 +86,41 @@ fn forcing<const D: usize>(
     };
     let data = PointData { first, vector: acceleration.unwrap_or_else(Vector::zero), last: zero() };
     Ok((Some(Source::Forcing(Box::new(data))), meaning))
+}
+
+/// The forces in a rotating frame, and a body force.
+fn rotating<const D: usize>(
+    checker: &Checker<'_>,
+    key: &Key,
+    raw: &raw::Flow,
+    rotation: &raw::RotatingFrame,
+    over: (&Mesh<D>, &Time),
+) -> Checked<Meaning<D>> {
+    let given = match (&raw.source, &raw.sponge) {
+        (None, None) => Vector::zero(),
+        (Some(raw::Source::Acceleration(formulas)), None) => {
+            acceleration(checker, &key.child("source").child("acceleration"), formulas, over)?
+        }
+        (_, sponge) => {
+            let other = if sponge.is_some() { "sponge" } else { "source" };
+            let problem = format!("a rotating frame has no place beside this {other}");
+            let accepted = "the rotation alone, or with `source = { acceleration = [...] }`";
+            return Err(checker.combination(&key.child(other), &problem, accepted));
+        }
+    };
+    let key = key.child("rotation");
+    let axis = rotation.axis.map(|axis| super::unit_axis::<D>(checker, &key.child("axis"), axis, "a rotation"));
+    let axis = axis.transpose()?.unwrap_or([0.0, 0.0, 1.0]);
+    let zeros = vec![0.0; D];
+    let centre = rotation.centre.as_ref().unwrap_or(&zeros);
+    let centre: [f64; D] = checker.finite_vector(&key.child("centre"), "the coordinate", centre)?;
+    let rotation = Rotation::new(axis.map(|a| rotation.rate * a));
+    let rotation: Rotation<D> = checker.physics(&key.child("rate"), rotation)?;
+    let unit = |j: usize| std::array::from_fn(|i| f64::from(u8::from(i == j)));
+    let columns: [[f64; D]; D] = std::array::from_fn(|j| rotation.centrifugal(unit(j)));
+    let rows = std::array::from_fn(|i| columns.map(|column| column[i]));
+    let data = PointData { first: zero(), vector: given.plus_linear(&rows, &centre), last: zero() };
+    Ok((Some(Source::Forcing(Box::new(data))), navier_stokes::Source::Rotating(rotation)))
 }
 
 fn acceleration<const D: usize>(

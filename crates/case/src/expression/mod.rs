@@ -12,6 +12,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `lexer` | text to tokens |
+//! | `calls` | which arguments a formula gives to a table |
 //! | `names` | the meaning of names: variables, constants, functions |
 //! | `parser` | tokens to a program, by the grammar above |
 //! | `program` | the program and its evaluation |
@@ -19,6 +20,7 @@
 //! | `table` | functions given by tables: cubic splines |
 //! | `error` | errors of a formula, and their places |
 
+mod calls;
 mod control;
 mod error;
 mod lexer;
@@ -29,9 +31,10 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use calls::is_taken_at_time_alone;
 pub use control::ControlValue;
 pub use error::{ExpressionError, Problem};
-pub use names::{Names, Variable};
+pub use names::{Names, Variable, is_variable};
 pub use program::Program;
 pub use table::{Ends, Table, TableError};
 

@@ -66,6 +66,13 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 const ARC_LENGTH: &str = "s";
 
+const TIME: &str = "t";
+
+/// Whether some formula has a variable of this name: a coordinate, the arc length or the time.
+pub fn is_variable(name: &str) -> bool {
+    name == TIME || name == ARC_LENGTH || COORDINATES.contains(&name)
+}
+
 static CALLABLES: [(&str, Callable); 15] = [
     ("if", Callable::If),
     ("min", Callable::Min),
@@ -165,15 +172,14 @@ impl Names {
 
     /// Whether `name` is a valid name, and has no meaning in this or another formula.
     pub fn is_free(&self, name: &str) -> bool {
-        let variable = name == "t" || name == ARC_LENGTH || COORDINATES.contains(&name);
-        !variable && self.meaning(name).is_none() && lexer::is_name(name)
+        !is_variable(name) && self.meaning(name).is_none() && lexer::is_name(name)
     }
 
     pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
         if let Some(entry) = self.position.iter().position(|entry| *entry == name) {
             return Some(Meaning::Variable(Variable::Coordinate(entry)));
         }
-        if self.time && name == "t" {
+        if self.time && name == TIME {
             return Some(Meaning::Variable(Variable::Time));
         }
         if let Some(value) = self.constants.get(name) {
@@ -190,7 +196,7 @@ impl Names {
 
     /// Every name, variables first, then constants and tables.
     pub(super) fn known(&self) -> Vec<String> {
-        let variables = self.position.iter().copied().chain(self.time.then_some("t"));
+        let variables = self.position.iter().copied().chain(self.time.then_some(TIME));
         let constants = self.constants.keys().chain(self.controls.keys()).chain(self.tables.keys()).map(String::as_str);
         let callables = CALLABLES.iter().map(|(name, _)| *name);
         variables.chain(constants).chain(callables).map(str::to_owned).collect()

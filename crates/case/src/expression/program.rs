@@ -74,6 +74,22 @@ impl Program {
         Program { instructions: vec![Instruction::Constant(value)] }
     }
 
+    /// The product of `factor` and a number that the run changes.
+    pub(crate) fn multiple(factor: f64, value: &ControlValue) -> Self {
+        use Instruction::{Constant, Control, Multiply};
+        Program { instructions: vec![Control(value.clone()), Constant(factor), Multiply] }
+    }
+
+    /// The formula + slopes . (x - centre).
+    pub(crate) fn plus_linear(mut self, slopes: &[f64], centre: &[f64]) -> Self {
+        use Instruction::{Add, Constant, Multiply, Subtract};
+        for (axis, (slope, centre)) in slopes.iter().zip(centre).enumerate().filter(|(_, (slope, _))| **slope != 0.0) {
+            let x = Instruction::Variable(Variable::Coordinate(axis));
+            self.instructions.extend([x, Constant(*centre), Subtract, Constant(*slope), Multiply, Add]);
+        }
+        self
+    }
+
     /// The number of operations of an evaluation.
     pub fn operations(&self) -> usize {
         self.instructions.len()

@@ -38,6 +38,9 @@ pub struct Flow {
     pub source: Option<Source>,
     /// A sponge, which draws the gas to a uniform state: it absorbs waves and wakes before they reach a boundary.
     pub sponge: Option<Sponge>,
+    /// The rotation of the frame, about an axis at rest. All velocities are then relative to the frame, and total pressures and temperatures are those
+    /// of the relative velocity.
+    pub rotation: Option<RotatingFrame>,
     /// The condition on each boundary, by name; `others` stands for all that are not named.
     #[serde(default)]
     pub boundary: BTreeMap<String, Condition>,
@@ -118,7 +121,7 @@ pub enum Riemann {
     LaxFriedrichs,
 }
 
-/// The inviscid flux inside of cells. Other ones than "central" are for flow that the mesh does not resolve, with `quadrature =
+/// The inviscid flux inside of cells. All except "central" are for flow that the mesh does not resolve, with `quadrature =
 /// "collocated_lobatto"`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
@@ -172,7 +175,7 @@ pub enum Quadrature {
     /// The least number that preserves a free stream exactly on any moving mesh.
     #[default]
     Conserving,
-    /// Three points for two nodes, or "conserving" where that has more: for flow that the mesh does not resolve. In time as "conserving".
+    /// Three points for two nodes, but at least as many as "conserving": for flow that the mesh does not resolve. In time as "conserving".
     ThreeHalves,
     /// Twice the order, in space and time.
     Double,
@@ -320,6 +323,19 @@ pub struct Sponge {
     pub target: FreeStream,
 }
 
+/// A frame that turns at a constant rate: the Coriolis force -2 rho Omega x w, and the centrifugal force, which does work. It may be combined with
+/// `source = { acceleration = ... }`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotatingFrame {
+    /// The angular velocity in radians per time, counter-clockwise.
+    pub rate: f64,
+    /// A point of the axis. Default: the origin.
+    pub centre: Option<Vec<f64>>,
+    /// In three dimensions, the direction of the axis, of any length. Default: along z.
+    pub axis: Option<[f64; 3]>,
+}
+
 /// A condition on a boundary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
@@ -346,6 +362,23 @@ pub enum Condition {
     SupersonicInflow(State),
     /// Outflow.
     Outflow(Outflow),
+}
+
+impl Condition {
+    /// Whether it is that of a wall, with or without slip; a plane of symmetry is no wall.
+    pub fn is_wall(&self) -> bool {
+        match self {
+            Condition::AdiabaticWall(_) | Condition::IsothermalWall(_) | Condition::SlipWall => true,
+            Condition::FarField(_)
+            | Condition::Exact
+            | Condition::PrescribedState(_)
+            | Condition::Symmetry
+            | Condition::Inflow(_)
+            | Condition::VelocityInflow(_)
+            | Condition::SupersonicInflow(_)
+            | Condition::Outflow(_) => false,
+        }
+    }
 }
 
 /// An adiabatic no-slip wall.

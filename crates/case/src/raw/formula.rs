@@ -1,10 +1,9 @@
 //! A number, or a text to be compiled.
 
+use super::one_of::{self, OneOf};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 
 /// A formula as written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -16,32 +15,16 @@ pub enum Formula {
     Text(String),
 }
 
-/// By hand, because the errors of untagged enums contain no place.
-impl<'de> Deserialize<'de> for Formula {
-    fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
-        deserializer.deserialize_any(FormulaVisitor)
-    }
+impl OneOf for Formula {
+    type Entry = ();
+    const EXPECTED: &'static str = "a number or a formula in quotes";
+    const OF_TEXT: fn(String) -> Self = Formula::Text;
+    const OF_NUMBER: Option<fn(f64) -> Self> = Some(Formula::Number);
 }
 
-struct FormulaVisitor;
-
-impl Visitor<'_> for FormulaVisitor {
-    type Value = Formula;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula in quotes")
-    }
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Formula, E> {
-        Ok(Formula::Number(value))
-    }
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Formula, E> {
-        Ok(Formula::Number(value as f64))
-    }
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Formula, E> {
-        Ok(Formula::Number(value as f64))
-    }
-    fn visit_str<E: Error>(self, text: &str) -> Result<Formula, E> {
-        Ok(Formula::Text(text.to_owned()))
+impl<'de> Deserialize<'de> for Formula {
+    fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
+        one_of::deserialize(deserializer)
     }
 }
 

@@ -1,12 +1,10 @@
 //! An entry of a tensor of inertia.
 
 use super::formula::Formula;
+use super::one_of::{self, OneOf};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 
 /// A moment on the diagonal, or a row of the tensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -18,35 +16,17 @@ pub enum InertiaEntry {
     Row(Vec<Formula>),
 }
 
-/// By hand, because the errors of untagged enums contain no place.
-impl<'de> Deserialize<'de> for InertiaEntry {
-    fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
-        deserializer.deserialize_any(EntryVisitor)
-    }
+impl OneOf for InertiaEntry {
+    type Entry = Formula;
+    const EXPECTED: &'static str = "a number, a formula in quotes, or a list of these";
+    const OF_TEXT: fn(String) -> Self = |text| InertiaEntry::Moment(Formula::Text(text));
+    const OF_NUMBER: Option<fn(f64) -> Self> = Some(|value| InertiaEntry::Moment(Formula::Number(value)));
+    const OF_LIST: Option<fn(Vec<Formula>) -> Self> = Some(InertiaEntry::Row);
 }
 
-struct EntryVisitor;
-
-impl<'de> Visitor<'de> for EntryVisitor {
-    type Value = InertiaEntry;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number, a formula in quotes, or a list of these")
-    }
-    fn visit_f64<E: Error>(self, value: f64) -> Result<InertiaEntry, E> {
-        Ok(InertiaEntry::Moment(Formula::Number(value)))
-    }
-    fn visit_i64<E: Error>(self, value: i64) -> Result<InertiaEntry, E> {
-        self.visit_f64(value as f64)
-    }
-    fn visit_u64<E: Error>(self, value: u64) -> Result<InertiaEntry, E> {
-        self.visit_f64(value as f64)
-    }
-    fn visit_str<E: Error>(self, text: &str) -> Result<InertiaEntry, E> {
-        Ok(InertiaEntry::Moment(Formula::Text(text.to_owned())))
-    }
-    fn visit_seq<A: SeqAccess<'de>>(self, row: A) -> Result<InertiaEntry, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(row)).map(InertiaEntry::Row)
+impl<'de> Deserialize<'de> for InertiaEntry {
+    fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
+        one_of::deserialize(deserializer)
     }
 }
 

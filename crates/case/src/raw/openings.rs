@@ -17,7 +17,7 @@ pub struct Inflow {
     pub direction: Vec<Formula>,
 }
 
-/// Subsonic inflow of given temperature and either velocity or mass flux. The pressure comes from inside.
+/// Subsonic inflow of given temperature and either velocity or mass flux. The pressure is that of the gas inside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityInflow {
@@ -29,8 +29,9 @@ pub struct VelocityInflow {
     pub temperature: Formula,
 }
 
-/// Outflow to a static pressure; nothing is imposed where it is supersonic. Gas that comes back has the given pressure and temperature
-/// at rest, and enters along the normal. The values are numbers or formulas in x, y, z and t.
+/// Outflow to a static pressure; nothing is imposed where it is supersonic. Gas that comes back has the given pressure and temperature at
+/// rest, and enters along the normal. The values are numbers or formulas in x, y, z and t. With `velocity` sound leaves; without it, all
+/// sound is reflected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outflow {
@@ -39,4 +40,11 @@ pub struct Outflow {
     /// The total temperature of gas that comes back. Default: the one of the reference state, p / (rho R) + U^2 / (2
     /// c_p).
     pub total_temperature: Option<Formula>,
+    /// The velocity of the stream outside, a formula per axis: sound leaves, as through a `far_field`. Where the normal velocity of the gas
+    /// differs from it by dw, the pressure differs by about rho c dw. Default: the pressure is `pressure`, and sound is reflected.
+    pub velocity: Option<Vec<Formula>>,
+    /// The time constant with which the normal velocity outside follows the mean normal velocity of the gas on the boundary, which must be
+    /// plane. `velocity` is its value at the start. The mean pressure returns to `pressure` in this time. Sound whose period is much
+    /// shorter leaves.
+    pub relaxation: Option<f64>,
 }

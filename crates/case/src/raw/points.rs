@@ -1,11 +1,9 @@
 //! Points of a curve: a list, or a file.
 
+use super::one_of::{self, OneOf};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 use std::path::PathBuf;
 
 /// Points of a curve.
@@ -18,26 +16,16 @@ pub enum BodyPoints {
     List(Vec<[f64; 2]>),
 }
 
-/// By hand, because the errors of untagged enums contain no place.
-impl<'de> Deserialize<'de> for BodyPoints {
-    fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
-        deserializer.deserialize_any(PointsVisitor)
-    }
+impl OneOf for BodyPoints {
+    type Entry = [f64; 2];
+    const EXPECTED: &'static str = "the name of a file in quotes, or a list of points [x, y]";
+    const OF_TEXT: fn(String) -> Self = |name| BodyPoints::File(name.into());
+    const OF_LIST: Option<fn(Vec<[f64; 2]>) -> Self> = Some(BodyPoints::List);
 }
 
-struct PointsVisitor;
-
-impl<'de> Visitor<'de> for PointsVisitor {
-    type Value = BodyPoints;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the name of a file in quotes, or a list of points [x, y]")
-    }
-    fn visit_str<E: Error>(self, text: &str) -> Result<BodyPoints, E> {
-        Ok(BodyPoints::File(text.into()))
-    }
-    fn visit_seq<A: SeqAccess<'de>>(self, points: A) -> Result<BodyPoints, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(points)).map(BodyPoints::List)
+impl<'de> Deserialize<'de> for BodyPoints {
+    fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
+        one_of::deserialize(deserializer)
     }
 }
 

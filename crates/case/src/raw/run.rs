@@ -300,18 +300,3 @@ pub enum Field {
     /// The principal stresses of a structure, the largest first.
     PrincipalStress,
 }
-
-/// Work on several machines: `mpirun -n 4 stsolve run CASE`, of a program that is built with MPI.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Parallel {
-    /// The number of blocks into which the cells of a flow are cut. Each process takes as many of them as the others, so at least one per process
-    /// is needed. Results depend on the blocks by round-off. They do not depend on the number of processes or threads.
-    pub blocks: usize,
-}
-
-impl Default for Parallel {
-    fn default() -> Self {
-        Parallel { blocks: 1 }
-    }
-}

@@ -1,10 +1,9 @@
 //! `[tables]`
 
+use super::one_of::{self, OneOf};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 use std::path::PathBuf;
 
 /// A function given by a table: `t` and `values`, or a `file`. Between its points it is a cubic spline, with two continuous
@@ -36,26 +35,16 @@ pub enum Column {
     Name(String),
 }
 
-/// By hand, because the errors of untagged enums contain no place.
-impl<'de> Deserialize<'de> for Column {
-    fn deserialize<T: Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
-        deserializer.deserialize_any(ColumnVisitor)
-    }
+impl OneOf for Column {
+    type Entry = ();
+    const EXPECTED: &'static str = "a name in quotes, or a whole number from 1";
+    const OF_TEXT: fn(String) -> Self = Column::Name;
+    const OF_WHOLE: Option<fn(usize) -> Self> = Some(Column::Number);
 }
 
-struct ColumnVisitor;
-
-impl Visitor<'_> for ColumnVisitor {
-    type Value = Column;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a name in quotes, or a whole number from 1")
-    }
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Column, E> {
-        usize::try_from(value).map(Column::Number).map_err(|_| E::invalid_value(Unexpected::Signed(value), &self))
-    }
-    fn visit_str<E: Error>(self, text: &str) -> Result<Column, E> {
-        Ok(Column::Name(text.to_owned()))
+impl<'de> Deserialize<'de> for Column {
+    fn deserialize<S: Deserializer<'de>>(deserializer: S) -> Result<Self, S::Error> {
+        one_of::deserialize(deserializer)
     }
 }
 

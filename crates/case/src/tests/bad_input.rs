@@ -401,7 +401,7 @@ fn a_long_line_is_shown_where_it_is_wrong() {
     assert!(message.contains("4, \"two\"] }") && message.contains("^^^^^") && message.len() < 2000, "{message}");
 }
 
-/// Such a formula once kept `check` busy for hours.
+/// Without a limit, `check` would evaluate such a formula for hours.
 #[test]
 fn a_formula_of_200000_terms_is_refused_at_once() {
     let formula = (0..200_000).map(|k| format!("a*sin({k}*t)+")).collect::<String>() + "0";
@@ -523,7 +523,7 @@ fn choices_are_listed_where_none_is_made() {
     }
 }
 
-/// Sections that do not depend on each other have their errors told at once, each with its place.
+/// Sections that do not depend on each other have their errors reported at once, each with its place.
 #[test]
 fn errors_of_several_sections_are_told_at_once() {
     let text = BASE.replace("order = 2", "order = 0").replace("order = 4", "order = 4\nquadrature = { points = 2 }");
@@ -537,7 +537,7 @@ fn errors_of_several_sections_are_told_at_once() {
     assert!(error.to_string().contains("flow.quadrature.points") && error.also.len() == 1, "{error}");
 }
 
-/// Errors of keys and types are told at once, in the order of their lines, and nothing that only follows from them.
+/// Errors of keys and types are reported at once, in the order of their lines, and nothing that only follows from them.
 #[test]
 fn errors_of_keys_and_types_are_told_at_once() {
     let text = BASE
@@ -620,4 +620,44 @@ fn a_number_alone_is_shown_where_it_belongs() {
     let text = BASE.replace("order = 4", "order = 4\ngas.viscosity = 0.002");
     let message = check_text(&text, &[]).unwrap_err().to_string();
     assert!(message.contains("`{ constant = 0.002 }`"), "{message}");
+}
+
+/// `others` is checked for each boundary that it stands for, and its error is reported once.
+#[test]
+fn an_error_of_all_other_boundaries_is_told_once() {
+    let text = BASE.replace("others = { far_field = { velocity = [0.5, 0], pressure = 1 } }", "others = { outflow = { pressure = -1 } }");
+    let error = check_text(&text, &[]).unwrap_err();
+    let message = error.to_string();
+    assert_eq!(message.matches("flow.boundary.others.outflow").count(), 1, "{message}");
+    assert!(error.also.is_empty(), "{message}");
+    // Different errors of the same kind stay.
+    let both = text.replace("left = \"slip_wall\"", "left = { outflow = { pressure = -2 } }");
+    assert_eq!(check_text(&both, &[]).unwrap_err().also.len(), 1);
+}
+
+#[test]
+fn a_line_that_moves_with_the_mesh_lies_in_it() {
+    let line = |rest: &str| format!("output.lines.a={{from=[3,0],to=[4,1],points=5{rest}}}");
+    let message = check_text(BASE, &[&line(",carried=true")]).unwrap_err().to_string();
+    assert!(message.contains("output.lines.a") && message.contains("no point of it lies in the mesh"), "{message}");
+    // In space it has values if the mesh comes there.
+    assert!(!plane(BASE, &[&line("")]).observed.lines[0].meets(&plane(BASE, &[]).mesh));
+    let across = plane(BASE, &["output.lines.a={from=[-1,0.5],to=[1,0.5],carried=true}"]);
+    assert!(across.observed.lines[0].meets(&across.mesh));
+}
+
+/// Controls, a restart and stresses belong to a flow or a structure.
+#[test]
+fn sections_without_what_they_belong_to_are_refused() {
+    let (before, rest) = BASE.split_once("[flow]").unwrap();
+    let without_flow = before.to_owned() + "[time]" + rest.split_once("[time]").unwrap().1;
+    for (text, option, key, accepted) in [
+        (&without_flow[..], "controls.a={measure=\"t\",initial=1,rate=0}", "`controls.a", "together with [flow]"),
+        (&without_flow, "restart.from=\"runs/a\"", "`restart", "together with [flow]"),
+        (BASE, "output.fields=[\"density\",\"von_mises\"]", "`output.fields.1", "a section [structure]"),
+        (&without_flow, "output.lines.a={from=[0,0],to=[1,1]}", "`output.lines", "together with [flow]"),
+    ] {
+        let message = check_text(text, &[option]).unwrap_err().to_string();
+        assert!(message.contains(accepted) && (message.contains(key) || message.contains("--set")), "{message}");
+    }
 }

@@ -71,6 +71,28 @@ fn a_difference_tells_both_values() {
     assert!(differences("order = 4", &about(&[])).is_err(), "a text of another version");
 }
 
+/// Only the part of a table that a run has used must stay, where formulas take it at the time.
+#[test]
+fn a_longer_table_continues_a_shorter_one() {
+    let sine = |end: i32| {
+        let t: Vec<f64> = (0..=end).map(|k| 0.05 * f64::from(k)).collect();
+        let values: Vec<f64> = t.iter().map(|t| t.powi(3) * (1.0 - t)).collect();
+        format!("tables.way={{t={t:?},values={values:?}}}")
+    };
+    let lasting = |formula: &str, reached: f64| {
+        let moved = format!("motion.boundary.left.displacement=[\"{formula}\",0]");
+        let about = |end: i32| plane(BASE, &[&moved, &sine(end)]).about;
+        let (before, now) = (about(60), about(80));
+        assert_eq!(lasting_of(&before.resolved).unwrap(), before.lasting);
+        let Differences { all, lasting } = differences_after(&before.resolved, &now.resolved, reached).unwrap();
+        assert!(all.iter().any(|difference| difference.key == "tables.way.t"));
+        lasting.len()
+    };
+    assert_eq!(lasting("way(t)*y*(1-y)", 1.0), 0);
+    assert_ne!(lasting("way(t)*y*(1-y)", 3.0), 0);
+    assert_ne!(lasting("way(3*t)*y*(1-y)", 1.0), 0);
+}
+
 /// A table from a file is written out, so that a run detects a change of the file.
 #[test]
 fn what_a_table_holds_counts() {

@@ -13,6 +13,8 @@ mod continuation;
 mod controls;
 mod meshes;
 mod motions;
+mod outflows;
+mod rotation;
 mod tables;
 
 /// The smallest case with all parts that errors refer to.
@@ -97,7 +99,7 @@ fn what_the_user_wrote_becomes_what_the_program_needs() {
 fn values_of_conditions_are_numbers_or_data() {
     let data = |condition: &str| {
         let case = plane(&BASE.replace("left = \"slip_wall\"", &format!("left = {{ {condition} }}")), &[]);
-        let BoundaryData { condition, data } = case.flow.unwrap().boundary.remove(0);
+        let BoundaryData { condition, data, .. } = case.flow.unwrap().boundary.remove(0);
         assert_eq!(condition.takes_data(), data.is_some());
         data.map(|data| data.at::<4>(&[2.0, 3.0], 5.0))
     };
@@ -332,7 +334,7 @@ fn undescribed(schema: &serde_json::Value, path: &str, keys: &mut usize) {
     }
 }
 
-/// A comparison with NaN is false, so NaN once passed for zero.
+/// A comparison with NaN is false, so NaN needs a check of its own.
 #[test]
 fn the_start_of_a_structure_is_finite() {
     let text = "[mesh]\norder = 2\ngenerate.box = { lower = [0,0], upper = [1,1], cells = [1,1] }\n[time]\norder = 1\nend = 1\nslabs = 1\n\
@@ -372,7 +374,7 @@ fn laws_and_damping_of_a_structure() {
     }
 }
 
-/// The tail of a smooth bump was refused as too small a number.
+/// A formula may have values as small as the tail of a smooth bump.
 #[test]
 fn the_tail_of_a_bump_is_no_extreme_number() {
     let uniform = "[flow.initial.uniform]\nvelocity = [0.5, 0]\npressure = 1";
@@ -402,7 +404,7 @@ fn formulas_of_constants_stand_for_numbers() {
     assert_eq!((again.time, again.flow.unwrap().uniform_velocity), (case.time, Some(velocity)));
 }
 
-/// Counts too, if the value is whole: three tenths are, in spite of their rounding.
+/// Formulas stand for counts too, if their value is whole up to rounding, as 0.3 * 10 is.
 #[test]
 fn formulas_of_constants_stand_for_whole_numbers() {
     let step = "step = 0.3";

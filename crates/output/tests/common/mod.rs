@@ -73,7 +73,7 @@ pub fn run(path: &Path, from: u64, to: u64, interval: u64) {
     let mut result = if from == 0 {
         ResultFile::create(&directory, layout(), &metadata()).unwrap()
     } else {
-        let (result, found) = ResultFile::resume(&directory, &metadata().case_text, |_| Ok(())).unwrap();
+        let (result, found) = ResultFile::resume(&directory, &metadata(), |_, _| Ok(())).unwrap();
         assert_eq!(found.integers["slab"], from as i64);
         result
     };

@@ -14,7 +14,7 @@ const A_MAP: &str = "a map that neither folds nor mirrors the box, and sends dif
                      -y for y), more cells, or a higher order";
 
 /// The mesh of `generator`, whose sizes of cells have the given `ratios` along axes without segments. The error of an
-/// inverted cell is one at the key `curved_by`.
+/// inverted cell is one at the key `curved_by`, which is the map if there is one.
 pub(super) fn build<const D: usize>(
     family: &Family<'_>,
     raw: &BoxGenerator,
@@ -71,7 +71,7 @@ fn refused(family: &Family<'_>, raw: &BoxGenerator, curved_by: &Key, error: Mesh
     if raw.map.is_some()
         && matches!(error, MeshError::Inverted { .. } | MeshError::Degenerate { .. } | MeshError::NonManifold { .. })
     {
-        return family.checker.combination(&family.key.child("map"), &error.to_string(), A_MAP);
+        return family.checker.combination(curved_by, &error.to_string(), A_MAP);
     }
     let key = match &error {
         MeshError::Segments { axis, segment, .. } => key_of_segments(family, *axis).entry(*segment),
